@@ -1,0 +1,102 @@
+//! Number types as objects: what an evaluator computes with.
+//!
+//! An [`Arithmetic`] is a value, not only a type, because some of them carry
+//! data: the prime field its random seed, a custom float format its widths.
+
+/// Arithmetic on one kind of number.
+pub trait Arithmetic {
+    /// The numbers.
+    type Number: Copy;
+
+    /// The number of a literal.
+    fn literal(&self, number: f64) -> Self::Number;
+    /// `-a`.
+    fn neg(&self, a: Self::Number) -> Self::Number;
+    /// `a + b`.
+    fn add(&self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// `a - b`.
+    fn sub(&self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// `a * b`.
+    fn mul(&self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// `a / b`.
+    fn div(&self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// `sin(a)`.
+    fn sin(&self, a: Self::Number) -> Self::Number;
+    /// `cos(a)`.
+    fn cos(&self, a: Self::Number) -> Self::Number;
+    /// `sqrt(a)`.
+    fn sqrt(&self, a: Self::Number) -> Self::Number;
+}
+
+/// IEEE binary64.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct Binary64;
+
+/// IEEE binary32. Literals are rounded to it; sine and cosine are those of
+/// binary64 rounded once, as a host that prepares inputs would compute them.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct Binary32;
+
+impl Arithmetic for Binary64 {
+    type Number = f64;
+
+    fn literal(&self, number: f64) -> f64 {
+        number
+    }
+    fn neg(&self, a: f64) -> f64 {
+        -a
+    }
+    fn add(&self, a: f64, b: f64) -> f64 {
+        a + b
+    }
+    fn sub(&self, a: f64, b: f64) -> f64 {
+        a - b
+    }
+    fn mul(&self, a: f64, b: f64) -> f64 {
+        a * b
+    }
+    fn div(&self, a: f64, b: f64) -> f64 {
+        a / b
+    }
+    fn sin(&self, a: f64) -> f64 {
+        a.sin()
+    }
+    fn cos(&self, a: f64) -> f64 {
+        a.cos()
+    }
+    fn sqrt(&self, a: f64) -> f64 {
+        a.sqrt()
+    }
+}
+
+impl Arithmetic for Binary32 {
+    type Number = f32;
+
+    fn literal(&self, number: f64) -> f32 {
+        number as f32
+    }
+    fn neg(&self, a: f32) -> f32 {
+        -a
+    }
+    fn add(&self, a: f32, b: f32) -> f32 {
+        a + b
+    }
+    fn sub(&self, a: f32, b: f32) -> f32 {
+        a - b
+    }
+    fn mul(&self, a: f32, b: f32) -> f32 {
+        a * b
+    }
+    fn div(&self, a: f32, b: f32) -> f32 {
+        a / b
+    }
+    fn sin(&self, a: f32) -> f32 {
+        f64::from(a).sin() as f32
+    }
+    fn cos(&self, a: f32) -> f32 {
+        f64::from(a).cos() as f32
+    }
+    fn sqrt(&self, a: f32) -> f32 {
+        a.sqrt()
+    }
+}

@@ -1,0 +1,151 @@
+//! Index newtypes: the entities of the representation.
+//!
+//! Everything lives in vectors and is named by a `u32`, so that a program of
+//! 600,000 operations has no pointers to chase, can be cloned with a few
+//! `memcpy`s and is traversed by a counting loop.
+
+use std::fmt;
+
+/// A node of a function: one operation. Its number is its place in program
+/// order, so an operand's number is always smaller than its user's.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Value(pub u32);
+
+/// An element of the flattened inputs of a function (see
+/// [`crate::Array::offset`]); counted from 0.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Input(pub u32);
+
+/// An element of the flattened outputs of a function; counted from 0.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Output(pub u32);
+
+/// A literal of a function; counted from 0 in its table of constants.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Constant(pub u32);
+
+impl Value {
+    /// The place of the node in program order, counted from 0.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl Input {
+    /// The place in the flattened inputs, counted from 0.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl Output {
+    /// The place in the flattened outputs, counted from 0.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl Constant {
+    /// The place in the table of constants, counted from 0.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+const KIND_SHIFT: u32 = 30;
+const INDEX_MASK: u32 = (1 << KIND_SHIFT) - 1;
+
+/// The largest number of values, inputs or constants a function can hold.
+pub const CAPACITY: usize = INDEX_MASK as usize;
+
+/// What a node reads: another value, an input element or a constant, packed
+/// into 32 bits. [`Operand::kind`] takes it apart.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Operand(u32);
+
+/// An [`Operand`] taken apart.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum OperandKind {
+    /// The result of a node.
+    Value(Value),
+    /// An element of an input array.
+    Input(Input),
+    /// A literal.
+    Constant(Constant),
+    /// No operand: the second one of a unary operation.
+    None,
+}
+
+impl Operand {
+    /// The absent second operand of a unary operation.
+    pub const NONE: Operand = Operand(u32::MAX);
+
+    /// The operand taken apart.
+    pub fn kind(self) -> OperandKind {
+        match self.0 >> KIND_SHIFT {
+            0 => OperandKind::Value(Value(self.0)),
+            1 => OperandKind::Input(Input(self.0 & INDEX_MASK)),
+            2 => OperandKind::Constant(Constant(self.0 & INDEX_MASK)),
+            _ => OperandKind::None,
+        }
+    }
+
+    /// The value, when the operand is one.
+    pub fn value(self) -> Option<Value> {
+        match self.kind() {
+            OperandKind::Value(value) => Some(value),
+            OperandKind::Input(_) | OperandKind::Constant(_) | OperandKind::None => None,
+        }
+    }
+
+    /// The constant, when the operand is one.
+    pub fn constant(self) -> Option<Constant> {
+        match self.kind() {
+            OperandKind::Constant(constant) => Some(constant),
+            OperandKind::Value(_) | OperandKind::Input(_) | OperandKind::None => None,
+        }
+    }
+
+    /// The input element, when the operand is one.
+    pub fn input(self) -> Option<Input> {
+        match self.kind() {
+            OperandKind::Input(input) => Some(input),
+            OperandKind::Value(_) | OperandKind::Constant(_) | OperandKind::None => None,
+        }
+    }
+
+    /// True for [`Operand::NONE`].
+    pub fn is_none(self) -> bool {
+        self == Operand::NONE
+    }
+
+    /// The packed bits: a dense, order-preserving key for tables.
+    pub fn bits(self) -> u32 {
+        self.0
+    }
+}
+
+impl From<Value> for Operand {
+    fn from(value: Value) -> Operand {
+        debug_assert!(value.0 <= INDEX_MASK);
+        Operand(value.0)
+    }
+}
+
+impl From<Input> for Operand {
+    fn from(input: Input) -> Operand {
+        Operand(1 << KIND_SHIFT | input.0)
+    }
+}
+
+impl From<Constant> for Operand {
+    fn from(constant: Constant) -> Operand {
+        Operand(2 << KIND_SHIFT | constant.0)
+    }
+}
+
+impl fmt::Debug for Operand {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.kind().fmt(formatter)
+    }
+}

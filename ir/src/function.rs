@@ -1,0 +1,408 @@
+//! A function: named arrays in, straight-line nodes, named arrays out.
+//!
+//! One structure serves every level. Nodes stand in program order, which is
+//! also a topological order: an operand is always an earlier node. At the
+//! equations level the nodes without a name are the inner nodes of the
+//! expression tree of the next named node (or output) that uses them.
+
+use crate::entity::{Constant, Input, Operand, Output, Value};
+use crate::operation::Operation;
+use crate::placement::{Placement, Schedule};
+use crate::source::SourceSet;
+use crate::symbol::{FreshNames, Name, Symbol};
+use hashbrown::HashMap;
+use rustc_hash::FxBuildHasher;
+use std::fmt;
+
+/// How far a function has been lowered; each level is a property that the
+/// verifier checks, not another data structure.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Level {
+    /// A definition is an expression tree, as Robotran prints it.
+    Equations,
+    /// A definition is one operation on at most two operands.
+    Atomic,
+    /// Every operation has a cycle and a processing element.
+    Scheduled,
+    /// Addresses, transfers and buffers are decided as well.
+    Placed,
+}
+
+impl Level {
+    /// All levels, from the highest down.
+    pub const ALL: [Level; 4] = [
+        Level::Equations,
+        Level::Atomic,
+        Level::Scheduled,
+        Level::Placed,
+    ];
+
+    /// The level's name in the text form.
+    pub fn name(self) -> &'static str {
+        match self {
+            Level::Equations => "equations",
+            Level::Atomic => "atomic",
+            Level::Scheduled => "scheduled",
+            Level::Placed => "placed",
+        }
+    }
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+/// One operation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Node {
+    /// The name, or [`Name::NONE`] for an inner node of an expression tree.
+    pub name: Name,
+    /// The equations the node comes from.
+    pub sources: SourceSet,
+    /// The operands; the second is [`Operand::NONE`] for a unary operation.
+    pub operands: [Operand; 2],
+    /// What is computed.
+    pub operation: Operation,
+}
+
+impl Node {
+    /// The operands that are present.
+    pub fn operands(&self) -> &[Operand] {
+        &self.operands[..self.operation.arity()]
+    }
+}
+
+/// The extent of an array: a scalar, a vector `1..n` or a matrix
+/// `1..rows, 1..columns`. Indices count from 1, as in Robotran.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Shape {
+    /// A single number.
+    Scalar,
+    /// `1..n`.
+    Vector(u32),
+    /// `1..rows, 1..columns`, stored row by row.
+    Matrix(u32, u32),
+}
+
+impl Shape {
+    /// The number of elements; saturates instead of overflowing.
+    pub fn len(self) -> usize {
+        match self {
+            Shape::Scalar => 1,
+            Shape::Vector(length) => length as usize,
+            Shape::Matrix(rows, columns) => (rows as usize).saturating_mul(columns as usize),
+        }
+    }
+
+    /// True for an array without elements.
+    pub fn is_empty(self) -> bool {
+        self.len() == 0
+    }
+
+    /// The place of an element, counted from 0, row by row; `None` when the
+    /// number of indices is wrong or one is out of range.
+    pub fn offset(self, indices: &[u32]) -> Option<u32> {
+        match (self, indices) {
+            (Shape::Scalar, []) => Some(0),
+            (Shape::Vector(length), &[i]) if (1..=length).contains(&i) => Some(i - 1),
+            (Shape::Matrix(rows, columns), &[i, j])
+                if (1..=rows).contains(&i) && (1..=columns).contains(&j) =>
+            {
+                Some((i - 1) * columns + j - 1)
+            }
+            _ => None,
+        }
+    }
+
+    /// The indices of an element, the inverse of [`Shape::offset`].
+    pub fn indices(self, offset: u32) -> ([u32; 2], usize) {
+        match self {
+            Shape::Scalar => ([0, 0], 0),
+            Shape::Vector(_) => ([offset + 1, 0], 1),
+            Shape::Matrix(_, columns) => ([offset / columns + 1, offset % columns + 1], 2),
+        }
+    }
+}
+
+/// A named input or output array.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Array {
+    /// The name in the user's file, without the structure it lives in.
+    pub name: Symbol,
+    /// Extent.
+    pub shape: Shape,
+    /// Index of its first element among the flattened inputs (or outputs).
+    pub offset: u32,
+}
+
+/// The value of one output element.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Assignment {
+    /// Which element.
+    pub output: Output,
+    /// What it is set to.
+    pub operand: Operand,
+    /// The equation that sets it.
+    pub sources: SourceSet,
+}
+
+/// A call of a user function (`user_ExtForces` and its like) in the middle of
+/// a file. It cannot be compiled, so its arguments become outputs of the
+/// function and its result an input: the caller evaluates up to the
+/// arguments, calls, and evaluates the rest.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Boundary {
+    /// The user's function.
+    pub callee: String,
+    /// The arguments as written; those that name an output array of this
+    /// function are computed by it.
+    pub arguments: Vec<String>,
+    /// The input array that holds the result; `None` for a call without one.
+    pub result: Option<String>,
+    /// Where the call stands.
+    pub sources: SourceSet,
+}
+
+/// When an operation can and must be done (thesis 2.2.1 and 2.2.2). All four
+/// count from the start of the run to the moment the result is *available*:
+/// inputs are available at 0.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct Timing {
+    /// Earliest, in operations.
+    pub asap: u32,
+    /// Latest that does not lengthen the longest path, in operations.
+    pub alap: u32,
+    /// Earliest, in cycles of the machine.
+    pub asap_cycle: u32,
+    /// Latest, in cycles of the machine.
+    pub alap_cycle: u32,
+}
+
+impl Timing {
+    /// How many cycles the operation can wait without lengthening the
+    /// longest path.
+    pub fn mobility(self) -> u32 {
+        self.alap_cycle - self.asap_cycle
+    }
+}
+
+/// A straight-line function.
+#[derive(Clone, Debug)]
+pub struct Function {
+    /// Its name (`dirdyna`; `sensor_3` for the third case of a sensor file).
+    pub name: String,
+    /// How far it has been lowered.
+    pub level: Level,
+    /// What the header of the file says: `model`, `generator`, `joints` ….
+    pub metadata: Vec<(String, String)>,
+    /// User calls, in program order.
+    pub boundaries: Vec<Boundary>,
+    /// Output values, in order of the output elements.
+    pub assignments: Vec<Assignment>,
+    /// Earliest and latest times of every node, after `asap-alap`.
+    pub timing: Option<Vec<Timing>>,
+    /// Cycle and processing element of every node, from level `scheduled`.
+    pub schedule: Option<Schedule>,
+    /// Memory addresses and transfers, from level `placed`.
+    pub placement: Option<Placement>,
+    inputs: Vec<Array>,
+    outputs: Vec<Array>,
+    nodes: Vec<Node>,
+    constants: Vec<f64>,
+    constant_index: HashMap<u64, u32, FxBuildHasher>,
+}
+
+impl Function {
+    /// An empty function of a level.
+    pub fn new(name: &str, level: Level) -> Function {
+        Function {
+            name: name.to_owned(),
+            level,
+            metadata: Vec::new(),
+            boundaries: Vec::new(),
+            assignments: Vec::new(),
+            timing: None,
+            schedule: None,
+            placement: None,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            nodes: Vec::new(),
+            constants: Vec::new(),
+            constant_index: HashMap::default(),
+        }
+    }
+
+    /// A function with the same name, signature and metadata and no body: the
+    /// start of a pass that writes the body anew.
+    pub fn skeleton(&self, level: Level) -> Function {
+        Function {
+            metadata: self.metadata.clone(),
+            boundaries: self.boundaries.clone(),
+            inputs: self.inputs.clone(),
+            outputs: self.outputs.clone(),
+            ..Function::new(&self.name, level)
+        }
+    }
+
+    /// Declares an input array; the caller keeps names unique.
+    pub fn add_input(&mut self, name: Symbol, shape: Shape) -> Array {
+        push_array(&mut self.inputs, name, shape)
+    }
+
+    /// Declares an output array; the caller keeps names unique.
+    pub fn add_output(&mut self, name: Symbol, shape: Shape) -> Array {
+        push_array(&mut self.outputs, name, shape)
+    }
+
+    /// The input arrays, in order of declaration.
+    pub fn inputs(&self) -> &[Array] {
+        &self.inputs
+    }
+
+    /// The output arrays, in order of declaration.
+    pub fn outputs(&self) -> &[Array] {
+        &self.outputs
+    }
+
+    /// Number of elements of all input arrays.
+    pub fn input_len(&self) -> usize {
+        flattened_len(&self.inputs)
+    }
+
+    /// Number of elements of all output arrays.
+    pub fn output_len(&self) -> usize {
+        flattened_len(&self.outputs)
+    }
+
+    /// The array of an input element and the element's indices.
+    pub fn input_element(&self, input: Input) -> (&Array, [u32; 2], usize) {
+        element(&self.inputs, input.0)
+    }
+
+    /// The array of an output element and the element's indices.
+    pub fn output_element(&self, output: Output) -> (&Array, [u32; 2], usize) {
+        element(&self.outputs, output.0)
+    }
+
+    /// The nodes, in program order.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// The node of a value.
+    pub fn node(&self, value: Value) -> &Node {
+        &self.nodes[value.index()]
+    }
+
+    /// The node of a value, to be changed in place; its operands must stay
+    /// earlier nodes.
+    pub fn node_mut(&mut self, value: Value) -> &mut Node {
+        &mut self.nodes[value.index()]
+    }
+
+    /// The values with their nodes, in program order.
+    pub fn values(&self) -> impl DoubleEndedIterator<Item = (Value, &Node)> + '_ {
+        self.nodes
+            .iter()
+            .enumerate()
+            .map(|(index, node)| (Value(index as u32), node))
+    }
+
+    /// Appends a node whose operands are earlier nodes.
+    pub fn push(&mut self, node: Node) -> Value {
+        let value = Value(self.nodes.len() as u32);
+        self.nodes.push(node);
+        value
+    }
+
+    /// Makes room for a number of nodes.
+    pub fn reserve(&mut self, nodes: usize) {
+        self.nodes.reserve(nodes);
+    }
+
+    /// The constant with this number; equal bits give equal constants.
+    pub fn constant(&mut self, number: f64) -> Constant {
+        let next = self.constants.len() as u32;
+        let index = *self.constant_index.entry(number.to_bits()).or_insert(next);
+        if index == next {
+            self.constants.push(number);
+        }
+        Constant(index)
+    }
+
+    /// The table of constants.
+    pub fn constants(&self) -> &[f64] {
+        &self.constants
+    }
+
+    /// The number of a constant.
+    pub fn constant_number(&self, constant: Constant) -> f64 {
+        self.constants[constant.index()]
+    }
+
+    /// The number an operand stands for, when it is a constant.
+    pub fn number(&self, operand: Operand) -> Option<f64> {
+        operand
+            .constant()
+            .map(|constant| self.constant_number(constant))
+    }
+
+    /// How often each value is read, by nodes and by outputs together.
+    pub fn use_counts(&self) -> Vec<u32> {
+        let mut counts = vec![0; self.nodes.len()];
+        let reads = self
+            .nodes
+            .iter()
+            .flat_map(|node| node.operands())
+            .chain(self.assignments.iter().map(|output| &output.operand));
+        for value in reads.filter_map(|operand| operand.value()) {
+            counts[value.index()] += 1;
+        }
+        counts
+    }
+
+    /// A generator of names no value of this function bears.
+    pub fn fresh_names(&self) -> FreshNames {
+        FreshNames::new(self.nodes.iter().map(|node| node.name))
+    }
+
+    /// The metadata under a key.
+    pub fn metadata(&self, key: &str) -> Option<&str> {
+        self.metadata
+            .iter()
+            .find(|(name, _)| name == key)
+            .map(|(_, text)| text.as_str())
+    }
+
+    /// Sorts the assignments by output element, the order of the text form.
+    pub fn sort_assignments(&mut self) {
+        self.assignments.sort_by_key(|assignment| assignment.output);
+    }
+}
+
+fn push_array(arrays: &mut Vec<Array>, name: Symbol, shape: Shape) -> Array {
+    let array = Array {
+        name,
+        shape,
+        offset: flattened_len(arrays) as u32,
+    };
+    arrays.push(array);
+    array
+}
+
+fn flattened_len(arrays: &[Array]) -> usize {
+    arrays
+        .last()
+        .map_or(0, |array| array.offset as usize + array.shape.len())
+}
+
+fn element(arrays: &[Array], index: u32) -> (&Array, [u32; 2], usize) {
+    let after = arrays.partition_point(|array| array.offset <= index);
+    // Empty arrays share their offset with the next one, so the last array
+    // that starts at or before the element is the one that holds it.
+    let array = &arrays[after - 1];
+    let (indices, rank) = array.shape.indices(index - array.offset);
+    (array, indices, rank)
+}

@@ -1,0 +1,27 @@
+//! The intermediate representation of robovec.
+//!
+//! A [`Module`] holds [`Function`]s; a function is a straight-line list of SSA
+//! nodes between named input and output arrays. It has a text form
+//! ([`print`]), a verifier, an evaluator generic over the kind of number
+//! ([`evaluate`]), and the description of the machine it is compiled for.
+//! This crate holds no pass and no front end, and touches no file.
+
+pub mod arithmetic;
+pub mod entity;
+pub mod evaluate;
+pub mod function;
+pub mod machine;
+pub mod module;
+pub mod operation;
+pub mod placement;
+pub mod print;
+pub mod source;
+pub mod symbol;
+
+pub use entity::{Constant, Input, Operand, OperandKind, Output, Value};
+pub use function::{Array, Assignment, Boundary, Function, Level, Node, Shape, Timing};
+pub use machine::Machine;
+pub use module::{Module, Tables, View};
+pub use operation::Operation;
+pub use source::{Place, SourceSet, Sources};
+pub use symbol::{FreshNames, Name, Symbol, Symbols};

@@ -1,0 +1,337 @@
+//! The target machine, as data.
+//!
+//! A machine is a set of *kinds* of processing elements (PEs), each fully
+//! pipelined and able to start one operation per cycle, with a memory behind
+//! every element, a buffer for late transfers and a crossbar between them
+//! (thesis 1.1 to 1.3). Nothing about a machine is a constant in code: all of
+//! it comes from a TOML file (`machines/`), described field by field below.
+
+use crate::operation::Operation;
+use serde::{Deserialize, Serialize};
+
+/// A target machine.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Machine {
+    /// Its name, used in text and reports.
+    pub name: String,
+    /// One line for people.
+    #[serde(default)]
+    pub description: String,
+    /// Clock of the processing elements, in MHz.
+    pub clock_mhz: f64,
+    /// The number format of every word.
+    #[serde(default)]
+    pub number: NumberFormat,
+    /// The kinds of processing elements.
+    #[serde(rename = "element")]
+    pub elements: Vec<ElementDescription>,
+    /// The memory of each element.
+    pub memory: MemoryDescription,
+    /// The buffer of each element; without one every write is direct.
+    #[serde(default)]
+    pub buffer: Option<BufferDescription>,
+    /// How results travel.
+    #[serde(default)]
+    pub interconnect: Interconnect,
+    /// What is known about the size of its parts.
+    #[serde(default)]
+    pub resources: Option<Resources>,
+}
+
+/// A binary floating-point format.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NumberFormat {
+    /// Width of the exponent, in bits.
+    pub exponent: u32,
+    /// Width of the stored mantissa, in bits.
+    pub mantissa: u32,
+    /// Whether subnormal numbers are kept (true) or flushed to zero.
+    pub subnormals: bool,
+}
+
+impl Default for NumberFormat {
+    fn default() -> NumberFormat {
+        NumberFormat {
+            exponent: 8,
+            mantissa: 23,
+            subnormals: true,
+        }
+    }
+}
+
+/// A kind of processing element.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ElementDescription {
+    /// Its name: letters only, since the text form appends a number.
+    pub kind: String,
+    /// What it computes: `add`, `sub`, `mul`, `div`, `sqrt`.
+    pub operations: Vec<String>,
+    /// How many there are, unless a pass is told otherwise.
+    pub count: u32,
+    /// Pipeline stages of the operator.
+    pub stages: u32,
+    /// Cycles for operand fetch and write-back together.
+    pub transfer: u32,
+}
+
+impl ElementDescription {
+    /// Cycles from the issue of an operation to the first issue that can
+    /// read its result.
+    pub fn weight(&self) -> u32 {
+        self.stages + self.transfer
+    }
+
+    /// True when elements of this kind perform the operation.
+    pub fn performs(&self, operation: Operation) -> bool {
+        self.operations.iter().any(|name| name == operation.name())
+    }
+}
+
+/// How operand memories are built.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MemoryStyle {
+    /// One memory per element with two ports and twice the clock: both
+    /// operands are read in the first half of a cycle, up to `writes` words
+    /// are written in the second.
+    Unified,
+    /// One memory per operand side, each with one read and one write port, on
+    /// one clock: an operand must lie in the memory of its side.
+    SideSplit,
+}
+
+/// The operand memory of one processing element.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MemoryDescription {
+    /// How it is built.
+    pub style: MemoryStyle,
+    /// Words per memory (per side, when split); absent means unlimited.
+    #[serde(default)]
+    pub words: Option<u32>,
+    /// Words that can be written per cycle into one memory (per side, when
+    /// split); absent means unlimited.
+    #[serde(default)]
+    pub writes: Option<u32>,
+}
+
+/// The buffer of one processing element: it takes the element's own results
+/// and hands them to the crossbar in a later cycle.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BufferDescription {
+    /// Words; absent means unlimited.
+    #[serde(default)]
+    pub words: Option<u32>,
+    /// Distinct words that can be read per cycle; absent means unlimited.
+    #[serde(default)]
+    pub reads: Option<u32>,
+}
+
+/// How results travel from element to element.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interconnect {
+    /// Every result and every buffer output reaches every write port, any
+    /// number of them in the same cycle.
+    #[default]
+    Crossbar,
+}
+
+/// Sizes of the parts on a real device.
+#[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Resources {
+    /// The device.
+    pub device: String,
+    /// Logic cells of the device (ALM).
+    pub logic: u32,
+    /// Memory blocks of the device (M10K).
+    pub memory_blocks: u32,
+    /// Multiplier blocks of the device.
+    pub multipliers: u32,
+}
+
+/// What is wrong with a machine file.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum MachineError {
+    /// Not TOML, or not these fields.
+    #[error("{message}")]
+    Syntax {
+        /// What the TOML reader says.
+        message: String,
+        /// Bytes of the offending text.
+        span: Option<std::ops::Range<usize>>,
+    },
+    /// The file is well formed but describes no machine.
+    #[error("{0}")]
+    Meaning(String),
+}
+
+/// The machine files that ship with robovec, by name.
+pub const BUILT_IN: [(&str, &str); 7] = [
+    ("ideal", include_str!("../../machines/ideal.toml")),
+    ("thesis", include_str!("../../machines/thesis.toml")),
+    ("side-split", include_str!("../../machines/side-split.toml")),
+    (
+        "pipeline-3-3",
+        include_str!("../../machines/pipeline-3-3.toml"),
+    ),
+    (
+        "pipeline-6-4",
+        include_str!("../../machines/pipeline-6-4.toml"),
+    ),
+    (
+        "pipeline-10-5",
+        include_str!("../../machines/pipeline-10-5.toml"),
+    ),
+    ("de10-nano", include_str!("../../machines/de10-nano.toml")),
+];
+
+impl Machine {
+    /// The shipped machine of a name.
+    pub fn built_in(name: &str) -> Option<Machine> {
+        let (_, text) = BUILT_IN.iter().find(|(known, _)| *known == name)?;
+        Machine::parse(text).ok()
+    }
+
+    /// Reads a machine file.
+    ///
+    /// # Errors
+    ///
+    /// When the text is not TOML with the fields of [`Machine`], or describes
+    /// something that cannot be built: no elements, an unknown operation, an
+    /// operation two kinds perform, a kind whose name is not letters, zero
+    /// stages, a clock that is not positive.
+    pub fn parse(text: &str) -> Result<Machine, MachineError> {
+        let machine: Machine = toml::from_str(text).map_err(|error| MachineError::Syntax {
+            message: error.message().to_owned(),
+            span: error.span(),
+        })?;
+        machine.validate()?;
+        Ok(machine)
+    }
+
+    fn validate(&self) -> Result<(), MachineError> {
+        let fail = |message: String| Err(MachineError::Meaning(message));
+        if self.elements.is_empty() {
+            return fail("a machine needs at least one kind of processing element".to_owned());
+        }
+        if !(self.clock_mhz > 0.0 && self.clock_mhz.is_finite()) {
+            return fail(format!(
+                "the clock must be a positive number of MHz, not {}",
+                self.clock_mhz
+            ));
+        }
+        if !(2..=11).contains(&self.number.exponent) || !(1..=52).contains(&self.number.mantissa) {
+            return fail(
+                "the number format must have 2 to 11 exponent and 1 to 52 mantissa bits".to_owned(),
+            );
+        }
+        for (index, element) in self.elements.iter().enumerate() {
+            let kind = &element.kind;
+            if kind.is_empty()
+                || !kind.bytes().all(|byte| byte.is_ascii_lowercase())
+                || kind == "host"
+            {
+                return fail(format!(
+                    "the kind '{kind}' must be a word of lower-case letters other than 'host'"
+                ));
+            }
+            if element.count == 0 || element.stages == 0 {
+                return fail(format!(
+                    "the kind '{kind}' needs at least one element and one stage"
+                ));
+            }
+            if element.count > 4096 || element.stages > 4096 || element.transfer > 4096 {
+                return fail(format!(
+                    "the kind '{kind}' has a count, stages or transfer above 4096"
+                ));
+            }
+            if element.transfer != 2 {
+                return fail(format!(
+                    "the kind '{kind}' has a transfer of {} cycles; the crossbar machine takes 2, \
+                     one to fetch and one to write back",
+                    element.transfer
+                ));
+            }
+            for name in &element.operations {
+                let known = Operation::ALL
+                    .iter()
+                    .any(|operation| operation.name() == name);
+                if !known || matches!(name.as_str(), "copy" | "neg" | "sin" | "cos") {
+                    return fail(format!(
+                        "the kind '{kind}' performs '{name}'; a processing element performs \
+                         add, sub, mul, div or sqrt"
+                    ));
+                }
+                let others = &self.elements[..index];
+                if others
+                    .iter()
+                    .any(|other| other.kind == *kind || other.operations.contains(name))
+                {
+                    return fail(format!(
+                        "the kind '{kind}' or its operation '{name}' stands there twice"
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Index into [`Machine::elements`] of the kind that performs an
+    /// operation.
+    pub fn kind_of(&self, operation: Operation) -> Option<usize> {
+        self.elements
+            .iter()
+            .position(|element| element.performs(operation))
+    }
+
+    /// Cycles from the issue of an operation to the first issue that can read
+    /// its result. 0 for what costs the machine nothing (copies, and sine and
+    /// cosine, which the host evaluates); a minus counts as a subtraction;
+    /// what the machine cannot do counts as its slowest operation, so that
+    /// paths stay comparable.
+    pub fn weight(&self, operation: Operation) -> u32 {
+        let performed = match operation {
+            Operation::Copy | Operation::Sin | Operation::Cos => return 0,
+            Operation::Neg => Operation::Sub,
+            other => other,
+        };
+        match self.kind_of(performed) {
+            Some(kind) => self.elements[kind].weight(),
+            None => self
+                .elements
+                .iter()
+                .map(ElementDescription::weight)
+                .max()
+                .unwrap_or(0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shipped_machines_are_valid_and_bear_their_names() {
+        for (name, text) in BUILT_IN {
+            match Machine::parse(text) {
+                Ok(machine) => assert_eq!(machine.name, name),
+                Err(error) => panic!("{name}: {error}"),
+            }
+        }
+    }
+
+    #[test]
+    fn the_thesis_weighs_additions_12_and_multiplications_7() {
+        let machine = Machine::built_in("thesis").expect("it ships");
+        assert_eq!(machine.weight(Operation::Neg), 12);
+        assert_eq!(machine.weight(Operation::Mul), 7);
+        assert_eq!(machine.weight(Operation::Sin), 0);
+    }
+}

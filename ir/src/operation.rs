@@ -1,0 +1,78 @@
+//! The operations a node can perform.
+
+/// What a node computes from its operands.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+#[repr(u8)]
+pub enum Operation {
+    /// The operand itself; only at the equations level (`Z1 = q[13]`).
+    Copy,
+    /// `-a`; only at the equations level: `atomise` makes it `0 - a`.
+    Neg,
+    /// `a + b`.
+    Add,
+    /// `a - b`.
+    Sub,
+    /// `a * b`.
+    Mul,
+    /// `a / b`.
+    Div,
+    /// `sin(a)`.
+    Sin,
+    /// `cos(a)`.
+    Cos,
+    /// `sqrt(a)`.
+    Sqrt,
+}
+
+impl Operation {
+    /// All operations, in order of declaration.
+    pub const ALL: [Operation; 9] = [
+        Operation::Copy,
+        Operation::Neg,
+        Operation::Add,
+        Operation::Sub,
+        Operation::Mul,
+        Operation::Div,
+        Operation::Sin,
+        Operation::Cos,
+        Operation::Sqrt,
+    ];
+
+    /// How many operands the operation takes: 1 or 2.
+    pub fn arity(self) -> usize {
+        match self {
+            Operation::Add | Operation::Sub | Operation::Mul | Operation::Div => 2,
+            Operation::Copy
+            | Operation::Neg
+            | Operation::Sin
+            | Operation::Cos
+            | Operation::Sqrt => 1,
+        }
+    }
+
+    /// True when the operands may be exchanged without changing a bit.
+    pub fn is_commutative(self) -> bool {
+        matches!(self, Operation::Add | Operation::Mul)
+    }
+
+    /// True for sine and cosine, which the thesis' machine takes from the
+    /// host and never counts.
+    pub fn is_trigonometric(self) -> bool {
+        matches!(self, Operation::Sin | Operation::Cos)
+    }
+
+    /// The operation's name in machine files and statistics.
+    pub fn name(self) -> &'static str {
+        match self {
+            Operation::Copy => "copy",
+            Operation::Neg => "neg",
+            Operation::Add => "add",
+            Operation::Sub => "sub",
+            Operation::Mul => "mul",
+            Operation::Div => "div",
+            Operation::Sin => "sin",
+            Operation::Cos => "cos",
+            Operation::Sqrt => "sqrt",
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! What the levels `scheduled` and `placed` add to a function.
+//!
+//! Cycle conventions, fixed here for the placer, the text form and the memory
+//! images alike (facts of the pipeline, thesis 2.3 and Table 2.1): an
+//! operation *issued* at cycle `t` on a processing element with `L` stages and
+//! a transfer of 2 cycles has its result on the crossbar in cycle `t + L + 1`
+//! (its *write-back* cycle) and can be read by an issue at `t + L + 2`, the
+//! weight of the operation. A *direct* write happens in exactly the write-back
+//! cycle; an *indirect* one goes through the element's buffer and happens in a
+//! later cycle. A word written in cycle `w` can be read by an issue at
+//! `w + 1`.
+
+/// A group of equal processing elements, as scheduled.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct ElementKind {
+    /// The kind's name in the machine file (`add`, `multi`).
+    pub name: String,
+    /// How many there are.
+    pub count: u32,
+}
+
+/// Cycle and processing element of one node.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Slot {
+    /// The cycle of issue, from 0; meaningless on the host.
+    pub cycle: u32,
+    /// Index over all processing elements, kind after kind, or
+    /// [`Slot::HOST`].
+    pub element: u32,
+}
+
+impl Slot {
+    /// The host evaluates this node before the run (sine and cosine of
+    /// inputs); its value is initial data.
+    pub const HOST: u32 = u32::MAX;
+
+    /// True for a node the host evaluates.
+    pub fn is_host(self) -> bool {
+        self.element == Slot::HOST
+    }
+}
+
+/// Cycle and processing element of every node.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Schedule {
+    /// Name of the machine.
+    pub machine: String,
+    /// The kinds of processing elements, with their counts.
+    pub kinds: Vec<ElementKind>,
+    /// One slot per node.
+    pub slots: Vec<Slot>,
+    /// Length: the first cycle in which every result can be read.
+    pub cycles: u32,
+    /// No schedule on this machine is shorter than this (proved).
+    pub lower_bound: u32,
+}
+
+impl Schedule {
+    /// The kind and the number within the kind, from 0, of an element.
+    pub fn element_name(&self, element: u32) -> (&str, u32) {
+        let mut first = 0;
+        for kind in &self.kinds {
+            if element < first + kind.count {
+                return (&kind.name, element - first);
+            }
+            first += kind.count;
+        }
+        ("unknown", element)
+    }
+
+    /// The index of an element, the inverse of [`Schedule::element_name`].
+    pub fn element(&self, kind: &str, number: u32) -> Option<u32> {
+        let mut first = 0;
+        for candidate in &self.kinds {
+            if candidate.name == kind {
+                return (number < candidate.count).then_some(first + number);
+            }
+            first += candidate.count;
+        }
+        None
+    }
+
+    /// How many processing elements there are in all.
+    pub fn element_count(&self) -> u32 {
+        self.kinds.iter().map(|kind| kind.count).sum()
+    }
+}
+
+/// Which memory of a processing element an address lies in.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Bank {
+    /// The one memory of a true dual-port element.
+    Unified,
+    /// The memory of the left operand (side-split machines).
+    Left,
+    /// The memory of the right operand (side-split machines).
+    Right,
+}
+
+/// A word of a processing element's memory.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Word {
+    /// The processing element, over all kinds.
+    pub element: u32,
+    /// Which of its memories.
+    pub bank: Bank,
+    /// The address, from 0.
+    pub address: u32,
+}
+
+/// A word filled before the run with an input, a constant or a value of the
+/// host.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Preload {
+    /// Where.
+    pub word: Word,
+    /// What.
+    pub operand: crate::Operand,
+}
+
+/// One write of a result into a memory.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Write {
+    /// Where.
+    pub word: Word,
+    /// The cycle at whose end it happens.
+    pub cycle: u32,
+}
+
+/// Addresses and transfers of a scheduled function.
+///
+/// Every result has its list of writes; a write in the write-back cycle is
+/// direct, a later one reads the buffer of the producing element.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct Placement {
+    /// Initial data, in order of element, bank and address.
+    pub preloads: Vec<Preload>,
+    /// Read addresses of the left and right operand, in the issuing
+    /// element's memory (for a side-split element in its left and right
+    /// memory); `u32::MAX` where there is no operand. One entry per node.
+    pub reads: Vec<[u32; 2]>,
+    /// The buffer word of the producing element that holds the result from
+    /// its write-back on, or `u32::MAX`. One entry per node.
+    pub buffers: Vec<u32>,
+    /// For each node the range of its writes in [`Placement::writes`] is
+    /// `write_starts[i]..write_starts[i + 1]`.
+    pub write_starts: Vec<u32>,
+    /// All writes, node after node, each node's in order of cycle and word.
+    pub writes: Vec<Write>,
+    /// For each assignment, in order, the word that holds it at the end;
+    /// `None` when it is an input, a constant or a value of the host.
+    pub homes: Vec<Option<Word>>,
+}
+
+impl Placement {
+    /// No address or no buffer word.
+    pub const NONE: u32 = u32::MAX;
+
+    /// The writes of one node.
+    pub fn writes_of(&self, value: crate::Value) -> &[Write] {
+        let start = self.write_starts[value.index()] as usize;
+        let end = self.write_starts[value.index() + 1] as usize;
+        &self.writes[start..end]
+    }
+}

@@ -1,0 +1,585 @@
+//! The text form, written.
+//!
+//! The text is the whole truth: reading it back gives an equal module, at
+//! every level (`ir/src/parse` reads it, `docs/text-format.md` describes it).
+//! Output goes through a buffer of its own because the formatting machinery
+//! of the standard library would cost more than all passes together on a
+//! function of 600,000 operations.
+
+use crate::entity::{Operand, OperandKind, Value};
+use crate::function::{Array, Assignment, Boundary, Level, Shape, Timing};
+use crate::module::{Module, Tables, View};
+use crate::operation::Operation;
+use crate::placement::{Bank, Placement, Schedule, Word};
+use crate::source::{Place, SourceSet};
+use hashbrown::HashMap;
+use rustc_hash::FxBuildHasher;
+use std::io;
+
+/// First line of every text; the number is the version of the format.
+pub const HEADER: &str = "// robovec 1";
+
+const FLUSH_AT: usize = 1 << 16;
+
+/// Writes a module in the text form.
+///
+/// # Errors
+///
+/// Passes on the errors of the writer.
+pub fn write_module(module: &Module, writer: &mut dyn io::Write) -> io::Result<()> {
+    let mut text = Text::new(writer);
+    text.push(HEADER);
+    text.push("\n");
+    for (index, file) in module.tables.sources.files.iter().enumerate() {
+        text.push("source ");
+        text.integer(index as u32);
+        text.push(" ");
+        text.quoted(file);
+        text.push("\n");
+    }
+    for function in &module.functions {
+        text.push("\n");
+        let view = View {
+            tables: &module.tables,
+            function,
+        };
+        FunctionPrinter::new(view).print(&mut text)?;
+    }
+    text.finish()
+}
+
+/// A module as a string, in the text form.
+pub fn print_module(module: &Module) -> String {
+    let mut bytes = Vec::new();
+    // Writing to a vector cannot fail, and all that is written is UTF-8.
+    write_module(module, &mut bytes).unwrap_or_default();
+    String::from_utf8(bytes).unwrap_or_default()
+}
+
+/// One function as a string, as it stands in the text of its module.
+pub fn print_function(view: View<'_>) -> String {
+    let mut bytes = Vec::new();
+    let mut text = Text::new(&mut bytes);
+    // As above: a vector takes everything.
+    FunctionPrinter::new(view)
+        .print(&mut text)
+        .and_then(|()| text.finish())
+        .unwrap_or_default();
+    String::from_utf8(bytes).unwrap_or_default()
+}
+
+/// The definition of one value as it stands in the text, without indentation
+/// and line end; the whole expression tree at the equations level.
+pub fn print_definition(view: View<'_>, value: Value) -> String {
+    let mut bytes = Vec::new();
+    let mut text = Text::new(&mut bytes);
+    FunctionPrinter::new(view).definition(&mut text, value);
+    text.finish().unwrap_or_default();
+    String::from_utf8(bytes).unwrap_or_default()
+}
+
+/// An output element as it stands in the text (`M[1,2]`).
+pub fn print_output(view: View<'_>, output: crate::Output) -> String {
+    let (array, indices, rank) = view.function.output_element(output);
+    let mut bytes = Vec::new();
+    let mut text = Text::new(&mut bytes);
+    text.element(view.tables, array, &indices[..rank]);
+    text.finish().unwrap_or_default();
+    String::from_utf8(bytes).unwrap_or_default()
+}
+
+/// An operand as it stands in the text (`%OM16`, `q[3]`, `0.5`).
+pub fn print_operand(view: View<'_>, operand: Operand) -> String {
+    let mut bytes = Vec::new();
+    let mut text = Text::new(&mut bytes);
+    FunctionPrinter::new(view).operand(&mut text, operand);
+    text.finish().unwrap_or_default();
+    String::from_utf8(bytes).unwrap_or_default()
+}
+
+struct Text<'w> {
+    buffer: String,
+    writer: &'w mut dyn io::Write,
+}
+
+impl<'w> Text<'w> {
+    fn new(writer: &'w mut dyn io::Write) -> Text<'w> {
+        Text {
+            buffer: String::with_capacity(FLUSH_AT + 4096),
+            writer,
+        }
+    }
+
+    fn push(&mut self, text: &str) {
+        self.buffer.push_str(text);
+    }
+
+    fn integer(&mut self, mut number: u32) {
+        let mut digits = [0u8; 10];
+        let mut start = digits.len();
+        loop {
+            start -= 1;
+            digits[start] = b'0' + (number % 10) as u8;
+            number /= 10;
+            if number == 0 {
+                break;
+            }
+        }
+        for &digit in &digits[start..] {
+            self.buffer.push(digit as char);
+        }
+    }
+
+    fn quoted(&mut self, text: &str) {
+        self.buffer.push('"');
+        for character in text.chars() {
+            match character {
+                '"' => self.buffer.push_str("\\\""),
+                '\\' => self.buffer.push_str("\\\\"),
+                '\n' => self.buffer.push_str("\\n"),
+                '\r' => self.buffer.push_str("\\r"),
+                '\t' => self.buffer.push_str("\\t"),
+                other => self.buffer.push(other),
+            }
+        }
+        self.buffer.push('"');
+    }
+
+    fn number(&mut self, number: f64) {
+        self.buffer.push_str(&format!("{number:?}"));
+    }
+
+    fn element(&mut self, tables: &Tables, array: &Array, indices: &[u32]) {
+        self.push(tables.symbols.text(array.name));
+        if let Some((first, rest)) = indices.split_first() {
+            self.push("[");
+            self.integer(*first);
+            for index in rest {
+                self.push(",");
+                self.integer(*index);
+            }
+            self.push("]");
+        }
+    }
+
+    fn end_line(&mut self) -> io::Result<()> {
+        self.buffer.push('\n');
+        if self.buffer.len() >= FLUSH_AT {
+            self.writer.write_all(self.buffer.as_bytes())?;
+            self.buffer.clear();
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> io::Result<()> {
+        self.writer.write_all(self.buffer.as_bytes())
+    }
+}
+
+struct FunctionPrinter<'a> {
+    view: View<'a>,
+    /// Numbers of the sets with several places, in order of first use.
+    set_numbers: HashMap<SourceSet, u32, FxBuildHasher>,
+    sets: Vec<SourceSet>,
+}
+
+/// What remains to be printed of an expression.
+enum Piece {
+    Operand(Operand, u8),
+    Text(&'static str),
+}
+
+const SUM: u8 = 1;
+const PRODUCT: u8 = 2;
+const UNARY: u8 = 3;
+
+impl<'a> FunctionPrinter<'a> {
+    fn new(view: View<'a>) -> FunctionPrinter<'a> {
+        FunctionPrinter {
+            view,
+            set_numbers: HashMap::default(),
+            sets: Vec::new(),
+        }
+    }
+
+    fn number_sets(&mut self) {
+        let function = self.view.function;
+        let used = function
+            .boundaries
+            .iter()
+            .map(|boundary| boundary.sources)
+            .chain(function.nodes().iter().map(|node| node.sources))
+            .chain(function.assignments.iter().map(|output| output.sources));
+        for set in used {
+            if self.view.tables.sources.places(set).len() > 1
+                && !self.set_numbers.contains_key(&set)
+            {
+                self.set_numbers.insert(set, self.sets.len() as u32);
+                self.sets.push(set);
+            }
+        }
+    }
+
+    fn print(mut self, text: &mut Text<'_>) -> io::Result<()> {
+        self.number_sets();
+        let function = self.view.function;
+        text.push("function ");
+        text.push(&function.name);
+        text.push(" ");
+        text.push(function.level.name());
+        text.push(" {");
+        text.end_line()?;
+        self.header(text)?;
+        if !function.nodes().is_empty() {
+            text.end_line()?;
+        }
+        for (value, node) in function.values() {
+            if !node.name.is_none() {
+                text.push("  ");
+                self.definition(text, value);
+                text.end_line()?;
+            }
+        }
+        if !function.assignments.is_empty() {
+            text.end_line()?;
+        }
+        for (index, assignment) in function.assignments.iter().enumerate() {
+            text.push("  ");
+            self.assignment(text, index, assignment);
+            text.end_line()?;
+        }
+        text.push("}");
+        text.end_line()
+    }
+
+    fn header(&self, text: &mut Text<'_>) -> io::Result<()> {
+        let function = self.view.function;
+        for (key, content) in &function.metadata {
+            text.push("  meta ");
+            text.push(key);
+            text.push(" ");
+            text.quoted(content);
+            text.end_line()?;
+        }
+        for (word, arrays) in [("  in ", function.inputs()), ("  out ", function.outputs())] {
+            for array in arrays {
+                text.push(word);
+                self.array(text, array);
+                text.end_line()?;
+            }
+        }
+        for (number, &set) in self.sets.iter().enumerate() {
+            text.push("  places !");
+            text.integer(number as u32);
+            text.push(" =");
+            for place in self.view.tables.sources.places(set) {
+                text.push(" @");
+                self.place(text, place);
+            }
+            text.end_line()?;
+        }
+        for boundary in &function.boundaries {
+            self.boundary(text, boundary);
+            text.end_line()?;
+        }
+        if let Some(schedule) = &function.schedule {
+            self.schedule(text, schedule)?;
+        }
+        Ok(())
+    }
+
+    fn array(&self, text: &mut Text<'_>, array: &Array) {
+        text.push(self.view.tables.symbols.text(array.name));
+        match array.shape {
+            Shape::Scalar => {}
+            Shape::Vector(length) => {
+                text.push("[1..");
+                text.integer(length);
+                text.push("]");
+            }
+            Shape::Matrix(rows, columns) => {
+                text.push("[1..");
+                text.integer(rows);
+                text.push(",1..");
+                text.integer(columns);
+                text.push("]");
+            }
+        }
+    }
+
+    fn boundary(&self, text: &mut Text<'_>, boundary: &Boundary) {
+        text.push("  call ");
+        text.quoted(&boundary.callee);
+        text.push("(");
+        for (index, argument) in boundary.arguments.iter().enumerate() {
+            if index > 0 {
+                text.push(", ");
+            }
+            text.quoted(argument);
+        }
+        text.push(")");
+        if let Some(result) = &boundary.result {
+            text.push(" -> ");
+            text.quoted(result);
+        }
+        self.sources(text, boundary.sources);
+    }
+
+    fn schedule(&self, text: &mut Text<'_>, schedule: &Schedule) -> io::Result<()> {
+        text.push("  schedule ");
+        text.quoted(&schedule.machine);
+        for kind in &schedule.kinds {
+            text.push(" ");
+            text.push(&kind.name);
+            text.push("*");
+            text.integer(kind.count);
+        }
+        text.push(" cycles ");
+        text.integer(schedule.cycles);
+        text.push(" bound ");
+        text.integer(schedule.lower_bound);
+        text.end_line()?;
+        let Some(placement) = &self.view.function.placement else {
+            return Ok(());
+        };
+        for preload in &placement.preloads {
+            text.push("  preload ");
+            self.word(text, schedule, preload.word);
+            text.push(" = ");
+            self.operand(text, preload.operand);
+            text.end_line()?;
+        }
+        Ok(())
+    }
+
+    fn word(&self, text: &mut Text<'_>, schedule: &Schedule, word: Word) {
+        self.element_name(text, schedule, word.element);
+        match word.bank {
+            Bank::Unified => {}
+            Bank::Left => text.push(".left"),
+            Bank::Right => text.push(".right"),
+        }
+        text.push("[");
+        text.integer(word.address);
+        text.push("]");
+    }
+
+    fn element_name(&self, text: &mut Text<'_>, schedule: &Schedule, element: u32) {
+        let (kind, number) = schedule.element_name(element);
+        text.push(kind);
+        text.integer(number);
+    }
+
+    fn definition(&self, text: &mut Text<'_>, value: Value) {
+        let function = self.view.function;
+        let node = function.node(value);
+        self.name(text, value);
+        text.push(" = ");
+        self.expression(text, value);
+        if let Some(schedule) = &function.schedule {
+            let slot = schedule.slots[value.index()];
+            text.push(" on ");
+            if slot.is_host() {
+                text.push("host");
+            } else {
+                self.element_name(text, schedule, slot.element);
+                text.push(" at ");
+                text.integer(slot.cycle);
+            }
+            if let Some(placement) = &function.placement {
+                self.transfers(text, schedule, placement, value);
+            }
+        }
+        if let Some(timing) = &function.timing {
+            timing_attributes(text, timing[value.index()]);
+        }
+        self.sources(text, node.sources);
+    }
+
+    fn transfers(
+        &self,
+        text: &mut Text<'_>,
+        schedule: &Schedule,
+        placement: &Placement,
+        value: Value,
+    ) {
+        let reads = placement.reads[value.index()];
+        if reads[0] != Placement::NONE {
+            text.push(" read ");
+            text.integer(reads[0]);
+            if reads[1] != Placement::NONE {
+                text.push(" ");
+                text.integer(reads[1]);
+            }
+        }
+        let buffer = placement.buffers[value.index()];
+        if buffer != Placement::NONE {
+            text.push(" buffer ");
+            text.integer(buffer);
+        }
+        for (index, write) in placement.writes_of(value).iter().enumerate() {
+            text.push(if index == 0 { " write " } else { ", " });
+            self.word(text, schedule, write.word);
+            text.push(" at ");
+            text.integer(write.cycle);
+        }
+    }
+
+    fn assignment(&self, text: &mut Text<'_>, index: usize, assignment: &Assignment) {
+        let function = self.view.function;
+        let (array, indices, rank) = function.output_element(assignment.output);
+        text.element(self.view.tables, array, &indices[..rank]);
+        text.push(" = ");
+        match assignment.operand.value() {
+            Some(value) if function.node(value).name.is_none() => self.expression(text, value),
+            Some(_) | None => self.operand(text, assignment.operand),
+        }
+        if let (Some(schedule), Some(placement)) = (&function.schedule, &function.placement)
+            && let Some(word) = placement.homes[index]
+        {
+            text.push(" in ");
+            self.word(text, schedule, word);
+        }
+        self.sources(text, assignment.sources);
+    }
+
+    fn name(&self, text: &mut Text<'_>, value: Value) {
+        let name = self.view.function.node(value).name;
+        text.push("%");
+        text.push(self.view.tables.symbols.text(name.base));
+        if name.suffix > 0 {
+            text.push(".");
+            text.integer(name.suffix);
+        }
+    }
+
+    fn operand(&self, text: &mut Text<'_>, operand: Operand) {
+        match operand.kind() {
+            OperandKind::Value(value) => self.name(text, value),
+            OperandKind::Input(input) => {
+                let (array, indices, rank) = self.view.function.input_element(input);
+                text.element(self.view.tables, array, &indices[..rank]);
+            }
+            OperandKind::Constant(constant) => {
+                text.number(self.view.function.constant_number(constant));
+            }
+            OperandKind::None => text.push("none"),
+        }
+    }
+
+    /// Prints the tree under a node without recursion: trees of real files
+    /// are shallow, those of hostile ones are not.
+    fn expression(&self, text: &mut Text<'_>, value: Value) {
+        let function = self.view.function;
+        let mut pieces = Vec::new();
+        self.open(&mut pieces, text, value);
+        while let Some(piece) = pieces.pop() {
+            match piece {
+                Piece::Text(fixed) => text.push(fixed),
+                Piece::Operand(operand, binding) => match operand.value() {
+                    Some(inner) if function.node(inner).name.is_none() => {
+                        if precedence(function.node(inner).operation) < binding {
+                            text.push("(");
+                            pieces.push(Piece::Text(")"));
+                        }
+                        self.open(&mut pieces, text, inner);
+                    }
+                    Some(_) | None => self.operand(text, operand),
+                },
+            }
+        }
+    }
+
+    /// Pushes the pieces of one node, last first.
+    fn open(&self, pieces: &mut Vec<Piece>, text: &mut Text<'_>, value: Value) {
+        let node = self.view.function.node(value);
+        let [left, right] = node.operands;
+        let (fixed, binding) = match node.operation {
+            Operation::Add => (" + ", SUM),
+            Operation::Sub => (" - ", SUM),
+            Operation::Mul => ("*", PRODUCT),
+            Operation::Div => ("/", PRODUCT),
+            Operation::Copy => {
+                pieces.push(Piece::Operand(left, 0));
+                return;
+            }
+            Operation::Neg => {
+                text.push("-");
+                // A minus before a literal reads as a negative literal, so a
+                // negated literal keeps its parentheses.
+                if left.constant().is_some() {
+                    text.push("(");
+                    pieces.push(Piece::Text(")"));
+                }
+                pieces.push(Piece::Operand(left, UNARY + 1));
+                return;
+            }
+            Operation::Sin | Operation::Cos | Operation::Sqrt => {
+                text.push(node.operation.name());
+                text.push("(");
+                pieces.push(Piece::Text(")"));
+                pieces.push(Piece::Operand(left, 0));
+                return;
+            }
+        };
+        pieces.push(Piece::Operand(right, binding + 1));
+        pieces.push(Piece::Text(fixed));
+        pieces.push(Piece::Operand(left, binding));
+    }
+
+    fn sources(&self, text: &mut Text<'_>, set: SourceSet) {
+        if let Some(&number) = self.set_numbers.get(&set) {
+            text.push(" @!");
+            text.integer(number);
+        } else if let Some(place) = self.view.tables.sources.first(set) {
+            text.push(" @");
+            self.place(text, place);
+        }
+    }
+
+    fn place(&self, text: &mut Text<'_>, place: Place) {
+        if place.file != 0 {
+            text.integer(place.file);
+            text.push("/");
+        }
+        text.integer(place.line);
+        text.push(":");
+        text.integer(place.column);
+        text.push("-");
+        if place.end_line != place.line {
+            text.integer(place.end_line);
+            text.push(":");
+        }
+        text.integer(place.end_column);
+    }
+}
+
+fn precedence(operation: Operation) -> u8 {
+    match operation {
+        Operation::Add | Operation::Sub => SUM,
+        Operation::Mul | Operation::Div => PRODUCT,
+        Operation::Neg => UNARY,
+        Operation::Copy | Operation::Sin | Operation::Cos | Operation::Sqrt => UNARY + 1,
+    }
+}
+
+fn timing_attributes(text: &mut Text<'_>, timing: Timing) {
+    for (key, number) in [
+        (" {asap ", timing.asap),
+        (" alap ", timing.alap),
+        (" asap_cycle ", timing.asap_cycle),
+        (" alap_cycle ", timing.alap_cycle),
+        (" mobility ", timing.mobility()),
+    ] {
+        text.push(key);
+        text.integer(number);
+    }
+    text.push("}");
+}
+
+impl Level {
+    /// The level of a name in the text form.
+    pub fn from_name(name: &str) -> Option<Level> {
+        Level::ALL.into_iter().find(|level| level.name() == name)
+    }
+}

@@ -1,0 +1,209 @@
+//! Where a value comes from: places in the files of the user.
+//!
+//! Every node carries a [`SourceSet`]: the equations it was made from. Passes
+//! that merge values take the union of their sets and never drop one, so any
+//! message can point into the Robotran file. Sets are interned; the frequent
+//! set with one place costs nothing beyond the place.
+
+use hashbrown::HashMap;
+use rustc_hash::FxBuildHasher;
+
+/// A stretch of a source file. Lines and columns count from 1, columns in
+/// characters; the end column is the last one of the stretch.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Place {
+    /// Index into [`Sources::files`].
+    pub file: u32,
+    /// First line.
+    pub line: u32,
+    /// First column.
+    pub column: u32,
+    /// Last line.
+    pub end_line: u32,
+    /// Last column, included.
+    pub end_column: u32,
+}
+
+/// An interned set of places; see [`Sources`].
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct SourceSet(u32);
+
+const SEVERAL: u32 = 1 << 31;
+
+impl SourceSet {
+    /// The set of no place: the value's origin is unknown.
+    pub const EMPTY: SourceSet = SourceSet(SEVERAL - 1);
+}
+
+/// The files, places and sets of a module.
+#[derive(Clone, Default, Debug)]
+pub struct Sources {
+    /// Names of the files, as the user gave them.
+    pub files: Vec<String>,
+    places: Vec<Place>,
+    place_index: HashMap<Place, u32, FxBuildHasher>,
+    ranges: Vec<(u32, u32)>,
+    members: Vec<u32>,
+    set_index: HashMap<Box<[u32]>, u32, FxBuildHasher>,
+}
+
+impl Sources {
+    /// No files, no places.
+    pub fn new() -> Sources {
+        Sources::default()
+    }
+
+    /// Adds a file and returns its index; a name already known keeps its own.
+    pub fn add_file(&mut self, name: &str) -> u32 {
+        match self.files.iter().position(|file| file == name) {
+            Some(index) => index as u32,
+            None => {
+                self.files.push(name.to_owned());
+                self.files.len() as u32 - 1
+            }
+        }
+    }
+
+    /// The set that holds one place; equal places give equal sets.
+    pub fn single(&mut self, place: Place) -> SourceSet {
+        if self.places.last() == Some(&place) {
+            return SourceSet(self.places.len() as u32 - 1);
+        }
+        let next = self.places.len() as u32;
+        let index = *self.place_index.entry(place).or_insert(next);
+        if index == next {
+            self.places.push(place);
+        }
+        SourceSet(index)
+    }
+
+    /// The union of sets; equal unions give equal sets.
+    pub fn union(&mut self, sets: &[SourceSet]) -> SourceSet {
+        let Some(&first) = sets.iter().find(|&&set| set != SourceSet::EMPTY) else {
+            return SourceSet::EMPTY;
+        };
+        if sets
+            .iter()
+            .all(|&set| set == first || set == SourceSet::EMPTY)
+        {
+            return first;
+        }
+        let mut members: Vec<u32> = Vec::new();
+        for &set in sets {
+            members.extend_from_slice(self.member_indices(&set));
+        }
+        members.sort_unstable_by_key(|&index| self.places[index as usize]);
+        members.dedup();
+        self.intern(members)
+    }
+
+    fn member_indices<'a>(&'a self, set: &'a SourceSet) -> &'a [u32] {
+        if *set == SourceSet::EMPTY {
+            &[]
+        } else if set.0 & SEVERAL == 0 {
+            std::slice::from_ref(&set.0)
+        } else {
+            let (start, end) = self.ranges[(set.0 & !SEVERAL) as usize];
+            &self.members[start as usize..end as usize]
+        }
+    }
+
+    fn intern(&mut self, members: Vec<u32>) -> SourceSet {
+        if let [only] = members[..] {
+            return SourceSet(only);
+        }
+        let members = members.into_boxed_slice();
+        if let Some(&found) = self.set_index.get(&members) {
+            return SourceSet(found | SEVERAL);
+        }
+        let start = self.members.len() as u32;
+        self.members.extend_from_slice(&members);
+        let set = self.ranges.len() as u32;
+        self.ranges.push((start, self.members.len() as u32));
+        self.set_index.insert(members, set);
+        SourceSet(set | SEVERAL)
+    }
+
+    /// The places of a set, in order of file, line and column.
+    pub fn places(&self, set: SourceSet) -> impl ExactSizeIterator<Item = Place> + '_ {
+        let range = if set == SourceSet::EMPTY {
+            Members::Range(0..0)
+        } else if set.0 & SEVERAL == 0 {
+            Members::One(Some(set.0))
+        } else {
+            let (start, end) = self.ranges[(set.0 & !SEVERAL) as usize];
+            Members::Range(start as usize..end as usize)
+        };
+        PlaceIter {
+            sources: self,
+            members: range,
+        }
+    }
+
+    /// The first place of a set.
+    pub fn first(&self, set: SourceSet) -> Option<Place> {
+        self.places(set).next()
+    }
+}
+
+enum Members {
+    One(Option<u32>),
+    Range(std::ops::Range<usize>),
+}
+
+struct PlaceIter<'a> {
+    sources: &'a Sources,
+    members: Members,
+}
+
+impl Iterator for PlaceIter<'_> {
+    type Item = Place;
+
+    fn next(&mut self) -> Option<Place> {
+        let index = match &mut self.members {
+            Members::One(one) => one.take()?,
+            Members::Range(range) => self.sources.members[range.next()?],
+        };
+        Some(self.sources.places[index as usize])
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let length = match &self.members {
+            Members::One(one) => usize::from(one.is_some()),
+            Members::Range(range) => range.len(),
+        };
+        (length, Some(length))
+    }
+}
+
+impl ExactSizeIterator for PlaceIter<'_> {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(line: u32) -> Place {
+        Place {
+            file: 0,
+            line,
+            column: 1,
+            end_line: line,
+            end_column: 9,
+        }
+    }
+
+    #[test]
+    fn unions_are_interned_sorted_and_without_duplicates() {
+        let mut sources = Sources::new();
+        let a = sources.single(place(1));
+        let b = sources.single(place(2));
+        assert_eq!(sources.single(place(1)), a);
+        let both = sources.union(&[b, a, SourceSet::EMPTY]);
+        assert_eq!(both, sources.union(&[a, b]));
+        assert_eq!(sources.union(&[both, a]), both);
+        assert_eq!(sources.union(&[a, a]), a);
+        assert_eq!(sources.union(&[]), SourceSet::EMPTY);
+        let lines: Vec<u32> = sources.places(both).map(|place| place.line).collect();
+        assert_eq!(lines, [1, 2]);
+    }
+}

@@ -1,0 +1,185 @@
+//! Interned strings, and the names of values built from them.
+//!
+//! A Robotran name (`OM16`) is a symbol; a name made by a pass is the symbol
+//! of the equation it came from with a number behind it (`OM16.1`). Keeping
+//! the two parts apart makes a derived name cost eight bytes and no
+//! allocation.
+
+use hashbrown::HashTable;
+use rustc_hash::FxBuildHasher;
+use std::hash::BuildHasher;
+
+/// An interned string; see [`Symbols`].
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Symbol(pub u32);
+
+impl Symbol {
+    /// The place in the interner, counted from 0.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// The interner: every distinct string once, in order of first appearance.
+#[derive(Clone, Default, Debug)]
+pub struct Symbols {
+    text: String,
+    ends: Vec<u32>,
+    table: HashTable<u32>,
+}
+
+impl Symbols {
+    /// An empty interner.
+    pub fn new() -> Symbols {
+        Symbols::default()
+    }
+
+    /// The symbol of a string, made at its first appearance.
+    pub fn intern(&mut self, string: &str) -> Symbol {
+        let hash = FxBuildHasher.hash_one(string);
+        let (text, ends) = (&self.text, &self.ends);
+        if let Some(&found) = self
+            .table
+            .find(hash, |&candidate| slice(text, ends, candidate) == string)
+        {
+            return Symbol(found);
+        }
+        let symbol = self.ends.len() as u32;
+        self.text.push_str(string);
+        self.ends.push(self.text.len() as u32);
+        let (text, ends) = (&self.text, &self.ends);
+        self.table.insert_unique(hash, symbol, |&other| {
+            FxBuildHasher.hash_one(slice(text, ends, other))
+        });
+        Symbol(symbol)
+    }
+
+    /// The symbol of a string, if it was interned before.
+    pub fn find(&self, string: &str) -> Option<Symbol> {
+        let hash = FxBuildHasher.hash_one(string);
+        self.table
+            .find(hash, |&candidate| {
+                slice(&self.text, &self.ends, candidate) == string
+            })
+            .map(|&found| Symbol(found))
+    }
+
+    /// The string of a symbol.
+    pub fn text(&self, symbol: Symbol) -> &str {
+        slice(&self.text, &self.ends, symbol.0)
+    }
+
+    /// How many distinct strings there are.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// True when nothing was interned.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+}
+
+fn slice<'a>(text: &'a str, ends: &[u32], symbol: u32) -> &'a str {
+    let symbol = symbol as usize;
+    let start = if symbol == 0 { 0 } else { ends[symbol - 1] };
+    &text[start as usize..ends[symbol] as usize]
+}
+
+/// The name of a value: a symbol, and a number that is 0 for the symbol
+/// itself and counts from 1 for the names derived from it.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Name {
+    /// The symbol the name starts with.
+    pub base: Symbol,
+    /// 0, or the number behind the dot.
+    pub suffix: u32,
+}
+
+impl Name {
+    /// No name: an inner node of an expression tree.
+    pub const NONE: Name = Name {
+        base: Symbol(u32::MAX),
+        suffix: 0,
+    };
+
+    /// The name that is a symbol and nothing more.
+    pub fn plain(base: Symbol) -> Name {
+        Name { base, suffix: 0 }
+    }
+
+    /// True for [`Name::NONE`].
+    pub fn is_none(self) -> bool {
+        self.base == Name::NONE.base
+    }
+
+    /// The name as text, without the leading `%`.
+    pub fn display(self, symbols: &Symbols) -> String {
+        match self.suffix {
+            0 => symbols.text(self.base).to_owned(),
+            suffix => format!("{}.{suffix}", symbols.text(self.base)),
+        }
+    }
+}
+
+/// Hands out names that no value of a function bears yet.
+///
+/// The state is computed from the function alone, so a pass names its values
+/// alike whether the function came from another pass or from text.
+#[derive(Clone, Debug)]
+pub struct FreshNames {
+    next: Vec<u32>,
+}
+
+impl FreshNames {
+    /// Starts from the names already taken.
+    pub fn new(taken: impl Iterator<Item = Name>) -> FreshNames {
+        let mut next: Vec<u32> = Vec::new();
+        for name in taken.filter(|name| !name.is_none()) {
+            let index = name.base.index();
+            if index >= next.len() {
+                next.resize(index + 1, 0);
+            }
+            next[index] = next[index].max(name.suffix + 1);
+        }
+        FreshNames { next }
+    }
+
+    /// A new name derived from a symbol: the symbol itself when no value
+    /// bears it, else the symbol with the next free number.
+    pub fn fresh(&mut self, base: Symbol) -> Name {
+        let index = base.index();
+        if index >= self.next.len() {
+            self.next.resize(index + 1, 0);
+        }
+        let suffix = self.next[index];
+        self.next[index] += 1;
+        Name { base, suffix }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn interning_is_idempotent_and_names_are_fresh() {
+        let mut symbols = Symbols::new();
+        let first = symbols.intern("OM16");
+        let second = symbols.intern("CF323");
+        assert_eq!(symbols.intern("OM16"), first);
+        assert_eq!(symbols.text(second), "CF323");
+        assert_eq!(symbols.find("absent"), None);
+        let taken = [
+            Name::plain(first),
+            Name {
+                base: first,
+                suffix: 4,
+            },
+        ];
+        let mut fresh = FreshNames::new(taken.into_iter());
+        assert_eq!(fresh.fresh(first).display(&symbols), "OM16.5");
+        assert_eq!(fresh.fresh(second).display(&symbols), "CF323");
+        assert_eq!(fresh.fresh(second).display(&symbols), "CF323.1");
+    }
+}

@@ -1,0 +1,1 @@
+//! robovec: a compiler for the equations of multibody systems.
