@@ -1,0 +1,137 @@
+//! The longest chain of operations.
+//!
+//! Whatever the number of processing elements, a program takes as long as its
+//! longest chain of dependent operations. Counted in operations its length is
+//! the thesis' ASAP, counted in cycles of a machine its ASAPCycle (thesis
+//! 2.2.1). Times follow the convention of [`robovec_ir::Timing`]: the moment
+//! a result is *available*, inputs and constants being available at 0. Sine,
+//! cosine and copies weigh nothing, a minus weighs as the subtraction it
+//! becomes ([`Machine::weight`]). Everything here is one sweep over the
+//! function; sums saturate instead of overflowing.
+
+use robovec_ir::{Function, Machine, Operation};
+
+/// What each operation adds to a chain.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Weights([u32; Operation::ALL.len()]);
+
+impl Weights {
+    /// Weights in cycles of a machine.
+    pub fn cycles(machine: &Machine) -> Weights {
+        Weights(Operation::ALL.map(|operation| machine.weight(operation)))
+    }
+
+    /// Weight 1 for whatever is work for a processing element, 0 for copies,
+    /// sine and cosine.
+    pub fn operations() -> Weights {
+        Weights(Operation::ALL.map(|operation| match operation {
+            Operation::Copy | Operation::Sin | Operation::Cos => 0,
+            _ => 1,
+        }))
+    }
+
+    /// The weight of one operation.
+    pub fn of(&self, operation: Operation) -> u32 {
+        self.0[operation as usize]
+    }
+}
+
+/// The length of the longest chain.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct CriticalPath {
+    /// In operations.
+    pub asap: u32,
+    /// In cycles of the machine: when the last result is available.
+    pub asap_cycle: u32,
+}
+
+/// The longest chain of a function, over all its nodes.
+pub fn critical_path(function: &Function, machine: &Machine) -> CriticalPath {
+    let longest = |weights| arrivals(function, &weights).into_iter().max().unwrap_or(0);
+    CriticalPath {
+        asap: longest(Weights::operations()),
+        asap_cycle: longest(Weights::cycles(machine)),
+    }
+}
+
+/// For each node the earliest moment its result is available.
+pub fn arrivals(function: &Function, weights: &Weights) -> Vec<u32> {
+    let mut arrivals: Vec<u32> = Vec::with_capacity(function.nodes().len());
+    for node in function.nodes() {
+        let ready = node
+            .operands()
+            .iter()
+            .filter_map(|operand| operand.value())
+            .map(|value| arrivals[value.index()])
+            .max()
+            .unwrap_or(0);
+        arrivals.push(ready.saturating_add(weights.of(node.operation)));
+    }
+    arrivals
+}
+
+/// For each node the longest chain that follows it: how long after its result
+/// is available the last result that needs it is. A node that nothing reads
+/// has tail 0. The longest chain through a node is its arrival plus its tail.
+pub fn tails(function: &Function, weights: &Weights) -> Vec<u32> {
+    let mut tails = vec![0u32; function.nodes().len()];
+    for (value, node) in function.values().rev() {
+        let through = tails[value.index()].saturating_add(weights.of(node.operation));
+        for operand in node.operands().iter().filter_map(|operand| operand.value()) {
+            let tail = &mut tails[operand.index()];
+            *tail = (*tail).max(through);
+        }
+    }
+    tails
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_ir::{Input, Level, Name, Node, Operand, Shape, SourceSet, Symbols, Value};
+
+    fn push(function: &mut Function, operation: Operation, a: Operand, b: Operand) -> Value {
+        function.push(Node {
+            name: Name::NONE,
+            sources: SourceSet::EMPTY,
+            operands: [a, b],
+            operation,
+        })
+    }
+
+    /// `-(sin(x)*y + x)`, and `x*y` beside it.
+    fn sample() -> Function {
+        let mut symbols = Symbols::new();
+        let mut function = Function::new("sample", Level::Equations);
+        function.add_input(symbols.intern("x"), Shape::Vector(2));
+        let (x, y) = (Operand::from(Input(0)), Operand::from(Input(1)));
+        let sine = push(&mut function, Operation::Sin, x, Operand::NONE);
+        let product = push(&mut function, Operation::Mul, sine.into(), y);
+        let sum = push(&mut function, Operation::Add, product.into(), x);
+        push(&mut function, Operation::Neg, sum.into(), Operand::NONE);
+        push(&mut function, Operation::Mul, x, y);
+        function
+    }
+
+    #[test]
+    fn the_longest_chain_weighs_sines_nothing_and_a_minus_as_a_subtraction() {
+        let machine = Machine::built_in("thesis").expect("it ships");
+        let path = critical_path(&sample(), &machine);
+        assert_eq!((path.asap, path.asap_cycle), (3, 7 + 12 + 12));
+    }
+
+    #[test]
+    fn arrivals_and_tails_meet_on_the_longest_chain() {
+        let machine = Machine::built_in("thesis").expect("it ships");
+        let weights = Weights::cycles(&machine);
+        assert_eq!(arrivals(&sample(), &weights), [0, 7, 19, 31, 7]);
+        assert_eq!(tails(&sample(), &weights), [31, 24, 12, 0, 0]);
+    }
+
+    #[test]
+    fn an_empty_function_takes_no_time() {
+        let machine = Machine::built_in("thesis").expect("it ships");
+        let path = critical_path(&Function::new("empty", Level::Atomic), &machine);
+        assert_eq!(path, CriticalPath::default());
+    }
+}

@@ -1,0 +1,4 @@
+//! Analyses: what passes and reports compute about a function without
+//! changing it.
+
+pub mod critical_path;

@@ -1,0 +1,47 @@
+//! What a pass promises about numbers.
+
+use std::fmt;
+
+/// The numeric class of a pass: the strongest statement that holds between
+/// the function it takes and the one it gives, and so what the semantic check
+/// demands of it.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum NumericClass {
+    /// Every output is bit-identical under IEEE arithmetic, save the sign of
+    /// a zero (a minus becomes `0 - x`).
+    Exact,
+    /// Equal over the real numbers (reassociation, distribution), with `sin`
+    /// and `cos` as unknown functions.
+    Real,
+    /// Equal over the real numbers when `sin` and `cos` lie on the circle.
+    RealTrig,
+    /// Changes the function (a series for a sine, a narrower format); the
+    /// pass must state its error.
+    Approximating,
+}
+
+impl NumericClass {
+    /// All classes, from the strongest promise to the weakest.
+    pub const ALL: [NumericClass; 4] = [
+        NumericClass::Exact,
+        NumericClass::Real,
+        NumericClass::RealTrig,
+        NumericClass::Approximating,
+    ];
+
+    /// The name in help texts and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            NumericClass::Exact => "exact",
+            NumericClass::Real => "real",
+            NumericClass::RealTrig => "real-trig",
+            NumericClass::Approximating => "approximating",
+        }
+    }
+}
+
+impl fmt::Display for NumericClass {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
