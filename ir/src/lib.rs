@@ -7,6 +7,7 @@
 //! This crate holds no pass and no front end, and touches no file.
 
 pub mod arithmetic;
+pub mod diagnostic;
 pub mod entity;
 pub mod evaluate;
 pub mod function;
