@@ -10,6 +10,7 @@ pub mod arithmetic;
 pub mod diagnostic;
 pub mod entity;
 pub mod evaluate;
+pub mod field;
 pub mod function;
 pub mod machine;
 pub mod module;
@@ -17,6 +18,7 @@ pub mod operation;
 pub mod placement;
 pub mod print;
 pub mod source;
+pub mod states;
 pub mod symbol;
 
 pub use entity::{Constant, Input, Operand, OperandKind, Output, Value};

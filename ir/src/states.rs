@@ -1,0 +1,176 @@
+//! Random states: inputs drawn with physical scales.
+//!
+//! Rounding errors depend on the sizes of the numbers, so the numeric checks
+//! draw every array of Robotran with the scale of what it means, in SI units:
+//!
+//! | array | meaning | drawn from |
+//! |---|---|---|
+//! | `q` | joint positions | uniform, ±π |
+//! | `qd` | joint velocities | uniform, ±5 |
+//! | `qdd` | joint accelerations | uniform, ±20 |
+//! | `m` | masses | per octave uniform, 1/8 to 128 |
+//! | `In` | inertia tensors, 9 rows per body | diagonal per octave uniform, 1/128 to 8; the others uniform, ±0.005, symmetric |
+//! | `l`, `dpt` | centres of mass, points | uniform, ±1 |
+//! | `lrod` | lengths of rods | per octave uniform, 1/8 to 2 |
+//! | `g` | gravity | third component uniform, −10 to −9.6; the others ±0.5 |
+//! | `frc`, `trq`, `SWr…`, `Qq` | forces and torques | uniform, ±100 |
+//! | `Flink…`, `Flnk…` | forces of links | uniform, ±1000 |
+//! | `tsim` | time | uniform, 0 to 10 |
+//! | any other | | uniform, ±1 |
+//!
+//! No component is drawn as zero on purpose: a zero would hide the terms it
+//! multiplies. Every number is rounded to binary32, so that narrow and wide
+//! arithmetics start from the same state. An element depends on the seed, the
+//! number of the state, the array's name and the place in the array alone:
+//! two versions of a function see the same states.
+
+use crate::field::mix;
+use crate::function::{Array, Shape};
+use crate::module::View;
+use std::f64::consts::PI;
+
+/// A seeded source of random states.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct States {
+    seed: u64,
+}
+
+/// How an array's elements are distributed.
+#[derive(Clone, Copy)]
+enum Scale {
+    Uniform(f64, f64),
+    /// The low end, and how many octaves above it are equally likely; inside
+    /// an octave numbers are uniform, so that no logarithm of the platform's
+    /// library decides a bit.
+    Octaves(f64, u32),
+}
+
+impl Scale {
+    /// The number at a place of the distribution, counted from 0 to 1.
+    fn at(self, place: f64) -> f64 {
+        match self {
+            Scale::Uniform(low, high) => low + (high - low) * place,
+            Scale::Octaves(low, count) => {
+                let octaves = place * f64::from(count);
+                low * 2f64.powi(octaves as i32) * (1.0 + octaves.fract())
+            }
+        }
+    }
+}
+
+impl States {
+    /// The states of a seed.
+    pub fn new(seed: u64) -> States {
+        States { seed }
+    }
+
+    /// The flattened inputs of a function in the state of a number.
+    pub fn draw(&self, view: View<'_>, index: u32) -> Vec<f64> {
+        let mut inputs = Vec::with_capacity(view.function.input_len());
+        for array in view.function.inputs() {
+            let name = view.tables.symbols.text(array.name);
+            let salt = name
+                .bytes()
+                .fold(mix(self.seed ^ u64::from(index) << 32), |hash, byte| {
+                    mix(hash ^ u64::from(byte))
+                });
+            for offset in 0..array.shape.len() as u32 {
+                let (scale, place) = distribution(name, array, offset);
+                let random = mix(salt.wrapping_add(u64::from(place)));
+                // The upper 53 bits fill a binary64 mantissa.
+                let unit = (random >> 11) as f64 / (1u64 << 53) as f64;
+                inputs.push(f64::from(scale.at(unit) as f32));
+            }
+        }
+        inputs
+    }
+}
+
+/// The distribution of an element and the place whose random number it takes
+/// (its own, save that an inertia tensor is symmetric).
+fn distribution(name: &str, array: &Array, offset: u32) -> (Scale, u32) {
+    let symmetric = |bound: f64| Scale::Uniform(-bound, bound);
+    let scale = match name {
+        "q" => symmetric(PI),
+        "qd" => symmetric(5.0),
+        "qdd" => symmetric(20.0),
+        "m" => Scale::Octaves(0.125, 10),
+        "In" => return inertia(array, offset),
+        "lrod" => Scale::Octaves(0.125, 4),
+        "g" if offset == 2 => Scale::Uniform(-10.0, -9.6),
+        "g" => symmetric(0.5),
+        "frc" | "trq" | "Qq" => symmetric(100.0),
+        "tsim" => Scale::Uniform(0.0, 10.0),
+        name if name.starts_with("SWr") => symmetric(100.0),
+        name if name.starts_with("Flink") || name.starts_with("Flnk") => symmetric(1000.0),
+        _ => symmetric(1.0),
+    };
+    (scale, offset)
+}
+
+/// `In[k,i]` is entry `k` of the tensor of body `i`, row by row.
+fn inertia(array: &Array, offset: u32) -> (Scale, u32) {
+    let columns = match array.shape {
+        Shape::Matrix(_, columns) => columns,
+        Shape::Scalar | Shape::Vector(_) => 1,
+    };
+    let (entry, body) = (offset / columns, offset % columns);
+    match entry {
+        0 | 4 | 8 => (Scale::Octaves(0.0078125, 10), offset),
+        _ => {
+            let mirrored = entry % 3 * 3 + entry / 3;
+            let place = if entry < 9 {
+                entry.min(mirrored)
+            } else {
+                entry
+            };
+            (Scale::Uniform(-0.005, 0.005), place * columns + body)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::function::{Function, Level};
+    use crate::module::Tables;
+
+    fn sample() -> (Tables, Function) {
+        let mut tables = Tables::default();
+        let mut function = Function::new("sample", Level::Equations);
+        for (name, shape) in [
+            ("q", Shape::Vector(50)),
+            ("m", Shape::Vector(50)),
+            ("In", Shape::Matrix(9, 4)),
+            ("g", Shape::Vector(3)),
+        ] {
+            function.add_input(tables.symbols.intern(name), shape);
+        }
+        (tables, function)
+    }
+
+    #[test]
+    fn states_are_reproducible_physical_and_representable_in_binary32() {
+        let (tables, function) = sample();
+        let view = View {
+            tables: &tables,
+            function: &function,
+        };
+        let states = States::new(1);
+        let state = states.draw(view, 0);
+        assert_eq!(state, states.draw(view, 0));
+        assert_ne!(state, states.draw(view, 1));
+        assert_ne!(state, States::new(2).draw(view, 0));
+        assert!(state.iter().all(|&x| f64::from(x as f32) == x && x != 0.0));
+        let (q, rest) = state.split_at(50);
+        let (m, rest) = rest.split_at(50);
+        let (tensor, g) = rest.split_at(36);
+        assert!(q.iter().all(|x| x.abs() < 3.1416) && q.iter().any(|x| *x < -1.0));
+        assert!(m.iter().all(|x| (0.125..=128.0).contains(x)));
+        for (row, mirrored) in [(1, 3), (2, 6), (5, 7)] {
+            assert_eq!(tensor[row * 4..][..4], tensor[mirrored * 4..][..4]);
+        }
+        assert_ne!(tensor[4..8], tensor[8..12]);
+        assert!(g[2] < -9.5);
+    }
+}
