@@ -8,6 +8,7 @@
 
 pub mod arithmetic;
 pub mod diagnostic;
+pub mod double_double;
 pub mod entity;
 pub mod evaluate;
 pub mod field;

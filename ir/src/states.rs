@@ -165,7 +165,7 @@ mod tests {
         let (q, rest) = state.split_at(50);
         let (m, rest) = rest.split_at(50);
         let (tensor, g) = rest.split_at(36);
-        assert!(q.iter().all(|x| x.abs() < 3.1416) && q.iter().any(|x| *x < -1.0));
+        assert!(q.iter().all(|x| x.abs() <= f64::from(PI as f32)) && q.iter().any(|x| *x < -1.0));
         assert!(m.iter().all(|x| (0.125..=128.0).contains(x)));
         for (row, mirrored) in [(1, 3), (2, 6), (5, 7)] {
             assert_eq!(tensor[row * 4..][..4], tensor[mirrored * 4..][..4]);
