@@ -1,6 +1,18 @@
 //! The passes of robovec.
+//!
+//! [`registry::PASSES`] lists them; [`pipeline`] reads what the user wants to
+//! run; each pass is one file. This crate reads and writes no files.
 
 pub mod analysis;
+pub mod asap_alap;
+pub mod atomise;
 pub mod class;
+pub mod cse;
+pub mod dce;
+pub mod options;
+pub mod pass;
+pub mod pipeline;
+pub mod registry;
+pub mod rewrite;
 
 pub use class::NumericClass;

@@ -1,0 +1,56 @@
+//! What no output needs is not computed.
+
+use crate::declare_pass;
+use crate::pass::{Context, Gives, Pass, PassError};
+use crate::rewrite::Rewriter;
+use robovec_ir::{Function, Operand};
+
+declare_pass! {
+    /// Removes operations that no output depends on.
+    pub struct Dce("dce") {}
+    takes: [Equations, Atomic],
+    gives: Gives::Same,
+    class: Exact,
+    requires: [],
+    sets: [Live],
+    destroys: [Timed],
+}
+
+/// For every node whether an output depends on it.
+pub fn live(function: &Function) -> Vec<bool> {
+    let mut live = vec![false; function.nodes().len()];
+    for assignment in &function.assignments {
+        if let Some(value) = assignment.operand.value() {
+            live[value.index()] = true;
+        }
+    }
+    for (value, node) in function.values().rev() {
+        if live[value.index()] {
+            for operand in node.operands().iter().filter_map(|operand| operand.value()) {
+                live[operand.index()] = true;
+            }
+        }
+    }
+    live
+}
+
+impl Pass for Dce {
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
+        let live = live(function);
+        let dead = live.iter().filter(|&&live| !live).count();
+        if dead > 0 {
+            let mut rewriter = Rewriter::new(function, function.level);
+            for (value, node) in function.values() {
+                if live[value.index()] {
+                    let operands = rewriter.translate_operands(node);
+                    rewriter.keep(robovec_ir::Node { operands, ..*node });
+                } else {
+                    rewriter.record(Operand::NONE);
+                }
+            }
+            *function = rewriter.finish();
+        }
+        context.statistics.push(("operations removed", dead as u64));
+        Ok(())
+    }
+}

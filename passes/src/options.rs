@@ -1,0 +1,194 @@
+//! Typed options of passes.
+//!
+//! The fields of a pass's structure are its options: name, type, default and
+//! documentation stand in one place and nowhere else, so that the help, the
+//! parser and the printer cannot drift apart.
+
+/// A type an option can have.
+pub trait OptionValue: Sized + PartialEq {
+    /// What the help calls the type (`integer`, `first | preferential`).
+    fn type_name() -> String;
+    /// Reads a value from a pipeline's text; the error says what is wanted.
+    ///
+    /// # Errors
+    ///
+    /// When the text is no such value.
+    fn parse(text: &str) -> Result<Self, String>;
+    /// Writes the value so that [`OptionValue::parse`] reads it back.
+    fn print(&self) -> String;
+}
+
+impl OptionValue for bool {
+    fn type_name() -> String {
+        "true | false".to_owned()
+    }
+    fn parse(text: &str) -> Result<bool, String> {
+        match text {
+            "true" | "" => Ok(true),
+            "false" => Ok(false),
+            other => Err(format!("'{other}' is neither true nor false")),
+        }
+    }
+    fn print(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl OptionValue for u32 {
+    fn type_name() -> String {
+        "integer".to_owned()
+    }
+    fn parse(text: &str) -> Result<u32, String> {
+        text.parse()
+            .map_err(|_| format!("'{text}' is not an integer from 0 to {}", u32::MAX))
+    }
+    fn print(&self) -> String {
+        self.to_string()
+    }
+}
+
+/// An integer that may be left to the machine file.
+impl OptionValue for Option<u32> {
+    fn type_name() -> String {
+        "integer | machine".to_owned()
+    }
+    fn parse(text: &str) -> Result<Option<u32>, String> {
+        match text {
+            "machine" => Ok(None),
+            other => u32::parse(other).map(Some),
+        }
+    }
+    fn print(&self) -> String {
+        match self {
+            None => "machine".to_owned(),
+            Some(number) => number.to_string(),
+        }
+    }
+}
+
+/// What the registry knows of an option.
+#[derive(Clone, Copy, Debug)]
+pub struct OptionInfo {
+    /// Its name in the pipeline.
+    pub name: &'static str,
+    /// Its documentation.
+    pub documentation: &'static str,
+    /// Name of its type.
+    pub type_name: fn() -> String,
+    /// Its default, as text.
+    pub default: fn() -> String,
+}
+
+/// An option in a pipeline that its pass cannot take.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum OptionError {
+    /// The pass has no such option.
+    #[error("no option '{0}'")]
+    Unknown(String),
+    /// The option's value is of the wrong type.
+    #[error("option '{name}': {reason}")]
+    Value {
+        /// The option.
+        name: String,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+/// An enumeration of words as an option type.
+#[macro_export]
+macro_rules! option_words {
+    ($(#[$meta:meta])* pub enum $name:ident { $($(#[$variant_meta:meta])* $variant:ident = $word:literal),+ $(,)? }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+        pub enum $name { $($(#[$variant_meta])* $variant),+ }
+
+        impl $crate::options::OptionValue for $name {
+            fn type_name() -> String {
+                [$($word),+].join(" | ")
+            }
+            fn parse(text: &str) -> Result<$name, String> {
+                match text {
+                    $($word => Ok($name::$variant),)+
+                    other => Err(format!("'{other}' is not one of {}", Self::type_name())),
+                }
+            }
+            fn print(&self) -> String {
+                match self { $($name::$variant => $word.to_owned()),+ }
+            }
+        }
+    };
+}
+
+/// Declares a pass: a structure whose fields are its options, and its entry
+/// for the registry. The doc comment is the pass's page in the manual; its
+/// first line is the one-line description.
+#[macro_export]
+macro_rules! declare_pass {
+    (
+        $(#[doc = $documentation:expr])*
+        pub struct $pass:ident($name:literal) {
+            $($(#[doc = $field_documentation:expr])* pub $field:ident: $type:ty = $default:expr),* $(,)?
+        }
+        takes: [$($takes:ident),+],
+        gives: $gives:expr,
+        class: $class:ident,
+        requires: [$($requires:ident),*],
+        sets: [$($sets:ident),*],
+        destroys: [$($destroys:ident),*] $(,)?
+    ) => {
+        $(#[doc = $documentation])*
+        #[derive(Clone, PartialEq, Debug)]
+        pub struct $pass {
+            $($(#[doc = $field_documentation])* pub $field: $type),*
+        }
+
+        impl Default for $pass {
+            fn default() -> $pass {
+                $pass { $($field: $default),* }
+            }
+        }
+
+        impl $pass {
+            /// The pass's entry in the registry.
+            pub const INFO: $crate::pass::PassInfo = $crate::pass::PassInfo {
+                name: $name,
+                documentation: concat!($($documentation, "\n"),*),
+                options: &[$($crate::options::OptionInfo {
+                    name: stringify!($field),
+                    documentation: concat!($($field_documentation, "\n"),*),
+                    type_name: <$type as $crate::options::OptionValue>::type_name,
+                    default: || $crate::options::OptionValue::print(&$pass::default().$field),
+                }),*],
+                takes: &[$(robovec_ir::Level::$takes),+],
+                gives: $gives,
+                class: $crate::class::NumericClass::$class,
+                requires: &[$($crate::pass::Property::$requires),*],
+                sets: &[$($crate::pass::Property::$sets),*],
+                destroys: &[$($crate::pass::Property::$destroys),*],
+                build: $pass::build,
+            };
+
+            #[allow(unused_mut, unused_variables, clippy::never_loop)]
+            fn build(
+                options: &[(String, String)],
+            ) -> Result<Box<dyn $crate::pass::Pass>, $crate::options::OptionError> {
+                let mut pass = $pass::default();
+                for (name, text) in options {
+                    match name.as_str() {
+                        $(stringify!($field) => {
+                            pass.$field = $crate::options::OptionValue::parse(text).map_err(
+                                |reason| $crate::options::OptionError::Value {
+                                    name: name.clone(),
+                                    reason,
+                                },
+                            )?;
+                        })*
+                        _ => return Err($crate::options::OptionError::Unknown(name.clone())),
+                    }
+                }
+                Ok(Box::new(pass))
+            }
+        }
+    };
+}

@@ -1,0 +1,154 @@
+//! What a pass is.
+//!
+//! A pass rewrites one function. It declares the level it takes and gives,
+//! the properties it needs and destroys, and its numeric class; verification,
+//! dumps, timing and the semantic check are the business of the manager, not
+//! of the pass.
+
+use crate::class::NumericClass;
+use crate::options::{OptionError, OptionInfo};
+use robovec_ir::{Function, Level, Machine, SourceSet, Tables};
+
+/// A transformation (or analysis) of one function.
+pub trait Pass {
+    /// Runs the pass.
+    ///
+    /// # Errors
+    ///
+    /// When the function cannot be treated (an operation the machine cannot
+    /// do, a memory that is too small); the function is then not used any
+    /// more.
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError>;
+}
+
+/// What a pass has at hand besides the function.
+pub struct Context<'a> {
+    /// Names and source places of the module.
+    pub tables: &'a mut Tables,
+    /// The machine compiled for.
+    pub machine: &'a Machine,
+    /// Files the pass produces (memory images, C).
+    pub artifacts: &'a mut Vec<Artifact>,
+    /// What the pass counted: name and number.
+    pub statistics: &'a mut Vec<(&'static str, u64)>,
+    /// What the pass has to tell: one line each.
+    pub remarks: &'a mut Vec<String>,
+}
+
+/// A file produced by code generation.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Artifact {
+    /// File name, without directory.
+    pub name: String,
+    /// Content.
+    pub text: String,
+}
+
+/// A fact about a function that a pass can establish or destroy and another
+/// can ask for.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Property {
+    /// Every node carries its earliest and latest times.
+    Timed,
+    /// No `0 - x` is left that no output forces.
+    ZeroFree,
+    /// No two nodes compute the same.
+    Shared,
+    /// Every node is needed by an output.
+    Live,
+}
+
+impl Property {
+    /// The property's name in the manual and in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Property::Timed => "timed",
+            Property::ZeroFree => "zero-free",
+            Property::Shared => "shared",
+            Property::Live => "live",
+        }
+    }
+}
+
+/// The level a pass leaves its function at.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Gives {
+    /// The level it found.
+    Same,
+    /// This level.
+    Level(Level),
+}
+
+/// Makes a pass from options: names and values as text.
+pub type BuildPass = fn(&[(String, String)]) -> Result<Box<dyn Pass>, OptionError>;
+
+/// A pass's entry in the registry; [`declare_pass!`](crate::declare_pass)
+/// makes it.
+#[derive(Clone, Copy, Debug)]
+pub struct PassInfo {
+    /// Name in pipelines.
+    pub name: &'static str,
+    /// Page in the manual; its first line is the one-line description.
+    pub documentation: &'static str,
+    /// Options.
+    pub options: &'static [OptionInfo],
+    /// Levels it takes.
+    pub takes: &'static [Level],
+    /// Level it gives.
+    pub gives: Gives,
+    /// What it may do to the numbers.
+    pub class: NumericClass,
+    /// Properties it needs.
+    pub requires: &'static [Property],
+    /// Properties it establishes.
+    pub sets: &'static [Property],
+    /// Properties it may destroy.
+    pub destroys: &'static [Property],
+    /// Makes the pass from the options of a pipeline.
+    pub build: BuildPass,
+}
+
+impl PassInfo {
+    /// The one-line description.
+    pub fn summary(&self) -> &'static str {
+        self.documentation.lines().next().unwrap_or("").trim()
+    }
+}
+
+/// Why a pass gave up on a function.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("{message}")]
+pub struct PassError {
+    /// What is wrong.
+    pub message: String,
+    /// The equations it is about.
+    pub sources: SourceSet,
+    /// What the user can do.
+    pub help: Option<String>,
+}
+
+impl PassError {
+    /// An error about no equation in particular.
+    pub fn new(message: impl Into<String>) -> PassError {
+        PassError {
+            message: message.into(),
+            sources: SourceSet::EMPTY,
+            help: None,
+        }
+    }
+
+    /// The same error, about some equations.
+    #[must_use]
+    pub fn at(self, sources: SourceSet) -> PassError {
+        PassError { sources, ..self }
+    }
+
+    /// The same error, with advice.
+    #[must_use]
+    pub fn help(self, help: impl Into<String>) -> PassError {
+        PassError {
+            help: Some(help.into()),
+            ..self
+        }
+    }
+}

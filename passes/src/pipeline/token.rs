@@ -1,0 +1,37 @@
+//! Tokens and grammar of pipelines.
+
+use logos::Logos;
+
+/// A token of a pipeline's text.
+#[derive(Logos, Clone, Copy, PartialEq, Debug)]
+#[logos(skip r"[ \t\r\n]+")]
+#[logos(skip(r"//[^\n]*", allow_greedy = true))]
+pub(crate) enum Token<'text> {
+    /// A name or a value.
+    #[regex(r"[A-Za-z0-9_.+\-]+")]
+    Word(&'text str),
+    /// A value with other characters in it.
+    #[regex("\"[^\"\n]*\"")]
+    Quoted(&'text str),
+    /// `{`.
+    #[token("{")]
+    OpenOptions,
+    /// `}`.
+    #[token("}")]
+    CloseOptions,
+    /// `(`.
+    #[token("(")]
+    OpenGroup,
+    /// `)`.
+    #[token(")")]
+    CloseGroup,
+    /// `,`.
+    #[token(",")]
+    Comma,
+    /// `=`.
+    #[token("=")]
+    Equals,
+    /// `$`.
+    #[token("$")]
+    Dollar,
+}

@@ -1,0 +1,48 @@
+//! The table of all passes and of all presets: the single place where they
+//! are listed.
+
+use crate::pass::PassInfo;
+use crate::{asap_alap, atomise, cse, dce};
+
+/// All passes, in the order a function usually meets them.
+pub const PASSES: &[PassInfo] = &[
+    atomise::Atomise::INFO,
+    cse::Cse::INFO,
+    dce::Dce::INFO,
+    asap_alap::AsapAlap::INFO,
+];
+
+/// A named pipeline, written `$name` in another.
+#[derive(Clone, Copy, Debug)]
+pub struct Preset {
+    /// Name, without the `$`.
+    pub name: &'static str,
+    /// One line for people.
+    pub summary: &'static str,
+    /// The pipeline it stands for.
+    pub pipeline: &'static str,
+}
+
+/// All presets.
+pub const PRESETS: &[Preset] = &[
+    Preset {
+        name: "shorten",
+        summary: "the shortest path that reassociation reaches, without superfluous operations",
+        pipeline: "atomise,zero-removal,balance,cse,dce,asap-alap",
+    },
+    Preset {
+        name: "fpga",
+        summary: "from equations to memory images for the machine's processing elements",
+        pipeline: "atomise,fold,zero-removal,balance,cse,dce,place,codegen",
+    },
+];
+
+/// The pass of a name.
+pub fn find(name: &str) -> Option<&'static PassInfo> {
+    PASSES.iter().find(|info| info.name == name)
+}
+
+/// The preset of a name.
+pub fn preset(name: &str) -> Option<&'static Preset> {
+    PRESETS.iter().find(|preset| preset.name == name)
+}

@@ -1,0 +1,114 @@
+//! Writing a function anew: what every pass that changes the body shares.
+
+use robovec_ir::{
+    Assignment, Function, Level, Node, Operand, OperandKind, Output, Symbol, Tables, Value, View,
+    print,
+};
+
+/// A function being written from another one, with the translation of the
+/// old values.
+pub struct Rewriter<'a> {
+    /// The function read.
+    pub old: &'a Function,
+    /// The function written.
+    pub new: Function,
+    map: Vec<Operand>,
+}
+
+impl<'a> Rewriter<'a> {
+    /// Starts an empty body at a level.
+    pub fn new(old: &'a Function, level: Level) -> Rewriter<'a> {
+        let mut new = old.skeleton(level);
+        new.reserve(old.nodes().len());
+        Rewriter {
+            old,
+            new,
+            map: Vec::with_capacity(old.nodes().len()),
+        }
+    }
+
+    /// What an old operand has become. Values must have been recorded.
+    pub fn translate(&mut self, operand: Operand) -> Operand {
+        match operand.kind() {
+            OperandKind::Value(value) => self.map[value.index()],
+            OperandKind::Constant(constant) => {
+                let number = self.old.constant_number(constant);
+                self.new.constant(number).into()
+            }
+            OperandKind::Input(_) | OperandKind::None => operand,
+        }
+    }
+
+    /// The operands of a node, translated.
+    pub fn translate_operands(&mut self, node: &Node) -> [Operand; 2] {
+        [
+            self.translate(node.operands[0]),
+            self.translate(node.operands[1]),
+        ]
+    }
+
+    /// Says what the next old value has become; called once per value, in
+    /// order.
+    pub fn record(&mut self, operand: Operand) {
+        self.map.push(operand);
+    }
+
+    /// Appends a node and records it for the next old value.
+    pub fn keep(&mut self, node: Node) -> Value {
+        let value = self.new.push(node);
+        self.record(value.into());
+        value
+    }
+
+    /// Translates the outputs and gives up the new function.
+    pub fn finish(mut self) -> Function {
+        let assignments: Vec<Assignment> = self
+            .old
+            .assignments
+            .iter()
+            .map(|&assignment| Assignment {
+                operand: self.translate(assignment.operand),
+                ..assignment
+            })
+            .collect();
+        self.new.assignments = assignments;
+        self.new
+    }
+}
+
+/// The symbol an operation made for an output is named after: `M_1_2` for
+/// `M[1,2]`, `sens_P_1` for `sens.P[1]`.
+pub fn output_symbol(tables: &mut Tables, function: &Function, output: Output) -> Symbol {
+    let text = print::print_output(View { tables, function }, output);
+    let mut symbol = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '[' | ',' | '.' => symbol.push('_'),
+            ']' => {}
+            other => symbol.push(other),
+        }
+    }
+    tables.symbols.intern(&symbol)
+}
+
+/// For every node the symbol its derived names start with: that of the
+/// definition, or of the output, whose expression it belongs to.
+pub fn owners(tables: &mut Tables, function: &Function) -> Vec<Symbol> {
+    let unknown = Symbol(u32::MAX);
+    let mut owners: Vec<Symbol> = function.nodes().iter().map(|node| node.name.base).collect();
+    for assignment in &function.assignments {
+        if let Some(value) = assignment.operand.value()
+            && owners[value.index()] == unknown
+        {
+            owners[value.index()] = output_symbol(tables, function, assignment.output);
+        }
+    }
+    for (value, node) in function.values().rev() {
+        for operand in node.operands().iter().filter_map(|operand| operand.value()) {
+            if owners[operand.index()] == unknown {
+                owners[operand.index()] = owners[value.index()];
+            }
+        }
+    }
+    owners
+}
