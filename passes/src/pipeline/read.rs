@@ -12,7 +12,13 @@ use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
 use std::ops::Range;
 
 lalrpop_mod!(
-    #[allow(clippy::all, clippy::restriction, missing_docs, unreachable_pub, unused)]
+    #[allow(
+        clippy::all,
+        clippy::restriction,
+        missing_docs,
+        unreachable_pub,
+        unused
+    )]
     grammar,
     "/pipeline/grammar.rs"
 );
