@@ -7,6 +7,7 @@ pub mod analysis;
 pub mod asap_alap;
 pub mod atomise;
 pub mod class;
+pub mod codegen;
 pub mod cse;
 pub mod dce;
 pub mod options;

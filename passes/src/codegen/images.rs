@@ -1,0 +1,514 @@
+//! Memory images of a placed function.
+
+use super::ImageError;
+use super::binding::Binding;
+use super::layout::{ISSUE, Layout, OPERATION, READ, Sizes};
+use super::manifest::{self, Fnv, Manifest};
+use super::mif::MifWriter;
+use super::number::Encoding;
+use super::traffic::Traffic;
+use robovec_ir::placement::{Bank, Placement, Preload};
+use robovec_ir::{Machine, Value, View};
+use serde::Serialize;
+use std::io;
+
+/// Where generated files go.
+pub trait Artifacts {
+    /// Takes one file: its name, and a function that writes its content.
+    ///
+    /// # Errors
+    ///
+    /// Those of the content and of the place it goes to.
+    fn file(
+        &mut self,
+        name: &str,
+        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
+    ) -> io::Result<()>;
+}
+
+/// Files kept in memory: name and text.
+impl Artifacts for Vec<(String, String)> {
+    fn file(
+        &mut self,
+        name: &str,
+        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let mut bytes = Vec::new();
+        content(&mut bytes)?;
+        let text = String::from_utf8(bytes).map_err(io::Error::other)?;
+        self.push((name.to_owned(), text));
+        Ok(())
+    }
+}
+
+/// The memory images of a placed function, as (file name, text); file names
+/// start with the function's name and a slash. With `inputs`, one number per
+/// input element, the data images hold all initial data; without, constants
+/// only, and the rest as comments.
+///
+/// # Errors
+///
+/// When the function is not placed on this machine, or the placement cannot
+/// be expressed in the machine's instruction words; see [`ImageError`].
+pub fn images(
+    view: View<'_>,
+    machine: &Machine,
+    inputs: Option<&[f64]>,
+) -> Result<Vec<(String, String)>, ImageError> {
+    let mut files = Vec::new();
+    write_images(view, machine, inputs, &mut files)?;
+    Ok(files)
+}
+
+/// As [`images`], one file after the other into `artifacts`; the manifest
+/// comes last, so that it stands only beside complete images. Needs memory
+/// for an index of the placement, whatever the length of the files.
+///
+/// # Errors
+///
+/// As [`images`], and those of `artifacts`.
+pub fn write_images(
+    view: View<'_>,
+    machine: &Machine,
+    inputs: Option<&[f64]>,
+    artifacts: &mut dyn Artifacts,
+) -> Result<(), ImageError> {
+    let traffic = Traffic::new(view, machine)?;
+    let encoding = Encoding::new(machine.number)?;
+    let binding = Binding::new(&traffic)?;
+    let loaded = binding.loaded(encoding, inputs)?;
+    let writer = ImageWriter {
+        sizes: Sizes::new(machine, &traffic.usage),
+        traffic: &traffic,
+        encoding,
+    };
+    let mut hash = Fnv::new();
+    let mut elements = Vec::new();
+    for element in 0..traffic.usage.elements {
+        let layout = writer.layout(element);
+        let events = writer.events(element, &layout)?;
+        hash = writer.instruction_image(element, &layout, events, hash, artifacts)?;
+        writer.data_images(element, &loaded, artifacts)?;
+        elements.push(writer.element(element, &layout));
+    }
+    let manifest = Manifest {
+        robovec: env!("CARGO_PKG_VERSION").to_owned(),
+        format: manifest::FORMAT,
+        function: view.function.name.clone(),
+        machine: manifest::MachineIdentity {
+            name: machine.name.clone(),
+            hash: machine_hash(machine)?,
+        },
+        number: machine.number,
+        schedule_hash: hash.text(),
+        cycles: writer.depth(),
+        elements,
+        sources: writer.sources(),
+        inputs: binding.inputs(),
+        constants: binding.constants(),
+        host: binding.host()?,
+        outputs: binding.outputs()?,
+    };
+    artifacts.file(&writer.file_name("manifest.json"), &mut |target| {
+        write_manifest(target, &manifest)
+    })?;
+    Ok(())
+}
+
+/// The hash of what a program depends on; see
+/// [`manifest::MachineIdentity::hash`].
+fn machine_hash(machine: &Machine) -> Result<String, ImageError> {
+    let mut elements = machine.elements.clone();
+    for element in &mut elements {
+        element.count = 1;
+    }
+    let essence = (
+        machine.number,
+        elements,
+        machine.memory,
+        machine.buffer,
+        machine.interconnect,
+    );
+    let text = serde_json::to_vec(&essence).map_err(io::Error::from)?;
+    let mut hash = Fnv::new();
+    hash.update(&text);
+    Ok(hash.text())
+}
+
+/// One list element per line: readable, and short enough to compare.
+fn write_manifest(target: &mut dyn io::Write, manifest: &Manifest) -> io::Result<()> {
+    fn list<T: Serialize>(
+        target: &mut dyn io::Write,
+        name: &str,
+        items: &[T],
+        last: bool,
+    ) -> io::Result<()> {
+        write!(target, "  \"{name}\": [")?;
+        for (index, item) in items.iter().enumerate() {
+            let comma = if index == 0 { "" } else { "," };
+            write!(target, "{comma}\n    {}", serde_json::to_string(item)?)?;
+        }
+        let (end, comma) = (
+            if items.is_empty() { "" } else { "\n  " },
+            if last { "" } else { "," },
+        );
+        writeln!(target, "{end}]{comma}")
+    }
+    fn scalar<T: Serialize>(target: &mut dyn io::Write, name: &str, item: &T) -> io::Result<()> {
+        writeln!(target, "  \"{name}\": {},", serde_json::to_string(item)?)
+    }
+    writeln!(target, "{{")?;
+    scalar(target, "robovec", &manifest.robovec)?;
+    scalar(target, "format", &manifest.format)?;
+    scalar(target, "function", &manifest.function)?;
+    scalar(target, "machine", &manifest.machine)?;
+    scalar(target, "number", &manifest.number)?;
+    scalar(target, "schedule_hash", &manifest.schedule_hash)?;
+    scalar(target, "cycles", &manifest.cycles)?;
+    list(target, "elements", &manifest.elements, false)?;
+    list(target, "sources", &manifest.sources, false)?;
+    list(target, "inputs", &manifest.inputs, false)?;
+    list(target, "constants", &manifest.constants, false)?;
+    list(target, "host", &manifest.host, false)?;
+    list(target, "outputs", &manifest.outputs, true)?;
+    writeln!(target, "}}")
+}
+
+/// A field of one word and what it holds.
+#[derive(Clone, Copy)]
+struct Event {
+    cycle: u32,
+    field: u32,
+    content: u32,
+}
+
+struct ImageWriter<'a> {
+    traffic: &'a Traffic<'a>,
+    sizes: Sizes,
+    encoding: Encoding,
+}
+
+impl ImageWriter<'_> {
+    /// Words per instruction image: the length of the schedule, and one for
+    /// a program that has nothing to do.
+    fn depth(&self) -> u32 {
+        self.traffic.schedule.cycles.max(1)
+    }
+
+    fn file_name(&self, name: &str) -> String {
+        format!("{}/{name}", self.traffic.view.function.name)
+    }
+
+    fn operations(&self, element: u32) -> &[String] {
+        let kind = self.traffic.kinds[element as usize];
+        &self.traffic.machine.elements[kind].operations
+    }
+
+    fn layout(&self, element: u32) -> Layout {
+        Layout::new(&self.sizes, self.operations(element).len())
+    }
+
+    fn banks(&self) -> &'static [Bank] {
+        if self.sizes.memories == 1 {
+            &[Bank::Unified]
+        } else {
+            &[Bank::Left, Bank::Right]
+        }
+    }
+
+    /// What the select codes stand for: all results, then all buffers' first
+    /// read ports, then the second ones ….
+    fn sources(&self) -> Vec<String> {
+        let elements = self.sizes.elements;
+        (0..self.sizes.sources())
+            .map(|code| {
+                let name = self.traffic.element_name(code % elements);
+                match (code / elements, self.sizes.buffer) {
+                    (0, _) => name,
+                    (1, Some((_, 1))) => format!("{name}.buffer"),
+                    (port, _) => format!("{name}.buffer.{}", port - 1),
+                }
+            })
+            .collect()
+    }
+
+    /// All fields to be set in an element's words, in order of cycle.
+    fn events(&self, element: u32, layout: &Layout) -> Result<Vec<Event>, ImageError> {
+        let mut events = Vec::new();
+        self.issue_events(element, layout, &mut events)?;
+        self.write_events(element, layout, &mut events)?;
+        let reads = &self.traffic.buffer_reads;
+        let start = reads.partition_point(|read| read.0 < element);
+        let own = reads[start..].chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
+        for group in own.take_while(|group| group[0].0 == element) {
+            for (port, &(_, cycle, word)) in (0u32..).zip(group) {
+                if self.sizes.buffer.is_none_or(|(_, ports)| port >= ports) {
+                    return Err(ImageError::BufferPorts {
+                        element: self.traffic.element_name(element),
+                        ports: self.sizes.buffer.map_or(0, |(_, ports)| ports),
+                        cycle,
+                    });
+                }
+                events.push(Event {
+                    cycle,
+                    field: layout.buffer_read(port),
+                    content: word,
+                });
+            }
+        }
+        events.sort_by_key(|event| event.cycle);
+        Ok(events)
+    }
+
+    /// Issues and buffer writes.
+    fn issue_events(
+        &self,
+        element: u32,
+        layout: &Layout,
+        events: &mut Vec<Event>,
+    ) -> Result<(), ImageError> {
+        let traffic = self.traffic;
+        let mut last = None;
+        for &value in traffic.issues.of(element) {
+            let cycle = traffic.schedule.slots[value as usize].cycle;
+            if last.replace(cycle) == Some(cycle) {
+                return Err(ImageError::IssueTwice {
+                    element: traffic.element_name(element),
+                    cycle,
+                });
+            }
+            let operation = traffic.view.function.node(Value(value)).operation;
+            let code = (self.operations(element).iter())
+                .position(|name| name == operation.name())
+                .unwrap_or(0) as u32;
+            let [left, right] = traffic.placement.reads[value as usize];
+            let right = if operation.arity() == 2 { right } else { 0 };
+            let fields = [
+                (ISSUE, 1),
+                (OPERATION, code),
+                (READ, left),
+                (READ + 1, right),
+            ];
+            events.extend(fields.map(|(field, content)| Event {
+                cycle,
+                field,
+                content,
+            }));
+            let word = traffic.placement.buffers[value as usize];
+            if word != Placement::NONE {
+                let ready = self.buffer_write_cycle(element, value)?;
+                let field = layout.buffer_write();
+                events.extend(
+                    [(field, 1), (field + 1, word)].map(|(field, content)| Event {
+                        cycle: ready,
+                        field,
+                        content,
+                    }),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    fn buffer_write_cycle(&self, element: u32, value: u32) -> Result<u32, ImageError> {
+        let traffic = self.traffic;
+        let ready = traffic.ready(value);
+        if self.sizes.buffer.is_none() {
+            return Err(ImageError::NotBuffered {
+                value: traffic.value_name(value),
+                element: traffic.element_name(element),
+                cycle: traffic.schedule.slots[value as usize].cycle,
+            });
+        }
+        match u32::try_from(ready) {
+            Ok(cycle) if cycle < traffic.schedule.cycles => Ok(cycle),
+            Ok(_) | Err(_) => Err(ImageError::AfterEnd {
+                value: traffic.value_name(value),
+                cycle: ready,
+                cycles: traffic.schedule.cycles,
+            }),
+        }
+    }
+
+    /// Writes into the element's memories, each through the next free port.
+    fn write_events(
+        &self,
+        element: u32,
+        layout: &Layout,
+        events: &mut Vec<Event>,
+    ) -> Result<(), ImageError> {
+        let writes = &self.traffic.placement.writes;
+        let same = |a: &u32, b: &u32| {
+            let [a, b] = [*a, *b].map(|index| writes[index as usize]);
+            a.cycle == b.cycle && a.word.bank == b.word.bank
+        };
+        for group in self.traffic.arrivals.of(element).chunk_by(same) {
+            for (port, &index) in (0u32..).zip(group) {
+                let write = writes[index as usize];
+                if port >= self.sizes.write_ports {
+                    return Err(ImageError::WritePorts {
+                        memory: self.traffic.memory_name(element, write.word.bank),
+                        ports: self.sizes.write_ports,
+                        cycle: write.cycle,
+                    });
+                }
+                let memory = u32::from(write.word.bank == Bank::Right);
+                let field = layout.write(memory, port);
+                let select = self.select(self.traffic.owners[index as usize], write.cycle);
+                let fields = [
+                    (field, 1),
+                    (field + 1, write.word.address),
+                    (field + 2, select),
+                ];
+                events.extend(fields.map(|(field, content)| Event {
+                    cycle: write.cycle,
+                    field,
+                    content,
+                }));
+            }
+        }
+        Ok(())
+    }
+
+    /// The crossbar's code for a value in a cycle: its producer's result, or
+    /// the read port of the producer's buffer that shows it.
+    fn select(&self, value: u32, cycle: u32) -> u32 {
+        let element = self.traffic.schedule.slots[value as usize].element;
+        if u64::from(cycle) == self.traffic.ready(value) {
+            return element;
+        }
+        let reads = &self.traffic.buffer_reads;
+        let word = self.traffic.placement.buffers[value as usize];
+        let first = reads.partition_point(|&(e, c, _)| (e, c) < (element, cycle));
+        let port = reads.partition_point(|&read| read < (element, cycle, word)) - first;
+        self.sizes.elements * (1 + port as u32) + element
+    }
+
+    fn instruction_image(
+        &self,
+        element: u32,
+        layout: &Layout,
+        events: Vec<Event>,
+        hash: Fnv,
+        artifacts: &mut dyn Artifacts,
+    ) -> Result<Fnv, ImageError> {
+        let name = self.traffic.element_name(element);
+        let title = self.title(&format!("instructions of {name}"));
+        let mut after = hash;
+        let file = self.file_name(&instruction_file(&name));
+        artifacts.file(&file, &mut |target| {
+            let mut mif = MifWriter::new(target, hash, &title, layout.width(), self.depth())?;
+            let mut next = 0;
+            let mut limbs = vec![0u64; layout.width().div_ceil(64) as usize];
+            for group in events.chunk_by(|a, b| a.cycle == b.cycle) {
+                let cycle = group[0].cycle;
+                if cycle > next {
+                    mif.zeros(next, cycle - 1)?;
+                }
+                limbs.fill(0);
+                for event in group {
+                    insert(
+                        &mut limbs,
+                        &layout.fields()[event.field as usize],
+                        event.content,
+                    );
+                }
+                mif.word(cycle, &limbs)?;
+                next = cycle + 1;
+            }
+            if next < self.depth() {
+                mif.zeros(next, self.depth() - 1)?;
+            }
+            after = mif.finish()?;
+            Ok(())
+        })?;
+        Ok(after)
+    }
+
+    fn data_images(
+        &self,
+        element: u32,
+        loaded: &[(Preload, Option<u64>)],
+        artifacts: &mut dyn Artifacts,
+    ) -> Result<(), ImageError> {
+        for &bank in self.banks() {
+            let key = (element, bank);
+            let of = |load: &Preload| (load.word.element, load.word.bank);
+            let start = loaded.partition_point(|(load, _)| of(load) < key);
+            let count = loaded[start..].partition_point(|(load, _)| of(load) == key);
+            let own = &loaded[start..start + count];
+            let name = self.traffic.memory_name(element, bank);
+            let title = self.title(&format!("initial data of {name}"));
+            let file = self.file_name(&data_file(&name));
+            artifacts.file(&file, &mut |target| {
+                let hash = Fnv::new();
+                let width = self.encoding.width();
+                let mut mif = MifWriter::new(target, hash, &title, width, self.sizes.words)?;
+                for (load, word) in own {
+                    let comment = robovec_ir::print::print_operand(self.traffic.view, load.operand);
+                    match word {
+                        Some(word) => mif.word_with(load.word.address, &[*word], &comment)?,
+                        None => mif.unknown(load.word.address, &comment)?,
+                    }
+                }
+                mif.finish().map(|_| ())
+            })?;
+        }
+        Ok(())
+    }
+
+    fn title(&self, what: &str) -> String {
+        let function = &self.traffic.view.function.name;
+        let machine = &self.traffic.machine.name;
+        format!("{what}: function {function} on machine {machine}").replace(['\n', '\r'], " ")
+    }
+
+    fn element(&self, element: u32, layout: &Layout) -> manifest::Element {
+        let name = self.traffic.element_name(element);
+        let kind = self.traffic.kinds[element as usize];
+        let memories = self.banks().iter().map(|&bank| {
+            let name = self.traffic.memory_name(element, bank);
+            manifest::Memory {
+                file: data_file(&name),
+                name,
+                words: self.sizes.words,
+                write_ports: self.sizes.write_ports,
+            }
+        });
+        let fields = layout.fields().iter().filter(|field| field.width > 0);
+        manifest::Element {
+            kind: self.traffic.machine.elements[kind].kind.clone(),
+            operations: self.operations(element).to_vec(),
+            instructions: manifest::Instructions {
+                file: instruction_file(&name),
+                width: layout.width(),
+                fields: fields.cloned().collect(),
+            },
+            memories: memories.collect(),
+            buffer: (self.sizes.buffer)
+                .map(|(words, read_ports)| manifest::Buffer { words, read_ports }),
+            name,
+        }
+    }
+}
+
+fn instruction_file(element: &str) -> String {
+    format!("{element}.instructions.mif")
+}
+
+fn data_file(memory: &str) -> String {
+    format!("{memory}.data.mif")
+}
+
+/// Sets a field of a word; its bits are zero before.
+fn insert(limbs: &mut [u64], field: &manifest::Field, content: u32) {
+    if field.width == 0 {
+        return;
+    }
+    let (limb, shift) = ((field.low / 64) as usize, field.low % 64);
+    let content = u64::from(content);
+    limbs[limb] |= content << shift;
+    if shift + field.width > 64 {
+        limbs[limb + 1] |= content >> (64 - shift);
+    }
+}

@@ -1,0 +1,242 @@
+//! The manifest that goes with the images: the schema of `manifest.json`.
+//!
+//! It names every image, lays out the instruction words, and gives the
+//! address of every input, constant, host value and output, so that a host
+//! program, the simulator or a testbench needs nothing else. `docs/images.md`
+//! explains the fields in words; both must be changed together, with
+//! [`FORMAT`].
+
+use serde::{Deserialize, Serialize};
+
+/// The version of the schema, raised at every incompatible change.
+pub const FORMAT: u32 = 1;
+
+/// The manifest of one function's images.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// The version of robovec that wrote it.
+    pub robovec: String,
+    /// The version of the schema, [`FORMAT`].
+    pub format: u32,
+    /// The function.
+    pub function: String,
+    /// The machine the images are for.
+    pub machine: MachineIdentity,
+    /// The number format of every data word.
+    pub number: robovec_ir::machine::NumberFormat,
+    /// 64-bit FNV-1a hash, in hexadecimal, of the instruction images' bytes,
+    /// one image after the other in order of the elements.
+    pub schedule_hash: String,
+    /// Length of the program: every instruction image has this many words.
+    pub cycles: u32,
+    /// The elements, in the order that the crossbar counts them.
+    pub elements: Vec<Element>,
+    /// What the crossbar's select codes stand for: code `i` is `sources[i]`.
+    pub sources: Vec<String>,
+    /// Every input element, in order.
+    pub inputs: Vec<InputElement>,
+    /// The constants that are loaded or put out.
+    pub constants: Vec<ConstantElement>,
+    /// The values the host computes before the run, each after its operands.
+    pub host: Vec<HostElement>,
+    /// Every output element that is set, in order.
+    pub outputs: Vec<OutputElement>,
+}
+
+/// Which machine the images are for.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MachineIdentity {
+    /// Its name.
+    pub name: String,
+    /// 64-bit FNV-1a hash, in hexadecimal, of what a program depends on: the
+    /// compact JSON of `[number, elements, memory, buffer, interconnect]` of
+    /// the machine file with every element's `count` set to 1 (the counts
+    /// used stand in [`Manifest::elements`]).
+    pub hash: String,
+}
+
+/// One processing element.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Element {
+    /// Kind and number: `add0`.
+    pub name: String,
+    /// The kind in the machine file.
+    pub kind: String,
+    /// The operations, in order of their code in the field `operation`.
+    pub operations: Vec<String>,
+    /// Its instruction image.
+    pub instructions: Instructions,
+    /// Its memories: one, or left and right.
+    pub memories: Vec<Memory>,
+    /// Its buffer, on machines that have one.
+    pub buffer: Option<Buffer>,
+}
+
+/// An instruction image.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Instructions {
+    /// The file, beside the manifest.
+    pub file: String,
+    /// Bits of a word.
+    pub width: u32,
+    /// The fields, from bit 0 up.
+    pub fields: Vec<Field>,
+}
+
+/// A field of an instruction word. A field of the layout that would have no
+/// bit is left out and counts as 0.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Field {
+    /// Its name, as in `docs/images.md`.
+    pub name: String,
+    /// Its lowest bit.
+    pub low: u32,
+    /// Its bits.
+    pub width: u32,
+}
+
+/// An operand memory.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Memory {
+    /// Its name in this manifest: `add0`, `add0.left`, `add0.right`.
+    pub name: String,
+    /// The data image, beside the manifest.
+    pub file: String,
+    /// Its words.
+    pub words: u32,
+    /// Its write ports.
+    pub write_ports: u32,
+}
+
+/// The buffer of an element.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Buffer {
+    /// Its words.
+    pub words: u32,
+    /// Its read ports.
+    pub read_ports: u32,
+}
+
+/// A word of an operand memory.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WordAddress {
+    /// The memory's name.
+    pub memory: String,
+    /// The address, from 0.
+    pub address: u32,
+}
+
+/// A value that is known before the run, by its place in the manifest's
+/// lists, from 0.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reference {
+    /// An input element.
+    Input(u32),
+    /// A constant.
+    Constant(u32),
+    /// A value of the host.
+    Host(u32),
+}
+
+/// An input element and the words it must be loaded into.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InputElement {
+    /// Array and indices, counted from 1: `q[3]`.
+    pub name: String,
+    /// Where it must stand at the start; none for an input nothing reads.
+    pub words: Vec<WordAddress>,
+}
+
+/// A constant and the words that hold it in the data images.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ConstantElement {
+    /// The shortest decimal number that reads back as the binary64 literal.
+    pub value: String,
+    /// Where it stands in the data images.
+    pub words: Vec<WordAddress>,
+}
+
+/// A value that the host computes in the machine's number format; sine and
+/// cosine are those of binary64, rounded once.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HostElement {
+    /// The value's name.
+    pub name: String,
+    /// What is computed: `sin`, `cos` ….
+    pub operation: String,
+    /// From what: inputs, constants and earlier values of the host.
+    pub operands: Vec<Reference>,
+    /// Where it must stand at the start.
+    pub words: Vec<WordAddress>,
+}
+
+/// An output element and where it is found after the run.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OutputElement {
+    /// Array and indices, counted from 1: `M[1,2]`.
+    pub name: String,
+    /// Its place among the flattened output elements, from 0.
+    pub index: u32,
+    /// The value.
+    #[serde(flatten)]
+    pub value: OutputValue,
+}
+
+/// The value of an output element.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OutputValue {
+    /// In a memory after the last cycle.
+    Home(Home),
+    /// Known before the run.
+    Known(Reference),
+}
+
+/// The word that holds an output at the end.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Home {
+    /// The memory's name.
+    pub memory: String,
+    /// The address, from 0.
+    pub address: u32,
+    /// The cycle at whose end the word takes the output's value, and after
+    /// which nothing may be written into it.
+    pub written: u32,
+}
+
+/// 64-bit FNV-1a, continued over several pieces.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fnv(u64);
+
+impl Fnv {
+    /// The hash of nothing.
+    pub(super) fn new() -> Fnv {
+        Fnv(0xcbf2_9ce4_8422_2325)
+    }
+
+    /// Takes more bytes in.
+    pub(super) fn update(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+
+    /// Sixteen hexadecimal digits.
+    pub(super) fn text(self) -> String {
+        format!("{:016x}", self.0)
+    }
+}

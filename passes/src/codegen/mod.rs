@@ -1,0 +1,26 @@
+//! Code generation: what leaves the compiler.
+//!
+//! Two targets. [`images`] turns a placed function into the memory images of
+//! the machine: one instruction word per element and cycle, one data image
+//! per memory, and a manifest that says where every input goes and every
+//! output is found (`docs/images.md` is the contract with simulator and
+//! hardware). [`c`] writes a C99 function for a processor.
+//!
+//! Image generation decides nothing: it transcribes the placement, and
+//! refuses only what the words cannot express (more writes than ports, two
+//! buffer words through one read port, an event after the end). Whether the
+//! program is *right* is for the simulator to find out, which sees the images
+//! alone.
+
+mod binding;
+pub mod c;
+mod error;
+mod images;
+mod layout;
+pub mod manifest;
+mod mif;
+mod number;
+mod traffic;
+
+pub use error::ImageError;
+pub use images::{Artifacts, images, write_images};

@@ -1,0 +1,429 @@
+//! The traffic of a placed function, sorted by element.
+//!
+//! The images are written element by element and cycle by cycle, the
+//! placement is stored value by value. This module checks that the placement
+//! can be indexed safely, and sorts issues, arriving writes and buffer reads
+//! by element, in arrays of 32-bit numbers: memory stays a few words per
+//! operation.
+
+use super::ImageError;
+use robovec_ir::machine::MemoryStyle;
+use robovec_ir::placement::{Bank, Placement, Schedule, Slot, Word, Write};
+use robovec_ir::{Machine, Value, View};
+
+/// The most elements of a kind, as in a machine file.
+const MOST_ELEMENTS: u32 = 4096;
+
+/// What the program uses of the machine.
+#[derive(Clone, Copy, Default, Debug)]
+pub(super) struct Usage {
+    /// Elements of all kinds.
+    pub(super) elements: u32,
+    /// Words of the fullest memory, counted by the highest address.
+    pub(super) words: u32,
+    /// Most writes into one memory in one cycle.
+    pub(super) write_ports: u32,
+    /// Words of the fullest buffer.
+    pub(super) buffer_words: u32,
+    /// Most distinct words read from one buffer in one cycle.
+    pub(super) buffer_reads: u32,
+}
+
+/// Numbers grouped by element.
+pub(super) struct Groups {
+    starts: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl Groups {
+    /// Sorts the pairs (element, item) by element, keeping their order.
+    fn new(elements: u32, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> Groups {
+        let mut starts = vec![0u32; elements as usize + 1];
+        for (element, _) in pairs.clone() {
+            starts[element as usize + 1] += 1;
+        }
+        for index in 1..starts.len() {
+            starts[index] += starts[index - 1];
+        }
+        let mut next = starts.clone();
+        let mut items = vec![0; starts[elements as usize] as usize];
+        for (element, item) in pairs {
+            let place = &mut next[element as usize];
+            items[*place as usize] = item;
+            *place += 1;
+        }
+        Groups { starts, items }
+    }
+
+    /// The items of one element.
+    pub(super) fn of(&self, element: u32) -> &[u32] {
+        let element = element as usize;
+        &self.items[self.starts[element] as usize..self.starts[element + 1] as usize]
+    }
+
+    fn of_mut(&mut self, element: u32) -> &mut [u32] {
+        let element = element as usize;
+        &mut self.items[self.starts[element] as usize..self.starts[element + 1] as usize]
+    }
+}
+
+/// One buffer word read in one cycle: element, cycle, word.
+pub(super) type BufferRead = (u32, u32, u32);
+
+/// A placed function with its traffic sorted by element.
+pub(super) struct Traffic<'a> {
+    pub(super) view: View<'a>,
+    pub(super) machine: &'a Machine,
+    pub(super) schedule: &'a Schedule,
+    pub(super) placement: &'a Placement,
+    /// For each element its kind's place in the machine file.
+    pub(super) kinds: Vec<usize>,
+    /// For each write the value written.
+    pub(super) owners: Vec<u32>,
+    /// The values each element issues, in order of cycle.
+    pub(super) issues: Groups,
+    /// The writes into each element's memories, in order of cycle and word.
+    pub(super) arrivals: Groups,
+    /// The buffer words read, each once per cycle, sorted.
+    pub(super) buffer_reads: Vec<BufferRead>,
+    pub(super) usage: Usage,
+}
+
+impl<'a> Traffic<'a> {
+    /// Checks and sorts.
+    pub(super) fn new(view: View<'a>, machine: &'a Machine) -> Result<Traffic<'a>, ImageError> {
+        let function = view.function;
+        let (Some(schedule), Some(placement)) = (&function.schedule, &function.placement) else {
+            return Err(ImageError::NotPlaced {
+                function: function.name.clone(),
+                level: function.level.name(),
+            });
+        };
+        if schedule.machine != machine.name {
+            return Err(ImageError::OtherMachine {
+                placed: schedule.machine.clone(),
+                asked: machine.name.clone(),
+            });
+        }
+        let kinds = element_kinds(schedule, machine)?;
+        check_shape(view, machine, schedule, placement, kinds.len() as u32)?;
+        let elements = kinds.len() as u32;
+        let slots = &schedule.slots;
+        let on_elements = |&(element, _): &(u32, u32)| element != Slot::HOST;
+        let mut issues = Groups::new(
+            elements,
+            (0u32..)
+                .zip(slots)
+                .map(|(value, slot)| (slot.element, value))
+                .filter(on_elements),
+        );
+        let mut arrivals = Groups::new(
+            elements,
+            (0u32..)
+                .zip(&placement.writes)
+                .map(|(index, write)| (write.word.element, index)),
+        );
+        for element in 0..elements {
+            let issued = issues.of_mut(element);
+            issued.sort_by_key(|&value| slots[value as usize].cycle);
+            let arriving = arrivals.of_mut(element);
+            arriving.sort_by_key(|&index| {
+                let write = placement.writes[index as usize];
+                (write.cycle, write.word)
+            });
+        }
+        let mut owners = Vec::with_capacity(placement.writes.len());
+        for (value, range) in (0u32..).zip(placement.write_starts.windows(2)) {
+            owners.extend((range[0]..range[1]).map(|_| value));
+        }
+        let mut traffic = Traffic {
+            view,
+            machine,
+            schedule,
+            placement,
+            kinds,
+            owners,
+            issues,
+            arrivals,
+            buffer_reads: Vec::new(),
+            usage: Usage::default(),
+        };
+        traffic.collect_buffer_reads()?;
+        traffic.usage = traffic.measure();
+        traffic.check_addresses()?;
+        Ok(traffic)
+    }
+
+    /// The cycle in which a value's result is on the crossbar.
+    pub(super) fn ready(&self, value: u32) -> u64 {
+        let slot = self.schedule.slots[value as usize];
+        let kind = self.kinds[slot.element as usize];
+        u64::from(slot.cycle) + u64::from(self.machine.elements[kind].stages) + 1
+    }
+
+    /// Kind and number of an element, as in the placed text.
+    pub(super) fn element_name(&self, element: u32) -> String {
+        let (kind, number) = self.schedule.element_name(element);
+        format!("{kind}{number}")
+    }
+
+    /// The name of a memory.
+    pub(super) fn memory_name(&self, element: u32, bank: Bank) -> String {
+        let side = match bank {
+            Bank::Unified => "",
+            Bank::Left => ".left",
+            Bank::Right => ".right",
+        };
+        self.element_name(element) + side
+    }
+
+    /// A value's name, without the percent sign.
+    pub(super) fn value_name(&self, value: u32) -> String {
+        let name = self.view.function.node(Value(value)).name;
+        if name.is_none() {
+            return format!("node {value}");
+        }
+        name.display(&self.view.tables.symbols)
+    }
+
+    /// Every write must be direct or come from a buffer; the latter are
+    /// collected.
+    fn collect_buffer_reads(&mut self) -> Result<(), ImageError> {
+        for (write, &value) in self.placement.writes.iter().zip(&self.owners) {
+            let slot = self.schedule.slots[value as usize];
+            if slot.is_host() {
+                return Err(self.malformed(format!(
+                    "'%{}' is computed by the host and written in cycle {}",
+                    self.value_name(value),
+                    write.cycle
+                )));
+            }
+            let ready = self.ready(value);
+            if u64::from(write.cycle) < ready {
+                return Err(ImageError::WriteTooEarly {
+                    value: self.value_name(value),
+                    cycle: write.cycle,
+                    ready,
+                });
+            }
+            if write.cycle >= self.schedule.cycles {
+                return Err(ImageError::AfterEnd {
+                    value: self.value_name(value),
+                    cycle: u64::from(write.cycle),
+                    cycles: self.schedule.cycles,
+                });
+            }
+            if u64::from(write.cycle) > ready {
+                let word = self.placement.buffers[value as usize];
+                if word == Placement::NONE || self.machine.buffer.is_none() {
+                    return Err(ImageError::NotBuffered {
+                        value: self.value_name(value),
+                        element: self.element_name(slot.element),
+                        cycle: write.cycle,
+                    });
+                }
+                self.buffer_reads.push((slot.element, write.cycle, word));
+            }
+        }
+        self.buffer_reads.sort_unstable();
+        self.buffer_reads.dedup();
+        Ok(())
+    }
+
+    fn measure(&self) -> Usage {
+        let placement = self.placement;
+        let addresses = placement
+            .reads
+            .iter()
+            .flatten()
+            .filter(|&&address| address != Placement::NONE)
+            .copied()
+            .chain(placement.writes.iter().map(|write| write.word.address))
+            .chain(placement.preloads.iter().map(|load| load.word.address))
+            .chain(placement.homes.iter().flatten().map(|word| word.address));
+        let buffer_words = placement
+            .buffers
+            .iter()
+            .filter(|&&word| word != Placement::NONE);
+        let same_port = |a: &u32, b: &u32| {
+            let [a, b] = [*a, *b].map(|index| placement.writes[index as usize]);
+            a.cycle == b.cycle && a.word.bank == b.word.bank
+        };
+        let write_ports = (0..self.kinds.len() as u32)
+            .flat_map(|element| self.arrivals.of(element).chunk_by(same_port))
+            .map(<[u32]>::len)
+            .max();
+        let buffer_reads = self
+            .buffer_reads
+            .chunk_by(|a, b| (a.0, a.1) == (b.0, b.1))
+            .map(<[BufferRead]>::len)
+            .max();
+        Usage {
+            elements: self.kinds.len() as u32,
+            words: addresses.max().map_or(0, |most| most + 1),
+            write_ports: write_ports.unwrap_or(0) as u32,
+            buffer_words: buffer_words.max().map_or(0, |most| most + 1),
+            buffer_reads: buffer_reads.unwrap_or(0) as u32,
+        }
+    }
+
+    /// Declared sizes must hold what is used.
+    fn check_addresses(&self) -> Result<(), ImageError> {
+        let fits = |used: u32, declared: Option<u32>| declared.is_none_or(|words| used <= words);
+        let memory = self.machine.memory;
+        if !fits(self.usage.words, memory.words) {
+            return Err(ImageError::AddressRange {
+                memory: "an operand memory".to_owned(),
+                address: self.usage.words - 1,
+                words: memory.words.unwrap_or(0),
+            });
+        }
+        let words = self.machine.buffer.and_then(|buffer| buffer.words);
+        if !fits(self.usage.buffer_words, words) {
+            return Err(ImageError::AddressRange {
+                memory: "a buffer".to_owned(),
+                address: self.usage.buffer_words - 1,
+                words: words.unwrap_or(0),
+            });
+        }
+        Ok(())
+    }
+
+    /// The error of a placement that does not fit its function.
+    pub(super) fn malformed(&self, what: String) -> ImageError {
+        malformed(self.view, what)
+    }
+
+    /// The writes that put a value into a word, the last first.
+    pub(super) fn last_write(&self, value: Value, word: Word) -> Option<Write> {
+        let writes = self.placement.writes_of(value);
+        writes
+            .iter()
+            .rev()
+            .find(|write| write.word == word)
+            .copied()
+    }
+}
+
+fn malformed(view: View<'_>, what: String) -> ImageError {
+    ImageError::Malformed {
+        function: view.function.name.clone(),
+        what,
+    }
+}
+
+/// For each element of the schedule its kind's place in the machine file.
+fn element_kinds(schedule: &Schedule, machine: &Machine) -> Result<Vec<usize>, ImageError> {
+    let mut kinds = Vec::new();
+    for kind in &schedule.kinds {
+        let place = machine
+            .elements
+            .iter()
+            .position(|element| element.kind == kind.name);
+        let Some(place) = place.filter(|_| kind.count <= MOST_ELEMENTS) else {
+            return Err(ImageError::UnknownKind {
+                kind: kind.name.clone(),
+            });
+        };
+        kinds.extend((0..kind.count).map(|_| place));
+    }
+    Ok(kinds)
+}
+
+/// Everything that later code indexes with must be in range.
+fn check_shape(
+    view: View<'_>,
+    machine: &Machine,
+    schedule: &Schedule,
+    placement: &Placement,
+    elements: u32,
+) -> Result<(), ImageError> {
+    let count = view.function.nodes().len();
+    let starts = &placement.write_starts;
+    let whole = schedule.slots.len() == count
+        && placement.reads.len() == count
+        && placement.buffers.len() == count
+        && starts.len() == count + 1
+        && starts.first() == Some(&0)
+        && starts.last().copied().map(|end| end as usize) == Some(placement.writes.len())
+        && starts.is_sorted()
+        && placement.homes.len() == view.function.assignments.len();
+    if !whole {
+        return Err(malformed(
+            view,
+            "its parts do not have one entry per value and output".to_owned(),
+        ));
+    }
+    let split = machine.memory.style == MemoryStyle::SideSplit;
+    let words = (placement.writes.iter().map(|write| write.word))
+        .chain(placement.preloads.iter().map(|load| load.word))
+        .chain(placement.homes.iter().flatten().copied());
+    for word in words {
+        let bank_exists = (word.bank != Bank::Unified) == split;
+        if word.element >= elements || !bank_exists || word.address == Placement::NONE {
+            return Err(malformed(view, format!("there is no memory word {word:?}")));
+        }
+    }
+    check_issues(view, machine, schedule, placement, elements)
+}
+
+fn check_issues(
+    view: View<'_>,
+    machine: &Machine,
+    schedule: &Schedule,
+    placement: &Placement,
+    elements: u32,
+) -> Result<(), ImageError> {
+    for (slot, reads) in schedule.slots.iter().zip(&placement.reads) {
+        if !slot.is_host() && slot.element >= elements {
+            return Err(malformed(
+                view,
+                format!("there is no element {}", slot.element),
+            ));
+        }
+        if !slot.is_host() && reads[0] == Placement::NONE {
+            return Err(malformed(
+                view,
+                format!(
+                    "the operation issued in cycle {} has no read address",
+                    slot.cycle
+                ),
+            ));
+        }
+    }
+    for (value, node) in view.function.values() {
+        let slot = schedule.slots[value.index()];
+        if slot.is_host() {
+            continue;
+        }
+        let binary = node.operation.arity() == 2;
+        if binary
+            && (node.operands[1].is_none() || placement.reads[value.index()][1] == Placement::NONE)
+        {
+            return Err(malformed(
+                view,
+                "an operation of two operands reads one".to_owned(),
+            ));
+        }
+        let (kind, number) = schedule.element_name(slot.element);
+        let performs = machine
+            .elements
+            .iter()
+            .any(|element| element.kind == kind && element.performs(node.operation));
+        if !performs {
+            return Err(ImageError::CannotPerform {
+                element: format!("{kind}{number}"),
+                operation: node.operation.name(),
+                value: node.name.display(&view.tables.symbols),
+            });
+        }
+        if slot.cycle >= schedule.cycles {
+            return Err(ImageError::AfterEnd {
+                value: node.name.display(&view.tables.symbols),
+                cycle: u64::from(slot.cycle),
+                cycles: schedule.cycles,
+            });
+        }
+    }
+    Ok(())
+}
