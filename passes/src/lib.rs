@@ -6,6 +6,7 @@
 pub mod analysis;
 pub mod asap_alap;
 pub mod atomise;
+pub mod check;
 pub mod class;
 pub mod codegen;
 pub mod cse;

@@ -1,4 +1,6 @@
 //! Analyses: what passes and reports compute about a function without
 //! changing it.
 
+pub mod accuracy;
 pub mod critical_path;
+pub mod slice;

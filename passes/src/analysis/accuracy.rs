@@ -1,0 +1,371 @@
+//! Rounding errors: every output in binary32 and binary64 against
+//! double-double, over seeded random states.
+//!
+//! Three measures, since each alone misleads (an element that is nearly zero
+//! has a huge relative error and does no harm, a sum of large elements hides
+//! a small wrong one):
+//!
+//! - *relative*: `|computed - exact| / |exact|`, element by element;
+//! - *ulps*: the same distance in units in the last place of the exact value,
+//!   in the format computed with;
+//! - *normwise*: the largest error of an array over its largest element.
+//!
+//! A computed number that is not finite where the exact one is, or not zero
+//! where the exact one is, has an infinite error. States in which the exact
+//! value is itself not finite say nothing and are left out; an output without
+//! any other state has the error NaN. Inputs are representable in binary32
+//! ([`States`]), so what is measured is the rounding of the program, not of
+//! its data; literals that a format cannot hold do count.
+
+use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::states::States;
+use robovec_ir::{Output, View};
+
+/// Median and worst case of an error over all states.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Spread {
+    /// Half of the states are at or below it.
+    pub median: f64,
+    /// The largest.
+    pub worst: f64,
+}
+
+/// The error of one output element.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ElementError {
+    /// Which element.
+    pub output: Output,
+    /// Relative to the exact value.
+    pub relative: Spread,
+    /// In units in the last place of the exact value.
+    pub ulps: Spread,
+    /// The number of the state with the largest relative error, as
+    /// [`States::draw`] counts.
+    pub worst_state: u32,
+}
+
+/// The error of one output array.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ArrayError {
+    /// Index into [`robovec_ir::Function::outputs`].
+    pub array: usize,
+    /// Largest error over largest element.
+    pub normwise: Spread,
+}
+
+/// The errors in one number format.
+#[derive(Clone, PartialEq, Debug)]
+pub struct FormatAccuracy {
+    /// One entry per assignment, in the function's order.
+    pub elements: Vec<ElementError>,
+    /// One entry per output array that has an assignment.
+    pub arrays: Vec<ArrayError>,
+}
+
+/// The errors of a function.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Accuracy {
+    /// How many states were drawn.
+    pub states: u32,
+    /// From which seed.
+    pub seed: u64,
+    /// In IEEE binary32.
+    pub binary32: FormatAccuracy,
+    /// In IEEE binary64.
+    pub binary64: FormatAccuracy,
+}
+
+/// The errors of a whole function in a few numbers.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Summary {
+    /// The median over all outputs of their median relative error.
+    pub median_relative: f64,
+    /// The largest normwise error of any array in any state.
+    pub worst_normwise: f64,
+    /// The largest error in ulps of any output in any state.
+    pub worst_ulps: f64,
+    /// The output with the largest error in ulps; `None` without outputs.
+    pub worst_output: Option<Output>,
+}
+
+impl FormatAccuracy {
+    /// The whole function in a few numbers; all 0 for one without outputs.
+    pub fn summary(&self) -> Summary {
+        let mut medians: Vec<f64> = self.elements.iter().map(|e| e.relative.median).collect();
+        let worst = self
+            .elements
+            .iter()
+            .filter(|element| !element.ulps.worst.is_nan())
+            .max_by(|a, b| {
+                let order = a.ulps.worst.total_cmp(&b.ulps.worst);
+                // The first of equals, so that the choice is stable.
+                order.then(b.output.cmp(&a.output))
+            });
+        Summary {
+            median_relative: spread(&mut medians).map_or(0.0, |spread| spread.median),
+            worst_normwise: self
+                .arrays
+                .iter()
+                .map(|array| array.normwise.worst)
+                .fold(0.0, f64::max),
+            worst_ulps: worst.map_or(0.0, |element| element.ulps.worst),
+            worst_output: worst.map(|element| element.output),
+        }
+    }
+}
+
+/// Measures the errors of a function over a number of states.
+pub fn accuracy(view: View<'_>, states: u32, seed: u64) -> Accuracy {
+    let mut narrow = Samples::new(view, 23, -126);
+    let mut wide = Samples::new(view, 52, -1022);
+    let source = States::new(seed);
+    for index in 0..states {
+        let inputs = source.draw(view, index);
+        let exact = evaluate_at(view, &DoubleDouble, &inputs);
+        let computed = evaluate_at(view, &Binary32, &inputs);
+        let computed: Vec<f64> = computed.into_iter().map(f64::from).collect();
+        narrow.add(view, &exact, &computed);
+        wide.add(view, &exact, &evaluate_at(view, &Binary64, &inputs));
+    }
+    Accuracy {
+        states,
+        seed,
+        binary32: narrow.finish(view),
+        binary64: wide.finish(view),
+    }
+}
+
+/// The outputs of a function in a state, in the order of its assignments.
+pub fn evaluate_at<A: Arithmetic>(
+    view: View<'_>,
+    arithmetic: &A,
+    inputs: &[f64],
+) -> Vec<A::Number> {
+    let inputs: Vec<A::Number> = inputs
+        .iter()
+        .map(|&number| arithmetic.literal(number))
+        .collect();
+    evaluate(view.function, arithmetic, &inputs)
+}
+
+/// Errors of one format, state after state.
+struct Samples {
+    /// Stored bits of the mantissa and the smallest normal exponent.
+    mantissa: i32,
+    smallest: i32,
+    /// For each state the relative errors and the errors in ulps of all
+    /// assignments.
+    states: Vec<Vec<(f64, f64)>>,
+    /// For each state the largest error and the largest exact value of every
+    /// output array.
+    norms: Vec<Vec<(f64, f64)>>,
+    /// The output array of every assignment.
+    arrays: Vec<usize>,
+}
+
+impl Samples {
+    fn new(view: View<'_>, mantissa: i32, smallest: i32) -> Samples {
+        let outputs = view.function.outputs();
+        let holds = |output: Output| {
+            // As in the function: empty arrays share an offset with the next.
+            outputs.partition_point(|array| array.offset <= output.0) - 1
+        };
+        let assignments = view.function.assignments.iter();
+        Samples {
+            mantissa,
+            smallest,
+            states: Vec::new(),
+            norms: Vec::new(),
+            arrays: assignments.map(|a| holds(a.output)).collect(),
+        }
+    }
+
+    fn add(&mut self, view: View<'_>, exact: &[Double], computed: &[f64]) {
+        let mut errors = Vec::with_capacity(exact.len());
+        let mut norms = vec![(0.0f64, 0.0f64); view.function.outputs().len()];
+        for ((&exact, &computed), &array) in exact.iter().zip(computed).zip(&self.arrays) {
+            if !exact.high.is_finite() {
+                errors.push((f64::NAN, f64::NAN));
+                continue;
+            }
+            let error = if computed.is_finite() {
+                exact.distance(computed)
+            } else {
+                f64::INFINITY
+            };
+            let size = exact.high.abs();
+            errors.push((quotient(error, size), error / self.ulp(size)));
+            let norm = &mut norms[array];
+            *norm = (norm.0.max(error), norm.1.max(size));
+        }
+        self.states.push(errors);
+        self.norms.push(norms);
+    }
+
+    /// The unit in the last place of a number.
+    fn ulp(&self, size: f64) -> f64 {
+        let exponent = match size.to_bits() >> 52 {
+            // Zero and subnormals.
+            0 => self.smallest,
+            biased => (biased as i32 - 1023).max(self.smallest),
+        };
+        2f64.powi(exponent - self.mantissa)
+    }
+
+    fn finish(&self, view: View<'_>) -> FormatAccuracy {
+        let nowhere = Spread {
+            median: f64::NAN,
+            worst: f64::NAN,
+        };
+        let column = |pick: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            (0..self.states.len())
+                .map(pick)
+                .filter(|error| !error.is_nan())
+                .collect()
+        };
+        let element = |index: usize, output: Output| {
+            let mut relative = column(&|state| self.states[state][index].0);
+            let mut ulps = column(&|state| self.states[state][index].1);
+            let relative = spread(&mut relative).unwrap_or(nowhere);
+            let worst = |errors: &Vec<(f64, f64)>| errors[index].0 == relative.worst;
+            ElementError {
+                output,
+                relative,
+                ulps: spread(&mut ulps).unwrap_or(nowhere),
+                worst_state: self.states.iter().position(worst).unwrap_or(0) as u32,
+            }
+        };
+        let array = |array: usize| {
+            let mut normwise = column(&|state| {
+                let (error, size) = self.norms[state][array];
+                quotient(error, size)
+            });
+            ArrayError {
+                array,
+                normwise: spread(&mut normwise).unwrap_or(nowhere),
+            }
+        };
+        let assignments = view.function.assignments.iter().enumerate();
+        let mut present = vec![false; view.function.outputs().len()];
+        for &array in &self.arrays {
+            present[array] = true;
+        }
+        FormatAccuracy {
+            elements: assignments.map(|(i, a)| element(i, a.output)).collect(),
+            arrays: (0..present.len())
+                .filter(|&index| present[index])
+                .map(array)
+                .collect(),
+        }
+    }
+}
+
+/// The error over the size; no error is 0 whatever the size.
+fn quotient(error: f64, size: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / size }
+}
+
+/// Median (the lower one of an even number) and maximum; `None` of nothing.
+fn spread(errors: &mut [f64]) -> Option<Spread> {
+    errors.sort_unstable_by(f64::total_cmp);
+    let worst = *errors.last()?;
+    Some(Spread {
+        median: errors[(errors.len() - 1) / 2],
+        worst,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_ir::{
+        Assignment, Function, Input, Level, Name, Node, Operand, Operation, Shape, SourceSet,
+        Tables,
+    };
+
+    fn function(tables: &mut Tables) -> Function {
+        let mut function = Function::new("sample", Level::Atomic);
+        function.add_input(tables.symbols.intern("x"), Shape::Vector(2));
+        function.add_output(tables.symbols.intern("y"), Shape::Vector(4));
+        function
+    }
+
+    fn push(function: &mut Function, operation: Operation, a: Operand, b: Operand) -> Operand {
+        let node = Node {
+            name: Name::NONE,
+            sources: SourceSet::EMPTY,
+            operands: [a, b],
+            operation,
+        };
+        function.push(node).into()
+    }
+
+    fn assign(function: &mut Function, operand: Operand) {
+        function.assignments.push(Assignment {
+            output: Output(function.assignments.len() as u32),
+            operand,
+            sources: SourceSet::EMPTY,
+        });
+    }
+
+    #[test]
+    fn one_rounding_costs_at_most_half_an_ulp_and_a_copy_nothing() {
+        let mut tables = Tables::default();
+        let mut function = function(&mut tables);
+        let (a, b) = (Operand::from(Input(0)), Operand::from(Input(1)));
+        let product = push(&mut function, Operation::Mul, a, b);
+        assign(&mut function, product);
+        assign(&mut function, a);
+        let view = View {
+            tables: &tables,
+            function: &function,
+        };
+        let accuracy = accuracy(view, 40, 3);
+        let narrow = &accuracy.binary32;
+        let product = narrow.elements[0];
+        assert!(product.ulps.worst <= 0.5 && product.ulps.worst > 0.4);
+        assert!(product.ulps.median > 0.1 && product.ulps.median < 0.4);
+        assert!(product.relative.worst <= 2f64.powi(-24));
+        assert_eq!(narrow.elements[1].relative.worst, 0.0);
+        // Products of two binary32 numbers are exact in binary64.
+        assert_eq!(accuracy.binary64.elements[0].ulps.worst, 0.0);
+        assert_eq!(narrow.summary().worst_output, Some(Output(0)));
+        assert!(narrow.arrays[0].normwise.worst <= 2f64.powi(-24));
+    }
+
+    #[test]
+    fn cancellation_overflow_and_undefined_values_show() {
+        let mut tables = Tables::default();
+        let mut function = function(&mut tables);
+        let (a, b) = (Operand::from(Input(0)), Operand::from(Input(1)));
+        let large = Operand::from(function.constant(1e30));
+        let zero = Operand::from(function.constant(0.0));
+        let sum = push(&mut function, Operation::Add, a, large);
+        let difference = push(&mut function, Operation::Sub, sum, large);
+        assign(&mut function, difference);
+        let square = push(&mut function, Operation::Mul, large, large);
+        assign(&mut function, square);
+        let undefined = push(&mut function, Operation::Div, b, zero);
+        assign(&mut function, undefined);
+        let view = View {
+            tables: &tables,
+            function: &function,
+        };
+        let accuracy = accuracy(view, 5, 3);
+        let errors = |format: &FormatAccuracy| {
+            let worst = |index: usize| format.elements[index].relative.worst;
+            (worst(0), worst(1), worst(2))
+        };
+        let (cancelled, overflown, undefined) = errors(&accuracy.binary32);
+        assert!(cancelled >= 1.0 && overflown == f64::INFINITY && undefined.is_nan());
+        let (cancelled, square, undefined) = errors(&accuracy.binary64);
+        assert!(cancelled == 1.0 && square < 1e-15 && undefined.is_nan());
+        assert_eq!(
+            accuracy.binary64.summary().worst_output,
+            Some(Output(0)),
+            "an undefined output is not the worst"
+        );
+    }
+}

@@ -1,0 +1,102 @@
+//! Exact equality at random points of the prime field.
+
+use super::pairing::Pairs;
+use robovec_ir::Output;
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::field::PrimeField;
+
+/// How the comparison ended.
+pub(super) enum Comparison {
+    /// Equal at every point; so many outputs were undefined everywhere, on
+    /// both sides.
+    Equal { undefined: u32 },
+    /// An output differs.
+    Different {
+        output: Output,
+        field: PrimeField,
+        before: u64,
+        after: u64,
+    },
+}
+
+/// Points drawn beyond those asked for when some are undefined. Random
+/// denominators vanish with probability 2⁻⁶¹, so one that vanishes this often
+/// always does.
+const EXTRA_POINTS: u32 = 4;
+
+/// Compares all outputs until each was defined on both sides at `points`
+/// points, or always undefined.
+pub(super) fn compare(pairs: &Pairs<'_>, circle: bool, points: u32, seed: u64) -> Comparison {
+    let mut tallies = vec![Tally::default(); pairs.list.len()];
+    for point in 0..points.saturating_add(EXTRA_POINTS) {
+        if tallies.iter().all(|tally| tally.both >= points) {
+            break;
+        }
+        let field = PrimeField {
+            seed: super::nth_seed(seed, point),
+            circle,
+        };
+        let inputs = field.point(pairs.before.function.input_len());
+        let before = evaluate(pairs.before.function, &field, &inputs);
+        let after = evaluate(pairs.after.function, &field, &inputs);
+        for (pair, tally) in pairs.list.iter().zip(&mut tallies) {
+            let (before, after) = (before[pair.before], after[pair.after]);
+            if tally.add(before, after) && before != after {
+                return Comparison::Different {
+                    output: pair.output,
+                    field,
+                    before,
+                    after,
+                };
+            }
+        }
+    }
+    judge_undefined(pairs, &tallies, circle, seed)
+}
+
+/// How often an output was defined.
+#[derive(Clone, Copy, Default)]
+struct Tally {
+    before: u32,
+    after: u32,
+    both: u32,
+}
+
+impl Tally {
+    /// Counts a point; true when it can be compared.
+    fn add(&mut self, before: u64, after: u64) -> bool {
+        let defined = [before, after].map(|number| !PrimeField::is_undefined(number));
+        self.before += u32::from(defined[0]);
+        self.after += u32::from(defined[1]);
+        let both = defined[0] && defined[1];
+        self.both += u32::from(both);
+        both
+    }
+}
+
+/// An output that could never be compared is equal when it is undefined on
+/// both sides, and different when it is defined on one.
+fn judge_undefined(pairs: &Pairs<'_>, tallies: &[Tally], circle: bool, seed: u64) -> Comparison {
+    let mut undefined = 0;
+    for (pair, tally) in pairs.list.iter().zip(tallies) {
+        if tally.both > 0 {
+            continue;
+        }
+        if tally.before == 0 && tally.after == 0 {
+            undefined += 1;
+            continue;
+        }
+        let field = PrimeField {
+            seed: super::nth_seed(seed, 0),
+            circle,
+        };
+        let inputs = field.point(pairs.before.function.input_len());
+        return Comparison::Different {
+            output: pair.output,
+            field,
+            before: evaluate(pairs.before.function, &field, &inputs)[pair.before],
+            after: evaluate(pairs.after.function, &field, &inputs)[pair.after],
+        };
+    }
+    Comparison::Equal { undefined }
+}

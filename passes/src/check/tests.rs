@@ -1,0 +1,277 @@
+//! The check accepts what is equal and catches what is not.
+
+use super::*;
+use robovec_ir::{
+    Assignment, Function, Input, Level, Name, Node, Operand, Operation, Shape, SourceSet, Tables,
+};
+
+/// Builds a function of inputs `x[1..4]` and outputs `y[1..4]`; every value
+/// is named `v`, `v.1`, `v.2` … in order.
+struct Builder {
+    tables: Tables,
+    function: Function,
+}
+
+impl Builder {
+    fn new() -> Builder {
+        let mut tables = Tables::default();
+        let mut function = Function::new("sample", Level::Atomic);
+        function.add_input(tables.symbols.intern("x"), Shape::Vector(4));
+        function.add_output(tables.symbols.intern("y"), Shape::Vector(4));
+        Builder { tables, function }
+    }
+
+    fn x(number: u32) -> Operand {
+        Input(number - 1).into()
+    }
+
+    fn constant(&mut self, number: f64) -> Operand {
+        self.function.constant(number).into()
+    }
+
+    fn unary(&mut self, operation: Operation, a: Operand) -> Operand {
+        self.binary(operation, a, Operand::NONE)
+    }
+
+    fn binary(&mut self, operation: Operation, a: Operand, b: Operand) -> Operand {
+        let name = Name {
+            base: self.tables.symbols.intern("v"),
+            suffix: self.function.nodes().len() as u32,
+        };
+        let node = Node {
+            name,
+            sources: SourceSet::EMPTY,
+            operands: [a, b],
+            operation,
+        };
+        self.function.push(node).into()
+    }
+
+    fn output(&mut self, number: u32, operand: Operand) {
+        self.function.assignments.push(Assignment {
+            output: Output(number - 1),
+            operand,
+            sources: SourceSet::EMPTY,
+        });
+    }
+
+    fn view(&self) -> View<'_> {
+        View {
+            tables: &self.tables,
+            function: &self.function,
+        }
+    }
+}
+
+/// `y[1] =` what `body` returns.
+fn single(body: impl FnOnce(&mut Builder) -> Operand) -> Builder {
+    let mut builder = Builder::new();
+    let result = body(&mut builder);
+    builder.output(1, result);
+    builder
+}
+
+use Operation::{Add, Cos, Div, Mul, Neg, Sin, Sqrt, Sub};
+
+fn verdict(before: &Builder, after: &Builder, class: NumericClass) -> Verdict {
+    check(before.view(), after.view(), class, 3, 11)
+}
+
+fn holds(before: &Builder, after: &Builder, class: NumericClass) -> bool {
+    verdict(before, after, class).holds()
+}
+
+/// `(x1 + x2) + x3` and `x1 + (x2 + x3)`.
+fn associated() -> [Builder; 2] {
+    let left = single(|b| {
+        let sum = b.binary(Add, Builder::x(1), Builder::x(2));
+        b.binary(Add, sum, Builder::x(3))
+    });
+    let right = single(|b| {
+        let sum = b.binary(Add, Builder::x(2), Builder::x(3));
+        b.binary(Add, Builder::x(1), sum)
+    });
+    [left, right]
+}
+
+#[test]
+fn reassociation_is_real_and_not_exact() {
+    let [left, right] = associated();
+    assert!(holds(&left, &right, NumericClass::Real));
+    assert!(holds(&left, &right, NumericClass::RealTrig));
+    assert!(holds(&left, &left, NumericClass::Exact));
+    let verdict = check(left.view(), right.view(), NumericClass::Exact, 20, 11);
+    let failure = verdict.failure.expect("some of 20 states round otherwise");
+    assert!(matches!(failure.kind, FailureKind::Bits { .. }));
+    assert_eq!(failure.name, "y[1]");
+}
+
+#[test]
+fn operands_in_the_wrong_order_are_caught() {
+    for operation in [Sub, Div] {
+        let before = single(|b| b.binary(operation, Builder::x(1), Builder::x(2)));
+        let after = single(|b| b.binary(operation, Builder::x(2), Builder::x(1)));
+        assert!(!holds(&before, &after, NumericClass::Real));
+    }
+    let before = single(|b| b.binary(Mul, Builder::x(1), Builder::x(2)));
+    let after = single(|b| b.binary(Mul, Builder::x(2), Builder::x(1)));
+    assert!(holds(&before, &after, NumericClass::Exact));
+}
+
+#[test]
+fn a_dropped_term_is_caught_and_the_culprit_named() {
+    let body = |b: &mut Builder, complete: bool| {
+        let product = b.binary(Mul, Builder::x(1), Builder::x(2));
+        let third = if complete {
+            Builder::x(3)
+        } else {
+            b.constant(0.0)
+        };
+        let sum = b.binary(Add, product, third);
+        b.binary(Mul, sum, sum)
+    };
+    let before = single(|b| body(b, true));
+    let after = single(|b| body(b, false));
+    let verdict = verdict(&before, &after, NumericClass::Real);
+    let failure = verdict.failure.as_ref().expect("a term is missing");
+    assert_eq!(failure.slice_after.len(), 3);
+    let (old, new) = failure.first_difference.as_ref().expect("the sum differs");
+    assert_eq!(old, "%v.1 = %v + x[3]");
+    assert_eq!(new, "%v.1 = %v + 0.0");
+    assert!(verdict.to_string().contains("y[1] is another function"));
+    assert!(verdict.errors.is_none());
+}
+
+#[test]
+fn a_wrong_sign_is_caught_and_a_moved_one_accepted() {
+    let before = single(|b| {
+        let minus = b.unary(Neg, Builder::x(1));
+        b.binary(Add, minus, Builder::x(2))
+    });
+    let moved = single(|b| b.binary(Sub, Builder::x(2), Builder::x(1)));
+    let wrong = single(|b| b.binary(Add, Builder::x(2), Builder::x(1)));
+    assert!(holds(&before, &moved, NumericClass::Exact));
+    assert!(!holds(&before, &wrong, NumericClass::Real));
+}
+
+#[test]
+fn zeros_of_either_sign_are_equal() {
+    let zero_times = |negative: bool| {
+        single(move |b| {
+            let zero = b.constant(0.0);
+            let product = b.binary(Mul, Builder::x(1), zero);
+            if negative {
+                b.unary(Neg, product)
+            } else {
+                b.binary(Sub, zero, product)
+            }
+        })
+    };
+    assert!(holds(
+        &zero_times(true),
+        &zero_times(false),
+        NumericClass::Exact
+    ));
+}
+
+#[test]
+fn the_circle_is_used_only_when_allowed() {
+    let before = single(|b| {
+        let sine = b.unary(Sin, Builder::x(1));
+        let cosine = b.unary(Cos, Builder::x(1));
+        let squares = [b.binary(Mul, sine, sine), b.binary(Mul, cosine, cosine)];
+        b.binary(Add, squares[0], squares[1])
+    });
+    let after = single(|b| b.constant(1.0));
+    assert!(!holds(&before, &after, NumericClass::Real));
+    assert!(holds(&before, &after, NumericClass::RealTrig));
+}
+
+#[test]
+fn division_by_zero_decides_only_when_it_is_one_sided() {
+    let quotient = |above: u32| {
+        single(move |b| {
+            let zero = b.binary(Sub, Builder::x(2), Builder::x(2));
+            b.binary(Div, Builder::x(above), zero)
+        })
+    };
+    let verdict = verdict(&quotient(1), &quotient(3), NumericClass::Real);
+    assert!(verdict.holds());
+    assert_eq!(verdict.undefined, 1);
+    let defined = single(|b| b.binary(Mul, Builder::x(1), Builder::x(2)));
+    assert!(!holds(&quotient(1), &defined, NumericClass::Real));
+    assert!(!holds(&defined, &quotient(1), NumericClass::Real));
+}
+
+#[test]
+fn square_roots_are_equal_for_equal_arguments_only() {
+    let root = |order: [u32; 2]| {
+        single(move |b| {
+            let sum = b.binary(Add, Builder::x(order[0]), Builder::x(order[1]));
+            b.unary(Sqrt, sum)
+        })
+    };
+    assert!(holds(&root([1, 2]), &root([2, 1]), NumericClass::Exact));
+    assert!(!holds(&root([1, 2]), &root([1, 3]), NumericClass::Real));
+}
+
+#[test]
+fn an_approximation_is_measured() {
+    let before = single(|b| b.unary(Cos, Builder::x(1)));
+    let after = single(|b| {
+        let (one, half) = (b.constant(1.0), b.constant(0.5));
+        let square = b.binary(Mul, Builder::x(1), Builder::x(1));
+        let half = b.binary(Mul, half, square);
+        b.binary(Sub, one, half)
+    });
+    assert!(!holds(&before, &after, NumericClass::RealTrig));
+    let verdict = check(
+        before.view(),
+        after.view(),
+        NumericClass::Approximating,
+        20,
+        1,
+    );
+    let deviation = verdict.deviation.expect("approximations are measured");
+    // Inputs called `x` lie within ±1, where the series is off by x⁴/24.
+    assert!(deviation.worst_relative < 0.1 && deviation.worst_relative > 1e-4);
+    assert_eq!(deviation.output, Some(Output(0)));
+    assert!(verdict.holds());
+}
+
+#[test]
+fn other_signatures_and_missing_outputs_are_refused() {
+    let one = single(|_| Builder::x(1));
+    let mut two = single(|_| Builder::x(1));
+    two.output(2, Builder::x(2));
+    let reason =
+        |before: &Builder, after: &Builder| verdict(before, after, NumericClass::Real).to_string();
+    assert_eq!(reason(&two, &one), "not real: y[2] is no longer set");
+    assert!(reason(&one, &two).contains("y[2] is set, and was not before"));
+    let mut other = single(|_| Builder::x(1));
+    let symbol = other.tables.symbols.intern("z");
+    other.function.add_input(symbol, Shape::Scalar);
+    assert!(reason(&one, &other).contains("the input array z"));
+}
+
+#[test]
+fn errors_are_reported_before_and_after() {
+    // Subtracting a large number from two sums of which one has absorbed it.
+    let sum = |large_first: bool| {
+        single(move |b| {
+            let large = b.constant(1e6);
+            let small = b.binary(Add, Builder::x(1), Builder::x(2));
+            if large_first {
+                let sum = b.binary(Add, small, large);
+                b.binary(Sub, sum, large)
+            } else {
+                let zero = b.binary(Sub, large, large);
+                b.binary(Add, small, zero)
+            }
+        })
+    };
+    let verdict = verdict(&sum(true), &sum(false), NumericClass::Real);
+    let [narrow, wide] = verdict.errors.expect("the functions are equal");
+    assert!(narrow.before.worst_normwise > 1e-3 && narrow.after.worst_normwise < 1e-7);
+    assert!(wide.before.worst_normwise < 1e-8 && wide.after.worst_normwise == 0.0);
+}
