@@ -6,15 +6,20 @@
 pub mod analysis;
 pub mod asap_alap;
 pub mod atomise;
+pub mod balance;
 pub mod check;
 pub mod class;
 pub mod codegen;
 pub mod cse;
 pub mod dce;
+pub mod fold;
 pub mod options;
 pub mod pass;
 pub mod pipeline;
+mod reassociate;
 pub mod registry;
 pub mod rewrite;
+pub mod swap;
+pub mod zero_removal;
 
 pub use class::NumericClass;

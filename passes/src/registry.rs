@@ -2,11 +2,15 @@
 //! are listed.
 
 use crate::pass::PassInfo;
-use crate::{asap_alap, atomise, cse, dce};
+use crate::{asap_alap, atomise, balance, cse, dce, fold, swap, zero_removal};
 
 /// All passes, in the order a function usually meets them.
 pub const PASSES: &[PassInfo] = &[
     atomise::Atomise::INFO,
+    fold::Fold::INFO,
+    zero_removal::ZeroRemoval::INFO,
+    swap::Swap::INFO,
+    balance::Balance::INFO,
     cse::Cse::INFO,
     dce::Dce::INFO,
     asap_alap::AsapAlap::INFO,

@@ -1,0 +1,94 @@
+//! What the manager measures around a pass: time, memory, size, change.
+
+use crate::analysis::critical_path::critical_path;
+use crate::pass::{PassInfo, Property};
+use robovec_ir::{Function, Machine, Operation};
+use rustc_hash::FxHasher;
+use std::hash::{Hash, Hasher};
+
+/// Measures CPU time from its start.
+pub(super) struct Meter {
+    start: f64,
+}
+
+impl Meter {
+    pub(super) fn start() -> Meter {
+        Meter { start: usage().0 }
+    }
+
+    /// CPU seconds since the start, and the largest memory so far in MB.
+    pub(super) fn stop(self) -> (f64, f64) {
+        let (now, peak) = usage();
+        (now - self.start, peak)
+    }
+}
+
+/// CPU seconds and peak memory (MB) of the process.
+#[cfg(unix)]
+fn usage() -> (f64, f64) {
+    use nix::sys::resource::{UsageWho, getrusage};
+    use nix::sys::time::TimeValLike;
+    let Ok(usage) = getrusage(UsageWho::RUSAGE_SELF) else {
+        return (0.0, 0.0);
+    };
+    let microseconds = usage.user_time().num_microseconds() + usage.system_time().num_microseconds();
+    // Kilobytes of 1024 bytes, except on macOS, which counts bytes.
+    let unit = if cfg!(target_os = "macos") { 1.0 } else { 1024.0 };
+    (microseconds as f64 * 1e-6, usage.max_rss() as f64 * unit * 1e-6)
+}
+
+/// Elsewhere nothing is told.
+#[cfg(not(unix))]
+fn usage() -> (f64, f64) {
+    (0.0, 0.0)
+}
+
+/// A hash of all that a pass can change, to tell whether it did.
+pub(super) fn fingerprint(function: &Function) -> u64 {
+    let mut hasher = FxHasher::default();
+    function.level.hash(&mut hasher);
+    for node in function.nodes() {
+        (node.operation, node.operands, node.name, node.sources).hash(&mut hasher);
+    }
+    for assignment in &function.assignments {
+        (assignment.output, assignment.operand, assignment.sources).hash(&mut hasher);
+    }
+    for constant in function.constants() {
+        constant.to_bits().hash(&mut hasher);
+    }
+    for timing in function.timing.iter().flatten() {
+        (timing.asap, timing.alap, timing.asap_cycle, timing.alap_cycle).hash(&mut hasher);
+    }
+    if let Some(schedule) = &function.schedule {
+        for slot in &schedule.slots {
+            (slot.cycle, slot.element).hash(&mut hasher);
+        }
+    }
+    if let Some(placement) = &function.placement {
+        (placement.reads.as_slice(), placement.buffers.as_slice()).hash(&mut hasher);
+        for write in &placement.writes {
+            (write.word, write.cycle).hash(&mut hasher);
+        }
+    }
+    hasher.finish()
+}
+
+/// Operations (everything but sines, cosines and copies) and the longest
+/// chain in cycles.
+pub(super) fn size(function: &Function, machine: &Machine) -> (u64, u32) {
+    let operations = function
+        .nodes()
+        .iter()
+        .filter(|node| {
+            !node.operation.is_trigonometric() && node.operation != Operation::Copy
+        })
+        .count();
+    (operations as u64, critical_path(function, machine).asap_cycle)
+}
+
+/// Removes attributes that a pass has made untrue.
+pub(super) fn forget_stale_properties(info: &PassInfo, function: &mut Function) {
+    if info.destroys.contains(&Property::Timed) {
+        function.timing = None;
+    }
+}

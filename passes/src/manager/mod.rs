@@ -1,0 +1,330 @@
+//! The pass manager: runs a pipeline over every function of a module, and
+//! everything around the passes.
+//!
+//! Invariants: levels and properties are checked for the whole pipeline
+//! before the first pass runs; after each pass the verifier has accepted the
+//! function (unless switched off); what the instruments print never goes to
+//! the standard output, which belongs to the result.
+
+mod instrument;
+mod measure;
+mod plan;
+
+pub use instrument::{Dump, PassFilter, PrintChanged};
+pub use plan::PlanError;
+
+use crate::check::{self, Verdict};
+use crate::pass::{Artifact, Context, PassError, PassInfo};
+use crate::pipeline::{PassStep, Pipeline, Step};
+use instrument::Instruments;
+use measure::Meter;
+use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
+use std::io;
+
+/// How a pipeline is run.
+pub struct Config<'a> {
+    /// The machine compiled for.
+    pub machine: &'a Machine,
+    /// Run the verifier after every pass.
+    pub verify_each: bool,
+    /// Compare the function before and after every pass at this many points.
+    pub check_each: Option<u32>,
+    /// Seed of the random points.
+    pub seed: u64,
+    /// Print the function before these passes.
+    pub print_before: PassFilter,
+    /// Print the function after these passes.
+    pub print_after: PassFilter,
+    /// Print the function after passes that changed it.
+    pub print_changed: Option<PrintChanged>,
+    /// Receives every state of every function.
+    pub dump: Option<&'a mut dyn Dump>,
+    /// Receives what is printed, and the remarks of the passes.
+    pub log: &'a mut dyn io::Write,
+    /// Called before each pass of each function with its ordinal, the number
+    /// of all and its name.
+    pub progress: Option<&'a mut dyn FnMut(usize, usize, &str)>,
+}
+
+/// What one pass did to one function.
+#[derive(Clone, PartialEq, Debug)]
+pub struct PassRecord {
+    /// The function.
+    pub function: String,
+    /// The pass with its options, as in the pipeline.
+    pub name: String,
+    /// Whether the function is another one now.
+    pub changed: bool,
+    /// CPU time in seconds.
+    pub cpu_s: f64,
+    /// Largest memory of the process so far, in megabytes of 10^6 bytes; 0
+    /// where the system does not tell.
+    pub peak_mb: f64,
+    /// Operations after the pass: everything but sines, cosines and copies.
+    pub operations: u64,
+    /// Length of the longest chain after the pass, in cycles.
+    pub asap_cycle: u32,
+    /// What the pass counted.
+    pub statistics: Vec<(&'static str, u64)>,
+    /// The outcome of the semantic check.
+    pub check: Option<Verdict>,
+}
+
+/// What a run leaves behind, besides the module.
+#[derive(Default, Debug)]
+pub struct Outcome {
+    /// One record per pass and function, in order.
+    pub records: Vec<PassRecord>,
+    /// Files produced by code generation.
+    pub artifacts: Vec<Artifact>,
+}
+
+/// Why a pipeline stopped.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The pipeline cannot work on this module.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A pass gave up.
+    #[error("{pass}, function '{function}': {error}")]
+    Pass {
+        /// The pass, as in the pipeline.
+        pass: String,
+        /// The function.
+        function: String,
+        /// Its reason.
+        error: PassError,
+    },
+    /// The verifier refuses what a pass made: a mistake in the pass.
+    #[error(
+        "{pass}, function '{function}': the result is not well formed; this is a mistake in the pass\n{}",
+        violations.join("\n")
+    )]
+    Verify {
+        /// The pass, as in the pipeline.
+        pass: String,
+        /// The function.
+        function: String,
+        /// What the verifier says.
+        violations: Vec<String>,
+    },
+    /// The semantic check refuses what a pass made: a mistake in the pass.
+    #[error(
+        "{pass}, function '{function}': the pass changed the function; this is a mistake in the pass\n{reason}"
+    )]
+    Check {
+        /// The pass, as in the pipeline.
+        pass: String,
+        /// The function.
+        function: String,
+        /// What differs.
+        reason: String,
+    },
+    /// A dump or log could not be written.
+    #[error("cannot write: {0}")]
+    Io(#[from] io::Error),
+}
+
+/// Runs a pipeline over every function of a module.
+///
+/// # Errors
+///
+/// See [`RunError`]; the module is then left half way and must not be used.
+pub fn run(
+    module: &mut Module,
+    pipeline: &Pipeline,
+    config: Config<'_>,
+) -> Result<Outcome, RunError> {
+    plan::check(module, pipeline)?;
+    let mut run = Run {
+        instruments: Instruments::new(config),
+        outcome: Outcome::default(),
+        ordinal: 0,
+        total: pipeline.passes().count() * module.functions.len(),
+    };
+    let tables = &mut module.tables;
+    for function in &mut module.functions {
+        run.instruments.start(tables, function)?;
+        run.steps(pipeline, tables, function)?;
+    }
+    Ok(run.outcome)
+}
+
+struct Run<'a> {
+    instruments: Instruments<'a>,
+    outcome: Outcome,
+    ordinal: usize,
+    total: usize,
+}
+
+/// A group that is being repeated.
+struct Round {
+    /// Index of its first step.
+    first: usize,
+    left: u32,
+    fingerprint: u64,
+}
+
+impl Run<'_> {
+    fn steps(
+        &mut self,
+        pipeline: &Pipeline,
+        tables: &mut Tables,
+        function: &mut Function,
+    ) -> Result<(), RunError> {
+        let mut rounds: Vec<Round> = Vec::new();
+        let mut next = 0;
+        while let Some(step) = pipeline.steps.get(next) {
+            next += 1;
+            match step {
+                Step::Pass(step) => self.pass(step, tables, function)?,
+                Step::Open { max } => rounds.push(Round {
+                    first: next,
+                    left: *max,
+                    fingerprint: measure::fingerprint(function),
+                }),
+                Step::Close => {
+                    let Some(round) = rounds.last_mut() else { continue };
+                    let fingerprint = measure::fingerprint(function);
+                    round.left -= 1;
+                    if round.left > 0 && fingerprint != round.fingerprint {
+                        round.fingerprint = fingerprint;
+                        next = round.first;
+                    } else {
+                        rounds.pop();
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn pass(
+        &mut self,
+        step: &PassStep,
+        tables: &mut Tables,
+        function: &mut Function,
+    ) -> Result<(), RunError> {
+        self.ordinal += 1;
+        let name = step.to_string();
+        if let Some(progress) = &mut self.instruments.config.progress {
+            progress(self.ordinal, self.total.max(self.ordinal), &name);
+        }
+        // The pipeline was read, so the options are known to be right.
+        let pass = (step.info.build)(&step.options).map_err(|error| RunError::Pass {
+            pass: name.clone(),
+            function: function.name.clone(),
+            error: PassError::new(error.to_string()),
+        })?;
+        self.instruments.before(step, tables, function)?;
+        let before = self.instruments.keeps_before().then(|| function.clone());
+        let fingerprint = measure::fingerprint(function);
+        let meter = Meter::start();
+        let mut record = PassRecord {
+            function: function.name.clone(),
+            name: name.clone(),
+            changed: false,
+            cpu_s: 0.0,
+            peak_mb: 0.0,
+            operations: 0,
+            asap_cycle: 0,
+            statistics: Vec::new(),
+            check: None,
+        };
+        let mut remarks = Vec::new();
+        let result = pass.run(
+            function,
+            &mut Context {
+                tables,
+                machine: self.instruments.config.machine,
+                artifacts: &mut self.outcome.artifacts,
+                statistics: &mut record.statistics,
+                remarks: &mut remarks,
+            },
+        );
+        result.map_err(|error| RunError::Pass {
+            pass: name.clone(),
+            function: function.name.clone(),
+            error,
+        })?;
+        measure::forget_stale_properties(step.info, function);
+        (record.cpu_s, record.peak_mb) = meter.stop();
+        record.changed = measure::fingerprint(function) != fingerprint;
+        (record.operations, record.asap_cycle) =
+            measure::size(function, self.instruments.config.machine);
+        for remark in remarks {
+            writeln!(self.instruments.config.log, "remark: {}: {name}: {remark}", function.name)?;
+        }
+        self.verify(step.info, &name, tables, function)?;
+        if let (Some(points), Some(before)) = (self.instruments.config.check_each, &before) {
+            record.check = Some(self.check(step.info, &name, points, tables, before, function)?);
+        }
+        self.instruments
+            .after(step, tables, before.as_ref(), function, &record)?;
+        self.outcome.records.push(record);
+        Ok(())
+    }
+
+    fn verify(
+        &self,
+        info: &PassInfo,
+        name: &str,
+        tables: &Tables,
+        function: &Function,
+    ) -> Result<(), RunError> {
+        if !self.instruments.config.verify_each {
+            return Ok(());
+        }
+        let mut violations: Vec<String> = verify::verify(View { tables, function })
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        if function.level == Level::Placed {
+            let machine = self.instruments.config.machine;
+            violations.extend(
+                verify::verify_placement(View { tables, function }, machine)
+                    .iter()
+                    .map(ToString::to_string),
+            );
+        }
+        if let crate::pass::Gives::Level(level) = info.gives
+            && function.level != level
+        {
+            violations.push(format!("the level is {}, not {level}", function.level));
+        }
+        if violations.is_empty() {
+            return Ok(());
+        }
+        Err(RunError::Verify {
+            pass: name.to_owned(),
+            function: function.name.clone(),
+            violations,
+        })
+    }
+
+    fn check(
+        &self,
+        info: &PassInfo,
+        name: &str,
+        points: u32,
+        tables: &Tables,
+        before: &Function,
+        after: &Function,
+    ) -> Result<Verdict, RunError> {
+        let verdict = check::check(
+            View { tables, function: before },
+            View { tables, function: after },
+            info.class,
+            points,
+            self.instruments.config.seed,
+        );
+        match verdict.failure() {
+            None => Ok(verdict),
+            Some(reason) => Err(RunError::Check {
+                pass: name.to_owned(),
+                function: after.name.clone(),
+                reason,
+            }),
+        }
+    }
+}

@@ -1,0 +1,422 @@
+//! Writing the groups anew.
+
+use super::gather::{Family, Groups, Leaf, Reach};
+use super::share::PairCounts;
+use super::signs::Wishes;
+use crate::analysis::critical_path::{Weights, tails};
+use crate::cse::{Key, SourceMerges};
+use crate::rewrite::{output_symbol, owners};
+use hashbrown::HashMap;
+use robovec_ir::{
+    FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol,
+    Tables, Value,
+};
+use rustc_hash::FxBuildHasher;
+use std::cmp::Reverse;
+
+/// The shape of the tree a group becomes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Shape {
+    /// Left to right as written.
+    Written,
+    /// One operand after the other, the earliest first.
+    Cascade,
+    /// The two earliest operands first; equal pairs are shared.
+    Earliest,
+}
+
+/// Rewrites all groups of a function.
+pub(crate) fn reassociate(
+    function: &Function,
+    tables: &mut Tables,
+    weights: &Weights,
+    reach: Reach,
+    shape: Shape,
+) -> Function {
+    let plan = Plan::new(function, tables, reach);
+    let first = Builder::new(&plan, tables, *weights, shape, None).run(tables);
+    if shape != Shape::Earliest {
+        return first.finish(tables);
+    }
+    // The first round tells how late each group may be without lengthening
+    // the longest path; the second uses that freedom to share more pairs.
+    let deadlines = first.deadlines();
+    Builder::new(&plan, tables, *weights, shape, Some(deadlines))
+        .run(tables)
+        .finish(tables)
+}
+
+/// What is known of the function read before anything is written.
+struct Plan<'a> {
+    function: &'a Function,
+    groups: Groups,
+    wishes: Wishes,
+    owners: Vec<Symbol>,
+}
+
+impl<'a> Plan<'a> {
+    fn new(function: &'a Function, tables: &mut Tables, reach: Reach) -> Plan<'a> {
+        let groups = Groups::find(function, reach);
+        let wishes = Wishes::find(function, &groups);
+        Plan {
+            function,
+            wishes,
+            groups,
+            owners: owners(tables, function),
+        }
+    }
+}
+
+/// What an old value has become: an operand, perhaps with the wrong sign.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Signed {
+    pub(super) operand: Operand,
+    pub(super) negative: bool,
+}
+
+/// A term or factor while its group is being combined.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Term {
+    pub(super) arrival: u32,
+    /// Position in the text, or of making: breaks ties.
+    pub(super) order: u32,
+    pub(super) value: Signed,
+    /// The leaf it still is, for pair counts.
+    pub(super) leaf: Option<Leaf>,
+}
+
+/// How often a pair is wanted, and how early it is ready.
+pub(super) type Score = (u32, Reverse<u32>);
+
+/// Latest times of the groups' results, and the pairs worth sharing.
+pub(super) struct Deadlines {
+    /// Indexed by old value.
+    pub(super) latest: Vec<u32>,
+    pub(super) pairs: PairCounts,
+}
+
+pub(super) struct Builder<'p> {
+    plan: &'p Plan<'p>,
+    pub(super) weights: Weights,
+    pub(super) shape: Shape,
+    pub(super) deadlines: Option<Deadlines>,
+    pub(super) out: Function,
+    pub(super) known: HashMap<Key, Value, FxBuildHasher>,
+    negated: HashMap<Operand, Operand, FxBuildHasher>,
+    pub(super) arrivals: Vec<u32>,
+    map: Vec<Signed>,
+    names: FreshNames,
+    merges: SourceMerges,
+}
+
+/// Names and sources for the operations of one group.
+pub(super) struct Naming {
+    /// For the last operation.
+    pub(super) root: Name,
+    /// Of absorbed operations, to be used again; last first.
+    spare: Vec<Name>,
+    owner: Symbol,
+    sources: SourceSet,
+}
+
+impl<'p> Builder<'p> {
+    fn new(
+        plan: &'p Plan<'p>,
+        _tables: &Tables,
+        weights: Weights,
+        shape: Shape,
+        deadlines: Option<Deadlines>,
+    ) -> Builder<'p> {
+        let count = plan.function.nodes().len();
+        let mut out = plan.function.skeleton(plan.function.level);
+        out.reserve(count);
+        let capacity = if shape == Shape::Earliest { count } else { 0 };
+        Builder {
+            plan,
+            weights,
+            shape,
+            deadlines,
+            out,
+            known: HashMap::with_capacity_and_hasher(capacity, FxBuildHasher),
+            negated: HashMap::default(),
+            arrivals: Vec::with_capacity(count),
+            map: Vec::with_capacity(count),
+            names: plan.function.fresh_names(),
+            merges: SourceMerges::default(),
+        }
+    }
+
+    fn run(mut self, tables: &mut Tables) -> Builder<'p> {
+        let function = self.plan.function;
+        let (mut leaves, mut inner) = (Vec::new(), Vec::new());
+        for (root, node) in function.values() {
+            if self.plan.groups.is_absorbed(root) {
+                // Never read: its one user is in the same group.
+                self.map.push(Signed {
+                    operand: Operand::NONE,
+                    negative: false,
+                });
+                continue;
+            }
+            let result = match Family::of(node.operation) {
+                None => self.other(root, node),
+                Some(family) => {
+                    self.plan
+                        .groups
+                        .collect(function, root, &mut leaves, &mut inner);
+                    let mut naming = self.naming(root, node, &inner, tables);
+                    self.group(family, root, &leaves, &mut naming)
+                }
+            };
+            self.map.push(result);
+        }
+        self.outputs(tables);
+        self
+    }
+
+    fn naming(&self, root: Value, node: &Node, inner: &[Value], tables: &mut Tables) -> Naming {
+        let function = self.plan.function;
+        let mut sets: Vec<SourceSet> = vec![node.sources];
+        let mut spare = Vec::new();
+        for &value in inner {
+            let absorbed = function.node(value);
+            if !sets.contains(&absorbed.sources) || sets.len() > 8 {
+                sets.push(absorbed.sources);
+            }
+            if !absorbed.name.is_none() && absorbed.name.suffix > 0 {
+                spare.push(absorbed.name);
+            }
+        }
+        spare.sort_unstable_by_key(|&name| Reverse(name));
+        Naming {
+            root: node.name,
+            spare,
+            owner: self.plan.owners[root.index()],
+            sources: tables.sources.union(&sets),
+        }
+    }
+
+    fn signed(&mut self, operand: Operand) -> Signed {
+        match operand.kind() {
+            OperandKind::Value(value) => self.map[value.index()],
+            OperandKind::Constant(constant) => {
+                let number = self.plan.function.constant_number(constant);
+                Signed {
+                    operand: self.out.constant(number).into(),
+                    negative: false,
+                }
+            }
+            OperandKind::Input(_) | OperandKind::None => Signed {
+                operand,
+                negative: false,
+            },
+        }
+    }
+
+    pub(super) fn arrival(&self, operand: Operand) -> u32 {
+        operand
+            .value()
+            .map_or(0, |value| self.arrivals[value.index()])
+    }
+
+    /// An operation that is neither a sum nor a product.
+    fn other(&mut self, root: Value, node: &Node) -> Signed {
+        let a = self.signed(node.operands[0]);
+        let b = self.signed(node.operands[1]);
+        let mut naming = Naming {
+            root: node.name,
+            spare: Vec::new(),
+            owner: self.plan.owners[root.index()],
+            sources: node.sources,
+        };
+        let (operand, negative) = match node.operation {
+            Operation::Copy => return a,
+            Operation::Div => (a.operand, a.negative ^ b.negative),
+            Operation::Sin => (a.operand, a.negative),
+            Operation::Cos => (a.operand, false),
+            _ => (self.true_sign(a, &mut naming), false),
+        };
+        let operand = self.emit(node.operation, [operand, b.operand], node.name, &mut naming);
+        Signed { operand, negative }
+    }
+
+    /// Appends an operation, or finds an equal one.
+    pub(super) fn emit(
+        &mut self,
+        operation: Operation,
+        operands: [Operand; 2],
+        name: Name,
+        naming: &mut Naming,
+    ) -> Operand {
+        let key = Key::new(operation, operands);
+        if self.shape == Shape::Earliest
+            && let Some(&same) = self.known.get(&key)
+        {
+            self.merges.add(same, naming.sources);
+            return same.into();
+        }
+        let ready = self.arrival(operands[0]).max(self.arrival(operands[1]));
+        let value = self.out.push(Node {
+            name,
+            sources: naming.sources,
+            operands,
+            operation,
+        });
+        self.arrivals.push(ready + self.weights.of(operation));
+        if self.shape == Shape::Earliest {
+            self.known.insert(key, value);
+        }
+        value.into()
+    }
+
+    /// The operand with its true sign; costs `0 - x` when it is stored with
+    /// the other one, once per operand.
+    pub(super) fn true_sign(&mut self, value: Signed, naming: &mut Naming) -> Operand {
+        if !value.negative {
+            return value.operand;
+        }
+        if let Some(number) = self.out.number(value.operand) {
+            return self.out.constant(-number).into();
+        }
+        if let Some(&known) = self.negated.get(&value.operand) {
+            return known;
+        }
+        let name = self.inner_name(naming);
+        let zero = Operand::from(self.out.constant(0.0));
+        let (operation, operands) = match self.out.level {
+            Level::Equations => (Operation::Neg, [value.operand, Operand::NONE]),
+            _ => (Operation::Sub, [zero, value.operand]),
+        };
+        let negated = self.emit(operation, operands, name, naming);
+        self.negated.insert(value.operand, negated);
+        negated
+    }
+
+    pub(super) fn inner_name(&mut self, naming: &mut Naming) -> Name {
+        if self.out.level == Level::Equations {
+            return Name::NONE;
+        }
+        match naming.spare.pop() {
+            Some(name) => name,
+            None => self.names.fresh(naming.owner),
+        }
+    }
+
+    fn group(
+        &mut self,
+        family: Family,
+        root: Value,
+        leaves: &[Leaf],
+        naming: &mut Naming,
+    ) -> Signed {
+        let mut terms: Vec<Term> = Vec::with_capacity(leaves.len());
+        let mut product_negative = false;
+        for (order, &leaf) in leaves.iter().enumerate() {
+            let mut value = self.signed(leaf.operand);
+            if family == Family::Product {
+                product_negative ^= value.negative;
+                value.negative = false;
+            } else {
+                value.negative ^= leaf.negative;
+            }
+            terms.push(Term {
+                arrival: self.arrival(value.operand),
+                order: order as u32,
+                value,
+                leaf: Some(leaf),
+            });
+        }
+        let wish = self.plan.wishes.of(root);
+        let sign = match family {
+            Family::Product => product_negative,
+            Family::Sum => !terms.is_empty() && terms.iter().all(|term| term.value.negative),
+        };
+        if self.shape == Shape::Earliest && sign && wish == Some(false) {
+            self.negate_early(family, root, &mut terms, &mut product_negative, naming);
+        }
+        let flip = wish == Some(true);
+        let result = match self.shape {
+            Shape::Written => self.cascade(family, &terms, flip, naming),
+            Shape::Cascade => {
+                terms.sort_by_key(|term| (term.arrival, term.order));
+                self.cascade(family, &terms, flip, naming)
+            }
+            Shape::Earliest => self.earliest(family, root, terms, flip, naming),
+        };
+        Signed {
+            negative: result.negative ^ product_negative,
+            ..result
+        }
+    }
+
+    fn outputs(&mut self, tables: &mut Tables) {
+        let function = self.plan.function;
+        let mut assignments = function.assignments.clone();
+        for assignment in &mut assignments {
+            let value = self.signed(assignment.operand);
+            let owner = if value.negative {
+                output_symbol(tables, function, assignment.output)
+            } else {
+                Symbol(u32::MAX)
+            };
+            let mut naming = Naming {
+                root: Name::NONE,
+                spare: Vec::new(),
+                owner,
+                sources: assignment.sources,
+            };
+            assignment.operand = self.true_sign(value, &mut naming);
+        }
+        self.out.assignments = assignments;
+    }
+
+    /// How late each old value may be without lengthening the longest path,
+    /// and which pairs occur more than once.
+    fn deadlines(self) -> Deadlines {
+        let tails = tails(&self.out, &self.weights);
+        let longest = self.arrivals.iter().copied().max().unwrap_or(0);
+        let latest = self
+            .map
+            .iter()
+            .map(|signed| match signed.operand.value() {
+                Some(value) => longest - tails[value.index()],
+                None => 0,
+            })
+            .collect();
+        let mut pairs = PairCounts::default();
+        let function = self.plan.function;
+        let (mut leaves, mut inner) = (Vec::new(), Vec::new());
+        for (root, node) in function.values() {
+            if self.plan.groups.is_absorbed(root) {
+                continue;
+            }
+            if let Some(family) = Family::of(node.operation) {
+                self.plan
+                    .groups
+                    .collect(function, root, &mut leaves, &mut inner);
+                pairs.add(family, &leaves);
+            }
+        }
+        Deadlines { latest, pairs }
+    }
+
+    fn finish(mut self, tables: &mut Tables) -> Function {
+        self.merges.apply(&mut self.out, tables);
+        if self.out.level == Level::Equations {
+            name_shared(&mut self.out, tables, &mut self.names);
+        }
+        self.out
+    }
+}
+
+/// At the equations level an unnamed node has exactly one user; those that
+/// sharing has given more get names.
+fn name_shared(function: &mut Function, tables: &mut Tables, names: &mut FreshNames) {
+    let owners = owners(tables, function);
+    for (index, uses) in function.use_counts().into_iter().enumerate() {
+        let value = Value(index as u32);
+        if function.node(value).name.is_none() && uses != 1 {
+            function.node_mut(value).name = names.fresh(owners[index]);
+        }
+    }
+}

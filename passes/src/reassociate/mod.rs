@@ -1,0 +1,23 @@
+//! The engine behind `zero-removal`, `swap` and `balance`.
+//!
+//! All three read the function as *groups*, a group being a signed sum of
+//! terms or a product of factors, and write each group anew as a tree of
+//! operations. They differ in how far a group reaches ([`Reach`]) and in the
+//! shape of the tree ([`Shape`]).
+//!
+//! Signs never cost an operation while they travel: a value may be stored
+//! with the wrong sign and its users flip theirs (a sum subtracts instead of
+//! adding, a product passes the sign on). Rounding to nearest is symmetric,
+//! so a flipped sign changes no bit. Only an output that needs the true sign
+//! of a value stored with the wrong one forces a `0 - x`; [`signs`] chooses
+//! the stored signs so that this is rare.
+
+mod build;
+mod combine;
+mod gather;
+mod share;
+mod signs;
+mod tree;
+
+pub(crate) use build::{Shape, reassociate};
+pub(crate) use gather::Reach;

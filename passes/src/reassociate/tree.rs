@@ -1,0 +1,250 @@
+//! The tree of one group.
+
+use super::build::{Builder, Naming, Score, Shape, Signed, Term};
+use super::combine::finish;
+use super::gather::Family;
+use super::share::LARGEST_GROUP;
+use crate::cse::Key;
+use robovec_ir::{Operand, Operation, Value};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+impl Builder<'_> {
+    /// A group whose true sign an output needs and that would come out
+    /// negated: where a `0 - x` after the group would come too late, one of
+    /// its earliest leaves is negated instead.
+    pub(super) fn negate_early(
+        &mut self,
+        family: Family,
+        root: Value,
+        terms: &mut [Term],
+        product_negative: &mut bool,
+        naming: &mut Naming,
+    ) {
+        let weight = self.weights.of(Operation::Sub);
+        let group_weight = self.group_weight(family);
+        let mut arrivals: Vec<u32> = terms.iter().map(|term| term.arrival).collect();
+        arrivals.sort_unstable();
+        let late = finish(&mut arrivals.clone(), group_weight) + weight;
+        if let Some(first) = arrivals.first_mut() {
+            *first += weight;
+        }
+        arrivals.sort_unstable();
+        let early = finish(&mut arrivals, group_weight);
+        let deadline = match &self.deadlines {
+            Some(deadlines) => deadlines.latest[root.index()].saturating_add(weight),
+            None => 0,
+        };
+        if late <= early || late <= deadline {
+            return;
+        }
+        let Some(first) = terms
+            .iter_mut()
+            .min_by_key(|term| (term.arrival, term.order))
+        else {
+            return;
+        };
+        let negative = Signed {
+            negative: true,
+            ..first.value
+        };
+        first.value = Signed {
+            operand: self.true_sign(negative, naming),
+            negative: false,
+        };
+        first.arrival = self.arrival(first.value.operand);
+        first.leaf = None;
+        if family == Family::Product {
+            *product_negative = false;
+        }
+    }
+
+    fn group_weight(&self, family: Family) -> u32 {
+        match family {
+            Family::Sum => self.weights.of(Operation::Add),
+            Family::Product => self.weights.of(Operation::Mul),
+        }
+    }
+
+    /// The operation that joins two terms, and the sign of its result. `flip`
+    /// chooses the negated form where both cost the same.
+    fn join(family: Family, a: Signed, b: Signed, flip: bool) -> (Operation, [Operand; 2], bool) {
+        match (family, a.negative, b.negative) {
+            (Family::Product, _, _) => (Operation::Mul, [a.operand, b.operand], false),
+            (Family::Sum, false, false) => (Operation::Add, [a.operand, b.operand], false),
+            (Family::Sum, true, true) => (Operation::Add, [a.operand, b.operand], true),
+            (Family::Sum, false, true) if !flip => (Operation::Sub, [a.operand, b.operand], false),
+            (Family::Sum, true, false) if flip => (Operation::Sub, [a.operand, b.operand], true),
+            (Family::Sum, true, false) => (Operation::Sub, [b.operand, a.operand], false),
+            (Family::Sum, false, true) => (Operation::Sub, [b.operand, a.operand], true),
+        }
+    }
+
+    fn merge(
+        &mut self,
+        family: Family,
+        a: Term,
+        b: Term,
+        last: bool,
+        flip: bool,
+        naming: &mut Naming,
+    ) -> Term {
+        // An equal difference may be stored the other way round.
+        let (mut operation, mut operands, mut negative) =
+            Self::join(family, a.value, b.value, flip && last);
+        let key = Key::new(operation, operands);
+        if operation == Operation::Sub
+            && self.shape == Shape::Earliest
+            && !self.known.contains_key(&key)
+        {
+            let other = Self::join(family, a.value, b.value, !(flip && last));
+            if self.known.contains_key(&Key::new(other.0, other.1)) {
+                (operation, operands, negative) = other;
+            }
+        }
+        let name = if last {
+            naming.root
+        } else {
+            self.inner_name(naming)
+        };
+        let operand = self.emit(operation, operands, name, naming);
+        Term {
+            arrival: self.arrival(operand),
+            order: a.order.min(b.order),
+            value: Signed { operand, negative },
+            leaf: None,
+        }
+    }
+
+    pub(super) fn cascade(
+        &mut self,
+        family: Family,
+        terms: &[Term],
+        flip: bool,
+        naming: &mut Naming,
+    ) -> Signed {
+        let Some((&first, rest)) = terms.split_first() else {
+            return self.empty(family);
+        };
+        let mut sum = first;
+        for (index, &term) in rest.iter().enumerate() {
+            sum = self.merge(family, sum, term, index + 1 == rest.len(), flip, naming);
+        }
+        sum.value
+    }
+
+    /// A sum of zeros only.
+    fn empty(&mut self, family: Family) -> Signed {
+        let number = match family {
+            Family::Sum => 0.0,
+            Family::Product => 1.0,
+        };
+        Signed {
+            operand: self.out.constant(number).into(),
+            negative: false,
+        }
+    }
+
+    pub(super) fn earliest(
+        &mut self,
+        family: Family,
+        root: Value,
+        mut terms: Vec<Term>,
+        flip: bool,
+        naming: &mut Naming,
+    ) -> Signed {
+        if terms.is_empty() {
+            return self.empty(family);
+        }
+        if terms.len() > 2 && terms.len() <= LARGEST_GROUP {
+            self.share(family, root, &mut terms, naming);
+        }
+        let mut heap: BinaryHeap<Reverse<(u32, u32, u32)>> = BinaryHeap::new();
+        for (index, term) in terms.iter().enumerate() {
+            heap.push(Reverse((term.arrival, term.order, index as u32)));
+        }
+        while heap.len() > 1 {
+            let (Some(Reverse(a)), Some(Reverse(b))) = (heap.pop(), heap.pop()) else {
+                break;
+            };
+            let last = heap.is_empty();
+            let (a, b) = (terms[a.2 as usize], terms[b.2 as usize]);
+            let (a, b) = if a.order <= b.order { (a, b) } else { (b, a) };
+            let joined = self.merge(family, a, b, last, flip, naming);
+            heap.push(Reverse((joined.arrival, joined.order, terms.len() as u32)));
+            terms.push(joined);
+        }
+        let last = heap
+            .pop()
+            .map_or(0, |Reverse((_, _, index))| index as usize);
+        terms[last].value
+    }
+
+    /// Combines pairs that exist already or that other groups want too, as
+    /// long as the group is not later than it may be.
+    fn share(&mut self, family: Family, root: Value, terms: &mut Vec<Term>, naming: &mut Naming) {
+        let weight = self.group_weight(family);
+        let mut arrivals: Vec<u32> = terms.iter().map(|term| term.arrival).collect();
+        arrivals.sort_unstable();
+        let best = finish(&mut arrivals, weight);
+        let deadline = match &self.deadlines {
+            Some(deadlines) => best.max(deadlines.latest[root.index()]),
+            None => best,
+        };
+        while terms.len() > 2 {
+            let Some((i, j)) = self.best_pair(family, terms, weight, deadline) else {
+                return;
+            };
+            let b = terms.remove(j);
+            let a = terms.remove(i);
+            let joined = self.merge(family, a, b, false, false, naming);
+            terms.insert(i, joined);
+        }
+    }
+
+    fn best_pair(
+        &self,
+        family: Family,
+        terms: &[Term],
+        weight: u32,
+        deadline: u32,
+    ) -> Option<(usize, usize)> {
+        let mut best: Option<(Score, (usize, usize))> = None;
+        for i in 0..terms.len() {
+            for j in i + 1..terms.len() {
+                let Some((worth, arrival)) = self.worth(family, &terms[i], &terms[j], weight)
+                else {
+                    continue;
+                };
+                let score = (worth, Reverse(arrival));
+                if best.as_ref().is_some_and(|(known, _)| *known >= score) {
+                    continue;
+                }
+                let mut arrivals: Vec<u32> = (0..terms.len())
+                    .filter(|&k| k != i && k != j)
+                    .map(|k| terms[k].arrival)
+                    .chain([arrival])
+                    .collect();
+                arrivals.sort_unstable();
+                if finish(&mut arrivals, weight) <= deadline {
+                    best = Some((score, (i, j)));
+                }
+            }
+        }
+        best.map(|(_, pair)| pair)
+    }
+
+    /// How much sharing a pair is worth, and when it is ready; `None` when
+    /// nobody else wants it.
+    fn worth(&self, family: Family, a: &Term, b: &Term, weight: u32) -> Option<(u32, u32)> {
+        for flip in [false, true] {
+            let (operation, operands, _) = Self::join(family, a.value, b.value, flip);
+            if let Some(&value) = self.known.get(&Key::new(operation, operands)) {
+                return Some((u32::MAX, self.arrivals[value.index()]));
+            }
+        }
+        let deadlines = self.deadlines.as_ref()?;
+        let count = deadlines.pairs.of(family, a.leaf?, b.leaf?);
+        (count > 1).then(|| (count, a.arrival.max(b.arrival) + weight))
+    }
+}

@@ -1,0 +1,50 @@
+//! Tree swapping (thesis 2.4.2).
+
+use crate::analysis::critical_path::{Weights, critical_path};
+use crate::declare_pass;
+use crate::pass::{Context, Gives, Pass, PassError};
+use crate::reassociate::{Reach, Shape, reassociate};
+use robovec_ir::Function;
+
+declare_pass! {
+    /// Lets the latest operand of every cascade join last.
+    ///
+    /// A cascade is a run of additions and subtractions, or of
+    /// multiplications, down the left operands; its operands are sorted by
+    /// the time they are available. Sub-sums in parentheses stay what they
+    /// are. A function whose longest path would grow stays as it is.
+    pub struct Swap("swap") {}
+    takes: [Equations, Atomic],
+    gives: Gives::Same,
+    class: Real,
+    requires: [],
+    sets: [],
+    destroys: [Timed],
+}
+
+impl Pass for Swap {
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
+        let weights = Weights::cycles(context.machine);
+        let new = reassociate(
+            function,
+            context.tables,
+            &weights,
+            Reach::Cascade,
+            Shape::Cascade,
+        );
+        let before = critical_path(function, context.machine).asap_cycle;
+        let after = critical_path(&new, context.machine).asap_cycle;
+        if after <= before {
+            *function = new;
+        } else {
+            context
+                .remarks
+                .push("nothing gained, left as it was".to_owned());
+        }
+        context.statistics.push((
+            "cycles taken off the longest path",
+            before.saturating_sub(after).into(),
+        ));
+        Ok(())
+    }
+}
