@@ -1,1 +1,3 @@
 //! robovec: a compiler for the equations of multibody systems.
+
+pub mod simulate;

@@ -42,7 +42,7 @@ impl Artifacts for Vec<(String, String)> {
 }
 
 /// The memory images of a placed function, as (file name, text); file names
-/// start with the function's name and a slash. With `inputs`, one number per
+/// start with the function's name and a dot. With `inputs`, one number per
 /// input element, the data images hold all initial data; without, constants
 /// only, and the rest as comments.
 ///
@@ -196,7 +196,15 @@ impl ImageWriter<'_> {
     }
 
     fn file_name(&self, name: &str) -> String {
-        format!("{}/{name}", self.traffic.view.function.name)
+        format!("{}.{name}", self.traffic.view.function.name)
+    }
+
+    fn instruction_file(&self, element: &str) -> String {
+        self.file_name(&format!("{element}.instructions.mif"))
+    }
+
+    fn data_file(&self, memory: &str) -> String {
+        self.file_name(&format!("{memory}.data.mif"))
     }
 
     fn operations(&self, element: u32) -> &[String] {
@@ -395,7 +403,7 @@ impl ImageWriter<'_> {
         let name = self.traffic.element_name(element);
         let title = self.title(&format!("instructions of {name}"));
         let mut after = hash;
-        let file = self.file_name(&instruction_file(&name));
+        let file = self.instruction_file(&name);
         artifacts.file(&file, &mut |target| {
             let mut mif = MifWriter::new(target, hash, &title, layout.width(), self.depth())?;
             let mut next = 0;
@@ -439,7 +447,7 @@ impl ImageWriter<'_> {
             let own = &loaded[start..start + count];
             let name = self.traffic.memory_name(element, bank);
             let title = self.title(&format!("initial data of {name}"));
-            let file = self.file_name(&data_file(&name));
+            let file = self.data_file(&name);
             artifacts.file(&file, &mut |target| {
                 let hash = Fnv::new();
                 let width = self.encoding.width();
@@ -469,7 +477,7 @@ impl ImageWriter<'_> {
         let memories = self.banks().iter().map(|&bank| {
             let name = self.traffic.memory_name(element, bank);
             manifest::Memory {
-                file: data_file(&name),
+                file: self.data_file(&name),
                 name,
                 words: self.sizes.words,
                 write_ports: self.sizes.write_ports,
@@ -480,7 +488,7 @@ impl ImageWriter<'_> {
             kind: self.traffic.machine.elements[kind].kind.clone(),
             operations: self.operations(element).to_vec(),
             instructions: manifest::Instructions {
-                file: instruction_file(&name),
+                file: self.instruction_file(&name),
                 width: layout.width(),
                 fields: fields.cloned().collect(),
             },
@@ -490,14 +498,6 @@ impl ImageWriter<'_> {
             name,
         }
     }
-}
-
-fn instruction_file(element: &str) -> String {
-    format!("{element}.instructions.mif")
-}
-
-fn data_file(memory: &str) -> String {
-    format!("{memory}.data.mif")
 }
 
 /// Sets a field of a word; its bits are zero before.

@@ -1,0 +1,260 @@
+//! Instruction words taken apart, once, into what happens in each cycle.
+
+use super::error::LoadError;
+use super::mif::Image;
+use robovec_passes::codegen::manifest;
+use std::collections::BTreeMap;
+
+/// Bits of a word; a field without bits always reads 0.
+#[derive(Clone, Copy, Default, Debug)]
+struct Bits {
+    low: u32,
+    width: u32,
+}
+
+/// Where the fields of an element's words are.
+#[derive(Clone, Debug)]
+pub(super) struct Fields {
+    issue: Bits,
+    operation: Bits,
+    reads: [Bits; 2],
+    /// Memory (0 or 1), enable, address and select of every write port.
+    writes: Vec<(usize, [Bits; 3])>,
+    buffer_write: [Bits; 2],
+    buffer_reads: Vec<Bits>,
+    /// The bits that some field covers.
+    covered: Vec<u64>,
+}
+
+impl Fields {
+    /// Reads the layout of an element's words.
+    pub(super) fn new(element: &manifest::Element) -> Result<Fields, LoadError> {
+        let fail = |problem: String| LoadError::Layout {
+            element: element.name.clone(),
+            problem,
+        };
+        let width = element.instructions.width;
+        let mut covered = vec![0u64; width.div_ceil(64) as usize];
+        let mut named = BTreeMap::new();
+        for field in &element.instructions.fields {
+            let end = field.low.checked_add(field.width);
+            let inside = end.is_some_and(|end| end <= width);
+            if !inside || !(1..=32).contains(&field.width) {
+                return Err(fail(format!(
+                    "field '{}' is not 1 to 32 bits within the word",
+                    field.name
+                )));
+            }
+            for bit in field.low..field.low + field.width {
+                let mask = 1u64 << (bit % 64);
+                let limb = &mut covered[(bit / 64) as usize];
+                if *limb & mask != 0 {
+                    return Err(fail(format!("field '{}' overlaps another", field.name)));
+                }
+                *limb |= mask;
+            }
+            let bits = Bits {
+                low: field.low,
+                width: field.width,
+            };
+            if named.insert(field.name.clone(), bits).is_some() {
+                return Err(fail(format!("field '{}' stands there twice", field.name)));
+            }
+        }
+        let mut take = |name: &str| named.remove(name).unwrap_or_default();
+        let mut fields = Fields {
+            issue: take("issue"),
+            operation: take("operation"),
+            reads: [take("read.left"), take("read.right")],
+            writes: Vec::new(),
+            buffer_write: [take("buffer.write.enable"), take("buffer.write.address")],
+            buffer_reads: Vec::new(),
+            covered,
+        };
+        let sides: &[&str] = match element.memories.len() {
+            1 => &[""],
+            _ => &["left.", "right."],
+        };
+        for (memory, side) in sides.iter().enumerate() {
+            let ports = element.memories.get(memory).map_or(0, |m| m.write_ports);
+            for port in 0..ports.min(width) {
+                let of = |name: &str| format!("{side}write{port}.{name}");
+                let bits = ["enable", "address", "select"].map(|name| take(&of(name)));
+                fields.writes.push((memory, bits));
+            }
+        }
+        let reads = element
+            .buffer
+            .as_ref()
+            .map_or(0, |buffer| buffer.read_ports);
+        for port in 0..reads.min(width.max(1)) {
+            let bits = take(&format!("buffer.read{port}.address"));
+            fields.buffer_reads.push(bits);
+        }
+        match named.keys().next() {
+            Some(name) => Err(fail(format!("there is no field '{name}' in such a word"))),
+            None => Ok(fields),
+        }
+    }
+}
+
+fn get(image: &Image, cycle: u32, bits: Bits) -> u32 {
+    if bits.width == 0 {
+        return 0;
+    }
+    image.bits(cycle, bits.low, bits.width)
+}
+
+/// An operation starts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Issue {
+    pub(super) element: u32,
+    /// Code of the operation.
+    pub(super) code: u32,
+    /// Read addresses, left and right.
+    pub(super) reads: [u32; 2],
+}
+
+/// A write port takes something from the crossbar.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Write {
+    /// Element that owns the memory.
+    pub(super) element: u32,
+    /// Which of its memories.
+    pub(super) memory: u32,
+    pub(super) address: u32,
+    /// Input of the crossbar.
+    pub(super) select: u32,
+    /// For a buffer as the source: the word its read port shows.
+    pub(super) buffer_word: u32,
+}
+
+/// A result enters its element's buffer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BufferWrite {
+    pub(super) element: u32,
+    pub(super) word: u32,
+}
+
+/// What happens, cycle after cycle and within a cycle element after element.
+#[derive(Clone, Default, Debug)]
+pub(super) struct Steps {
+    issues: Vec<Issue>,
+    writes: Vec<Write>,
+    buffer_writes: Vec<BufferWrite>,
+    /// For each cycle where its issues, writes and buffer writes start; one
+    /// entry more at the end.
+    starts: Vec<[u32; 3]>,
+}
+
+impl Steps {
+    /// Decodes all words of all elements. Every image must have a word for
+    /// each cycle, of the width the fields were laid out for.
+    pub(super) fn decode(
+        cycles: u32,
+        names: &[&str],
+        images: &[Image],
+        fields: &[Fields],
+    ) -> Result<Steps, LoadError> {
+        let mut steps = Steps::default();
+        steps.starts.reserve(cycles as usize + 1);
+        for cycle in 0..cycles {
+            steps.mark();
+            for element in 0..images.len() {
+                let image = &images[element];
+                let word = image.word(cycle);
+                if !image.is_defined(cycle) {
+                    return Err(LoadError::UndefinedInstruction {
+                        element: names[element].to_owned(),
+                        cycle,
+                    });
+                }
+                if word.iter().all(|&limb| limb == 0) {
+                    continue;
+                }
+                let covered = &fields[element].covered;
+                if word
+                    .iter()
+                    .zip(covered)
+                    .any(|(word, mask)| word & !mask != 0)
+                {
+                    return Err(LoadError::UndefinedBits {
+                        element: names[element].to_owned(),
+                        cycle,
+                    });
+                }
+                steps.word(cycle, element, images, fields);
+            }
+        }
+        steps.mark();
+        Ok(steps)
+    }
+
+    fn mark(&mut self) {
+        self.starts.push([
+            self.issues.len() as u32,
+            self.writes.len() as u32,
+            self.buffer_writes.len() as u32,
+        ]);
+    }
+
+    fn word(&mut self, cycle: u32, element: usize, images: &[Image], all: &[Fields]) {
+        let (image, fields) = (&images[element], &all[element]);
+        let own = |bits: Bits| get(image, cycle, bits);
+        if own(fields.issue) == 1 {
+            self.issues.push(Issue {
+                element: element as u32,
+                code: own(fields.operation),
+                reads: fields.reads.map(own),
+            });
+        }
+        for &(memory, [enable, address, select]) in &fields.writes {
+            if own(enable) == 1 {
+                let select = own(select);
+                // The codes count all results, then all first read ports of
+                // the buffers, then all second ones.
+                let (port, source) = (
+                    select as usize / images.len(),
+                    select as usize % images.len(),
+                );
+                let read = port
+                    .checked_sub(1)
+                    .and_then(|port| all[source].buffer_reads.get(port));
+                self.writes.push(Write {
+                    element: element as u32,
+                    memory: memory as u32,
+                    address: own(address),
+                    select,
+                    buffer_word: read.map_or(0, |&bits| get(&images[source], cycle, bits)),
+                });
+            }
+        }
+        let [enable, word] = fields.buffer_write;
+        if own(enable) == 1 {
+            self.buffer_writes.push(BufferWrite {
+                element: element as u32,
+                word: own(word),
+            });
+        }
+    }
+
+    fn range(&self, cycle: u32, kind: usize) -> std::ops::Range<usize> {
+        let cycle = cycle as usize;
+        self.starts[cycle][kind] as usize..self.starts[cycle + 1][kind] as usize
+    }
+
+    /// The operations that start in a cycle.
+    pub(super) fn issues(&self, cycle: u32) -> &[Issue] {
+        &self.issues[self.range(cycle, 0)]
+    }
+
+    /// The writes at the end of a cycle.
+    pub(super) fn writes(&self, cycle: u32) -> &[Write] {
+        &self.writes[self.range(cycle, 1)]
+    }
+
+    /// The buffer writes at the end of a cycle.
+    pub(super) fn buffer_writes(&self, cycle: u32) -> &[BufferWrite] {
+        &self.buffer_writes[self.range(cycle, 2)]
+    }
+}

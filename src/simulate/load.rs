@@ -1,0 +1,577 @@
+//! Images and manifest into a program, with every check that needs no run.
+
+use super::decode::{Fields, Steps};
+use super::error::LoadError;
+use super::mif::Image;
+use super::program::{ElementUnit, HostStep, MemoryUnit, OutputPlace, OutputUnit, Program};
+use robovec_ir::machine::MemoryStyle;
+use robovec_ir::{Machine, Operation};
+use robovec_passes::codegen::manifest::{self, Manifest, OutputValue, Reference, WordAddress};
+use std::collections::BTreeMap;
+
+/// Most elements.
+const MOST_ELEMENTS: usize = 1 << 14;
+/// Most words of all memories, of all buffers, and of all instruction images
+/// in limbs of 64 bits.
+const MOST_WORDS: u64 = 1 << 26;
+
+impl Program {
+    /// Loads a program from its files, as (file name, text), and checks that
+    /// they belong together, to this machine, and were not changed.
+    ///
+    /// Names may carry directories; one of the files must be a
+    /// `manifest.json`.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong with files or machine.
+    pub fn load(files: &[(String, String)], machine: &Machine) -> Result<Program, LoadError> {
+        let loader = Loader::new(files, machine)?;
+        let program = loader.program()?;
+        loader.check_hashes()?;
+        Ok(program)
+    }
+
+    /// As [`Program::load`] for images edited by hand: neither the hash of
+    /// the instruction images nor that of the machine is compared.
+    ///
+    /// # Errors
+    ///
+    /// As [`Program::load`], without those of the hashes.
+    pub fn load_edited(
+        files: &[(String, String)],
+        machine: &Machine,
+    ) -> Result<Program, LoadError> {
+        Loader::new(files, machine)?.program()
+    }
+}
+
+struct Loader<'a> {
+    files: BTreeMap<&'a str, &'a str>,
+    manifest: Manifest,
+    machine: &'a Machine,
+    memories: Vec<MemoryUnit>,
+    /// Memory names to places in `memories`.
+    names: BTreeMap<String, u32>,
+    words: usize,
+}
+
+fn base_name(name: &str) -> &str {
+    name.rsplit(['/', '\\']).next().unwrap_or(name)
+}
+
+impl<'a> Loader<'a> {
+    fn new(files: &'a [(String, String)], machine: &'a Machine) -> Result<Loader<'a>, LoadError> {
+        let files: BTreeMap<&str, &str> = files
+            .iter()
+            .map(|(name, text)| (base_name(name), text.as_str()))
+            .collect();
+        let mut manifests = files
+            .keys()
+            .copied()
+            .filter(|name| name.ends_with("manifest.json"));
+        let name = manifests.next().ok_or(LoadError::NoManifest)?;
+        if let Some(other) = manifests.next() {
+            return Err(LoadError::SeveralManifests(
+                name.to_owned(),
+                other.to_owned(),
+            ));
+        }
+        let text = files.get(name).copied().unwrap_or("");
+        let fail = |error: serde_json::Error| LoadError::Manifest {
+            file: name.to_owned(),
+            message: error.to_string(),
+        };
+        #[derive(serde::Deserialize)]
+        struct Version {
+            format: u32,
+        }
+        let version: Version = serde_json::from_str(text).map_err(fail)?;
+        if version.format != manifest::FORMAT {
+            return Err(LoadError::Format {
+                found: version.format,
+                expected: manifest::FORMAT,
+            });
+        }
+        let manifest: Manifest = serde_json::from_str(text).map_err(fail)?;
+        let mut loader = Loader {
+            files,
+            manifest,
+            machine,
+            memories: Vec::new(),
+            names: BTreeMap::new(),
+            words: 0,
+        };
+        loader.check_machine()?;
+        loader.collect_memories()?;
+        Ok(loader)
+    }
+
+    /// The manifest must describe a part of the machine.
+    fn check_machine(&self) -> Result<(), LoadError> {
+        let (manifest, machine) = (&self.manifest, self.machine);
+        let format = manifest.number;
+        if !matches!((format.exponent, format.mantissa), (8, 23) | (11, 52)) {
+            return Err(LoadError::UnsupportedNumber {
+                exponent: format.exponent,
+                mantissa: format.mantissa,
+            });
+        }
+        if format != machine.number {
+            return Err(LoadError::Machine(
+                "it has another number format".to_owned(),
+            ));
+        }
+        if manifest.elements.len() > MOST_ELEMENTS {
+            let count = manifest.elements.len();
+            return Err(LoadError::TooLarge(format!("{count} elements")));
+        }
+        for element in &manifest.elements {
+            self.check_element(element)?;
+        }
+        self.check_sources()
+    }
+
+    fn check_element(&self, element: &manifest::Element) -> Result<(), LoadError> {
+        let machine = self.machine;
+        let fail = |message: String| Err(LoadError::Machine(message));
+        let kind = machine
+            .elements
+            .iter()
+            .find(|kind| kind.kind == element.kind);
+        let Some(kind) = kind else {
+            return fail(format!("it has no elements of kind '{}'", element.kind));
+        };
+        let foreign = |name: &&String| !kind.operations.contains(name);
+        if let Some(name) = element.operations.iter().find(foreign) {
+            return fail(format!("its '{}' does not perform '{name}'", element.kind));
+        }
+        let sides = match machine.memory.style {
+            MemoryStyle::Unified => 1,
+            MemoryStyle::SideSplit => 2,
+        };
+        if element.memories.len() != sides {
+            return fail(format!(
+                "it has {sides} memories per element, {} has {}",
+                element.name,
+                element.memories.len()
+            ));
+        }
+        for memory in &element.memories {
+            let allowed = machine.memory.writes.unwrap_or(u32::MAX);
+            if memory.write_ports > allowed {
+                return Err(LoadError::WritePorts {
+                    memory: memory.name.clone(),
+                    ports: memory.write_ports,
+                    allowed,
+                });
+            }
+            check_words(&memory.name, memory.words, machine.memory.words)?;
+        }
+        let Some(buffer) = &element.buffer else {
+            return Ok(());
+        };
+        let Some(described) = machine.buffer else {
+            return fail(format!("it has no buffers, {} has one", element.name));
+        };
+        let allowed = described.reads.unwrap_or(u32::MAX);
+        if buffer.read_ports > allowed {
+            return Err(LoadError::BufferPorts {
+                element: element.name.clone(),
+                ports: buffer.read_ports,
+                allowed,
+            });
+        }
+        let name = format!("the buffer of {}", element.name);
+        check_words(&name, buffer.words, described.words)
+    }
+
+    /// The crossbar's inputs: all results, then port by port all buffers.
+    fn check_sources(&self) -> Result<(), LoadError> {
+        let elements = &self.manifest.elements;
+        let ports = self.buffer_reads();
+        let ports_of = |element: &manifest::Element| {
+            element
+                .buffer
+                .as_ref()
+                .map_or(0, |buffer| buffer.read_ports)
+        };
+        let expected = elements.len() as u64 * (1 + u64::from(ports));
+        let sources = &self.manifest.sources;
+        if elements.iter().any(|element| ports_of(element) != ports)
+            || sources.len() as u64 != expected
+        {
+            return Err(LoadError::Sources);
+        }
+        for (code, source) in sources.iter().enumerate() {
+            let name = &elements[code % elements.len()].name;
+            let port = code / elements.len();
+            let suffix = match (port, ports) {
+                (0, _) => String::new(),
+                (_, 1) => ".buffer".to_owned(),
+                (port, _) => format!(".buffer.{}", port - 1),
+            };
+            if source.strip_prefix(name.as_str()) != Some(suffix.as_str()) {
+                return Err(LoadError::Sources);
+            }
+        }
+        Ok(())
+    }
+
+    fn buffer_reads(&self) -> u32 {
+        let first = self.manifest.elements.first();
+        first
+            .and_then(|element| element.buffer.as_ref())
+            .map_or(0, |buffer| buffer.read_ports)
+    }
+
+    fn collect_memories(&mut self) -> Result<(), LoadError> {
+        let mut total = 0u64;
+        let mut element_names = BTreeMap::new();
+        for element in &self.manifest.elements {
+            if element_names.insert(&element.name, ()).is_some() {
+                return Err(LoadError::NameTwice(element.name.clone()));
+            }
+            for memory in &element.memories {
+                let place = self.memories.len() as u32;
+                if self.names.insert(memory.name.clone(), place).is_some() {
+                    return Err(LoadError::NameTwice(memory.name.clone()));
+                }
+                self.memories.push(MemoryUnit {
+                    name: memory.name.clone(),
+                    words: memory.words,
+                    offset: total as u32,
+                });
+                total += u64::from(memory.words);
+                if total > MOST_WORDS {
+                    return Err(LoadError::TooLarge(format!("{total} memory words")));
+                }
+            }
+        }
+        self.words = total as usize;
+        Ok(())
+    }
+
+    fn program(&self) -> Result<Program, LoadError> {
+        let manifest = &self.manifest;
+        let steps = self.steps()?;
+        let data = self.data()?;
+        let (elements, buffer_words) = self.elements()?;
+        let mut initial = vec![false; self.words];
+        let inputs = manifest.inputs.iter();
+        let inputs = inputs
+            .map(|input| self.initial_words(&input.name, &input.words, &mut initial))
+            .collect::<Result<_, _>>()?;
+        let mut constants = Vec::new();
+        for constant in &manifest.constants {
+            self.initial_words(&constant.value, &constant.words, &mut initial)?;
+            let number = constant.value.parse().map_err(|_| LoadError::Dangling {
+                user: "a constant".to_owned(),
+                what: format!("the number '{}'", constant.value),
+            })?;
+            constants.push(number);
+        }
+        let mut host = Vec::new();
+        for (place, value) in manifest.host.iter().enumerate() {
+            let words = self.initial_words(&value.name, &value.words, &mut initial)?;
+            host.push(self.host_step(place, value, words)?);
+        }
+        Ok(Program {
+            function: manifest.function.clone(),
+            cycles: manifest.cycles,
+            double: manifest.number.exponent == 11,
+            flush: !manifest.number.subnormals,
+            elements,
+            memories: self.memories.clone(),
+            words: self.words,
+            buffer_words,
+            buffer_reads: self.buffer_reads(),
+            data,
+            inputs,
+            constants,
+            host,
+            outputs: self.outputs()?,
+            steps,
+        })
+    }
+
+    fn image(&self, file: &str, depth: u32, width: u32) -> Result<Image, LoadError> {
+        let text = self.files.get(file).copied();
+        let text = text.ok_or_else(|| LoadError::NoFile(file.to_owned()))?;
+        let image = Image::parse(text).map_err(|error| LoadError::Image {
+            file: file.to_owned(),
+            error,
+        })?;
+        for (what, found, expected) in [
+            ("depth", image.depth(), depth),
+            ("width", image.width(), width),
+        ] {
+            if found != expected {
+                return Err(LoadError::ImageSize {
+                    file: file.to_owned(),
+                    what,
+                    found,
+                    expected,
+                });
+            }
+        }
+        Ok(image)
+    }
+
+    fn steps(&self) -> Result<Steps, LoadError> {
+        let manifest = &self.manifest;
+        let cycles = manifest.cycles;
+        let limbs = manifest.elements.iter().map(|element| {
+            u64::from(cycles) * u64::from(element.instructions.width.div_ceil(64).max(1))
+        });
+        let total = limbs.fold(0u64, u64::saturating_add);
+        if total > MOST_WORDS {
+            return Err(LoadError::TooLarge(format!("{cycles} cycles")));
+        }
+        let mut images = Vec::new();
+        let mut fields = Vec::new();
+        for element in &manifest.elements {
+            let instructions = &element.instructions;
+            images.push(self.image(&instructions.file, cycles, instructions.width)?);
+            fields.push(Fields::new(element)?);
+        }
+        let names: Vec<&str> = manifest
+            .elements
+            .iter()
+            .map(|element| element.name.as_str())
+            .collect();
+        Steps::decode(cycles, &names, &images, &fields)
+    }
+
+    /// The words that the data images give a content.
+    fn data(&self) -> Result<Vec<(u32, u64)>, LoadError> {
+        let number = self.manifest.number;
+        let width = 1 + number.exponent + number.mantissa;
+        let mut data = Vec::new();
+        let files = self.manifest.elements.iter().flat_map(|e| &e.memories);
+        for (memory, unit) in files.zip(&self.memories) {
+            let image = self.image(&memory.file, memory.words, width)?;
+            let defined = (0..memory.words).filter(|&address| image.is_defined(address));
+            data.extend(defined.map(|address| (unit.offset + address, image.word(address)[0])));
+        }
+        Ok(data)
+    }
+
+    fn elements(&self) -> Result<(Vec<ElementUnit>, usize), LoadError> {
+        let mut units = Vec::new();
+        let mut buffer_offset = 0u64;
+        for element in &self.manifest.elements {
+            let kind = self
+                .machine
+                .elements
+                .iter()
+                .find(|k| k.kind == element.kind);
+            let stages = kind.map_or(1, |kind| kind.stages);
+            let operations = element
+                .operations
+                .iter()
+                .map(|name| self.operation(&element.name, name))
+                .collect::<Result<_, _>>()?;
+            let place = |memory: Option<&manifest::Memory>| {
+                memory
+                    .and_then(|memory| self.names.get(&memory.name))
+                    .copied()
+            };
+            let left = place(element.memories.first()).unwrap_or(0);
+            let buffer_words = element.buffer.as_ref().map_or(0, |buffer| buffer.words);
+            units.push(ElementUnit {
+                name: element.name.clone(),
+                kind: element.kind.clone(),
+                latency: stages + 1,
+                operations,
+                memories: [left, place(element.memories.get(1)).unwrap_or(left)],
+                buffer_words,
+                buffer_offset: buffer_offset as u32,
+            });
+            buffer_offset += u64::from(buffer_words);
+            if buffer_offset > MOST_WORDS {
+                return Err(LoadError::TooLarge(format!("{buffer_offset} buffer words")));
+            }
+        }
+        Ok((units, buffer_offset as usize))
+    }
+
+    fn operation(&self, user: &str, name: &str) -> Result<Operation, LoadError> {
+        let mut known = Operation::ALL.into_iter();
+        known
+            .find(|operation| operation.name() == name)
+            .ok_or_else(|| LoadError::Dangling {
+                user: user.to_owned(),
+                what: format!("operation '{name}'"),
+            })
+    }
+
+    /// Memory and address of a word.
+    fn word(&self, user: &str, memory: &str, address: u32) -> Result<(u32, u32), LoadError> {
+        let place = self.names.get(memory).copied();
+        place
+            .filter(|&place| address < self.memories[place as usize].words)
+            .map(|place| (place, address))
+            .ok_or_else(|| LoadError::Dangling {
+                user: user.to_owned(),
+                what: format!("word {address} of memory '{memory}'"),
+            })
+    }
+
+    fn initial_words(
+        &self,
+        user: &str,
+        words: &[WordAddress],
+        taken: &mut [bool],
+    ) -> Result<Vec<u32>, LoadError> {
+        let mut places = Vec::with_capacity(words.len());
+        for word in words {
+            let (memory, address) = self.word(user, &word.memory, word.address)?;
+            let place = self.memories[memory as usize].offset + address;
+            if std::mem::replace(&mut taken[place as usize], true) {
+                return Err(LoadError::InitialTwice {
+                    memory: word.memory.clone(),
+                    address,
+                });
+            }
+            places.push(place);
+        }
+        Ok(places)
+    }
+
+    /// A reference must be in range; among the host's values, before `host`.
+    fn reference(&self, user: &str, reference: Reference, host: usize) -> Result<(), LoadError> {
+        let (index, length, what) = match reference {
+            Reference::Input(index) => (index, self.manifest.inputs.len(), "input"),
+            Reference::Constant(index) => (index, self.manifest.constants.len(), "constant"),
+            Reference::Host(index) => (index, host, "earlier host value"),
+        };
+        if (index as usize) < length {
+            return Ok(());
+        }
+        Err(LoadError::Dangling {
+            user: user.to_owned(),
+            what: format!("{what} {index}"),
+        })
+    }
+
+    fn host_step(
+        &self,
+        place: usize,
+        value: &manifest::HostElement,
+        words: Vec<u32>,
+    ) -> Result<HostStep, LoadError> {
+        let operation = self.operation(&value.name, &value.operation)?;
+        for &operand in &value.operands {
+            self.reference(&value.name, operand, place)?;
+        }
+        let operands = match (operation.arity(), value.operands.as_slice()) {
+            (1, &[only]) => [only, only],
+            (2, &[left, right]) => [left, right],
+            (arity, given) => {
+                return Err(LoadError::Dangling {
+                    user: value.name.clone(),
+                    what: format!("{} operands instead of {arity}", given.len()),
+                });
+            }
+        };
+        Ok(HostStep {
+            operation,
+            operands,
+            words,
+        })
+    }
+
+    fn outputs(&self) -> Result<Vec<OutputUnit>, LoadError> {
+        let unit = |output: &manifest::OutputElement| {
+            let place = match &output.value {
+                OutputValue::Home(home) => {
+                    let (memory, address) = self.word(&output.name, &home.memory, home.address)?;
+                    OutputPlace::Home {
+                        memory,
+                        address,
+                        written: home.written,
+                    }
+                }
+                OutputValue::Known(reference) => {
+                    self.reference(&output.name, *reference, self.manifest.host.len())?;
+                    OutputPlace::Known(*reference)
+                }
+            };
+            Ok(OutputUnit {
+                name: output.name.clone(),
+                index: output.index,
+                place,
+            })
+        };
+        self.manifest.outputs.iter().map(unit).collect()
+    }
+
+    fn check_hashes(&self) -> Result<(), LoadError> {
+        let mut found = Hash::new();
+        for element in &self.manifest.elements {
+            let text = self.files.get(element.instructions.file.as_str());
+            found.update(text.copied().unwrap_or("").as_bytes());
+        }
+        if found.text() != self.manifest.schedule_hash {
+            return Err(LoadError::OtherSchedule {
+                found: found.text(),
+                expected: self.manifest.schedule_hash.clone(),
+            });
+        }
+        let mut elements = self.machine.elements.clone();
+        for element in &mut elements {
+            element.count = 1;
+        }
+        let machine = self.machine;
+        let essence = (
+            machine.number,
+            elements,
+            machine.memory,
+            machine.buffer,
+            machine.interconnect,
+        );
+        let text =
+            serde_json::to_vec(&essence).map_err(|error| LoadError::Machine(error.to_string()))?;
+        let mut hash = Hash::new();
+        hash.update(&text);
+        if hash.text() != self.manifest.machine.hash {
+            return Err(LoadError::OtherMachine {
+                images: self.manifest.machine.hash.clone(),
+                machine: hash.text(),
+            });
+        }
+        Ok(())
+    }
+}
+
+fn check_words(name: &str, words: u32, allowed: Option<u32>) -> Result<(), LoadError> {
+    let allowed = allowed.unwrap_or(u32::MAX);
+    if words > allowed {
+        return Err(LoadError::Words {
+            memory: name.to_owned(),
+            words,
+            allowed,
+        });
+    }
+    Ok(())
+}
+
+/// 64-bit FNV-1a.
+struct Hash(u64);
+
+impl Hash {
+    fn new() -> Hash {
+        Hash(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn update(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+
+    fn text(&self) -> String {
+        format!("{:016x}", self.0)
+    }
+}

@@ -1,0 +1,30 @@
+//! The cycle-accurate simulator.
+//!
+//! It is the judge of code generation and placement, so it reads only what
+//! the hardware would be given: the text of the memory images and the
+//! manifest (`docs/images.md`), and the machine. It steps through the program
+//! cycle by cycle, through pipelines, crossbar, buffers and memories, computes
+//! in the machine's number format, and refuses every hazard by name and cycle
+//! ([`Hazard`]). Invariants:
+//!
+//! - it shares no code with placement or image generation but the manifest's
+//!   schema: what it knows of an instruction word it reads from the manifest,
+//!   what it knows of timing from the machine;
+//! - a word holds a value or nothing (a shadow bit); reading nothing is a
+//!   hazard, so results never depend on what a memory held before;
+//! - any text is either loaded or refused with a [`LoadError`], and any loaded
+//!   program either runs or stops at a hazard, within bounded time and memory.
+
+mod decode;
+mod error;
+mod load;
+pub mod mif;
+mod number;
+mod occupation;
+mod program;
+mod run;
+
+pub use error::{Hazard, LoadError};
+pub use occupation::{ElementOccupation, Occupation};
+pub use program::Program;
+pub use run::Outputs;

@@ -1,0 +1,113 @@
+//! A program as loaded from its images.
+
+use super::decode::Steps;
+use robovec_ir::Operation;
+use robovec_passes::codegen::manifest::Reference;
+
+/// A program in the simulator's memories, ready to be run any number of times.
+#[derive(Clone, Debug)]
+pub struct Program {
+    pub(super) function: String,
+    pub(super) cycles: u32,
+    /// Binary64 instead of binary32.
+    pub(super) double: bool,
+    /// Subnormal numbers become zero.
+    pub(super) flush: bool,
+    pub(super) elements: Vec<ElementUnit>,
+    pub(super) memories: Vec<MemoryUnit>,
+    /// Words of all memories together.
+    pub(super) words: usize,
+    /// Words of all buffers together.
+    pub(super) buffer_words: usize,
+    /// Read ports of every buffer.
+    pub(super) buffer_reads: u32,
+    /// Content of the data images: word, bits.
+    pub(super) data: Vec<(u32, u64)>,
+    /// For every input element the words to load it into.
+    pub(super) inputs: Vec<Vec<u32>>,
+    pub(super) constants: Vec<f64>,
+    pub(super) host: Vec<HostStep>,
+    pub(super) outputs: Vec<OutputUnit>,
+    pub(super) steps: Steps,
+}
+
+/// A processing element.
+#[derive(Clone, Debug)]
+pub(super) struct ElementUnit {
+    pub(super) name: String,
+    pub(super) kind: String,
+    /// Cycles from the issue to the result on the bus.
+    pub(super) latency: u32,
+    pub(super) operations: Vec<Operation>,
+    /// The memories of the left and right operand: twice the same one when
+    /// unified.
+    pub(super) memories: [u32; 2],
+    /// Words of the buffer; 0 without one.
+    pub(super) buffer_words: u32,
+    /// Its first word among those of all buffers.
+    pub(super) buffer_offset: u32,
+}
+
+/// An operand memory.
+#[derive(Clone, Debug)]
+pub(super) struct MemoryUnit {
+    pub(super) name: String,
+    pub(super) words: u32,
+    /// Its first word among those of all memories.
+    pub(super) offset: u32,
+}
+
+/// A value the host computes.
+#[derive(Clone, Debug)]
+pub(super) struct HostStep {
+    pub(super) operation: Operation,
+    /// A unary operation has its operand twice.
+    pub(super) operands: [Reference; 2],
+    /// Where it is loaded.
+    pub(super) words: Vec<u32>,
+}
+
+/// Where an output is found.
+#[derive(Clone, Debug)]
+pub(super) struct OutputUnit {
+    pub(super) name: String,
+    pub(super) index: u32,
+    pub(super) place: OutputPlace,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum OutputPlace {
+    /// In a memory, written at the end of a cycle.
+    Home {
+        memory: u32,
+        address: u32,
+        written: u32,
+    },
+    /// Known before the run.
+    Known(Reference),
+}
+
+impl Program {
+    /// The function's name.
+    pub fn function(&self) -> &str {
+        &self.function
+    }
+
+    /// The length of a run.
+    pub fn cycles(&self) -> u32 {
+        self.cycles
+    }
+
+    /// How many inputs a run takes.
+    pub fn input_len(&self) -> usize {
+        self.inputs.len()
+    }
+
+    /// The names of the outputs and their places among the function's
+    /// flattened output elements, in the order of [`super::Outputs`].
+    pub fn outputs(&self) -> impl Iterator<Item = (&str, u32)> {
+        self.outputs
+            .iter()
+            .map(|output| (output.name.as_str(), output.index))
+    }
+}

@@ -1,0 +1,392 @@
+//! A run of the machine.
+//!
+//! One cycle goes through the machine in the order of the hardware: results
+//! leave the pipelines, operations read their operands, then everything that
+//! is written is written at the end of the cycle. Reads therefore see what
+//! was there when the cycle began.
+
+use super::decode::{BufferWrite, Issue, Write};
+use super::error::Hazard;
+use super::number::{Number, compute, flushed};
+use super::program::{OutputPlace, Program};
+use robovec_passes::codegen::manifest::Reference;
+
+/// What a run gives.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Outputs {
+    /// The output elements that the program sets, in order of
+    /// [`Program::outputs`]; numbers of the machine's format, held exactly.
+    pub values: Vec<f64>,
+    /// The same as words of the machine.
+    pub words: Vec<u64>,
+    /// Cycles the run took.
+    pub cycles: u32,
+}
+
+impl Program {
+    /// Loads the inputs and what the host computes from them, runs, and
+    /// collects the outputs. Inputs are rounded to the machine's format.
+    ///
+    /// # Errors
+    ///
+    /// The first hazard, by cycle.
+    pub fn run(&self, inputs: &[f64]) -> Result<Outputs, Hazard> {
+        if inputs.len() != self.inputs.len() {
+            return Err(Hazard::InputCount {
+                expected: self.inputs.len(),
+                given: inputs.len(),
+            });
+        }
+        if self.double {
+            Runner::<f64>::new(self).run(inputs)
+        } else {
+            Runner::<f32>::new(self).run(inputs)
+        }
+    }
+}
+
+/// Nothing was ever written into the word.
+const EMPTY: u32 = u32::MAX;
+/// The word was loaded before the run.
+const LOADED: u32 = u32::MAX - 1;
+
+/// A word of a memory or buffer.
+#[derive(Clone, Copy)]
+struct Cell<N> {
+    number: N,
+    /// The cycle of the last write, [`LOADED`] or [`EMPTY`].
+    written: u32,
+    /// Whether it was read since.
+    read: bool,
+}
+
+struct Runner<'p, N> {
+    program: &'p Program,
+    memory: Vec<Cell<N>>,
+    buffers: Vec<Cell<N>>,
+    /// The pipelines: for each element as many slots as its latency, used in
+    /// turn; a slot is taken when its result leaves.
+    pipelines: Vec<Option<N>>,
+    /// For each element its first slot and the slot of this cycle.
+    slots: Vec<(u32, u32)>,
+    /// The results that are on the crossbar in this cycle.
+    bus: Vec<Option<N>>,
+}
+
+impl<'p, N: Number> Runner<'p, N> {
+    fn new(program: &'p Program) -> Runner<'p, N> {
+        let empty = Cell {
+            number: N::default(),
+            written: EMPTY,
+            read: false,
+        };
+        let mut slots = Vec::with_capacity(program.elements.len());
+        let mut next = 0;
+        for element in &program.elements {
+            slots.push((next, 0));
+            next += element.latency;
+        }
+        Runner {
+            program,
+            memory: vec![empty; program.words],
+            buffers: vec![empty; program.buffer_words],
+            pipelines: vec![None; next as usize],
+            slots,
+            bus: vec![None; program.elements.len()],
+        }
+    }
+
+    fn run(mut self, inputs: &[f64]) -> Result<Outputs, Hazard> {
+        let program = self.program;
+        let known = self.load(inputs);
+        for cycle in 0..program.cycles {
+            self.advance();
+            for issue in program.steps.issues(cycle) {
+                self.issue(cycle, issue)?;
+            }
+            for write in program.steps.writes(cycle) {
+                self.write(cycle, write)?;
+            }
+            for write in program.steps.buffer_writes(cycle) {
+                self.buffer_write(cycle, write)?;
+            }
+        }
+        self.check_pipelines()?;
+        self.collect(&known)
+    }
+
+    /// Loads the memories; the values known before the run.
+    fn load(&mut self, inputs: &[f64]) -> Known<N> {
+        let program = self.program;
+        let flush = program.flush;
+        for &(word, bits) in &program.data {
+            self.put(word, flushed(N::from_word(bits), flush));
+        }
+        let round = |number: &f64| flushed(N::from_binary64(*number), flush);
+        let mut known = Known {
+            inputs: inputs.iter().map(round).collect(),
+            constants: program.constants.iter().map(round).collect(),
+            host: Vec::with_capacity(program.host.len()),
+        };
+        for (words, &number) in program.inputs.iter().zip(&known.inputs) {
+            words.iter().for_each(|&word| self.put(word, number));
+        }
+        for step in &program.host {
+            let [a, b] = step.operands.map(|operand| known.get(operand));
+            let number = compute(step.operation, a, b, flush);
+            known.host.push(number);
+            step.words.iter().for_each(|&word| self.put(word, number));
+        }
+        known
+    }
+
+    fn put(&mut self, word: u32, number: N) {
+        self.memory[word as usize] = Cell {
+            number,
+            written: LOADED,
+            read: false,
+        };
+    }
+
+    /// Moves every pipeline one cycle on.
+    fn advance(&mut self) {
+        let elements = self.program.elements.iter();
+        for ((element, slot), bus) in elements.zip(&mut self.slots).zip(&mut self.bus) {
+            slot.1 += 1;
+            if slot.1 == element.latency {
+                slot.1 = 0;
+            }
+            *bus = self.pipelines[(slot.0 + slot.1) as usize].take();
+        }
+    }
+
+    fn issue(&mut self, cycle: u32, issue: &Issue) -> Result<(), Hazard> {
+        let program = self.program;
+        let element = &program.elements[issue.element as usize];
+        let Some(&operation) = element.operations.get(issue.code as usize) else {
+            return Err(Hazard::UnknownOperation {
+                cycle,
+                element: element.name.clone(),
+                code: issue.code,
+            });
+        };
+        let a = self.read(cycle, issue, 0)?;
+        let b = if operation.arity() == 2 {
+            self.read(cycle, issue, 1)?
+        } else {
+            a
+        };
+        let result = compute(operation, a, b, program.flush);
+        let (first, now) = self.slots[issue.element as usize];
+        self.pipelines[(first + now) as usize] = Some(result);
+        Ok(())
+    }
+
+    fn read(&mut self, cycle: u32, issue: &Issue, side: usize) -> Result<N, Hazard> {
+        let element = &self.program.elements[issue.element as usize];
+        let memory = element.memories[side];
+        let place = self.place(cycle, memory, issue.reads[side])?;
+        let cell = &mut self.memory[place];
+        if cell.written == EMPTY {
+            return Err(Hazard::UninitialisedRead {
+                cycle,
+                element: element.name.clone(),
+                memory: self.program.memories[memory as usize].name.clone(),
+                address: issue.reads[side],
+            });
+        }
+        cell.read = true;
+        Ok(cell.number)
+    }
+
+    fn place(&self, cycle: u32, memory: u32, address: u32) -> Result<usize, Hazard> {
+        let unit = &self.program.memories[memory as usize];
+        if address >= unit.words {
+            return Err(Hazard::AddressRange {
+                cycle,
+                memory: unit.name.clone(),
+                address,
+                words: unit.words,
+            });
+        }
+        Ok((unit.offset + address) as usize)
+    }
+
+    fn write(&mut self, cycle: u32, write: &Write) -> Result<(), Hazard> {
+        let program = self.program;
+        let element = &program.elements[write.element as usize];
+        let memory = element.memories[write.memory as usize];
+        let number = self.source(cycle, write, memory)?;
+        let place = self.place(cycle, memory, write.address)?;
+        let cell = &mut self.memory[place];
+        let name = || program.memories[memory as usize].name.clone();
+        if cell.written == cycle {
+            return Err(Hazard::WrittenTwice {
+                cycle,
+                memory: name(),
+                address: write.address,
+            });
+        }
+        if cell.written != EMPTY && !cell.read {
+            return Err(Hazard::Lost {
+                cycle,
+                memory: name(),
+                address: write.address,
+            });
+        }
+        *cell = Cell {
+            number,
+            written: cycle,
+            read: false,
+        };
+        Ok(())
+    }
+
+    /// What the crossbar brings to a write port.
+    fn source(&mut self, cycle: u32, write: &Write, memory: u32) -> Result<N, Hazard> {
+        let program = self.program;
+        let name = || program.memories[memory as usize].name.clone();
+        let elements = program.elements.len();
+        let inputs = elements * (1 + program.buffer_reads as usize);
+        let select = write.select as usize;
+        if select >= inputs {
+            return Err(Hazard::UnknownSource {
+                cycle,
+                memory: name(),
+                select: write.select,
+                inputs: inputs as u32,
+            });
+        }
+        let element = &program.elements[select % elements];
+        if select < elements {
+            return self.bus[select].ok_or_else(|| Hazard::NoResult {
+                cycle,
+                memory: name(),
+                element: element.name.clone(),
+            });
+        }
+        let word = write.buffer_word;
+        if word >= element.buffer_words {
+            return Err(overflow(cycle, element, word));
+        }
+        let cell = &mut self.buffers[(element.buffer_offset + word) as usize];
+        if cell.written == EMPTY {
+            return Err(Hazard::UninitialisedBufferRead {
+                cycle,
+                element: element.name.clone(),
+                word,
+            });
+        }
+        cell.read = true;
+        Ok(cell.number)
+    }
+
+    fn buffer_write(&mut self, cycle: u32, write: &BufferWrite) -> Result<(), Hazard> {
+        let element = &self.program.elements[write.element as usize];
+        let Some(number) = self.bus[write.element as usize] else {
+            return Err(Hazard::NoResultToBuffer {
+                cycle,
+                element: element.name.clone(),
+            });
+        };
+        if write.word >= element.buffer_words {
+            return Err(overflow(cycle, element, write.word));
+        }
+        let cell = &mut self.buffers[(element.buffer_offset + write.word) as usize];
+        if cell.written != EMPTY && !cell.read {
+            return Err(Hazard::LostInBuffer {
+                cycle,
+                element: element.name.clone(),
+                word: write.word,
+            });
+        }
+        *cell = Cell {
+            number,
+            written: cycle,
+            read: false,
+        };
+        Ok(())
+    }
+
+    fn check_pipelines(&self) -> Result<(), Hazard> {
+        for (element, &(first, _)) in self.program.elements.iter().zip(&self.slots) {
+            let slots = first as usize..(first + element.latency) as usize;
+            if self.pipelines[slots].iter().any(Option::is_some) {
+                return Err(Hazard::StillRunning {
+                    cycles: self.program.cycles,
+                    element: element.name.clone(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn collect(&self, known: &Known<N>) -> Result<Outputs, Hazard> {
+        let program = self.program;
+        let mut numbers = Vec::with_capacity(program.outputs.len());
+        for output in &program.outputs {
+            let (memory, address, expected) = match output.place {
+                OutputPlace::Known(reference) => {
+                    numbers.push(known.get(reference));
+                    continue;
+                }
+                OutputPlace::Home {
+                    memory,
+                    address,
+                    written,
+                } => (memory, address, written),
+            };
+            let unit = &program.memories[memory as usize];
+            let cell = self.memory[(unit.offset + address) as usize];
+            let overwritten = cell.written < LOADED && cell.written > expected;
+            if overwritten {
+                return Err(Hazard::OutputOverwritten {
+                    output: output.name.clone(),
+                    memory: unit.name.clone(),
+                    address,
+                    cycle: cell.written,
+                });
+            }
+            if cell.written != expected {
+                return Err(Hazard::OutputNotWritten {
+                    output: output.name.clone(),
+                    memory: unit.name.clone(),
+                    address,
+                    expected,
+                });
+            }
+            numbers.push(cell.number);
+        }
+        Ok(Outputs {
+            values: numbers.iter().map(|number| number.to_binary64()).collect(),
+            words: numbers.iter().map(|number| number.to_word()).collect(),
+            cycles: program.cycles,
+        })
+    }
+}
+
+fn overflow(cycle: u32, element: &super::program::ElementUnit, word: u32) -> Hazard {
+    Hazard::BufferOverflow {
+        cycle,
+        element: element.name.clone(),
+        word,
+        words: element.buffer_words,
+    }
+}
+
+/// The values known before the run.
+struct Known<N> {
+    inputs: Vec<N>,
+    constants: Vec<N>,
+    host: Vec<N>,
+}
+
+impl<N: Number> Known<N> {
+    fn get(&self, reference: Reference) -> N {
+        match reference {
+            Reference::Input(index) => self.inputs[index as usize],
+            Reference::Constant(index) => self.constants[index as usize],
+            Reference::Host(index) => self.host[index as usize],
+        }
+    }
+}
