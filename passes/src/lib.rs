@@ -17,6 +17,7 @@ pub mod options;
 pub mod pass;
 pub mod pipeline;
 mod reassociate;
+pub mod place;
 pub mod registry;
 pub mod rewrite;
 pub mod swap;

@@ -1,0 +1,148 @@
+//! Addresses in memories and buffers.
+//!
+//! The lifetimes of the words of one memory are intervals of cycles, so
+//! handing out a freed address whenever there is one needs exactly as many
+//! addresses as words are ever alive at once: no allocation needs fewer.
+
+use super::graph::Graph;
+use super::locations::{Entry, FOREVER, NO_ENTRY, PRELOADED};
+use super::sweep::Draft;
+
+/// An address for each entry, and how many each memory uses.
+#[derive(Clone, Debug)]
+pub(super) struct Addresses {
+    /// Per entry.
+    pub(super) of_entry: Vec<u32>,
+    /// Per memory.
+    pub(super) used: Vec<u32>,
+    /// The entries of initial data with their data, by memory and address.
+    pub(super) preloads: Vec<(u32, u32)>,
+}
+
+/// Free addresses of one memory.
+#[derive(Clone, Default, Debug)]
+struct Pool {
+    freed: Vec<u32>,
+    used: u32,
+}
+
+impl Pool {
+    fn take(&mut self) -> u32 {
+        self.freed.pop().unwrap_or_else(|| {
+            self.used += 1;
+            self.used - 1
+        })
+    }
+}
+
+/// Addresses for all entries. A word may be rewritten in a cycle after the
+/// one in which it is last read.
+pub(super) fn allocate(graph: &Graph, draft: &Draft) -> Addresses {
+    let entries = &draft.locations.entries;
+    let mut pools = vec![Pool::default(); draft.live.len()];
+    let mut of_entry = vec![0; entries.len()];
+    let preloads = preloads(graph, draft);
+    for &(entry, _) in &preloads {
+        let memory = entries[entry as usize].memory as usize;
+        of_entry[entry as usize] = pools[memory].take();
+    }
+    let written = |entry: &Entry| (entry.written != PRELOADED).then_some(entry.written);
+    let dies = |entry: &Entry| (entry.last_read != FOREVER).then_some(entry.last_read);
+    let mut dying = sorted_by(entries, draft.cycles, dies)
+        .into_iter()
+        .peekable();
+    for index in sorted_by(entries, draft.cycles, written) {
+        let entry = &entries[index as usize];
+        while let Some(dead) =
+            dying.next_if(|&dead| entries[dead as usize].last_read < entry.written)
+        {
+            let memory = entries[dead as usize].memory as usize;
+            pools[memory].freed.push(of_entry[dead as usize]);
+        }
+        of_entry[index as usize] = pools[entry.memory as usize].take();
+    }
+    Addresses {
+        of_entry,
+        used: pools.iter().map(|pool| pool.used).collect(),
+        preloads,
+    }
+}
+
+/// The indices of the entries that have a key, by key and then index. Keys
+/// are cycles, so that counting them beats comparing them unless the
+/// schedule is mostly waiting.
+fn sorted_by(entries: &[Entry], cycles: u32, key: impl Fn(&Entry) -> Option<u32>) -> Vec<u32> {
+    let with_key = entries
+        .iter()
+        .enumerate()
+        .filter_map(|(index, entry)| Some((key(entry)?, index as u32)));
+    if cycles as usize > 4 * entries.len() + 1024 {
+        let mut keyed: Vec<(u32, u32)> = with_key.collect();
+        keyed.sort_unstable();
+        return keyed.into_iter().map(|(_, index)| index).collect();
+    }
+    let mut starts = vec![0_u32; cycles as usize + 2];
+    for (key, _) in with_key.clone() {
+        starts[key as usize + 1] += 1;
+    }
+    for index in 1..starts.len() {
+        starts[index] += starts[index - 1];
+    }
+    let mut sorted = vec![0; starts.last().map_or(0, |&end| end as usize)];
+    for (key, index) in with_key {
+        let place = &mut starts[key as usize];
+        sorted[*place as usize] = index;
+        *place += 1;
+    }
+    sorted
+}
+
+/// The entries of initial data with their data, by memory and datum.
+fn preloads(graph: &Graph, draft: &Draft) -> Vec<(u32, u32)> {
+    let mut found: Vec<(u32, u32, u32)> = (0..graph.data_len() as u32)
+        .filter(|&datum| !graph.is_computed(datum))
+        .flat_map(|datum| {
+            let entries = draft.locations.of(datum);
+            entries.map(move |(index, entry)| (entry.memory, datum, index))
+        })
+        .collect();
+    found.sort_unstable();
+    found
+        .into_iter()
+        .map(|(_, datum, index)| (index, datum))
+        .collect()
+}
+
+/// The buffer word of each node, or [`NO_ENTRY`], for those whose result is
+/// read from the buffer. A word is taken in the write-back cycle and can be
+/// taken anew in a cycle after its last read.
+pub(super) fn allocate_buffers(graph: &Graph, draft: &Draft) -> Vec<u32> {
+    let mut words = vec![NO_ENTRY; graph.kind.len()];
+    let mut stays: Vec<(u32, u32, u32)> = Vec::new();
+    for node in 0..graph.kind.len() as u32 {
+        if !graph.is_computed(node) {
+            continue;
+        }
+        let back = draft.slots[node as usize].cycle + graph.weight(node as usize) - 1;
+        if let Some(until) = super::choice::buffered_until(&draft.locations, node, back) {
+            stays.push((back, until, node));
+        }
+    }
+    stays.sort_unstable();
+    let mut leaving: Vec<(u32, u32)> = stays
+        .iter()
+        .map(|&(_, until, node)| (until, node))
+        .collect();
+    leaving.sort_unstable();
+    let mut leaving = leaving.into_iter().peekable();
+    let elements = graph.kinds.iter().map(|kind| kind.count as usize).sum();
+    let mut pools = vec![Pool::default(); elements];
+    for (back, _, node) in stays {
+        while let Some((_, gone)) = leaving.next_if(|&(until, _)| until < back) {
+            let element = draft.slots[gone as usize].element as usize;
+            pools[element].freed.push(words[gone as usize]);
+        }
+        words[node as usize] = pools[draft.slots[node as usize].element as usize].take();
+    }
+    words
+}

@@ -1,0 +1,219 @@
+//! Which element an operation goes to (thesis 2.3 and Table 2.1).
+//!
+//! An element can take an operation when both operands are in its memory or
+//! can still get there: *directly*, through a write port that is free in the
+//! very cycle the operand appeared on the crossbar, or *indirectly*, through
+//! the producer's buffer in a later cycle that is past. Table 2.1 ranks the
+//! nine combinations; direct transfers never need what indirect ones do, so
+//! indirect ones are looked at only when no element does without.
+
+use super::locations::Locations;
+use super::ports::Ports;
+use crate::option_words;
+
+option_words! {
+    /// How the processing element is chosen among those that can take an
+    /// operation.
+    #[derive(Default)]
+    pub enum Choice {
+        /// The smallest rank of Table 2.1; among equals the element that
+        /// needs the fewest new words of initial data, then the one with the
+        /// fewest live words.
+        #[default]
+        Preferential = "preferential",
+        /// The naive scheme: the first free element that can.
+        First = "first",
+    }
+}
+
+/// Table 2.1: preference by status of the left (row) and right (column)
+/// operand, each in the order memory, direct, indirect.
+pub(super) const RANKS: [[u8; 3]; 3] = [[1, 2, 5], [3, 4, 7], [6, 8, 9]];
+
+/// How many cycles after its write-back an operand's indirect write is looked
+/// for, and how many before the issue. Between them lies what is busy anyway;
+/// the limit keeps the search from growing with the length of the program.
+const EARLY_WINDOW: u32 = 96;
+const LATE_WINDOW: u32 = 24;
+
+/// An operand at the moment its reader is to be issued.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Source {
+    /// Which datum.
+    pub(super) datum: u32,
+    /// Its write-back cycle and producer; `None` for initial data.
+    pub(super) result: Option<(u32, usize)>,
+}
+
+/// How an operand gets into (or is in) a memory.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Route {
+    /// It is there, by an earlier transfer: the entry.
+    Held(u32),
+    /// Initial data, to be preloaded there as well.
+    Load,
+    /// A write in the write-back cycle.
+    Direct(u32),
+    /// A write through the producer's buffer in a later cycle.
+    Indirect(u32),
+}
+
+impl Route {
+    /// Row or column of Table 2.1.
+    pub(super) fn status(self) -> usize {
+        match self {
+            Route::Held(_) | Route::Load => 0,
+            Route::Direct(_) => 1,
+            Route::Indirect(_) => 2,
+        }
+    }
+}
+
+/// A transfer that is planned for the other operand of the same operation
+/// and not yet reserved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Planned {
+    source: Source,
+    memory: usize,
+    route: Route,
+}
+
+impl Planned {
+    pub(super) fn new(source: Source, memory: usize, route: Route) -> Planned {
+        Planned {
+            source,
+            memory,
+            route,
+        }
+    }
+
+    fn writes(&self, cycle: u32, memory: usize) -> u8 {
+        let at = match self.route {
+            Route::Held(_) | Route::Load => return 0,
+            Route::Direct(at) | Route::Indirect(at) => at,
+        };
+        u8::from(at == cycle && self.memory == memory)
+    }
+
+    fn reads_buffer(&self, cycle: u32, element: usize) -> bool {
+        self.route == Route::Indirect(cycle)
+            && self.source.result.is_some_and(|(_, by)| by == element)
+    }
+}
+
+/// The route without buffer, if the ports allow one; `held` is the entry of
+/// the datum in the memory, if it has one.
+pub(super) fn plain_route(
+    ports: &Ports,
+    source: Source,
+    memory: usize,
+    held: Option<u32>,
+    other: Option<Planned>,
+) -> Option<Route> {
+    if let Some(entry) = held {
+        return Some(Route::Held(entry));
+    }
+    match source.result {
+        None => Some(Route::Load),
+        Some((back, _)) => {
+            let planned = other.map_or(0, |other| other.writes(back, memory));
+            ports
+                .can_write(back, memory, planned + 1)
+                .then_some(Route::Direct(back))
+        }
+    }
+}
+
+/// The earliest indirect write before the cycle of issue; early, because the
+/// word occupies the buffer until then and the latest ports are wanted by the
+/// results that just appear.
+pub(super) fn indirect_route(
+    ports: &Ports,
+    locations: &Locations,
+    source: Source,
+    memory: usize,
+    issue: u32,
+    other: Option<Planned>,
+) -> Option<Route> {
+    let (back, producer) = source.result?;
+    if !ports.has_buffer() {
+        return None;
+    }
+    let early_end = issue.min(back + 1 + EARLY_WINDOW);
+    let late_start = early_end.max(issue.saturating_sub(LATE_WINDOW));
+    let mut room = Room::new(ports, locations, source, other);
+    for cycle in (back + 1..early_end).chain(late_start..issue) {
+        let planned = other.map_or(0, |other| other.writes(cycle, memory));
+        if !ports.can_write(cycle, memory, planned + 1) {
+            continue;
+        }
+        let taken = other.is_some_and(|other| {
+            other.source.datum != source.datum && other.reads_buffer(cycle, producer)
+        });
+        let shared = || {
+            other.is_some_and(|other| {
+                other.source.datum == source.datum && other.reads_buffer(cycle, producer)
+            }) || locations
+                .of(source.datum)
+                .any(|(_, entry)| entry.written == cycle)
+        };
+        if !ports.can_read_buffer(cycle, producer, u8::from(taken) + 1) && !shared() {
+            continue;
+        }
+        return room
+            .reaches(ports, cycle, producer)
+            .then_some(Route::Indirect(cycle));
+    }
+    None
+}
+
+/// How long the producer's buffer can keep the word.
+struct Room {
+    /// The first cycle not yet known to have room.
+    next: u32,
+    words: u16,
+}
+
+impl Room {
+    fn new(ports: &Ports, locations: &Locations, source: Source, other: Option<Planned>) -> Room {
+        let (back, producer) = source.result.unwrap_or((0, 0));
+        let mut next = back;
+        if ports.buffers_are_limited()
+            && let Some(until) = buffered_until(locations, source.datum, back)
+        {
+            next = until + 1;
+        }
+        let rival = other.is_some_and(|other| {
+            matches!(other.route, Route::Indirect(_))
+                && other.source.datum != source.datum
+                && other.source.result.is_some_and(|(_, by)| by == producer)
+        });
+        Room {
+            next,
+            words: u16::from(rival) + 1,
+        }
+    }
+
+    fn reaches(&mut self, ports: &Ports, cycle: u32, producer: usize) -> bool {
+        if !ports.buffers_are_limited() {
+            return true;
+        }
+        while self.next <= cycle {
+            if !ports.has_room(self.next, producer, self.words) {
+                return false;
+            }
+            self.next += 1;
+        }
+        true
+    }
+}
+
+/// The last cycle in which the datum is read from its producer's buffer, if
+/// it is in the buffer at all.
+pub(super) fn buffered_until(locations: &Locations, datum: u32, back: u32) -> Option<u32> {
+    locations
+        .of(datum)
+        .map(|(_, entry)| entry.written)
+        .filter(|&written| written > back)
+        .max()
+}

@@ -1,0 +1,65 @@
+//! What can keep a function from being placed.
+
+use robovec_ir::{Level, Value};
+
+/// Why a function cannot be placed on a machine.
+///
+/// Nodes are named by their [`Value`]; the caller has the tables that turn
+/// one into a name and a place in the user's file.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum PlaceError {
+    /// Placement takes atomic functions (or places a placed one anew).
+    #[error("placement takes a function at level atomic, not {level}")]
+    NotAtomic {
+        /// The function's level.
+        level: Level,
+    },
+    /// The machine has no kind of element for an operation.
+    #[error("no processing element of the machine '{machine}' performs {operation}")]
+    NotPerformed {
+        /// The node.
+        value: Value,
+        /// Name of the operation.
+        operation: &'static str,
+        /// Name of the machine.
+        machine: String,
+    },
+    /// The host evaluates sine and cosine before the run, so their argument
+    /// cannot be computed by the machine.
+    #[error(
+        "the host evaluates {operation} before the run, but its argument is computed during the run"
+    )]
+    ComputedAngle {
+        /// The sine or cosine.
+        value: Value,
+        /// Name of the operation.
+        operation: &'static str,
+    },
+    /// The machine's memories cannot be written.
+    #[error("the memories of the machine '{machine}' take no writes")]
+    NoWritePorts {
+        /// Name of the machine.
+        machine: String,
+    },
+    /// More words are alive at once than a memory has.
+    #[error("the memory of {element} needs {needed} words but has {available}")]
+    MemoryTooSmall {
+        /// The memory as in the text form, such as `add0` or `multi3.left`.
+        element: String,
+        /// Words alive at once.
+        needed: u32,
+        /// Words there are.
+        available: u32,
+    },
+    /// Numbers of cycles, or the tables over them, would become too large.
+    #[error(
+        "the longest chain takes {path} cycles, beyond the {limit} a schedule of this function \
+         on this machine may have"
+    )]
+    TooLong {
+        /// Cycles of the longest chain.
+        path: u64,
+        /// The largest length supported.
+        limit: u64,
+    },
+}

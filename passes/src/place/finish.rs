@@ -1,0 +1,159 @@
+//! From a draft to the explicit schedule and placement of the function.
+
+use super::addresses::{Addresses, allocate, allocate_buffers};
+use super::error::PlaceError;
+use super::graph::Graph;
+use super::locations::NO_ENTRY;
+use super::ports::banks;
+use super::sweep::Draft;
+use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Word, Write};
+use robovec_ir::{Function, Level, Machine, Value};
+
+/// Writes schedule and placement into the function.
+///
+/// # Errors
+///
+/// When a memory is too small for the words alive at once.
+pub(super) fn finish(
+    function: &mut Function,
+    graph: &Graph,
+    machine: &Machine,
+    draft: Draft,
+    homes: &[u32],
+    lower_bound: u32,
+) -> Result<(), PlaceError> {
+    let addresses = allocate(graph, &draft);
+    let words = WordNames {
+        banks: banks(machine) as u32,
+        addresses: &addresses,
+        draft: &draft,
+    };
+    let schedule = Schedule {
+        machine: machine.name.clone(),
+        kinds: machine
+            .elements
+            .iter()
+            .map(|element| ElementKind {
+                name: element.kind.clone(),
+                count: element.count,
+            })
+            .collect(),
+        slots: Vec::new(),
+        cycles: draft.cycles,
+        lower_bound,
+    };
+    check_sizes(machine, &schedule, &addresses)?;
+    let placement = words.placement(graph, homes);
+    for (index, _) in draft.swapped.iter().enumerate().filter(|(_, swap)| **swap) {
+        function.node_mut(Value(index as u32)).operands.swap(0, 1);
+    }
+    function.schedule = Some(Schedule {
+        slots: draft.slots,
+        ..schedule
+    });
+    function.placement = Some(placement);
+    function.level = Level::Placed;
+    Ok(())
+}
+
+fn check_sizes(
+    machine: &Machine,
+    schedule: &Schedule,
+    addresses: &Addresses,
+) -> Result<(), PlaceError> {
+    let Some(available) = machine.memory.words else {
+        return Ok(());
+    };
+    let banks = banks(machine);
+    // The fullest memory, the first of them.
+    let fullest = addresses
+        .used
+        .iter()
+        .enumerate()
+        .max_by_key(|&(memory, &used)| (used, std::cmp::Reverse(memory)));
+    match fullest {
+        Some((memory, &needed)) if needed > available => {
+            let (kind, number) = schedule.element_name((memory / banks) as u32);
+            let side = match (banks, memory % banks) {
+                (1, _) => "",
+                (_, 0) => ".left",
+                (_, _) => ".right",
+            };
+            Err(PlaceError::MemoryTooSmall {
+                element: format!("{kind}{number}{side}"),
+                needed,
+                available,
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
+struct WordNames<'a> {
+    banks: u32,
+    addresses: &'a Addresses,
+    draft: &'a Draft,
+}
+
+impl WordNames<'_> {
+    fn word(&self, entry: u32) -> Word {
+        let memory = self.draft.locations.entries[entry as usize].memory;
+        let bank = match (self.banks, memory % self.banks) {
+            (1, _) => Bank::Unified,
+            (_, 0) => Bank::Left,
+            (_, _) => Bank::Right,
+        };
+        Word {
+            element: memory / self.banks,
+            bank,
+            address: self.addresses.of_entry[entry as usize],
+        }
+    }
+
+    fn placement(&self, graph: &Graph, homes: &[u32]) -> Placement {
+        let address = |entry: u32| match entry {
+            NO_ENTRY => Placement::NONE,
+            entry => self.addresses.of_entry[entry as usize],
+        };
+        let preloads = self
+            .addresses
+            .preloads
+            .iter()
+            .map(|&(entry, datum)| Preload {
+                word: self.word(entry),
+                operand: graph.initial_operand(datum),
+            });
+        let mut write_starts = Vec::with_capacity(graph.kind.len() + 1);
+        let transfers = self.draft.locations.entries.len() - self.addresses.preloads.len();
+        let mut writes: Vec<Write> = Vec::with_capacity(transfers);
+        for node in 0..graph.kind.len() as u32 {
+            let start = writes.len();
+            write_starts.push(start as u32);
+            if graph.is_computed(node) {
+                let entries = self.draft.locations.of(node);
+                writes.extend(entries.map(|(index, entry)| Write {
+                    word: self.word(index),
+                    cycle: entry.written,
+                }));
+                writes[start..].sort_unstable_by_key(|write| (write.cycle, write.word));
+            }
+        }
+        write_starts.push(writes.len() as u32);
+        Placement {
+            preloads: preloads.collect(),
+            reads: self
+                .draft
+                .reads
+                .iter()
+                .map(|read| read.map(address))
+                .collect(),
+            buffers: allocate_buffers(graph, self.draft),
+            write_starts,
+            writes,
+            homes: homes
+                .iter()
+                .map(|&entry| (entry != NO_ENTRY).then(|| self.word(entry)))
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! The function as the scheduler sees it: who needs whom, on what kind of
+//! element, and how long the chains before and after an operation are.
+
+use super::error::PlaceError;
+use robovec_ir::{Function, Level, Machine, Operand, OperandKind, Value};
+
+/// The kind of a node the host evaluates.
+pub(super) const HOST: u8 = u8::MAX;
+
+/// No schedule is longer than this: numbers of cycles then fit `u32` with
+/// room for sums of three.
+const LONGEST: u64 = 1 << 30;
+
+/// A kind of processing element.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kind {
+    /// Cycles from an issue to the first issue that can read the result.
+    pub(super) weight: u32,
+    /// How many elements there are.
+    pub(super) count: u32,
+    /// The first of them, over all kinds.
+    pub(super) first: u32,
+}
+
+/// The dependences of a function.
+#[derive(Clone, Debug)]
+pub(super) struct Graph {
+    /// The kinds of elements, in the order of the machine file.
+    pub(super) kinds: Vec<Kind>,
+    /// The kind that performs each node, or [`HOST`].
+    pub(super) kind: Vec<u8>,
+    /// `users[user_starts[i]..user_starts[i + 1]]` are the nodes that read
+    /// node `i`, in program order, twice when they read it twice.
+    pub(super) user_starts: Vec<u32>,
+    /// See [`Graph::user_starts`].
+    pub(super) users: Vec<u32>,
+    /// How many operands of each node the machine computes: 0 to 2.
+    pub(super) computed_operands: Vec<u8>,
+    /// The earliest issue of each node with elements without number.
+    pub(super) head: Vec<u32>,
+    /// The longest chain from the issue of each node to the end of the
+    /// program, its own weight included.
+    pub(super) tail: Vec<u32>,
+    /// The longest chain of the program.
+    pub(super) path: u32,
+    /// The data each node reads: below the number of nodes a node, from there
+    /// on an index into [`Graph::initial`]; [`NO_DATUM`] for no operand.
+    pub(super) data: Vec<[u32; 2]>,
+    /// The inputs and constants that are read, in order.
+    pub(super) initial: Vec<Operand>,
+}
+
+/// No operand.
+pub(super) const NO_DATUM: u32 = u32::MAX;
+
+impl Graph {
+    /// Builds the graph.
+    ///
+    /// # Errors
+    ///
+    /// When the function is not atomic, the machine cannot perform an
+    /// operation, or the longest chain does not fit.
+    pub(super) fn new(function: &Function, machine: &Machine) -> Result<Graph, PlaceError> {
+        if function.level == Level::Equations {
+            return Err(PlaceError::NotAtomic {
+                level: function.level,
+            });
+        }
+        let kind = kinds_of(function, machine)?;
+        let mut first = 0;
+        let kinds: Vec<Kind> = machine
+            .elements
+            .iter()
+            .map(|element| {
+                first += element.count;
+                Kind {
+                    weight: element.weight(),
+                    count: element.count,
+                    first: first - element.count,
+                }
+            })
+            .collect();
+        let mut graph = Graph {
+            kinds,
+            computed_operands: vec![0; kind.len()],
+            head: vec![0; kind.len()],
+            tail: vec![0; kind.len()],
+            user_starts: vec![0; kind.len() + 1],
+            users: Vec::new(),
+            kind,
+            path: 0,
+            data: Vec::new(),
+            initial: Vec::new(),
+        };
+        graph.number_data(function);
+        graph.link_users(function);
+        graph.measure(function)?;
+        Ok(graph)
+    }
+
+    /// The weight of a node; the host costs nothing.
+    pub(super) fn weight(&self, node: usize) -> u32 {
+        self.kinds
+            .get(self.kind[node] as usize)
+            .map_or(0, |kind| kind.weight)
+    }
+
+    /// The nodes that read a node.
+    pub(super) fn users_of(&self, node: usize) -> &[u32] {
+        &self.users[self.user_starts[node] as usize..self.user_starts[node + 1] as usize]
+    }
+
+    /// The largest weight of any kind.
+    pub(super) fn largest_weight(&self) -> u32 {
+        self.kinds.iter().map(|kind| kind.weight).max().unwrap_or(0)
+    }
+
+    /// The operations the machine performs.
+    pub(super) fn operations(&self) -> usize {
+        self.kind.iter().filter(|&&kind| kind != HOST).count()
+    }
+
+    /// How many data there are: nodes, and inputs and constants that are read.
+    pub(super) fn data_len(&self) -> usize {
+        self.kind.len() + self.initial.len()
+    }
+
+    /// The operand that is a datum the machine does not compute.
+    pub(super) fn initial_operand(&self, datum: u32) -> Operand {
+        match (datum as usize).checked_sub(self.kind.len()) {
+            None => Operand::from(Value(datum)),
+            Some(index) => self.initial[index],
+        }
+    }
+
+    /// The machine computes the datum.
+    pub(super) fn is_computed(&self, datum: u32) -> bool {
+        self.kind
+            .get(datum as usize)
+            .is_some_and(|&kind| kind != HOST)
+    }
+
+    fn number_data(&mut self, function: &Function) {
+        let operands = function.nodes().iter().flat_map(|node| node.operands());
+        self.initial = operands
+            .copied()
+            .filter(|operand| operand.value().is_none())
+            .collect();
+        self.initial.sort_unstable();
+        self.initial.dedup();
+        let number = |operand: Operand| match operand.kind() {
+            OperandKind::Value(value) => value.0,
+            OperandKind::Input(_) | OperandKind::Constant(_) => {
+                let place = self.initial.partition_point(|&known| known < operand);
+                (self.kind.len() + place) as u32
+            }
+            OperandKind::None => NO_DATUM,
+        };
+        self.data = function
+            .nodes()
+            .iter()
+            .map(|node| node.operands.map(number))
+            .collect();
+    }
+
+    fn link_users(&mut self, function: &Function) {
+        for node in function.nodes() {
+            for value in node.operands().iter().filter_map(|operand| operand.value()) {
+                self.user_starts[value.index() + 1] += 1;
+            }
+        }
+        for index in 1..self.user_starts.len() {
+            self.user_starts[index] += self.user_starts[index - 1];
+        }
+        self.users = vec![0; self.user_starts.last().map_or(0, |&end| end as usize)];
+        let mut next = self.user_starts.clone();
+        for (index, node) in function.nodes().iter().enumerate() {
+            for value in node.operands().iter().filter_map(|operand| operand.value()) {
+                let slot = &mut next[value.index()];
+                self.users[*slot as usize] = index as u32;
+                *slot += 1;
+                self.computed_operands[index] += u8::from(self.kind[value.index()] != HOST);
+            }
+        }
+    }
+
+    fn measure(&mut self, function: &Function) -> Result<(), PlaceError> {
+        let mut longest = 0_u64;
+        for (index, node) in function.nodes().iter().enumerate() {
+            let start = node
+                .operands()
+                .iter()
+                .filter_map(|operand| operand.value())
+                .map(|value| self.head[value.index()] + self.weight(value.index()))
+                .max()
+                .unwrap_or(0);
+            let end = u64::from(start) + u64::from(self.weight(index));
+            if end > LONGEST {
+                return Err(PlaceError::TooLong {
+                    path: end,
+                    limit: LONGEST,
+                });
+            }
+            self.head[index] = start;
+            longest = longest.max(end);
+        }
+        // Below LONGEST, checked above.
+        self.path = longest as u32;
+        for index in (0..self.kind.len()).rev() {
+            let after = self
+                .users_of(index)
+                .iter()
+                .map(|&user| self.tail[user as usize])
+                .max()
+                .unwrap_or(0);
+            self.tail[index] = after + self.weight(index);
+        }
+        Ok(())
+    }
+}
+
+/// The kind of every node, and the errors of those that have none.
+fn kinds_of(function: &Function, machine: &Machine) -> Result<Vec<u8>, PlaceError> {
+    let mut kinds: Vec<u8> = Vec::with_capacity(function.nodes().len());
+    for (value, node) in function.values() {
+        let operation = node.operation;
+        if operation.is_trigonometric() {
+            let computed = node.operands().iter().any(|operand| match operand.kind() {
+                OperandKind::Value(Value(argument)) => kinds[argument as usize] != HOST,
+                OperandKind::Input(_) | OperandKind::Constant(_) | OperandKind::None => false,
+            });
+            if computed {
+                return Err(PlaceError::ComputedAngle {
+                    value,
+                    operation: operation.name(),
+                });
+            }
+            kinds.push(HOST);
+        } else if let Some(kind) = machine
+            .kind_of(operation)
+            .and_then(|kind| u8::try_from(kind).ok())
+            .filter(|&kind| kind != HOST)
+        {
+            kinds.push(kind);
+        } else {
+            return Err(PlaceError::NotPerformed {
+                value,
+                operation: operation.name(),
+                machine: machine.name.clone(),
+            });
+        }
+    }
+    Ok(kinds)
+}

@@ -1,0 +1,102 @@
+//! Words for the outputs: every result that is an output stays readable.
+
+use super::choice::Source;
+use super::graph::Graph;
+use super::locations::{FOREVER, NO_ENTRY};
+use super::sweep::{Draft, Stuck, reserve_indirect};
+use robovec_ir::Function;
+
+/// Gives each assignment the entry that keeps its result to the end, or
+/// [`NO_ENTRY`] where the machine does not compute it.
+///
+/// A word that was written for a reader serves; a result without readers gets
+/// a write of its own, directly if a port is free, else through the buffer as
+/// soon as possible.
+///
+/// # Errors
+///
+/// [`Stuck`] when there is neither a free port nor room in the buffer.
+pub(super) fn settle_homes(
+    function: &Function,
+    graph: &Graph,
+    draft: &mut Draft,
+) -> Result<Vec<u32>, Stuck> {
+    let mut kept = vec![0_u32; draft.live.len()];
+    let mut homes = Vec::with_capacity(function.assignments.len());
+    for assignment in &function.assignments {
+        let home = match assignment.operand.value() {
+            Some(value) if graph.is_computed(value.0) => {
+                let known = draft
+                    .locations
+                    .of(value.0)
+                    .min_by_key(|(_, entry)| {
+                        // The word another assignment of the value keeps is free.
+                        let memory = entry.memory;
+                        let price = kept[memory as usize] + 1;
+                        (if entry.last_read == FOREVER { 0 } else { price }, memory)
+                    })
+                    .map(|(index, _)| index);
+                let home = match known {
+                    Some(entry) => entry,
+                    None => new_home(graph, draft, value.0, &kept)?,
+                };
+                let entry = &mut draft.locations.entries[home as usize];
+                if entry.last_read != FOREVER {
+                    entry.last_read = FOREVER;
+                    kept[entry.memory as usize] += 1;
+                }
+                home
+            }
+            _ => NO_ENTRY,
+        };
+        homes.push(home);
+    }
+    Ok(homes)
+}
+
+/// Reserves a write for a result that nothing reads.
+fn new_home(graph: &Graph, draft: &mut Draft, datum: u32, kept: &[u32]) -> Result<u32, Stuck> {
+    let slot = draft.slots[datum as usize];
+    let producer = slot.element as usize;
+    let back = slot.cycle + graph.weight(datum as usize) - 1;
+    draft.ports.reach(back);
+    let emptiest = |draft: &Draft, cycle: u32| {
+        (0..kept.len())
+            .filter(|&memory| draft.ports.can_write(cycle, memory, 1))
+            .min_by_key(|&memory| kept[memory] + draft.live[memory])
+    };
+    if let Some(memory) = emptiest(draft, back) {
+        draft.ports.write(back, memory);
+        return Ok(add(draft, datum, memory, back));
+    }
+    if !draft.ports.has_buffer() {
+        return Err(Stuck);
+    }
+    let mut cycle = back;
+    loop {
+        if !draft.ports.has_room(cycle, producer, 1) {
+            return Err(Stuck);
+        }
+        cycle += 1;
+        draft.ports.reach(cycle);
+        if !draft.ports.can_read_buffer(cycle, producer, 1)
+            || !draft.ports.has_room(cycle, producer, 1)
+        {
+            continue;
+        }
+        if let Some(memory) = emptiest(draft, cycle) {
+            let source = Source {
+                datum,
+                result: Some((back, producer)),
+            };
+            reserve_indirect(draft, source, memory, cycle);
+            return Ok(add(draft, datum, memory, cycle));
+        }
+    }
+}
+
+fn add(draft: &mut Draft, datum: u32, memory: usize, written: u32) -> u32 {
+    draft.live[memory] += 1;
+    draft.cycles = draft.cycles.max(written + 1);
+    draft.locations.add(datum, memory, written, FOREVER)
+}

@@ -1,0 +1,139 @@
+//! List scheduling without memories: how short a schedule an order gives.
+//!
+//! It costs a fraction of the placement sweep, so it is what orders are tried
+//! with. It also runs from the end of the program backwards; the issue cycles
+//! of such a schedule are in turn an order, which knows where elements are
+//! scarce late in the program as no longest path can.
+
+use super::graph::{Graph, HOST};
+use super::order::Order;
+use super::ready::{Calendar, RankSet};
+use robovec_ir::Function;
+
+/// A schedule that knows no memories.
+#[derive(Clone, Debug)]
+pub(super) struct ListSchedule {
+    /// Cycle of issue of each node, from 0; counted from the end when
+    /// scheduled backwards (0 is then the end of the program).
+    pub(super) issue: Vec<u32>,
+    /// Length in cycles.
+    pub(super) cycles: u32,
+}
+
+/// Schedules from the start; operations wait for their operands.
+pub(super) fn forward(graph: &Graph, order: &Order) -> ListSchedule {
+    let mut run = Run::new(
+        graph,
+        order,
+        graph.computed_operands.iter().map(|&n| n.into()),
+    );
+    for node in 0..graph.kind.len() {
+        if graph.kind[node] != HOST && graph.computed_operands[node] == 0 {
+            run.calendar.enter(0, node as u32);
+        }
+    }
+    run.sweep(|run, node, cycle| {
+        let ready = cycle + graph.weight(node);
+        run.cycles = run.cycles.max(ready);
+        for &user in graph.users_of(node) {
+            run.satisfied(user as usize, ready, 0);
+        }
+    })
+}
+
+/// Schedules from the end; operations wait for their readers.
+pub(super) fn backward(graph: &Graph, function: &Function, order: &Order) -> ListSchedule {
+    let readers = (0..graph.kind.len()).map(|node| graph.users_of(node).len() as u32);
+    let mut run = Run::new(graph, order, readers);
+    for node in 0..graph.kind.len() {
+        if graph.kind[node] != HOST && graph.users_of(node).is_empty() {
+            run.calendar.enter(graph.weight(node), node as u32);
+        }
+    }
+    run.sweep(|run, node, cycle| {
+        run.cycles = run.cycles.max(cycle);
+        let nodes = function.nodes();
+        for value in nodes[node]
+            .operands()
+            .iter()
+            .filter_map(|read| read.value())
+        {
+            let operand = value.index();
+            if graph.kind[operand] != HOST {
+                run.satisfied(operand, cycle, graph.weight(operand));
+            }
+        }
+    })
+}
+
+struct Run<'a> {
+    graph: &'a Graph,
+    order: &'a Order,
+    waits_for: Vec<u32>,
+    issue: Vec<u32>,
+    calendar: Calendar,
+    cycles: u32,
+}
+
+impl<'a> Run<'a> {
+    fn new(graph: &'a Graph, order: &'a Order, waits_for: impl Iterator<Item = u32>) -> Run<'a> {
+        Run {
+            graph,
+            order,
+            waits_for: waits_for.collect(),
+            issue: vec![0; graph.kind.len()],
+            calendar: Calendar::new(graph.largest_weight()),
+            cycles: 0,
+        }
+    }
+
+    /// One thing the node waited for is there from a cycle on; when it was
+    /// the last, the node enters the calendar. Until a node is issued,
+    /// `issue` holds the latest such cycle.
+    fn satisfied(&mut self, node: usize, from: u32, delay: u32) {
+        self.issue[node] = self.issue[node].max(from);
+        self.waits_for[node] -= 1;
+        if self.waits_for[node] == 0 {
+            self.calendar.enter(self.issue[node] + delay, node as u32);
+        }
+    }
+
+    fn sweep(mut self, mut issued: impl FnMut(&mut Run<'a>, usize, u32)) -> ListSchedule {
+        let graph = self.graph;
+        let order = self.order;
+        let mut ready: Vec<RankSet> = order
+            .nodes
+            .iter()
+            .map(|nodes| RankSet::new(nodes.len()))
+            .collect();
+        let mut cycle = 0;
+        loop {
+            if ready.iter().all(RankSet::is_empty) {
+                match self.calendar.next_from(cycle) {
+                    Some(next) => cycle = next,
+                    None => break,
+                }
+            }
+            self.calendar.drain(cycle, |node| {
+                let node = node as usize;
+                ready[graph.kind[node] as usize].insert(order.rank[node]);
+            });
+            for (kind, ready) in ready.iter_mut().enumerate() {
+                for _ in 0..graph.kinds[kind].count {
+                    let Some(rank) = ready.next_from(0) else {
+                        break;
+                    };
+                    ready.remove(rank);
+                    let node = order.nodes[kind][rank as usize] as usize;
+                    self.issue[node] = cycle;
+                    issued(&mut self, node, cycle);
+                }
+            }
+            cycle += 1;
+        }
+        ListSchedule {
+            issue: self.issue,
+            cycles: self.cycles,
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! Scheduling and placement (thesis 2.3): every operation gets a cycle and a
+//! processing element, every word an address, every transfer a cycle.
+//!
+//! The parts, in the order in which they run:
+//!
+//! - `graph`: dependences, kinds, longest chains before and after each node;
+//! - `bound`: a length no schedule can beat;
+//! - `order`, `list`: priorities, and how short a schedule they give without
+//!   memories;
+//! - `sweep`, with `ready`, `choice`, `ports` and `locations`: the placement
+//!   itself, cycle by cycle;
+//! - `homes`: words that keep the outputs to the end;
+//! - `addresses`, `finish`: addresses by lifetime, and the result.
+//!
+//! Everything is linear in the operations, up to the sorting of priorities
+//! and the number of elements an operation chooses from. Node order, names
+//! and sources stay; operands of commutative operations may change sides on
+//! machines with a memory per side.
+
+mod addresses;
+mod ahead;
+mod bound;
+mod choice;
+mod error;
+mod finish;
+mod graph;
+mod homes;
+mod list;
+mod locations;
+mod order;
+mod pass;
+mod ports;
+mod ready;
+mod sweep;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
+
+pub use choice::Choice;
+pub use error::PlaceError;
+pub use order::Priority;
+pub use pass::Place;
+
+use graph::Graph;
+use order::Order;
+use robovec_ir::{Function, Machine};
+use sweep::{Draft, Stuck};
+
+/// How many visits of an operation [`Priority::Best`] may spend beyond its
+/// first sweep: a few more tries for a model of 30,000 operations, none for
+/// one of 600,000, whose first schedule is within a fraction of a per cent.
+const WORK_BUDGET: usize = 300_000;
+
+/// The most entries the table of write ports may have: one per memory and
+/// cycle, in bytes.
+const LARGEST_TABLE: u64 = 1 << 30;
+
+/// What a sweep visits an operation for, in units of a list schedule.
+const SWEEP_COST: usize = 4;
+
+/// How a function is placed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct PlaceOptions {
+    /// Which operation goes first.
+    pub priority: Priority,
+    /// Which element it goes to.
+    pub choice: Choice,
+}
+
+/// What placement reached.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PlaceSummary {
+    /// Length of the schedule, in cycles.
+    pub cycles: u32,
+    /// No schedule on this machine is shorter.
+    pub lower_bound: u32,
+    /// The order that gave the schedule.
+    pub order: &'static str,
+    /// Orders tried, with or without memories.
+    pub tries: u32,
+}
+
+/// Places a function on a machine.
+///
+/// # Errors
+///
+/// When the machine cannot perform the function (an operation it lacks, an
+/// angle it would have to compute, a memory too small); the function is then
+/// unchanged.
+pub fn place(
+    function: &mut Function,
+    machine: &Machine,
+    options: PlaceOptions,
+) -> Result<PlaceSummary, PlaceError> {
+    let graph = Graph::new(function, machine)?;
+    let memories = u64::from(machine.elements.iter().map(|kind| kind.count).sum::<u32>())
+        * ports::banks(machine) as u64;
+    if u64::from(graph.path) * memories > LARGEST_TABLE {
+        return Err(PlaceError::TooLong {
+            path: graph.path.into(),
+            limit: LARGEST_TABLE / memories,
+        });
+    }
+    let lower_bound = bound::lower_bound(&graph);
+    let mut search = Search {
+        function,
+        graph: &graph,
+        machine,
+        choice: options.choice,
+        lower_bound,
+        best: None,
+        tries: 0,
+    };
+    match options.priority {
+        Priority::Alap => search.sweep("alap", &Order::alap(&graph)),
+        Priority::Mobility => search.sweep("mobility", &Order::mobility(&graph)),
+        Priority::FanOut => search.sweep("fan-out", &Order::fan_out(&graph)),
+        Priority::Best => search.best(),
+    }
+    let tries = search.tries;
+    let Some(best) = search.best else {
+        // Binding ahead works wherever a memory can be written at all.
+        return Err(PlaceError::NoWritePorts {
+            machine: machine.name.clone(),
+        });
+    };
+    let summary = PlaceSummary {
+        cycles: best.draft.cycles,
+        lower_bound,
+        order: best.order,
+        tries,
+    };
+    finish::finish(
+        function,
+        &graph,
+        machine,
+        best.draft,
+        &best.homes,
+        lower_bound,
+    )?;
+    Ok(summary)
+}
+
+struct Candidate {
+    draft: Draft,
+    homes: Vec<u32>,
+    order: &'static str,
+}
+
+/// Tries orders and keeps the shortest schedule.
+struct Search<'a> {
+    function: &'a Function,
+    graph: &'a Graph,
+    machine: &'a Machine,
+    choice: Choice,
+    lower_bound: u32,
+    best: Option<Candidate>,
+    tries: u32,
+}
+
+impl Search<'_> {
+    fn sweep(&mut self, name: &'static str, order: &Order) {
+        self.tries += 1;
+        if let Ok(candidate) = self.candidate(name, order)
+            && self
+                .best
+                .as_ref()
+                .is_none_or(|best| candidate.draft.cycles < best.draft.cycles)
+        {
+            self.best = Some(candidate);
+        }
+    }
+
+    /// The placement an order gives: with the choices of the sweep, or, where
+    /// these leave an operand without a way into any memory, bound ahead.
+    fn candidate(&self, name: &'static str, order: &Order) -> Result<Candidate, Stuck> {
+        self.settled(
+            name,
+            sweep::sweep(self.function, self.graph, self.machine, order, self.choice),
+        )
+        .or_else(|Stuck| {
+            self.settled(
+                name,
+                sweep::sweep_ahead(self.function, self.graph, self.machine, order),
+            )
+        })
+    }
+
+    fn settled(&self, name: &'static str, draft: Result<Draft, Stuck>) -> Result<Candidate, Stuck> {
+        let mut draft = draft?;
+        let homes = homes::settle_homes(self.function, self.graph, &mut draft)?;
+        Ok(Candidate {
+            draft,
+            homes,
+            order: name,
+        })
+    }
+
+    fn best_cycles(&self) -> u32 {
+        self.best
+            .as_ref()
+            .map_or(u32::MAX, |best| best.draft.cycles)
+    }
+
+    /// See [`Priority::Best`].
+    fn best(&mut self) {
+        let graph = self.graph;
+        let mut order = Order::fan_out(graph);
+        self.sweep("fan-out", &order);
+        let mut budget = WORK_BUDGET / graph.operations().max(1);
+        let mut name = "alap";
+        let mut next = Order::alap(graph);
+        while self.best_cycles() > self.lower_bound && budget > SWEEP_COST + 2 {
+            self.tries += 1;
+            budget -= 2;
+            let schedule = list::forward(graph, &next);
+            if schedule.cycles < self.best_cycles() {
+                budget -= SWEEP_COST;
+                self.sweep(name, &next);
+            }
+            // What is late in a schedule from the end must be early here.
+            let mirrored = Order::by_key(graph, |node| u64::from(schedule.issue[node]));
+            let backward = list::backward(graph, self.function, &mirror(&mirrored, graph));
+            order = Order::by_key(graph, |node| {
+                u64::from(backward.cycles - backward.issue[node])
+            });
+            (name, next) = ("backward", order.clone());
+        }
+    }
+}
+
+/// The order with every rank turned round.
+fn mirror(order: &Order, graph: &Graph) -> Order {
+    Order::by_key(graph, |node| u64::from(u32::MAX - order.rank[node]))
+}

@@ -1,0 +1,144 @@
+//! Placement as a pass.
+
+use super::{Choice, PlaceError, PlaceOptions, Priority, place};
+use crate::declare_pass;
+use crate::pass::{Context, Gives, Pass, PassError};
+use robovec_ir::{Function, Level, Machine, Value};
+
+declare_pass! {
+    /// Gives every operation a cycle and a processing element of the machine.
+    ///
+    /// List scheduling (thesis 2.2 and 2.3) under the rules of the machine:
+    /// one issue per element and cycle, so many writes per memory and cycle,
+    /// so many words read from a buffer per cycle, so many words. Every
+    /// transfer is explicit in the result: initial data in the memories that
+    /// read them, results written directly in the cycle in which they appear
+    /// or indirectly, through the buffer, in a later one, and a word for each
+    /// output that stays to the end.
+    ///
+    /// The bound printed beside the length is proved: no schedule of this
+    /// function on this machine is shorter.
+    ///
+    /// `choice` decides among the free elements: `first` takes the first one
+    /// the operands can reach, `preferential` follows Table 2.1 of the thesis
+    /// and keeps memories and buffers small and alike.
+    pub struct Place("place") {
+        /// Adders; the machine file says how many otherwise.
+        pub n_add: Option<u32> = None,
+        /// Multipliers; the machine file says how many otherwise.
+        pub n_multi: Option<u32> = None,
+        /// Dividers, on machines that have them.
+        pub n_div: Option<u32> = None,
+        /// Square-root extractors, on machines that have them.
+        pub n_sqrt: Option<u32> = None,
+        /// Which operation goes first.
+        pub priority: Priority = Priority::default(),
+        /// Which element it goes to.
+        pub choice: Choice = Choice::default(),
+    }
+    takes: [Atomic, Scheduled, Placed],
+    gives: Gives::Level(Level::Placed),
+    class: Exact,
+    requires: [],
+    sets: [],
+    destroys: [],
+}
+
+/// The most elements of one kind.
+const MOST_ELEMENTS: u32 = 4096;
+
+impl Place {
+    fn machine(&self, machine: &Machine) -> Result<Machine, PassError> {
+        let mut machine = machine.clone();
+        let counts = [
+            ("n_add", "add", self.n_add),
+            ("n_multi", "multi", self.n_multi),
+            ("n_div", "div", self.n_div),
+            ("n_sqrt", "sqrt", self.n_sqrt),
+        ];
+        for (option, kind, count) in counts {
+            let Some(count) = count else { continue };
+            if !(1..=MOST_ELEMENTS).contains(&count) {
+                return Err(PassError::new(format!(
+                    "{option} is {count}; it must be from 1 to {MOST_ELEMENTS}"
+                )));
+            }
+            let name = machine.name.clone();
+            let element = machine
+                .elements
+                .iter_mut()
+                .find(|element| element.kind == kind);
+            match element {
+                Some(element) => element.count = count,
+                None => {
+                    return Err(PassError::new(format!(
+                        "{option} is given, but the machine '{name}' has no elements of kind '{kind}'"
+                    )));
+                }
+            }
+        }
+        Ok(machine)
+    }
+}
+
+impl Pass for Place {
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
+        let machine = self.machine(context.machine)?;
+        let options = PlaceOptions {
+            priority: self.priority,
+            choice: self.choice,
+        };
+        let summary = place(function, &machine, options)
+            .map_err(|error| explain(&error, function, context))?;
+        let statistics = [
+            ("cycles", summary.cycles),
+            ("lower bound", summary.lower_bound),
+            ("orders tried", summary.tries),
+        ];
+        for (name, number) in statistics {
+            context.statistics.push((name, number.into()));
+        }
+        let quality = match summary.cycles - summary.lower_bound {
+            0 => "optimal".to_owned(),
+            above => format!(
+                "at most {above} above the optimum ({:.2} %)",
+                100.0 * f64::from(above) / f64::from(summary.lower_bound.max(1))
+            ),
+        };
+        context.remarks.push(format!(
+            "{} cycles on '{}', {quality}, by order '{}'",
+            summary.cycles, machine.name, summary.order
+        ));
+        Ok(())
+    }
+}
+
+/// The error with the equations it is about and what can be done.
+fn explain(error: &PlaceError, function: &Function, context: &Context<'_>) -> PassError {
+    let about = |value: &Value| {
+        let node = function.node(*value);
+        let name = node.name.display(&context.tables.symbols);
+        PassError::new(format!("%{name}: {error}")).at(node.sources)
+    };
+    match error {
+        PlaceError::NotAtomic { .. } => {
+            PassError::new(error.to_string()).help("run 'atomise' before 'place'")
+        }
+        PlaceError::NotPerformed {
+            value, operation, ..
+        } => about(value).help(format!(
+            "add '{operation}' to the operations of a kind in the machine file, or choose \
+             another machine"
+        )),
+        PlaceError::ComputedAngle { value, .. } => about(value).help(
+            "pass the angle as an input of its own, and let the caller compute it".to_owned(),
+        ),
+        PlaceError::MemoryTooSmall { .. } => PassError::new(error.to_string()).help(
+            "use more processing elements (n_add, n_multi), which spread the words over more \
+             memories, or a machine with larger ones",
+        ),
+        PlaceError::NoWritePorts { .. } | PlaceError::TooLong { .. } => {
+            PassError::new(error.to_string())
+        }
+    }
+}

@@ -1,0 +1,327 @@
+//! Programs and a replay for the tests of placement.
+
+use robovec_ir::machine::MemoryStyle;
+use robovec_ir::placement::{Bank, Placement, Slot, Word};
+use robovec_ir::{
+    Assignment, Function, Level, Machine, Name, Node, Operand, Operation, Output, Shape, SourceSet,
+    Symbol,
+};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A generator of numbers, the same on every machine.
+#[derive(Clone, Debug)]
+pub(super) struct Random(pub(super) u64);
+
+impl Random {
+    /// A number below `limit`.
+    pub(super) fn below(&mut self, limit: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % limit as u64) as usize
+    }
+}
+
+/// A function under construction.
+pub(super) struct Builder {
+    pub(super) function: Function,
+    inputs: u32,
+}
+
+impl Builder {
+    /// A function with so many inputs and outputs.
+    pub(super) fn new(inputs: u32, outputs: u32) -> Builder {
+        let mut function = Function::new("test", Level::Atomic);
+        function.add_input(Symbol(0), Shape::Vector(inputs));
+        function.add_output(Symbol(1), Shape::Vector(outputs));
+        Builder { function, inputs }
+    }
+
+    /// The input element with this number, from 0.
+    pub(super) fn input(&self, number: u32) -> Operand {
+        assert!(number < self.inputs);
+        Operand::from(robovec_ir::Input(number))
+    }
+
+    /// Appends an operation.
+    pub(super) fn push(&mut self, operation: Operation, left: Operand, right: Operand) -> Operand {
+        let suffix = self.function.nodes().len() as u32;
+        let value = self.function.push(Node {
+            name: Name {
+                base: Symbol(2),
+                suffix,
+            },
+            sources: SourceSet::EMPTY,
+            operands: [left, right],
+            operation,
+        });
+        Operand::from(value)
+    }
+
+    /// Sets an output element, from 0.
+    pub(super) fn output(&mut self, number: u32, operand: Operand) {
+        self.function.assignments.push(Assignment {
+            output: Output(number),
+            operand,
+            sources: SourceSet::EMPTY,
+        });
+    }
+}
+
+/// A random program: mostly near operands, some far, some initial; every
+/// twentieth result is an output.
+pub(super) fn random_function(operations: usize, near: usize, seed: u64) -> Function {
+    let mut random = Random(seed);
+    let inputs = 8;
+    let mut builder = Builder::new(inputs, operations as u32);
+    let zero = Operand::from(builder.function.constant(0.0));
+    let mut values: Vec<Operand> = (0..inputs).map(|input| builder.input(input)).collect();
+    values.push(zero);
+    values.push(builder.push(Operation::Sin, values[0], Operand::NONE));
+    values.push(builder.push(Operation::Cos, values[1], Operand::NONE));
+    for _ in 0..operations {
+        let pick = |random: &mut Random| match random.below(10) {
+            0..7 => values[values.len() - 1 - random.below(near.min(values.len()))],
+            _ => values[random.below(values.len())],
+        };
+        let (left, right) = (pick(&mut random), pick(&mut random));
+        let operation = match random.below(10) {
+            0..2 => Operation::Add,
+            2..4 => Operation::Sub,
+            _ => Operation::Mul,
+        };
+        values.push(builder.push(operation, left, right));
+    }
+    let mut outputs = 0;
+    for (index, &value) in values.iter().enumerate() {
+        if index % 20 == 0 || index + 1 == values.len() {
+            builder.output(outputs, value);
+            outputs += 1;
+        }
+    }
+    builder.function
+}
+
+/// A shipped machine with other numbers of elements.
+pub(super) fn machine(name: &str, adders: u32, multipliers: u32) -> Machine {
+    let mut machine = Machine::built_in(name).expect("it ships");
+    machine.elements[0].count = adders;
+    machine.elements[1].count = multipliers;
+    machine
+}
+
+/// Replays a placed function cycle by cycle and refuses every breach of the
+/// rules of the machine; the sentence says which.
+pub(super) fn replay(function: &Function, machine: &Machine) -> Result<(), String> {
+    Replay::new(function, machine)?.run()
+}
+
+struct Replay<'a> {
+    function: &'a Function,
+    machine: &'a Machine,
+    placement: &'a Placement,
+    slots: &'a [Slot],
+    memory: BTreeMap<Word, Operand>,
+    issues: BTreeMap<u32, Vec<usize>>,
+    writes: BTreeMap<u32, Vec<(usize, Word)>>,
+    cycles: u32,
+}
+
+impl<'a> Replay<'a> {
+    fn new(function: &'a Function, machine: &'a Machine) -> Result<Replay<'a>, String> {
+        let schedule = function.schedule.as_ref().ok_or("no schedule")?;
+        let placement = function.placement.as_ref().ok_or("no placement")?;
+        let mut replay = Replay {
+            function,
+            machine,
+            placement,
+            slots: &schedule.slots,
+            memory: BTreeMap::new(),
+            issues: BTreeMap::new(),
+            writes: BTreeMap::new(),
+            cycles: schedule.cycles,
+        };
+        if schedule.lower_bound > schedule.cycles {
+            return Err("below the bound".to_owned());
+        }
+        for preload in &placement.preloads {
+            replay.check_word(preload.word)?;
+            if replay
+                .memory
+                .insert(preload.word, preload.operand)
+                .is_some()
+            {
+                return Err(format!("{:?} preloaded twice", preload.word));
+            }
+        }
+        for (value, node) in function.values() {
+            let slot = schedule.slots[value.index()];
+            if slot.is_host() {
+                assert!(node.operation.is_trigonometric());
+                continue;
+            }
+            let kind = machine.kind_of(node.operation).ok_or("no kind")?;
+            if schedule.element_name(slot.element).0 != machine.elements[kind].kind {
+                return Err(format!("{value:?} on a wrong element"));
+            }
+            replay
+                .issues
+                .entry(slot.cycle)
+                .or_default()
+                .push(value.index());
+            for write in placement.writes_of(value) {
+                replay.check_word(write.word)?;
+                let at = replay.writes.entry(write.cycle).or_default();
+                at.push((value.index(), write.word));
+            }
+        }
+        Ok(replay)
+    }
+
+    fn check_word(&self, word: Word) -> Result<(), String> {
+        let split = self.machine.memory.style == MemoryStyle::SideSplit;
+        if split == (word.bank == Bank::Unified) {
+            return Err(format!("{word:?} in a bank the machine lacks"));
+        }
+        match self.machine.memory.words {
+            Some(words) if word.address >= words => Err(format!("{word:?} beyond the memory")),
+            _ => Ok(()),
+        }
+    }
+
+    fn back(&self, node: usize) -> u32 {
+        let operation = self.function.nodes()[node].operation;
+        self.slots[node].cycle + self.machine.weight(operation) - 1
+    }
+
+    fn run(mut self) -> Result<(), String> {
+        self.check_buffers()?;
+        let mut events: BTreeSet<u32> = self.issues.keys().copied().collect();
+        events.extend(self.writes.keys().copied());
+        let mut finish = 0;
+        for cycle in events {
+            let issues = self.issues.remove(&cycle).unwrap_or_default();
+            let mut busy = BTreeSet::new();
+            for node in issues {
+                if !busy.insert(self.slots[node].element) {
+                    return Err(format!("two issues at {cycle} on one element"));
+                }
+                finish = finish.max(self.back(node) + 1);
+                self.check_reads(node)?;
+            }
+            let writes = self.writes.remove(&cycle).unwrap_or_default();
+            if !writes.is_empty() {
+                finish = finish.max(cycle + 1);
+            }
+            self.write_all(cycle, &writes)?;
+        }
+        if finish != self.cycles {
+            return Err(format!("ends at {finish}, said {}", self.cycles));
+        }
+        for (assignment, home) in self.function.assignments.iter().zip(&self.placement.homes) {
+            let computed = assignment
+                .operand
+                .value()
+                .is_some_and(|value| !self.slots[value.index()].is_host());
+            let right = match home {
+                Some(word) => computed && self.memory.get(word) == Some(&assignment.operand),
+                None => !computed,
+            };
+            if !right {
+                return Err(format!("{assignment:?} is not at home in {home:?}"));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_reads(&self, node: usize) -> Result<(), String> {
+        let operands = self.function.nodes()[node].operands();
+        for (side, operand) in operands.iter().enumerate() {
+            let bank = match (self.machine.memory.style, side) {
+                (MemoryStyle::Unified, _) => Bank::Unified,
+                (MemoryStyle::SideSplit, 0) => Bank::Left,
+                (MemoryStyle::SideSplit, _) => Bank::Right,
+            };
+            let word = Word {
+                element: self.slots[node].element,
+                bank,
+                address: self.placement.reads[node][side],
+            };
+            if self.memory.get(&word) != Some(operand) {
+                return Err(format!("{node} finds no {operand:?} in {word:?}"));
+            }
+        }
+        Ok(())
+    }
+
+    fn write_all(&mut self, cycle: u32, writes: &[(usize, Word)]) -> Result<(), String> {
+        let mut per_memory: BTreeMap<(u32, Bank), u32> = BTreeMap::new();
+        let mut from_buffer: BTreeMap<u32, BTreeSet<usize>> = BTreeMap::new();
+        let mut written = BTreeSet::new();
+        for &(node, word) in writes {
+            *per_memory.entry((word.element, word.bank)).or_default() += 1;
+            if !written.insert(word) {
+                return Err(format!("{word:?} written twice at {cycle}"));
+            }
+            if cycle < self.back(node) {
+                return Err(format!("{node} written before it is there"));
+            }
+            if cycle > self.back(node) {
+                let element = self.slots[node].element;
+                from_buffer.entry(element).or_default().insert(node);
+            }
+            let value = robovec_ir::Value(node as u32);
+            self.memory.insert(word, Operand::from(value));
+        }
+        let limit = self.machine.memory.writes.unwrap_or(u32::MAX);
+        if let Some((memory, count)) = per_memory.iter().find(|(_, count)| **count > limit) {
+            return Err(format!("{count} writes at {cycle} into {memory:?}"));
+        }
+        let limit = match self.machine.buffer {
+            None => 0,
+            Some(buffer) => buffer.reads.map_or(usize::MAX, |reads| reads as usize),
+        };
+        match from_buffer.iter().find(|(_, nodes)| nodes.len() > limit) {
+            Some((element, _)) => Err(format!("buffer of {element} read too often at {cycle}")),
+            None => Ok(()),
+        }
+    }
+
+    fn check_buffers(&self) -> Result<(), String> {
+        let mut stays: BTreeMap<(u32, u32), Vec<(u32, u32)>> = BTreeMap::new();
+        for (node, &word) in self.placement.buffers.iter().enumerate() {
+            if self.slots[node].is_host() {
+                continue;
+            }
+            let value = robovec_ir::Value(node as u32);
+            let last = self
+                .placement
+                .writes_of(value)
+                .iter()
+                .map(|write| write.cycle);
+            let last = last.max().filter(|&last| last > self.back(node));
+            match (word, last) {
+                (Placement::NONE, None) => {}
+                (Placement::NONE, Some(_)) | (_, None) => {
+                    return Err(format!("{node} in buffer {word} until {last:?}"));
+                }
+                (word, Some(last)) => {
+                    let limit = self.machine.buffer.and_then(|buffer| buffer.words);
+                    if limit.is_some_and(|limit| word >= limit) {
+                        return Err(format!("{node} beyond its buffer"));
+                    }
+                    let key = (self.slots[node].element, word);
+                    stays.entry(key).or_default().push((self.back(node), last));
+                }
+            }
+        }
+        for (key, stays) in &mut stays {
+            stays.sort_unstable();
+            if stays.windows(2).any(|pair| pair[1].0 <= pair[0].1) {
+                return Err(format!("buffer word {key:?} overwritten"));
+            }
+        }
+        Ok(())
+    }
+}
