@@ -1,3 +1,4 @@
 //! robovec: a compiler for the equations of multibody systems.
 
+pub mod report;
 pub mod simulate;

@@ -142,14 +142,15 @@ fn judge(pairs: &Pairs<'_>, verdict: &mut Verdict) {
             }
         }
     }
-    if verdict.failure.is_none() && verdict.class == NumericClass::Exact {
-        if let Some((output, kind)) = numeric::first_bit_difference(pairs, points, seed) {
-            let field = PrimeField {
-                seed,
-                circle: false,
-            };
-            verdict.failure = Some(explain(pairs, kind, output, &field));
-        }
+    if verdict.failure.is_none()
+        && verdict.class == NumericClass::Exact
+        && let Some((output, kind)) = numeric::first_bit_difference(pairs, points, seed)
+    {
+        let field = PrimeField {
+            seed,
+            circle: false,
+        };
+        verdict.failure = Some(explain(pairs, kind, output, &field));
     }
     if verdict.failure.is_none() {
         verdict.errors = Some(error_changes(pairs, points, seed));

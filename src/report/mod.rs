@@ -1,0 +1,166 @@
+//! The report of a compilation: what it costs and how exact it is.
+//!
+//! One structure, written as JSON ([`Report::to_json`]) for programs and as
+//! text ([`Report::to_text`]) for people. The names of the JSON form are an
+//! interface, documented in `docs/report.md`; a field may be added and none
+//! renamed. Numbers that are not finite are `null` there.
+
+mod counts;
+mod error;
+mod records;
+mod schedule;
+mod text;
+
+use counts::Counts;
+pub use error::{ArrayReport, ElementReport, ErrorReport, FormatReport, SpreadReport};
+pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
+use robovec_ir::{Function, Machine, Module, View};
+use robovec_passes::analysis::accuracy::accuracy;
+use robovec_passes::analysis::critical_path::critical_path;
+use robovec_passes::check::Verdict;
+pub use schedule::{ByKind, KindReport, ScheduleReport, Usage};
+use serde::Serialize;
+
+/// What the pass manager tells about one run of a pass on one function.
+#[derive(Clone, PartialEq, Debug)]
+pub struct PassRecord {
+    /// The function's name.
+    pub function: String,
+    /// The pass as it stands in the pipeline, options included.
+    pub name: String,
+    /// Processor time, in seconds.
+    pub cpu_s: f64,
+    /// The largest memory of the process so far, in MB; absent where the
+    /// system does not tell.
+    pub peak_mb: Option<f64>,
+    /// Operations after the pass, minus signs included, sine and cosine not.
+    pub operations: usize,
+    /// The longest chain after the pass, in cycles.
+    pub asap_cycle: u32,
+    /// The semantic check of the pass; absent when it was not asked for.
+    pub verdict: Option<Verdict>,
+}
+
+/// What a report measures.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ReportOptions {
+    /// Random states over which rounding errors are measured.
+    pub states: u32,
+    /// Where the states come from.
+    pub seed: u64,
+}
+
+impl Default for ReportOptions {
+    fn default() -> ReportOptions {
+        ReportOptions {
+            states: 16,
+            seed: 1,
+        }
+    }
+}
+
+/// The report of a module.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Report {
+    /// The version of robovec.
+    pub robovec: String,
+    /// One entry per function, in the module's order.
+    pub functions: Vec<FunctionReport>,
+}
+
+/// The report of a function.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct FunctionReport {
+    /// Its name.
+    pub name: String,
+    /// The model it belongs to, from the header of its file.
+    pub model: Option<String>,
+    /// The level it was lowered to.
+    pub level: &'static str,
+    /// The counts; their names stand directly in the function's object.
+    #[serde(flatten)]
+    pub counts: Counts,
+    /// The longest chain, in operations.
+    pub asap: u32,
+    /// The longest chain, in cycles of the machine.
+    pub asap_cycle: u32,
+    /// Operations per cycle of the longest chain: how many processing
+    /// elements can be kept busy at most (the thesis' number Y). Absent for
+    /// a function without a chain.
+    pub number_y: Option<f64>,
+    /// User calls that split the function.
+    pub boundaries: Vec<BoundaryReport>,
+    /// What was run on it, in order.
+    pub passes: Vec<PassReport>,
+    /// Cycles and processing elements; absent before `place`.
+    pub schedule: Option<ScheduleReport>,
+    /// Rounding errors of the outputs.
+    pub error: ErrorReport,
+}
+
+impl Report {
+    /// Measures and counts everything a report tells about a module after the
+    /// recorded passes were run on it for a machine.
+    pub fn collect(
+        module: &Module,
+        machine: &Machine,
+        passes: &[PassRecord],
+        options: ReportOptions,
+    ) -> Report {
+        let describe = |function: &Function| {
+            let view = View {
+                tables: &module.tables,
+                function,
+            };
+            FunctionReport::collect(view, machine, passes, options)
+        };
+        Report {
+            robovec: env!("CARGO_PKG_VERSION").to_owned(),
+            functions: module.functions.iter().map(describe).collect(),
+        }
+    }
+
+    /// The report as JSON, indented, with a line end behind it.
+    pub fn to_json(&self) -> String {
+        // Strings, numbers and lists of them: nothing that JSON cannot hold.
+        let mut text = serde_json::to_string_pretty(self).expect("a report is plain data");
+        text.push('\n');
+        text
+    }
+
+    /// The report for a person, at most 100 columns wide.
+    pub fn to_text(&self) -> String {
+        text::print(self)
+    }
+}
+
+impl FunctionReport {
+    fn collect(
+        view: View<'_>,
+        machine: &Machine,
+        passes: &[PassRecord],
+        options: ReportOptions,
+    ) -> FunctionReport {
+        let function = view.function;
+        let counts = Counts::of(function);
+        let path = critical_path(function, machine);
+        let own = passes.iter().filter(|pass| pass.function == function.name);
+        FunctionReport {
+            name: function.name.clone(),
+            model: function.metadata("model").map(str::to_owned),
+            level: function.level.name(),
+            counts,
+            asap: path.asap,
+            asap_cycle: path.asap_cycle,
+            number_y: (path.asap_cycle > 0)
+                .then(|| counts.operations as f64 / f64::from(path.asap_cycle)),
+            boundaries: BoundaryReport::collect(view),
+            passes: own.map(|record| PassReport::new(record, view)).collect(),
+            schedule: ScheduleReport::collect(function, machine),
+            error: ErrorReport::new(view, &accuracy(view, options.states, options.seed)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

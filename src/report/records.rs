@@ -1,0 +1,182 @@
+//! What was run on a function, and where user calls split it.
+
+use super::PassRecord;
+use robovec_ir::print::print_output;
+use robovec_ir::{Boundary, View};
+use robovec_passes::analysis::accuracy::Summary;
+use robovec_passes::check::{Deviation, ErrorChange, FailureKind, Verdict};
+use serde::Serialize;
+
+/// One run of a pass.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct PassReport {
+    /// The pass as it stands in the pipeline.
+    pub name: String,
+    /// Processor time, in seconds.
+    pub cpu_s: f64,
+    /// Largest memory so far, in MB.
+    pub peak_mb: Option<f64>,
+    /// Operations afterwards.
+    pub operations: usize,
+    /// The longest chain afterwards, in cycles.
+    pub asap_cycle: u32,
+    /// The semantic check, if it was asked for.
+    pub check: Option<CheckReport>,
+}
+
+impl PassReport {
+    pub(super) fn new(record: &PassRecord, view: View<'_>) -> PassReport {
+        PassReport {
+            name: record.name.clone(),
+            cpu_s: record.cpu_s,
+            peak_mb: record.peak_mb,
+            operations: record.operations,
+            asap_cycle: record.asap_cycle,
+            check: record
+                .verdict
+                .as_ref()
+                .map(|verdict| CheckReport::new(verdict, view)),
+        }
+    }
+}
+
+/// The semantic check of a pass.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct CheckReport {
+    /// The numeric class the pass claims.
+    pub class: &'static str,
+    /// Points and states tested.
+    pub points: u32,
+    /// Where they come from.
+    pub seed: u64,
+    /// `bit-equal`, `equal` (in the prime field), `measured` (approximating)
+    /// or `failed`.
+    pub result: &'static str,
+    /// What failed.
+    pub failure: Option<String>,
+    /// The output it failed at.
+    pub output: Option<String>,
+    /// What failed by: `signature`, `field` or `bits`.
+    pub kind: Option<&'static str>,
+    /// Largest difference an approximating pass made, over the largest
+    /// element of the array.
+    pub deviation: Option<f64>,
+    /// Rounding errors in binary32 before and after.
+    pub binary32: Option<CheckErrors>,
+    /// Rounding errors in binary64 before and after.
+    pub binary64: Option<CheckErrors>,
+}
+
+/// What a pass did to the rounding errors.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct CheckErrors {
+    /// Before it.
+    pub before: SummaryReport,
+    /// After it.
+    pub after: SummaryReport,
+}
+
+/// The rounding errors of a function in a few numbers.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct SummaryReport {
+    /// The median over all outputs of their median relative error.
+    pub median_relative: f64,
+    /// The largest error of an array over its largest element.
+    pub worst_normwise: f64,
+    /// The largest error of an element in units in its last place.
+    pub worst_ulps: f64,
+    /// The element with that error.
+    pub worst_output: Option<String>,
+}
+
+impl CheckReport {
+    fn new(verdict: &Verdict, view: View<'_>) -> CheckReport {
+        use robovec_passes::NumericClass::{Approximating, Exact, Real, RealTrig};
+        let result = match (verdict.holds(), verdict.class) {
+            (false, _) => "failed",
+            (true, Exact) => "bit-equal",
+            (true, Real | RealTrig) => "equal",
+            (true, Approximating) => "measured",
+        };
+        let failure = verdict.failure.as_ref();
+        let change = |index: usize| {
+            let changes = verdict.errors.as_ref()?;
+            Some(CheckErrors::new(&changes[index], view))
+        };
+        CheckReport {
+            class: verdict.class.name(),
+            points: verdict.points,
+            seed: verdict.seed,
+            result,
+            failure: failure.map(ToString::to_string),
+            output: failure.map(|failure| failure.name.clone()),
+            kind: failure.map(|failure| match failure.kind {
+                FailureKind::Signature { .. } => "signature",
+                FailureKind::Field { .. } => "field",
+                FailureKind::Bits { .. } => "bits",
+            }),
+            deviation: verdict
+                .deviation
+                .map(|Deviation { worst_normwise, .. }| worst_normwise),
+            binary32: change(0),
+            binary64: change(1),
+        }
+    }
+}
+
+impl CheckErrors {
+    fn new(change: &ErrorChange, view: View<'_>) -> CheckErrors {
+        CheckErrors {
+            before: SummaryReport::new(&change.before, view),
+            after: SummaryReport::new(&change.after, view),
+        }
+    }
+}
+
+impl SummaryReport {
+    pub(super) fn new(summary: &Summary, view: View<'_>) -> SummaryReport {
+        SummaryReport {
+            median_relative: summary.median_relative,
+            worst_normwise: summary.worst_normwise,
+            worst_ulps: summary.worst_ulps,
+            worst_output: summary
+                .worst_output
+                .map(|output| print_output(view, output)),
+        }
+    }
+}
+
+/// A user call that splits the function: the caller evaluates the arguments,
+/// makes the call, and evaluates the rest with its result.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub struct BoundaryReport {
+    /// The user's function.
+    pub callee: String,
+    /// Its arguments as written.
+    pub arguments: Vec<String>,
+    /// Those of them that this function computes: its output arrays.
+    pub outputs: Vec<String>,
+    /// The input array that takes the result.
+    pub result: Option<String>,
+}
+
+impl BoundaryReport {
+    pub(super) fn collect(view: View<'_>) -> Vec<BoundaryReport> {
+        let is_output = |argument: &&String| {
+            let mut outputs = view.function.outputs().iter();
+            outputs.any(|array| view.tables.symbols.text(array.name) == argument.as_str())
+        };
+        let describe = |boundary: &Boundary| BoundaryReport {
+            callee: boundary.callee.clone(),
+            arguments: boundary.arguments.clone(),
+            outputs: boundary
+                .arguments
+                .iter()
+                .filter(is_output)
+                .cloned()
+                .collect(),
+            result: boundary.result.clone(),
+        };
+        view.function.boundaries.iter().map(describe).collect()
+    }
+}

@@ -1,0 +1,356 @@
+//! The report for a person.
+
+mod chart;
+mod table;
+
+use super::error::{ArrayReport, ElementReport, FormatReport};
+use super::records::{CheckErrors, CheckReport, PassReport};
+use super::schedule::{ByKind, ScheduleReport};
+use super::{FunctionReport, Report};
+use table::table;
+
+/// How many of an array's elements are named as its worst.
+const NAMED_ELEMENTS: usize = 3;
+
+pub(super) fn print(report: &Report) -> String {
+    let mut text = format!("robovec {}\n", report.robovec);
+    for function in &report.functions {
+        text.push('\n');
+        print_function(function, &mut text);
+    }
+    text
+}
+
+fn print_function(function: &FunctionReport, text: &mut String) {
+    let title = match &function.model {
+        Some(model) => format!("{} of {model}, level {}", function.name, function.level),
+        None => format!("{}, level {}", function.name, function.level),
+    };
+    text.push_str(&format!("{title}\n{}\n", "═".repeat(title.chars().count())));
+    counts(function, text);
+    boundaries(function, text);
+    passes(function, text);
+    if let Some(schedule) = &function.schedule {
+        print_schedule(schedule, text);
+    }
+    speed_against_error(function, text);
+    errors("binary32", &function.error.binary32, text);
+    errors("binary64", &function.error.binary64, text);
+}
+
+fn section(title: &str, body: &str, text: &mut String) {
+    text.push_str(&format!("\n{title}\n"));
+    for line in body.lines() {
+        text.push_str("  ");
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+}
+
+fn counts(function: &FunctionReport, text: &mut String) {
+    let counts = function.counts;
+    let mut parts = vec![
+        (counts.add_sub, "additions and subtractions"),
+        (counts.mul, "multiplications"),
+        (counts.div, "divisions"),
+        (counts.sqrt, "square roots"),
+        (counts.negations, "minus signs"),
+    ];
+    parts.retain(|(count, _)| *count > 0);
+    let parts: Vec<String> = parts
+        .iter()
+        .map(|(n, what)| format!("{n} {what}"))
+        .collect();
+    let detail = if parts.is_empty() {
+        String::new()
+    } else {
+        format!("= {}", parts.join(" + "))
+    };
+    let mut rows = vec![
+        vec![
+            "equations".to_owned(),
+            counts.equations.to_string(),
+            format!("in {} vectors of independent ones", counts.vectors),
+        ],
+        vec![
+            "operations".to_owned(),
+            counts.operations.to_string(),
+            detail,
+        ],
+        vec![
+            "sin, cos".to_owned(),
+            counts.sin_cos.to_string(),
+            "on the host, not counted as operations".to_owned(),
+        ],
+        vec![
+            "ASAP".to_owned(),
+            function.asap.to_string(),
+            "operations in the longest chain".to_owned(),
+        ],
+        vec![
+            "ASAPCycle".to_owned(),
+            function.asap_cycle.to_string(),
+            "cycles of the longest chain".to_owned(),
+        ],
+    ];
+    if let Some(number) = function.number_y {
+        rows.push(vec![
+            "number Y".to_owned(),
+            format!("{number:.2}"),
+            "operations per cycle of the longest chain".to_owned(),
+        ]);
+    }
+    section("Size", &table(&[], &rows, &[1]), text);
+}
+
+fn boundaries(function: &FunctionReport, text: &mut String) {
+    if function.boundaries.is_empty() {
+        return;
+    }
+    let list = |names: &[String]| match names {
+        [] => "-".to_owned(),
+        names => names.join(", "),
+    };
+    let rows: Vec<Vec<String>> = function
+        .boundaries
+        .iter()
+        .map(|boundary| {
+            vec![
+                format!("{}({})", boundary.callee, boundary.arguments.join(", ")),
+                list(&boundary.outputs),
+                boundary.result.clone().unwrap_or_else(|| "-".to_owned()),
+            ]
+        })
+        .collect();
+    let head = ["call", "arguments it computes", "input with the result"];
+    let title = "User calls split the function: evaluate the arguments, call, evaluate the rest";
+    section(title, &table(&head, &rows, &[]), text);
+}
+
+fn passes(function: &FunctionReport, text: &mut String) {
+    if function.passes.is_empty() {
+        return;
+    }
+    let rows: Vec<Vec<String>> = function.passes.iter().map(pass_row).collect();
+    let head = [
+        "pass",
+        "CPU ms",
+        "peak MB",
+        "operations",
+        "ASAPCycle",
+        "check",
+        "error in binary32",
+    ];
+    section("Passes", &table(&head, &rows, &[1, 2, 3, 4]), text);
+    for pass in &function.passes {
+        let failure = pass.check.as_ref().and_then(|check| check.failure.as_ref());
+        if let Some(failure) = failure {
+            section(&format!("{} failed its check", pass.name), failure, text);
+        }
+    }
+}
+
+fn pass_row(pass: &PassReport) -> Vec<String> {
+    let check = |check: &CheckReport| match (check.result, check.deviation) {
+        ("measured", Some(deviation)) => format!("moved by {}", scientific(deviation)),
+        (result, _) => format!("{result}, {} points", check.points),
+    };
+    let change = |errors: &CheckErrors| {
+        let (before, after) = (errors.before.worst_normwise, errors.after.worst_normwise);
+        if before == after {
+            scientific(after)
+        } else {
+            format!("{} → {}", scientific(before), scientific(after))
+        }
+    };
+    let errors = pass
+        .check
+        .as_ref()
+        .and_then(|check| check.binary32.as_ref());
+    vec![
+        pass.name.clone(),
+        format!("{:.2}", pass.cpu_s * 1e3),
+        pass.peak_mb.map_or("-".to_owned(), |mb| format!("{mb:.1}")),
+        pass.operations.to_string(),
+        pass.asap_cycle.to_string(),
+        pass.check.as_ref().map_or("-".to_owned(), check),
+        errors.map_or("-".to_owned(), change),
+    ]
+}
+
+fn print_schedule(schedule: &ScheduleReport, text: &mut String) {
+    let excess = match schedule.lower_bound {
+        bound if bound == schedule.cycles => "optimal: no schedule is shorter".to_owned(),
+        0 => String::new(),
+        bound => {
+            let percent = (f64::from(schedule.cycles) / f64::from(bound) - 1.0) * 100.0;
+            format!("at most {percent:.2} % above the shortest, which takes {bound} or more")
+        }
+    };
+    let row = |name: &str, value: String, note: &str| vec![name.to_owned(), value, note.to_owned()];
+    let kinds: Vec<String> = schedule
+        .elements
+        .iter()
+        .map(|kind| format!("{} {}", kind.count, kind.kind))
+        .collect();
+    let mut rows = vec![
+        row("machine", schedule.machine.clone(), &kinds.join(" + ")),
+        row("cycles", schedule.cycles.to_string(), &excess),
+    ];
+    if let Some(time) = schedule.time_us {
+        rows.push(row(
+            "time",
+            format!("{time:.3}"),
+            "microseconds at the machine's clock",
+        ));
+    }
+    let rate = format!("{:.1} %", schedule.parallelisation_rate * 100.0);
+    rows.push(row(
+        "rate",
+        rate,
+        "of all issue slots is used (parallelisation rate)",
+    ));
+    section("Schedule", &table(&[], &rows, &[1]), text);
+    section(
+        "Occupation: share of issue slots used, over the run",
+        &chart::occupation(schedule),
+        text,
+    );
+    if let (Some(memory), Some(buffer)) = (&schedule.memory, &schedule.buffer) {
+        let rows: Vec<Vec<String>> = usage("memory", memory)
+            .chain(usage("buffer", buffer))
+            .collect();
+        let head = ["words used", "elements", "min", "mean", "max"];
+        section(
+            "Memory and buffer, per element",
+            &table(&head, &rows, &[2, 3, 4]),
+            text,
+        );
+    }
+}
+
+fn usage<'a>(what: &'a str, kinds: &'a ByKind) -> impl Iterator<Item = Vec<String>> + 'a {
+    kinds.0.iter().map(move |(kind, usage)| {
+        vec![
+            what.to_owned(),
+            kind.clone(),
+            usage.min.to_string(),
+            format!("{:.1}", usage.mean),
+            usage.max.to_string(),
+        ]
+    })
+}
+
+fn speed_against_error(function: &FunctionReport, text: &mut String) {
+    let row = |name: &str, format: &FormatReport| {
+        let summary = &format.summary;
+        // The machine computes in one format; its cycles say nothing about
+        // another.
+        let schedule = function.schedule.as_ref().filter(|schedule| {
+            let number = schedule.number.as_deref();
+            number.is_some_and(|number| number.starts_with(name))
+        });
+        vec![
+            name.to_owned(),
+            schedule.map_or("-".to_owned(), |schedule| schedule.cycles.to_string()),
+            schedule
+                .and_then(|schedule| schedule.time_us)
+                .map_or("-".to_owned(), |time| format!("{time:.3}")),
+            scientific(summary.median_relative),
+            scientific(summary.worst_normwise),
+            scientific(summary.worst_ulps),
+            summary
+                .worst_output
+                .clone()
+                .unwrap_or_else(|| "-".to_owned()),
+        ]
+    };
+    let rows = [
+        row("binary32", &function.error.binary32),
+        row("binary64", &function.error.binary64),
+    ];
+    let head = [
+        "format",
+        "cycles",
+        "time us",
+        "median relative",
+        "worst normwise",
+        "worst ulps",
+        "of",
+    ];
+    let title = format!(
+        "Speed against error: rounding against {}, {} random states, seed {}",
+        function.error.reference, function.error.states, function.error.seed
+    );
+    section(&title, &table(&head, &rows, &[1, 2, 3, 4, 5]), text);
+}
+
+/// One row per output array, its worst elements named.
+fn errors(format: &str, report: &FormatReport, text: &mut String) {
+    let rows: Vec<Vec<String>> = report.arrays.iter().map(array_row).collect();
+    let head = [
+        "output",
+        "elements",
+        "normwise",
+        "worst",
+        "relative",
+        "worst",
+        "ulps",
+        "worst",
+        "worst elements",
+    ];
+    let title = format!("Error of each output in {format} (medians and worst cases)");
+    section(&title, &table(&head, &rows, &[1, 2, 3, 4, 5, 6, 7]), text);
+}
+
+fn array_row(array: &ArrayReport) -> Vec<String> {
+    let median = |pick: fn(&ElementReport) -> f64| {
+        let mut numbers: Vec<f64> = array.elements.iter().map(pick).collect();
+        numbers.sort_unstable_by(f64::total_cmp);
+        numbers
+            .get(numbers.len().saturating_sub(1) / 2)
+            .copied()
+            .unwrap_or(0.0)
+    };
+    let worst =
+        |pick: fn(&ElementReport) -> f64| array.elements.iter().map(pick).fold(0.0, f64::max);
+    vec![
+        array.name.clone(),
+        array.elements.len().to_string(),
+        scientific(array.normwise.median),
+        scientific(array.normwise.worst),
+        scientific(median(|element| element.relative.median)),
+        scientific(worst(|element| element.relative.worst)),
+        scientific(median(|element| element.ulps.median)),
+        scientific(worst(|element| element.ulps.worst)),
+        worst_elements(array),
+    ]
+}
+
+/// The elements with the largest errors in ulps, those without error left
+/// out.
+fn worst_elements(array: &ArrayReport) -> String {
+    let mut elements: Vec<&ElementReport> = array
+        .elements
+        .iter()
+        .filter(|element| element.ulps.worst > 0.0)
+        .collect();
+    elements.sort_by(|a, b| b.ulps.worst.total_cmp(&a.ulps.worst));
+    let names: Vec<&str> = elements
+        .iter()
+        .take(NAMED_ELEMENTS)
+        .map(|element| element.name.as_str())
+        .collect();
+    names.join(" ")
+}
+
+/// Two digits and an exponent, which line up in a column; a plain 0.
+fn scientific(number: f64) -> String {
+    if number == 0.0 {
+        "0".to_owned()
+    } else if number.is_finite() && (0.1..1000.0).contains(&number) {
+        format!("{number:.2}")
+    } else {
+        format!("{number:.1e}")
+    }
+}
