@@ -1,0 +1,235 @@
+//! Images that must not be loaded.
+
+use super::hand::{Edited, mif};
+use robovec::simulate::{LoadError, Program};
+use robovec_ir::Machine;
+use robovec_ir::machine::{BufferDescription, MemoryStyle};
+
+fn refused(change: impl FnOnce(&mut Edited)) -> LoadError {
+    let mut images = Edited::new();
+    change(&mut images);
+    images.load().expect_err("it must be refused")
+}
+
+#[test]
+fn files_that_are_not_there() {
+    let images = Edited::new();
+    let load = |files: &[(String, String)]| Program::load(files, &images.machine);
+    assert_eq!(load(&[]).expect_err("nothing"), LoadError::NoManifest);
+    let missing = load(&images.files[1..]).expect_err("one is missing");
+    let file = "hand.add0.instructions.mif".to_owned();
+    assert_eq!(missing, LoadError::NoFile(file));
+    let mut files = images.files.clone();
+    files.push(("out/other.manifest.json".to_owned(), String::new()));
+    assert!(matches!(
+        load(&files),
+        Err(LoadError::SeveralManifests(_, _))
+    ));
+}
+
+#[test]
+fn directories_before_file_names_do_not_matter() {
+    let images = Edited::new();
+    let mut files = images.files.clone();
+    for (name, _) in &mut files {
+        name.insert_str(0, "some/where/");
+    }
+    assert!(Program::load(&files, &images.machine).is_ok());
+}
+
+#[test]
+fn manifests_that_are_none() {
+    let images = Edited::new();
+    let load = |text: &str| {
+        let files = [("manifest.json".to_owned(), text.to_owned())];
+        Program::load(&files, &images.machine).expect_err("no manifest")
+    };
+    assert!(matches!(load("{"), LoadError::Manifest { .. }));
+    assert!(matches!(
+        load("{\"format\": 1}"),
+        LoadError::Manifest { .. }
+    ));
+    let (found, expected) = (99, 1);
+    assert_eq!(
+        load("{\"format\": 99}"),
+        LoadError::Format { found, expected }
+    );
+    let deep = "[".repeat(200_000);
+    assert!(matches!(load(&deep), LoadError::Manifest { .. }));
+}
+
+#[test]
+fn changed_images_and_other_machines() {
+    let mut images = Edited::new();
+    let mut machine = images.machine.clone();
+    machine.clock_mhz = 1.0;
+    machine.elements[0].count = 9;
+    assert!(
+        Program::load(&images.files, &machine).is_ok(),
+        "not of interest"
+    );
+    machine.elements[0].stages = 9;
+    assert!(matches!(
+        Program::load(&images.files, &machine),
+        Err(LoadError::OtherMachine { .. })
+    ));
+    images.set("add0", 1, "read.left", 1);
+    assert!(matches!(
+        Program::load(&images.files, &images.machine),
+        Err(LoadError::OtherSchedule { .. })
+    ));
+}
+
+#[test]
+fn more_ports_or_words_than_the_machine_has() {
+    let error = refused(|images| images.manifest.elements[0].memories[0].write_ports = 3);
+    let (memory, ports, allowed) = ("add0".to_owned(), 3, 2);
+    assert_eq!(
+        error,
+        LoadError::WritePorts {
+            memory,
+            ports,
+            allowed
+        }
+    );
+    let error = refused(|images| {
+        for element in &mut images.manifest.elements {
+            element.buffer.as_mut().expect("a buffer").read_ports = 2;
+        }
+    });
+    let (element, ports, allowed) = ("add0".to_owned(), 2, 1);
+    assert_eq!(
+        error,
+        LoadError::BufferPorts {
+            element,
+            ports,
+            allowed
+        }
+    );
+    let error = refused(|images| images.machine.memory.words = Some(4));
+    let (memory, words, allowed) = ("add0".to_owned(), 5, 4);
+    assert_eq!(
+        error,
+        LoadError::Words {
+            memory,
+            words,
+            allowed
+        }
+    );
+    let error = refused(|images| {
+        let (words, reads) = (Some(0), Some(1));
+        images.machine.buffer = Some(BufferDescription { words, reads });
+    });
+    let (memory, words, allowed) = ("the buffer of add0".to_owned(), 1, 0);
+    assert_eq!(
+        error,
+        LoadError::Words {
+            memory,
+            words,
+            allowed
+        }
+    );
+}
+
+#[test]
+fn machines_that_lack_something() {
+    let of = |change: fn(&mut Machine)| refused(|images| change(&mut images.machine));
+    let changes: [fn(&mut Machine); 5] = [
+        |machine| machine.buffer = None,
+        |machine| machine.memory.style = MemoryStyle::SideSplit,
+        |machine| machine.elements.truncate(1),
+        |machine| machine.elements[0].operations.truncate(1),
+        |machine| machine.number.subnormals = false,
+    ];
+    for change in changes {
+        assert!(matches!(of(change), LoadError::Machine(_)));
+    }
+}
+
+#[test]
+fn number_formats_that_are_not_there_yet() {
+    let error = refused(|images| {
+        images.manifest.number.exponent = 5;
+        images.manifest.number.mantissa = 10;
+    });
+    let (exponent, mantissa) = (5, 10);
+    assert_eq!(error, LoadError::UnsupportedNumber { exponent, mantissa });
+}
+
+#[test]
+fn images_of_the_wrong_size() {
+    let error = refused(|images| images.manifest.cycles = 32);
+    assert!(matches!(
+        error,
+        LoadError::ImageSize {
+            what: "depth",
+            found: 31,
+            expected: 32,
+            ..
+        }
+    ));
+    let error = refused(|images| images.manifest.elements[1].memories[0].words = 4);
+    assert!(matches!(error, LoadError::ImageSize { what: "depth", .. }));
+    let error = refused(|images| *images.file("add0.data.mif") = mif(64, &[0; 5]));
+    assert!(matches!(error, LoadError::ImageSize { what: "width", .. }));
+    let error = refused(|images| images.manifest.cycles = u32::MAX);
+    assert!(matches!(error, LoadError::TooLarge(_)));
+}
+
+#[test]
+fn instruction_words_with_holes() {
+    let error = refused(|images| {
+        images.manifest.elements[0]
+            .instructions
+            .fields
+            .retain(|field| field.name != "issue");
+    });
+    let (element, cycle) = ("add0".to_owned(), 0);
+    assert_eq!(error, LoadError::UndefinedBits { element, cycle });
+    let error = refused(|images| {
+        let text = images.file("add0.instructions.mif");
+        let line = text
+            .lines()
+            .find(|line| line.contains(" 12 : "))
+            .expect("cycle 18");
+        *text = text.replace(line, "");
+    });
+    let (element, cycle) = ("add0".to_owned(), 18);
+    assert_eq!(error, LoadError::UndefinedInstruction { element, cycle });
+    let error = refused(|images| images.file("add0.instructions.mif").truncate(300));
+    assert!(matches!(error, LoadError::Image { .. }));
+}
+
+#[test]
+fn fields_that_overlap_or_leave_the_word() {
+    let changes: [fn(&mut Edited); 4] = [
+        |images| images.manifest.elements[0].instructions.fields[1].low = 0,
+        |images| images.manifest.elements[0].instructions.fields[1].low = u32::MAX,
+        |images| images.manifest.elements[0].instructions.fields[1].width = 0,
+        |images| "op".clone_into(&mut images.manifest.elements[0].instructions.fields[1].name),
+    ];
+    for change in changes {
+        assert!(matches!(refused(change), LoadError::Layout { .. }));
+    }
+}
+
+#[test]
+fn names_twice_and_references_into_the_void() {
+    let error = refused(|images| "add0".clone_into(&mut images.manifest.elements[1].name));
+    assert_eq!(
+        error,
+        LoadError::Sources,
+        "the crossbar names the element too"
+    );
+    let error = refused(|images| {
+        "add0".clone_into(&mut images.manifest.elements[1].memories[0].name);
+    });
+    assert_eq!(error, LoadError::NameTwice("add0".to_owned()));
+    let error = refused(|images| images.manifest.inputs[0].words[0].address = 5);
+    assert!(matches!(error, LoadError::Dangling { .. }));
+    let error = refused(|images| "add9".clone_into(&mut images.manifest.inputs[0].words[0].memory));
+    assert!(matches!(error, LoadError::Dangling { .. }));
+    let error = refused(|images| images.manifest.inputs[0].words[0].address = 1);
+    let (memory, address) = ("add0".to_owned(), 1);
+    assert_eq!(error, LoadError::InitialTwice { memory, address });
+}

@@ -1,0 +1,267 @@
+//! Random functions, and a placement that is as simple as it can be: one
+//! operation at a time, every word used once. It exercises every kind of
+//! transfer without sharing an idea with the real placement.
+
+use robovec_ir::machine::MemoryStyle;
+use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
+use robovec_ir::{
+    Assignment, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation, Output,
+    Shape, SourceSet, Value,
+};
+use std::collections::BTreeMap;
+
+/// A small generator of pseudo-random numbers (SplitMix64).
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn below(&mut self, bound: usize) -> usize {
+        (self.next() % bound as u64) as usize
+    }
+
+    /// Between -2 and 2.
+    pub(crate) fn number(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 51) as f64 - 2.0
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+}
+
+/// An atomic function of some operations on 5 inputs, with sines and cosines
+/// of two of them, and with outputs of every kind.
+pub(crate) fn random_function(random: &mut Random, operations: usize) -> Module {
+    let mut module = Module::new();
+    let mut function = Function::new("random", Level::Atomic);
+    let symbols = &mut module.tables.symbols;
+    function.add_input(symbols.intern("q"), Shape::Vector(5));
+    function.add_output(symbols.intern("out"), Shape::Vector(9));
+    let (trigonometric, other) = (symbols.intern("C"), symbols.intern("x"));
+    let mut known: Vec<Operand> = (0..5).map(|index| Input(index).into()).collect();
+    for (count, operation) in [Operation::Sin, Operation::Cos].into_iter().enumerate() {
+        let value = function.push(Node {
+            name: Name {
+                base: trigonometric,
+                suffix: count as u32,
+            },
+            sources: SourceSet::EMPTY,
+            operands: [Input(count as u32 * 3).into(), Operand::NONE],
+            operation,
+        });
+        known.push(value.into());
+    }
+    known.push(function.constant(0.1).into());
+    known.push(function.constant(-1.0).into());
+    for count in 0..operations {
+        let operation = [Operation::Add, Operation::Sub, Operation::Mul][random.below(3)];
+        let mut pick = || {
+            let recent = random.below(3) > 0 && known.len() > 12;
+            let from = if recent { known.len() - 12 } else { 0 };
+            known[from + random.below(known.len() - from)]
+        };
+        let value = function.push(Node {
+            name: Name {
+                base: other,
+                suffix: count as u32,
+            },
+            sources: SourceSet::EMPTY,
+            operands: [pick(), pick()],
+            operation,
+        });
+        known.push(value.into());
+    }
+    let last = known.len() - 1;
+    let outputs = [
+        0,
+        5,
+        7,
+        last,
+        last - 1,
+        last,
+        9,
+        last / 2,
+        9 + operations / 3,
+    ];
+    function.assignments = (0u32..)
+        .zip(outputs)
+        .map(|(index, place)| Assignment {
+            output: Output(index),
+            operand: known[place.min(last)],
+            sources: SourceSet::EMPTY,
+        })
+        .collect();
+    module.functions.push(function);
+    module
+}
+
+/// Places a function of [`random_function`].
+pub(crate) fn place(function: &mut Function, machine: &Machine, random: &mut Random) {
+    let mut placer = Naive::new(function, machine);
+    for index in 0..function.nodes().len() {
+        placer.node(function, machine, Value(index as u32), random);
+    }
+    placer.finish(function, machine);
+}
+
+struct Naive {
+    schedule: Schedule,
+    reads: Vec<[u32; 2]>,
+    buffers: Vec<u32>,
+    writes: Vec<Vec<Write>>,
+    preloads: Vec<Preload>,
+    /// Where an operand stands in a memory.
+    places: BTreeMap<(u32, Bank, Operand), u32>,
+    /// The next free address of a memory.
+    free: BTreeMap<(u32, Bank), u32>,
+    issued: u32,
+    step: u32,
+}
+
+impl Naive {
+    fn new(function: &Function, machine: &Machine) -> Naive {
+        let kinds = machine.elements.iter().map(|kind| ElementKind {
+            name: kind.kind.clone(),
+            count: kind.count,
+        });
+        let weights = machine.elements.iter().map(|kind| kind.weight());
+        let count = function.nodes().len();
+        Naive {
+            schedule: Schedule {
+                machine: machine.name.clone(),
+                kinds: kinds.collect(),
+                slots: Vec::new(),
+                cycles: 0,
+                lower_bound: 0,
+            },
+            reads: vec![[Placement::NONE; 2]; count],
+            buffers: vec![Placement::NONE; count],
+            writes: vec![Vec::new(); count],
+            preloads: Vec::new(),
+            places: BTreeMap::new(),
+            free: BTreeMap::new(),
+            issued: 0,
+            step: weights.max().expect("a kind") + 4,
+        }
+    }
+
+    fn node(&mut self, function: &Function, machine: &Machine, value: Value, random: &mut Random) {
+        let node = *function.node(value);
+        let Some(kind) = machine.kind_of(node.operation) else {
+            let (cycle, element) = (0, Slot::HOST);
+            self.schedule.slots.push(Slot { cycle, element });
+            return;
+        };
+        let before: u32 = machine.elements[..kind].iter().map(|kind| kind.count).sum();
+        let element = before + random.below(machine.elements[kind].count as usize) as u32;
+        let cycle = self.issued * self.step;
+        self.issued += 1;
+        self.schedule.slots.push(Slot { cycle, element });
+        let banks = match machine.memory.style {
+            MemoryStyle::Unified => [Bank::Unified; 2],
+            MemoryStyle::SideSplit => [Bank::Left, Bank::Right],
+        };
+        for side in 0..2 {
+            let operand = node.operands[side];
+            let word = self.bring(machine, operand, element, banks[side], random);
+            self.reads[value.index()][side] = word.address;
+        }
+    }
+
+    /// The word of a memory that holds an operand, with its transfer.
+    fn bring(
+        &mut self,
+        machine: &Machine,
+        operand: Operand,
+        element: u32,
+        bank: Bank,
+        random: &mut Random,
+    ) -> Word {
+        let free = self.free.entry((element, bank)).or_default();
+        let address = *self
+            .places
+            .entry((element, bank, operand))
+            .or_insert_with(|| {
+                *free += 1;
+                *free
+            });
+        let word = Word {
+            element,
+            bank,
+            address,
+        };
+        if address < *free || self.is_there(word) {
+            return word;
+        }
+        match operand
+            .value()
+            .filter(|value| !self.schedule.slots[value.index()].is_host())
+        {
+            None => self.preloads.push(Preload { word, operand }),
+            Some(value) => {
+                let slot = self.schedule.slots[value.index()];
+                let weight = weight_of(machine, slot.element);
+                let delay = random.below(4) as u32;
+                if delay > 0 {
+                    self.buffers[value.index()] = value.0 % 5;
+                }
+                let cycle = slot.cycle + weight - 1 + delay;
+                self.writes[value.index()].push(Write { word, cycle });
+            }
+        }
+        word
+    }
+
+    fn is_there(&self, word: Word) -> bool {
+        self.preloads.iter().any(|load| load.word == word)
+            || self.writes.iter().flatten().any(|write| write.word == word)
+    }
+
+    fn finish(mut self, function: &mut Function, machine: &Machine) {
+        self.schedule.cycles = self.issued * self.step;
+        let mut homes = Vec::new();
+        for assignment in &function.assignments {
+            let computed = assignment.operand.value();
+            let home = computed.filter(|value| !self.schedule.slots[value.index()].is_host());
+            homes.push(home.map(|value| {
+                let element = self.schedule.slots[value.index()].element;
+                let bank = match machine.memory.style {
+                    MemoryStyle::Unified => Bank::Unified,
+                    MemoryStyle::SideSplit => Bank::Right,
+                };
+                self.bring(machine, value.into(), element, bank, &mut Random(1))
+            }));
+        }
+        let mut placement = Placement {
+            preloads: self.preloads,
+            reads: self.reads,
+            buffers: self.buffers,
+            homes,
+            write_starts: vec![0],
+            writes: Vec::new(),
+        };
+        for mut writes in self.writes {
+            writes.sort_by_key(|write| (write.cycle, write.word));
+            placement.writes.extend(writes);
+            placement.write_starts.push(placement.writes.len() as u32);
+        }
+        placement.preloads.sort_by_key(|load| load.word);
+        function.level = Level::Placed;
+        function.schedule = Some(self.schedule);
+        function.placement = Some(placement);
+    }
+}
+
+fn weight_of(machine: &Machine, element: u32) -> u32 {
+    let mut first = 0;
+    for kind in &machine.elements {
+        first += kind.count;
+        if element < first {
+            return kind.weight();
+        }
+    }
+    panic!("no element {element}");
+}
