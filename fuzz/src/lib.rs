@@ -1,2 +1,6 @@
 //! The bodies of the fuzz targets: plain functions of bytes, which the ordinary
 //! tests run briefly and cargo-fuzz runs at length.
+
+pub mod mutants;
+
+pub use mutants::check_catches_mutants;

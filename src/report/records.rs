@@ -56,7 +56,7 @@ pub struct CheckReport {
     pub failure: Option<String>,
     /// The output it failed at.
     pub output: Option<String>,
-    /// What failed by: `signature`, `field` or `bits`.
+    /// What failed by: `signature`, `field`, `distance` or `bits`.
     pub kind: Option<&'static str>,
     /// Largest difference an approximating pass made, over the largest
     /// element of the array.
@@ -113,6 +113,7 @@ impl CheckReport {
             kind: failure.map(|failure| match failure.kind {
                 FailureKind::Signature { .. } => "signature",
                 FailureKind::Field { .. } => "field",
+                FailureKind::Distance { .. } => "distance",
                 FailureKind::Bits { .. } => "bits",
             }),
             deviation: verdict

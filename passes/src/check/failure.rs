@@ -25,6 +25,16 @@ pub enum FailureKind {
         /// The value after.
         after: u64,
     },
+    /// They have no value in the field, and differ in double-double.
+    Distance {
+        /// The number of the state, as [`robovec_ir::states::States::draw`]
+        /// counts.
+        state: u32,
+        /// The value before.
+        before: f64,
+        /// The value after.
+        after: f64,
+    },
     /// They differ by rounding, and the pass claimed to be exact.
     Bits {
         /// `binary32` or `binary64`.
@@ -139,6 +149,16 @@ impl fmt::Display for Failure {
                 self.name,
                 Element(*before),
                 Element(*after)
+            )?,
+            FailureKind::Distance {
+                state,
+                before,
+                after,
+            } => write!(
+                formatter,
+                "{} divides by zero, and is {before:e} before and {after:e} after in random state \
+                 {state}",
+                self.name
             )?,
             FailureKind::Bits {
                 format,

@@ -7,9 +7,9 @@ use robovec_ir::field::PrimeField;
 
 /// How the comparison ended.
 pub(super) enum Comparison {
-    /// Equal at every point; so many outputs were undefined everywhere, on
-    /// both sides.
-    Equal { undefined: u32 },
+    /// Equal at every point; these pairs (indices into [`Pairs::list`]) were
+    /// undefined everywhere, on both sides.
+    Equal { undefined: Vec<usize> },
     /// An output differs.
     Different {
         output: Output,
@@ -74,16 +74,16 @@ impl Tally {
     }
 }
 
-/// An output that could never be compared is equal when it is undefined on
-/// both sides, and different when it is defined on one.
+/// An output that could never be compared is undefined on both sides, or
+/// different when it is defined on one.
 fn judge_undefined(pairs: &Pairs<'_>, tallies: &[Tally], circle: bool, seed: u64) -> Comparison {
-    let mut undefined = 0;
-    for (pair, tally) in pairs.list.iter().zip(tallies) {
+    let mut undefined = Vec::new();
+    for (index, (pair, tally)) in pairs.list.iter().zip(tallies).enumerate() {
         if tally.both > 0 {
             continue;
         }
         if tally.before == 0 && tally.after == 0 {
-            undefined += 1;
+            undefined.push(index);
             continue;
         }
         let field = PrimeField {

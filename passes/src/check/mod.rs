@@ -9,6 +9,9 @@
 //!   error of some 10⁻¹⁵, and there is no tolerance that could hide a wrong
 //!   term. Sine and cosine are points of the circle for *real-trig* and
 //!   independent elements otherwise;
+//!   An output that divides by zero at every point has no value in a field;
+//!   as IEEE arithmetic may still end in a number (`1/(1/0)`), it is compared
+//!   in double-double instead, with a tolerance;
 //! - *exact*: all outputs are also bit-equal in binary64 and binary32 at
 //!   random states, save that zeros of either sign are equal (a minus becomes
 //!   `0 - x`) and so are all NaNs;
@@ -49,7 +52,8 @@ pub struct Verdict {
     pub seed: u64,
     /// The first output that breaks the claim; `None` when it holds.
     pub failure: Option<Failure>,
-    /// Outputs that divide by zero at every point, before and after.
+    /// Outputs that divide by zero at every point, before and after: these
+    /// were compared in double-double only.
     pub undefined: u32,
     /// Rounding errors in binary32 and binary64; `None` after a failure,
     /// when comparing them means nothing.
@@ -126,7 +130,13 @@ fn judge(pairs: &Pairs<'_>, verdict: &mut Verdict) {
     } else {
         let circle = verdict.class == NumericClass::RealTrig;
         match field::compare(pairs, circle, points, seed) {
-            Comparison::Equal { undefined } => verdict.undefined = undefined,
+            Comparison::Equal { undefined } => {
+                verdict.undefined = undefined.len() as u32;
+                let difference = numeric::first_distance(pairs, &undefined, points, seed);
+                let field = PrimeField { seed, circle };
+                verdict.failure =
+                    difference.map(|(output, kind)| explain(pairs, kind, output, &field));
+            }
             Comparison::Different {
                 output,
                 field,
@@ -181,6 +191,11 @@ impl Verdict {
     /// True when the claim holds.
     pub fn holds(&self) -> bool {
         self.failure.is_none()
+    }
+
+    /// What broke the claim, for people.
+    pub fn failure(&self) -> Option<String> {
+        self.failure.as_ref().map(ToString::to_string)
     }
 }
 

@@ -42,6 +42,40 @@ pub(super) fn first_bit_difference(
     })
 }
 
+/// The first of the given outputs that is a number in double-double before
+/// and after, and another one. The tolerance is far above the rounding of
+/// double-double and far below any wrong term.
+pub(super) fn first_distance(
+    pairs: &Pairs<'_>,
+    among: &[usize],
+    states: u32,
+    seed: u64,
+) -> Option<(Output, FailureKind)> {
+    const TOLERANCE: f64 = 1e-9;
+    if among.is_empty() {
+        return None;
+    }
+    let source = States::new(seed);
+    (0..states).find_map(|state| {
+        let inputs = source.draw(pairs.before, state);
+        let before = evaluate_at(pairs.before, &DoubleDouble, &inputs);
+        let after = evaluate_at(pairs.after, &DoubleDouble, &inputs);
+        among.iter().find_map(|&index| {
+            let pair = &pairs.list[index];
+            let (before, after) = (before[pair.before], after[pair.after]);
+            // What is left of a cancellation has no digits to compare.
+            let size = before.high.abs().max(after.high.abs()).max(TOLERANCE);
+            let distance = (after - before).high.abs();
+            let kind = FailureKind::Distance {
+                state,
+                before: before.high,
+                after: after.high,
+            };
+            (distance.is_finite() && distance > TOLERANCE * size).then_some((pair.output, kind))
+        })
+    })
+}
+
 /// How far the versions are apart in double-double.
 pub(super) fn deviation(pairs: &Pairs<'_>, states: u32, seed: u64) -> Deviation {
     let mut deviation = Deviation {

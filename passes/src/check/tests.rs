@@ -198,6 +198,18 @@ fn division_by_zero_decides_only_when_it_is_one_sided() {
     let verdict = verdict(&quotient(1), &quotient(3), NumericClass::Real);
     assert!(verdict.holds());
     assert_eq!(verdict.undefined, 1);
+    // One over infinity is a number again, and must be the same one.
+    let inverse = |offset: f64| {
+        single(move |b| {
+            let zero = b.binary(Sub, Builder::x(2), Builder::x(2));
+            let infinity = b.binary(Div, Builder::x(1), zero);
+            let nothing = b.binary(Div, Builder::x(1), infinity);
+            let offset = b.constant(offset);
+            b.binary(Add, nothing, offset)
+        })
+    };
+    assert!(holds(&inverse(1.0), &inverse(1.0), NumericClass::Real));
+    assert!(!holds(&inverse(1.0), &inverse(2.0), NumericClass::Real));
     let defined = single(|b| b.binary(Mul, Builder::x(1), Builder::x(2)));
     assert!(!holds(&quotient(1), &defined, NumericClass::Real));
     assert!(!holds(&defined, &quotient(1), NumericClass::Real));

@@ -1,0 +1,231 @@
+//! The semantic check must catch every planted wrong rewrite.
+
+use arbitrary::{Result, Unstructured};
+use robovec_ir::double_double::DoubleDouble;
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::print::print_function;
+use robovec_ir::states::States;
+use robovec_ir::{
+    Assignment, Function, Input, Level, Name, Node, Operand, Operation, Output, Shape, SourceSet,
+    Tables, Value, View,
+};
+use robovec_passes::NumericClass;
+use robovec_passes::check::check;
+
+const INPUTS: u32 = 4;
+const STATES: u32 = 3;
+const CONSTANTS: [f64; 6] = [0.0, 1.0, 2.0, 0.5, -3.0, 0.1];
+const OPERATIONS: [Operation; 12] = [
+    Operation::Add,
+    Operation::Add,
+    Operation::Sub,
+    Operation::Sub,
+    Operation::Mul,
+    Operation::Mul,
+    Operation::Mul,
+    Operation::Neg,
+    Operation::Div,
+    Operation::Sin,
+    Operation::Cos,
+    Operation::Sqrt,
+];
+
+/// What became of a planted mutation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Mutant {
+    /// It changed a number in double-double, and the check caught it.
+    Caught,
+    /// It changed no number, so it may be an identity.
+    Harmless,
+}
+
+/// Makes a random function from bytes, changes one operation or operand, and
+/// lets the check compare the two. A change that shows in double-double at a
+/// random state is no identity: the check must catch it. The unchanged
+/// function, and one with the operands of sums and products exchanged, must
+/// pass.
+///
+/// # Panics
+///
+/// When the check lets a wrong rewrite pass or refuses a right one.
+pub fn check_catches_mutants(data: &[u8]) {
+    // Too few bytes for a function and a mutation are no finding.
+    let _ = plant(&mut Unstructured::new(data));
+}
+
+/// As [`check_catches_mutants`], and tells what became of the mutation.
+///
+/// # Errors
+///
+/// When the bytes run out.
+///
+/// # Panics
+///
+/// As [`check_catches_mutants`].
+pub fn plant(bytes: &mut Unstructured<'_>) -> Result<Mutant> {
+    let mut tables = Tables::default();
+    let original = function(bytes, &mut tables)?;
+    let mutated = mutate(bytes, &original)?;
+    let seed = bytes.arbitrary()?;
+    let holds = |class, after: &Function| {
+        check(
+            view(&tables, &original),
+            view(&tables, after),
+            class,
+            STATES,
+            seed,
+        )
+    };
+    for class in [NumericClass::Exact, NumericClass::RealTrig] {
+        let verdict = holds(class, &commuted(&original));
+        assert!(verdict.holds(), "a right rewrite was refused: {verdict}");
+    }
+    if !differ(&tables, &original, &mutated, seed) {
+        return Ok(Mutant::Harmless);
+    }
+    for class in [
+        NumericClass::Exact,
+        NumericClass::Real,
+        NumericClass::RealTrig,
+    ] {
+        assert!(
+            !holds(class, &mutated).holds(),
+            "a wrong rewrite passed as {class}:\n{}\nbecame\n{}",
+            print_function(view(&tables, &original)),
+            print_function(view(&tables, &mutated))
+        );
+    }
+    Ok(Mutant::Caught)
+}
+
+fn view<'a>(tables: &'a Tables, function: &'a Function) -> View<'a> {
+    View { tables, function }
+}
+
+/// A random function whose outputs are the values nothing else reads.
+fn function(bytes: &mut Unstructured<'_>, tables: &mut Tables) -> Result<Function> {
+    let mut function = Function::new("random", Level::Equations);
+    function.add_input(tables.symbols.intern("x"), Shape::Vector(INPUTS));
+    let base = tables.symbols.intern("v");
+    let count: u32 = bytes.int_in_range(1..=40)?;
+    for suffix in 0..count {
+        let operation = *bytes.choose(&OPERATIONS)?;
+        let mut operands = [operand(bytes, &mut function, suffix)?, Operand::NONE];
+        if operation.arity() == 2 {
+            operands[1] = operand(bytes, &mut function, suffix)?;
+        }
+        function.push(Node {
+            name: Name { base, suffix },
+            sources: SourceSet::EMPTY,
+            operands,
+            operation,
+        });
+    }
+    let unread: Vec<u32> = function
+        .use_counts()
+        .iter()
+        .zip(0..)
+        .filter(|(uses, _)| **uses == 0)
+        .map(|(_, value)| value)
+        .collect();
+    function.add_output(
+        tables.symbols.intern("y"),
+        Shape::Vector(unread.len() as u32),
+    );
+    for (output, value) in (0..).zip(unread) {
+        function.assignments.push(Assignment {
+            output: Output(output),
+            operand: Value(value).into(),
+            sources: SourceSet::EMPTY,
+        });
+    }
+    Ok(function)
+}
+
+/// A value before `limit`, most likely, an input or a constant.
+fn operand(bytes: &mut Unstructured<'_>, function: &mut Function, limit: u32) -> Result<Operand> {
+    Ok(match bytes.int_in_range(0..=7)? {
+        0 => function.constant(*bytes.choose(&CONSTANTS)?).into(),
+        1 | 2 => Input(bytes.int_in_range(0..=INPUTS - 1)?).into(),
+        _ if limit > 0 => Value(bytes.int_in_range(0..=limit - 1)?).into(),
+        _ => Input(0).into(),
+    })
+}
+
+/// The function with one operation or operand changed.
+fn mutate(bytes: &mut Unstructured<'_>, original: &Function) -> Result<Function> {
+    let mut mutated = original.clone();
+    let place = bytes.int_in_range(0..=original.nodes().len() as u32 - 1)?;
+    let mut node = *original.node(Value(place));
+    let arity = node.operation.arity();
+    match bytes.int_in_range(0..=2)? {
+        0 if arity == 2 => node.operands.swap(0, 1),
+        1 => {
+            let others = OPERATIONS.iter().copied();
+            let same: Vec<Operation> = others
+                .filter(|other| other.arity() == arity && *other != node.operation)
+                .collect();
+            node.operation = *bytes.choose(&same)?;
+        }
+        _ => {
+            let side = bytes.int_in_range(0..=arity - 1)?;
+            node.operands[side] = operand(bytes, &mut mutated, place)?;
+        }
+    }
+    *mutated.node_mut(Value(place)) = node;
+    Ok(mutated)
+}
+
+/// The function with the operands of every sum and product exchanged: the
+/// same function, bit by bit.
+fn commuted(original: &Function) -> Function {
+    let mut commuted = original.clone();
+    for index in 0..original.nodes().len() as u32 {
+        let node = commuted.node_mut(Value(index));
+        if node.operation.is_commutative() {
+            node.operands.swap(0, 1);
+        }
+    }
+    commuted
+}
+
+/// True when some output differs beyond doubt in double-double.
+fn differ(tables: &Tables, original: &Function, mutated: &Function, seed: u64) -> bool {
+    (0..STATES).any(|state| {
+        let inputs: Vec<_> = States::new(seed)
+            .draw(view(tables, original), state)
+            .into_iter()
+            .map(Into::into)
+            .collect();
+        let before = evaluate(original, &DoubleDouble, &inputs);
+        let after = evaluate(mutated, &DoubleDouble, &inputs);
+        before.into_iter().zip(after).any(|(before, after)| {
+            let distance = (before - after).high.abs();
+            let size = before.high.abs().max(after.high.abs());
+            // Outputs of a usual size, so that no cancellation of huge
+            // numbers passes for a difference.
+            (1e-3..1e6).contains(&size) && distance > 1e-6 * size
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planted_mutants_are_caught() {
+        let mut tally = [0u32; 2];
+        arbtest::arbtest(|bytes| {
+            let mutant = plant(bytes)?;
+            tally[usize::from(mutant == Mutant::Caught)] += 1;
+            Ok(())
+        })
+        .budget_ms(2000);
+        let [harmless, caught] = tally;
+        assert!(
+            caught > 100,
+            "too few mutants: {caught}, {harmless} harmless"
+        );
+    }
+}
