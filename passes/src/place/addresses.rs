@@ -123,9 +123,8 @@ pub(super) fn allocate_buffers(graph: &Graph, draft: &Draft) -> Vec<u32> {
         if !graph.is_computed(node) {
             continue;
         }
-        let back = draft.slots[node as usize].cycle + graph.weight(node as usize) - 1;
-        if let Some(until) = super::choice::buffered_until(&draft.locations, node, back) {
-            stays.push((back, until, node));
+        if let Some(until) = draft.locations.buffered_until(node) {
+            stays.push((draft.locations.data[node as usize].back, until, node));
         }
     }
     stays.sort_unstable();
@@ -139,10 +138,10 @@ pub(super) fn allocate_buffers(graph: &Graph, draft: &Draft) -> Vec<u32> {
     let mut pools = vec![Pool::default(); elements];
     for (back, _, node) in stays {
         while let Some((_, gone)) = leaving.next_if(|&(until, _)| until < back) {
-            let element = draft.slots[gone as usize].element as usize;
+            let element = draft.locations.data[gone as usize].element as usize;
             pools[element].freed.push(words[gone as usize]);
         }
-        words[node as usize] = pools[draft.slots[node as usize].element as usize].take();
+        words[node as usize] = pools[draft.locations.data[node as usize].element as usize].take();
     }
     words
 }

@@ -12,6 +12,7 @@
 
 use super::graph::Graph;
 use super::ports::Ports;
+use super::sweep::Sweep;
 use robovec_ir::{Function, Value};
 
 const UNBOUND: u32 = u32::MAX;
@@ -179,5 +180,54 @@ impl Ahead {
                 let side = operand ^ usize::from(seat.swapped);
                 seat.element * banks + side.min(banks - 1)
             })
+    }
+}
+
+impl Sweep<'_> {
+    /// Issues a node if its element is free and its result finds ports.
+    pub(super) fn issue_ahead(&mut self, node: usize, cycle: u32) -> bool {
+        let back = cycle + self.graph.weight(node) - 1;
+        self.draft.ports.reach(back);
+        let Some(ahead) = &self.ahead else {
+            return false;
+        };
+        let seat = ahead.seat(node);
+        if seat.is_some_and(|seat| self.busy[seat.element] == cycle + 1) {
+            return false;
+        }
+        let (function, graph, ports) = (self.function, self.graph, &self.draft.ports);
+        let is_output = self.is_output[node];
+        let Some(booking) = ahead.book(function, graph, ports, node, back, is_output) else {
+            return false;
+        };
+        let sources = self.graph.data[node].map(|datum| self.source(datum));
+        self.mark(sources);
+        let kind = self.graph.kinds[self.graph.kind[node] as usize];
+        let plan = (kind.first as usize..(kind.first + kind.count) as usize)
+            .filter(|&element| self.busy[element] != cycle + 1)
+            .filter(|&element| seat.is_none_or(|seat| seat.element == element))
+            .flat_map(|element| self.sides(node, element))
+            .filter(|at| seat.is_none_or(|seat| seat.swapped == at.swapped))
+            .find_map(|at| self.plain(sources, at));
+        let Some(plan) = plan else {
+            return false;
+        };
+        self.commit(node, cycle, plan);
+        self.write_ahead(node, back, &booking);
+        true
+    }
+
+    fn write_ahead(&mut self, node: usize, back: u32, booking: &Booking) {
+        if let Some(ahead) = &mut self.ahead {
+            ahead.issued(node);
+            ahead.confirm(booking);
+        }
+        let draft = &mut self.draft;
+        for &memory in &booking.memories {
+            draft.ports.write(back, memory);
+            draft.live[memory] += 1;
+            // The readers extend the life when they are issued.
+            draft.locations.add(node as u32, memory, back, back);
+        }
     }
 }

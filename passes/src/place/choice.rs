@@ -179,7 +179,7 @@ impl Room {
         let (back, producer) = source.result.unwrap_or((0, 0));
         let mut next = back;
         if ports.buffers_are_limited()
-            && let Some(until) = buffered_until(locations, source.datum, back)
+            && let Some(until) = locations.buffered_until(source.datum)
         {
             next = until + 1;
         }
@@ -206,14 +206,4 @@ impl Room {
         }
         true
     }
-}
-
-/// The last cycle in which the datum is read from its producer's buffer, if
-/// it is in the buffer at all.
-pub(super) fn buffered_until(locations: &Locations, datum: u32, back: u32) -> Option<u32> {
-    locations
-        .of(datum)
-        .map(|(_, entry)| entry.written)
-        .filter(|&written| written > back)
-        .max()
 }

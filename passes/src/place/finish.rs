@@ -2,11 +2,11 @@
 
 use super::addresses::{Addresses, allocate, allocate_buffers};
 use super::error::PlaceError;
-use super::graph::Graph;
+use super::graph::{Graph, HOST};
 use super::locations::NO_ENTRY;
-use super::ports::banks;
+use super::ports::{Ports, banks};
 use super::sweep::Draft;
-use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Word, Write};
+use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
 use robovec_ir::{Function, Level, Machine, Value};
 
 /// Writes schedule and placement into the function.
@@ -16,13 +16,15 @@ use robovec_ir::{Function, Level, Machine, Value};
 /// When a memory is too small for the words alive at once.
 pub(super) fn finish(
     function: &mut Function,
-    graph: &Graph,
+    mut graph: Graph,
     machine: &Machine,
-    draft: Draft,
+    mut draft: Draft,
     homes: &[u32],
     lower_bound: u32,
 ) -> Result<(), PlaceError> {
-    let addresses = allocate(graph, &draft);
+    graph.release_links();
+    let addresses = allocate(&graph, &draft);
+    draft.ports = Ports::default();
     let words = WordNames {
         banks: banks(machine) as u32,
         addresses: &addresses,
@@ -38,22 +40,35 @@ pub(super) fn finish(
                 count: element.count,
             })
             .collect(),
-        slots: Vec::new(),
+        slots: slots(&graph, &draft),
         cycles: draft.cycles,
         lower_bound,
     };
     check_sizes(machine, &schedule, &addresses)?;
-    let placement = words.placement(graph, homes);
+    let placement = words.placement(&graph, homes);
     for (index, _) in draft.swapped.iter().enumerate().filter(|(_, swap)| **swap) {
         function.node_mut(Value(index as u32)).operands.swap(0, 1);
     }
-    function.schedule = Some(Schedule {
-        slots: draft.slots,
-        ..schedule
-    });
+    function.schedule = Some(schedule);
     function.placement = Some(placement);
     function.level = Level::Placed;
     Ok(())
+}
+
+fn slots(graph: &Graph, draft: &Draft) -> Vec<Slot> {
+    let data = draft.locations.data.iter().enumerate();
+    data.take(graph.kind.len())
+        .map(|(node, datum)| match graph.kind[node] {
+            HOST => Slot {
+                cycle: 0,
+                element: Slot::HOST,
+            },
+            _ => Slot {
+                cycle: datum.back + 1 - graph.weight(node),
+                element: datum.element,
+            },
+        })
+        .collect()
 }
 
 fn check_sizes(

@@ -140,6 +140,16 @@ impl Graph {
             .is_some_and(|&kind| kind != HOST)
     }
 
+    /// Frees what only scheduling needs.
+    pub(super) fn release_links(&mut self) {
+        self.user_starts = Vec::new();
+        self.users = Vec::new();
+        self.computed_operands = Vec::new();
+        self.head = Vec::new();
+        self.tail = Vec::new();
+        self.data = Vec::new();
+    }
+
     fn number_data(&mut self, function: &Function) {
         let operands = function.nodes().iter().flat_map(|node| node.operands());
         self.initial = operands

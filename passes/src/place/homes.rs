@@ -38,7 +38,7 @@ pub(super) fn settle_homes(
                     .map(|(index, _)| index);
                 let home = match known {
                     Some(entry) => entry,
-                    None => new_home(graph, draft, value.0, &kept)?,
+                    None => new_home(draft, value.0, &kept)?,
                 };
                 let entry = &mut draft.locations.entries[home as usize];
                 if entry.last_read != FOREVER {
@@ -55,10 +55,9 @@ pub(super) fn settle_homes(
 }
 
 /// Reserves a write for a result that nothing reads.
-fn new_home(graph: &Graph, draft: &mut Draft, datum: u32, kept: &[u32]) -> Result<u32, Stuck> {
-    let slot = draft.slots[datum as usize];
-    let producer = slot.element as usize;
-    let back = slot.cycle + graph.weight(datum as usize) - 1;
+fn new_home(draft: &mut Draft, datum: u32, kept: &[u32]) -> Result<u32, Stuck> {
+    let known = draft.locations.data[datum as usize];
+    let (producer, back) = (known.element as usize, known.back);
     draft.ports.reach(back);
     let emptiest = |draft: &Draft, cycle: u32| {
         (0..kept.len())

@@ -22,44 +22,82 @@ pub(super) struct Entry {
     next: u32,
 }
 
-/// All entries, as one list per datum in a common vector.
+/// The write-back cycle of a datum the machine does not compute, or has not
+/// computed yet.
+pub(super) const NOT_COMPUTED: u32 = u32::MAX;
+
+/// What is known of a datum; all in one place, because operands come from
+/// anywhere in a large program and each look at one is a cache miss.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Datum {
+    /// The cycle in which it is on the crossbar, or [`NOT_COMPUTED`].
+    pub(super) back: u32,
+    /// The element that computes it.
+    pub(super) element: u32,
+    /// Reads still to come; an output has one that never comes.
+    pub(super) readers_left: u32,
+    /// Its first entry, or [`NO_ENTRY`].
+    first: u32,
+}
+
+/// All data, and their entries as one list per datum in a common vector.
 #[derive(Clone, Debug)]
 pub(super) struct Locations {
-    first: Vec<u32>,
+    /// The data.
+    pub(super) data: Vec<Datum>,
     /// The entries, in the order in which they were reserved.
     pub(super) entries: Vec<Entry>,
 }
 
 impl Locations {
     /// No datum is anywhere.
-    pub(super) fn new(data: usize) -> Locations {
+    pub(super) fn new(readers: impl Iterator<Item = u32>) -> Locations {
+        let data: Vec<Datum> = readers
+            .map(|readers_left| Datum {
+                back: NOT_COMPUTED,
+                element: 0,
+                readers_left,
+                first: NO_ENTRY,
+            })
+            .collect();
         Locations {
-            first: vec![NO_ENTRY; data],
-            entries: Vec::with_capacity(data + data / 2),
+            entries: Vec::with_capacity(data.len() + data.len() / 2),
+            data,
         }
     }
 
     /// Adds a word that is read in the same breath.
     pub(super) fn add(&mut self, datum: u32, memory: usize, written: u32, read: u32) -> u32 {
         let index = self.entries.len() as u32;
+        let first = &mut self.data[datum as usize].first;
         self.entries.push(Entry {
             memory: memory as u32,
             written,
             last_read: read,
-            next: self.first[datum as usize],
+            next: *first,
         });
-        self.first[datum as usize] = index;
+        *first = index;
         index
     }
 
     /// The entries of a datum with their indices, latest reservation first.
     pub(super) fn of(&self, datum: u32) -> impl Iterator<Item = (u32, &Entry)> + '_ {
-        let mut next = self.first[datum as usize];
+        let mut next = self.data[datum as usize].first;
         std::iter::from_fn(move || {
             let index = next;
             let entry = self.entries.get(index as usize)?;
             next = entry.next;
             Some((index, entry))
         })
+    }
+
+    /// The last cycle in which the datum is read from its producer's buffer,
+    /// if it is in the buffer at all.
+    pub(super) fn buffered_until(&self, datum: u32) -> Option<u32> {
+        let back = self.data[datum as usize].back;
+        self.of(datum)
+            .map(|(_, entry)| entry.written)
+            .filter(|&written| written > back && written != PRELOADED)
+            .max()
     }
 }

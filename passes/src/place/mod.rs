@@ -7,8 +7,8 @@
 //! - `bound`: a length no schedule can beat;
 //! - `order`, `list`: priorities, and how short a schedule they give without
 //!   memories;
-//! - `sweep`, with `ready`, `choice`, `ports` and `locations`: the placement
-//!   itself, cycle by cycle;
+//! - `sweep`, with `ready`, `plan`, `choice`, `ports` and `locations`: the
+//!   placement itself, cycle by cycle; `ahead` does without buffers;
 //! - `homes`: words that keep the outputs to the end;
 //! - `addresses`, `finish`: addresses by lifetime, and the result.
 //!
@@ -29,8 +29,11 @@ mod list;
 mod locations;
 mod order;
 mod pass;
+mod plan;
 mod ports;
 mod ready;
+#[cfg(test)]
+mod rules;
 mod sweep;
 #[cfg(test)]
 mod testing;
@@ -102,7 +105,8 @@ pub fn place(
             limit: LARGEST_TABLE / memories,
         });
     }
-    let lower_bound = bound::lower_bound(&graph);
+    let fan_out = Order::fan_out(&graph);
+    let lower_bound = bound::lower_bound(&graph, &fan_out);
     let mut search = Search {
         function,
         graph: &graph,
@@ -115,8 +119,8 @@ pub fn place(
     match options.priority {
         Priority::Alap => search.sweep("alap", &Order::alap(&graph)),
         Priority::Mobility => search.sweep("mobility", &Order::mobility(&graph)),
-        Priority::FanOut => search.sweep("fan-out", &Order::fan_out(&graph)),
-        Priority::Best => search.best(),
+        Priority::FanOut => search.sweep("fan-out", &fan_out),
+        Priority::Best => search.best(&fan_out),
     }
     let tries = search.tries;
     let Some(best) = search.best else {
@@ -133,7 +137,7 @@ pub fn place(
     };
     finish::finish(
         function,
-        &graph,
+        graph,
         machine,
         best.draft,
         &best.homes,
@@ -204,10 +208,9 @@ impl Search<'_> {
     }
 
     /// See [`Priority::Best`].
-    fn best(&mut self) {
+    fn best(&mut self, fan_out: &Order) {
         let graph = self.graph;
-        let mut order = Order::fan_out(graph);
-        self.sweep("fan-out", &order);
+        self.sweep("fan-out", fan_out);
         let mut budget = WORK_BUDGET / graph.operations().max(1);
         let mut name = "alap";
         let mut next = Order::alap(graph);
@@ -222,10 +225,10 @@ impl Search<'_> {
             // What is late in a schedule from the end must be early here.
             let mirrored = Order::by_key(graph, |node| u64::from(schedule.issue[node]));
             let backward = list::backward(graph, self.function, &mirror(&mirrored, graph));
-            order = Order::by_key(graph, |node| {
+            name = "backward";
+            next = Order::by_key(graph, |node| {
                 u64::from(backward.cycles - backward.issue[node])
             });
-            (name, next) = ("backward", order.clone());
         }
     }
 }

@@ -10,7 +10,7 @@ use robovec_ir::Machine;
 use robovec_ir::machine::MemoryStyle;
 
 /// Reservations of all cycles so far.
-#[derive(Clone, Debug)]
+#[derive(Clone, Default, Debug)]
 pub(super) struct Ports {
     /// Memories: elements times banks.
     memories: usize,

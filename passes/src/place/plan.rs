@@ -1,0 +1,232 @@
+//! Planning one operation: for each element, how both operands would get
+//! there; then the best of them.
+
+use super::choice::{Choice, Planned, RANKS, Route, Source, indirect_route, plain_route};
+use super::graph::NO_DATUM;
+use super::locations::NOT_COMPUTED;
+use super::sweep::Sweep;
+
+/// How one operation is carried out.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan {
+    /// The element.
+    pub(super) element: usize,
+    /// The operands change sides.
+    pub(super) swapped: bool,
+    /// The memory each operand, as written in the program, is read from.
+    pub(super) memories: [usize; 2],
+    /// How it gets there; `None` for no operand or not planned yet.
+    pub(super) routes: [Option<Route>; 2],
+}
+
+impl Sweep<'_> {
+    /// The operand as data flow, `None` for the absent second one.
+    pub(super) fn source(&self, datum: u32) -> Option<Source> {
+        if datum == NO_DATUM {
+            return None;
+        }
+        let known = self.draft.locations.data[datum as usize];
+        let result = (known.back != NOT_COMPUTED).then_some((known.back, known.element as usize));
+        Some(Source { datum, result })
+    }
+
+    pub(super) fn mark(&mut self, sources: [Option<Source>; 2]) {
+        self.stamp += 1;
+        for (marks, source) in self.marks.iter_mut().zip(sources) {
+            let Some(source) = source else { continue };
+            for (index, entry) in self.draft.locations.of(source.datum) {
+                marks[entry.memory as usize] = (self.stamp, index);
+            }
+        }
+    }
+
+    fn held(&self, operand: usize, memory: usize) -> Option<u32> {
+        let (stamp, entry) = self.marks[operand][memory];
+        (stamp == self.stamp).then_some(entry)
+    }
+
+    /// The best plan for a node whose operands have been computed.
+    pub(super) fn consider(&mut self, node: usize, cycle: u32) -> Option<Plan> {
+        let sources = self.graph.data[node].map(|datum| self.source(datum));
+        self.mark(sources);
+        let kind = self.graph.kinds[self.graph.kind[node] as usize];
+        let elements = kind.first as usize..(kind.first + kind.count) as usize;
+        let free = elements.filter(|&element| self.busy[element] != cycle + 1);
+        match self.choice {
+            Choice::First => free
+                .flat_map(|element| self.sides(node, element))
+                .find_map(|at| {
+                    self.plain(sources, at)
+                        .or_else(|| self.indirect(sources, at, cycle))
+                }),
+            Choice::Preferential => {
+                let plain = free
+                    .clone()
+                    .flat_map(|element| self.sides(node, element))
+                    .filter_map(|at| self.plain(sources, at))
+                    .min_by_key(|plan| self.cost(plan));
+                plain.or_else(|| {
+                    free.flat_map(|element| self.sides(node, element))
+                        .filter_map(|at| self.indirect(sources, at, cycle))
+                        .min_by_key(|plan| self.cost(plan))
+                })
+            }
+        }
+    }
+
+    /// The ways to feed a node's operands to an element: the second with
+    /// sides exchanged, where that is possible and makes a difference.
+    pub(super) fn sides(&self, node: usize, element: usize) -> impl Iterator<Item = Plan> + use<> {
+        let first = element * self.banks;
+        let last = first + self.banks - 1;
+        let straight = Plan {
+            element,
+            swapped: false,
+            memories: [first, last],
+            routes: [None; 2],
+        };
+        let exchanged = Plan {
+            swapped: true,
+            memories: [last, first],
+            ..straight
+        };
+        let [left, right] = self.graph.data[node];
+        let operation = self.function.nodes()[node].operation;
+        let both = self.banks > 1 && operation.is_commutative() && left != right;
+        std::iter::once(straight).chain(both.then_some(exchanged))
+    }
+
+    /// The plan without buffers.
+    pub(super) fn plain(&self, sources: [Option<Source>; 2], at: Plan) -> Option<Plan> {
+        let ports = &self.draft.ports;
+        let [Some(left), right] = sources else {
+            return None;
+        };
+        let [left_memory, right_memory] = at.memories;
+        let first = plain_route(ports, left, left_memory, self.held(0, left_memory), None)?;
+        let second = match right {
+            None => None,
+            Some(right) if right == left && left_memory == right_memory => Some(first),
+            Some(right) => {
+                let other = Planned::new(left, left_memory, first);
+                let held = self.held(1, right_memory);
+                Some(plain_route(ports, right, right_memory, held, Some(other))?)
+            }
+        };
+        Some(Plan {
+            routes: [Some(first), second],
+            ..at
+        })
+    }
+
+    /// The plan with at least one operand through a buffer; called when there
+    /// is none without. What can go directly does.
+    fn indirect(&self, sources: [Option<Source>; 2], at: Plan, cycle: u32) -> Option<Plan> {
+        let draft = &self.draft;
+        if !draft.ports.has_buffer() {
+            return None;
+        }
+        let mut routes = [None; 2];
+        for operand in 0..2 {
+            if let Some(source) = sources[operand] {
+                let memory = at.memories[operand];
+                let other = self.planned(sources, &at, &routes, 1 - operand);
+                let held = self.held(operand, memory);
+                routes[operand] = plain_route(&draft.ports, source, memory, held, other);
+            }
+        }
+        for operand in 0..2 {
+            let Some(source) = sources[operand] else {
+                continue;
+            };
+            if routes[operand].is_some() {
+                continue;
+            }
+            let memory = at.memories[operand];
+            if operand == 1 && sources[0] == sources[1] && memory == at.memories[0] {
+                routes[1] = routes[0];
+                continue;
+            }
+            let other = self.planned(sources, &at, &routes, 1 - operand);
+            let ports = &draft.ports;
+            let route = indirect_route(ports, &draft.locations, source, memory, cycle, other)?;
+            routes[operand] = Some(route);
+        }
+        Some(Plan { routes, ..at })
+    }
+
+    fn planned(
+        &self,
+        sources: [Option<Source>; 2],
+        at: &Plan,
+        routes: &[Option<Route>; 2],
+        operand: usize,
+    ) -> Option<Planned> {
+        // One datum in one memory is one transfer, not two that compete.
+        if sources[0] == sources[1] && at.memories[0] == at.memories[1] {
+            return None;
+        }
+        let (source, route) = (sources[operand]?, routes[operand]?);
+        Some(Planned::new(source, at.memories[operand], route))
+    }
+
+    /// What [`Choice::Preferential`] minimises.
+    fn cost(&self, plan: &Plan) -> (u8, u8, u32) {
+        let status = |side: usize| {
+            // Exchanged, the first operand is the one on the right.
+            plan.routes[side ^ usize::from(plan.swapped)].map_or(0, Route::status)
+        };
+        let rank = RANKS[status(0)][status(1)];
+        let loads = plan
+            .routes
+            .iter()
+            .filter(|&&route| route == Some(Route::Load))
+            .count() as u8;
+        let words = plan
+            .memories
+            .iter()
+            .map(|&memory| self.draft.live[memory])
+            .sum();
+        (rank, loads, words)
+    }
+
+    /// False when no element, free now or not, can take the node in this or
+    /// any later cycle.
+    pub(super) fn can_ever(&mut self, node: usize, cycle: u32) -> bool {
+        let sources = self.graph.data[node].map(|datum| self.source(datum));
+        self.mark(sources);
+        let kind = self.graph.kinds[self.graph.kind[node] as usize];
+        (kind.first as usize..(kind.first + kind.count) as usize)
+            .flat_map(|element| self.sides(node, element))
+            .any(|at| {
+                self.plain(sources, at).is_some()
+                    || self.indirect(sources, at, cycle).is_some()
+                    || self.may_wait(sources, at, cycle)
+            })
+    }
+
+    /// True when every operand is there, can go directly, or can stay in its
+    /// buffer until now, so that a later cycle may find a port.
+    fn may_wait(&self, sources: [Option<Source>; 2], at: Plan, cycle: u32) -> bool {
+        let draft = &self.draft;
+        draft.ports.has_buffer()
+            && (0..2).all(|operand| {
+                let Some(source) = sources[operand] else {
+                    return true;
+                };
+                let memory = at.memories[operand];
+                let held = self.held(operand, memory);
+                let Some((back, producer)) = source.result else {
+                    return true;
+                };
+                if plain_route(&draft.ports, source, memory, held, None).is_some() {
+                    return true;
+                }
+                let from = draft
+                    .locations
+                    .buffered_until(source.datum)
+                    .map_or(back, |until| until + 1);
+                (from..=cycle).all(|at| draft.ports.has_room(at, producer, 1))
+            })
+    }
+}
