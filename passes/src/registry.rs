@@ -2,7 +2,7 @@
 //! are listed.
 
 use crate::pass::PassInfo;
-use crate::{asap_alap, atomise, balance, cse, dce, fold, place, swap, zero_removal};
+use crate::{asap_alap, atomise, balance, codegen, cse, dce, fold, place, swap, zero_removal};
 
 /// All passes, in the order a function usually meets them.
 pub const PASSES: &[PassInfo] = &[
@@ -15,6 +15,7 @@ pub const PASSES: &[PassInfo] = &[
     dce::Dce::INFO,
     asap_alap::AsapAlap::INFO,
     place::Place::INFO,
+    codegen::Codegen::INFO,
 ];
 
 /// A named pipeline, written `$name` in another.

@@ -12,6 +12,7 @@ use robovec_ir::arithmetic::{Binary32, Binary64};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Machine, Module, View};
 use robovec_passes::codegen::images;
+use robovec_passes::place::{Choice, PlaceOptions, place};
 
 fn view(module: &Module) -> View<'_> {
     View {
@@ -28,11 +29,13 @@ fn random_placed(seed: u64, operations: usize, machine: &Machine) -> Module {
 }
 
 /// The simulator's outputs must be the evaluator's, bit for bit.
-fn check(module: &Module, machine: &Machine, inputs: &[f64]) {
+fn check(module: &Module, machine: &Machine, inputs: &[f64]) -> Program {
     let function = &module.functions[0];
     let files = images(view(module), machine, None).expect("it has images");
     let program = Program::load(&files, machine).expect("they can be loaded");
     let outputs = program.run(inputs).expect("no hazard");
+    let values = &outputs.values;
+    assert!(values.iter().all(|value| value.is_finite()), "{values:?}");
     if machine.number.exponent == 8 {
         let inputs: Vec<f32> = inputs.iter().map(|&number| number as f32).collect();
         let expected = evaluate(function, &Binary32, &inputs);
@@ -43,6 +46,7 @@ fn check(module: &Module, machine: &Machine, inputs: &[f64]) {
         let words: Vec<u64> = expected.iter().map(|n| n.to_bits()).collect();
         assert_eq!(outputs.words, words);
     }
+    program
 }
 
 #[test]
@@ -65,4 +69,36 @@ fn random_programs_give_the_evaluators_bits_on_every_machine() {
             check(&module, &machine, &inputs);
         }
     }
+}
+
+/// The real placement on the machines and numbers of elements that matter.
+#[test]
+fn placed_programs_give_the_evaluators_bits() {
+    let mut buffered = 0;
+    for name in ["thesis", "side-split", "ideal", "de10-nano", "pipeline-3-3"] {
+        for count in [1, 2, 3, 4, 8, 16, 32] {
+            let mut machine = Machine::built_in(name).expect("it ships");
+            for element in &mut machine.elements {
+                element.count = count;
+            }
+            for choice in [Choice::First, Choice::Preferential] {
+                let seed = u64::from(count) + if choice == Choice::First { 100 } else { 0 };
+                let mut module = naive::random_function(&mut Random(seed), 400);
+                let options = PlaceOptions {
+                    choice,
+                    ..PlaceOptions::default()
+                };
+                let placed = place(&mut module.functions[0], &machine, options);
+                placed.unwrap_or_else(|error| panic!("{name} {count}: {error}"));
+                let mut random = Random(seed + 1);
+                let inputs: Vec<f64> = (0..5).map(|_| random.number()).collect();
+                let program = check(&module, &machine, &inputs);
+                let elements = program.occupation().elements;
+                buffered += elements.iter().map(|e| e.buffered_writes).sum::<u64>();
+                let issues: usize = elements.iter().map(|e| e.issues.len()).sum();
+                assert_eq!(issues, 400);
+            }
+        }
+    }
+    assert!(buffered > 0, "buffers were in use");
 }

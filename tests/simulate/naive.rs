@@ -63,13 +63,18 @@ pub(crate) fn random_function(random: &mut Random, operations: usize) -> Module 
             let from = if recent { known.len() - 12 } else { 0 };
             known[from + random.below(known.len() - from)]
         };
+        // Factors below 1 keep long chains finite, so that bits say something.
+        let operands = match operation {
+            Operation::Mul => [pick(), known[[7, 7, 5, 6][random.below(4)]]],
+            _ => [pick(), pick()],
+        };
         let value = function.push(Node {
             name: Name {
                 base: other,
                 suffix: count as u32,
             },
             sources: SourceSet::EMPTY,
-            operands: [pick(), pick()],
+            operands,
             operation,
         });
         known.push(value.into());

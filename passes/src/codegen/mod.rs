@@ -20,7 +20,9 @@ mod layout;
 pub mod manifest;
 mod mif;
 mod number;
+mod pass;
 mod traffic;
 
 pub use error::ImageError;
 pub use images::{Artifacts, images, write_images};
+pub use pass::{Codegen, Target};

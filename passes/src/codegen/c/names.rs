@@ -1,0 +1,61 @@
+//! Names that C accepts, each for one thing only.
+
+use hashbrown::HashSet;
+use rustc_hash::FxBuildHasher;
+
+/// Words that C reserves, and functions that generated code calls or the
+/// standard library would confuse with ours.
+const RESERVED: [&str; 45] = [
+    "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else",
+    "enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "register",
+    "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch", "typedef",
+    "union", "unsigned", "void", "volatile", "while", "main", "sin", "cos", "sqrt", "sqrtf", "asm",
+    "typeof", "INFINITY", "NAN", "bool", "NULL",
+];
+
+/// The names in use.
+pub(super) struct Names {
+    taken: HashSet<String, FxBuildHasher>,
+}
+
+impl Names {
+    pub(super) fn new() -> Names {
+        Names {
+            taken: RESERVED.iter().map(|&word| word.to_owned()).collect(),
+        }
+    }
+
+    /// A name like the wanted one that nothing bears yet.
+    pub(super) fn take(&mut self, wanted: &str) -> String {
+        let mut name: String = wanted
+            .chars()
+            .map(|character| match character {
+                'a'..='z' | 'A'..='Z' | '0'..='9' | '_' => character,
+                _ => '_',
+            })
+            .collect();
+        if !name.starts_with(|first: char| first.is_ascii_alphabetic()) {
+            name.insert(0, 'v');
+        }
+        while self.taken.contains(&name) {
+            name.push('_');
+        }
+        self.taken.insert(name.clone());
+        name
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_is_valid_and_new() {
+        let mut names = Names::new();
+        let taken = ["OM16.1", "OM16_1", "OM16_1", "int", "1a", "été", ""].map(|n| names.take(n));
+        assert_eq!(
+            taken,
+            ["OM16_1", "OM16_1_", "OM16_1__", "int_", "v1a", "v_t_", "v"]
+        );
+    }
+}
