@@ -1,0 +1,137 @@
+//! What the comments at the head and foot of a file say.
+
+use super::Language;
+
+/// How many lines a header has at most.
+const HEADER_LINES: usize = 120;
+
+/// The facts of a header.
+#[derive(Clone, Default, Debug)]
+pub(super) struct Header {
+    pub(super) model: Option<String>,
+    pub(super) generator: Option<String>,
+    /// `F1` and its like.
+    pub(super) function: Option<String>,
+    pub(super) joints: Option<u32>,
+    pub(super) flops: Option<String>,
+    pub(super) date: Option<String>,
+    pub(super) all_parameter_symbols: bool,
+}
+
+impl Header {
+    /// Reads the header of either generator.
+    pub(super) fn read(text: &str) -> Header {
+        let mut header = Header::default();
+        for line in text.lines().take(HEADER_LINES) {
+            let line = line
+                .trim_start_matches([' ', '\t', '%', '#', '/', '*'])
+                .trim();
+            if let Some(fact) = line.strip_prefix("==>") {
+                header.fact(fact.trim());
+            } else if let Some(rest) = line.strip_prefix("ROBOTRAN - Version ") {
+                header.generator = first_word(rest).map(|version| format!("ROBOTRAN {version}"));
+            } else if let Some(rest) = line.strip_prefix("MBsysTran - Release ") {
+                header.generator = first_word(rest).map(|version| format!("MBsysTran {version}"));
+            } else if let Some(rest) = line.strip_prefix("Project:") {
+                header.model.get_or_insert_with(|| rest.trim().to_owned());
+            } else if let Some(rest) = line.strip_prefix("Generation date:") {
+                header.date.get_or_insert_with(|| rest.trim().to_owned());
+            }
+        }
+        header
+    }
+
+    fn fact(&mut self, fact: &str) {
+        if fact.starts_with("All Parameter Symbols included") {
+            self.all_parameter_symbols = true;
+        }
+        let Some((key, value)) = fact.split_once(':') else {
+            return;
+        };
+        let value = value.trim();
+        match key.trim() {
+            "Project name" => self.model = Some(value.to_owned()),
+            "Generation Date" => self.date = Some(value.to_owned()),
+            "Number of joints" => self.joints = value.parse().ok(),
+            "Flops complexity" => self.flops = Some(value.to_owned()),
+            "Function" => {
+                let digits: String = value
+                    .trim_start_matches('F')
+                    .trim_start()
+                    .chars()
+                    .take_while(char::is_ascii_digit)
+                    .collect();
+                self.function = (!digits.is_empty()).then(|| format!("F{digits}"));
+            }
+            _ => {}
+        }
+    }
+
+    /// The metadata of a function of the file.
+    pub(super) fn metadata(&self, language: Language, kind: &str) -> Vec<(String, String)> {
+        let joints = self.joints.map(|joints| joints.to_string());
+        let all = self.all_parameter_symbols.then(|| "yes".to_owned());
+        let known = [
+            ("model", self.model.clone()),
+            ("generator", self.generator.clone()),
+            ("language", Some(language.name().to_owned())),
+            ("function", self.function.clone()),
+            ("kind", Some(kind.to_owned())),
+            ("joints", joints),
+            ("flops", self.flops.clone()),
+            ("date", self.date.clone()),
+            ("all_parameter_symbols", all),
+        ];
+        known
+            .into_iter()
+            .filter_map(|(key, value)| value.map(|value| (key.to_owned(), value)))
+            .collect()
+    }
+
+    /// The closing comment that a complete file of this generator has and
+    /// this one has not. Matlab and Python files have no other mark of their
+    /// end, and a cut one would silently lack equations.
+    pub(super) fn missing_end(&self, text: &str) -> Option<&'static str> {
+        if text.matches("===== BEGIN task").count() > text.matches("====== END Task").count() {
+            return Some("====== END Task 0 ======");
+        }
+        let newer = self
+            .generator
+            .as_deref()
+            .is_some_and(|name| name.starts_with("MBsysTran"));
+        (newer && !text.contains("Number of continuation lines"))
+            .then_some("Number of continuation lines = 0")
+    }
+}
+
+fn first_word(text: &str) -> Option<&str> {
+    text.split_whitespace().next()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_generators_are_understood() {
+        let old = Header::read(
+            "%\tROBOTRAN - Version 6.6 (build : x)\n%\t==> Project name : Car\n\
+             %\t==> All Parameter Symbols included\n%\t==> Number of joints : 44\n\
+             %\t==> Function : F 1 : Direct\n%\t==> Flops complexity : 6120\n",
+        );
+        assert_eq!(old.generator.as_deref(), Some("ROBOTRAN 6.6"));
+        assert_eq!(old.model.as_deref(), Some("Car"));
+        assert_eq!(old.joints, Some(44));
+        assert_eq!(old.function.as_deref(), Some("F1"));
+        assert_eq!(old.flops.as_deref(), Some("6120"));
+        assert!(old.all_parameter_symbols);
+        let new = Header::read(
+            "#\tMBsysTran - Release 8.1\n#\t==> Function: F19 - External Forces\n\
+             #\t==> Generation Date: Wed May  4 23:04:45 2022\n",
+        );
+        assert_eq!(new.generator.as_deref(), Some("MBsysTran 8.1"));
+        assert_eq!(new.function.as_deref(), Some("F19"));
+        assert_eq!(new.date.as_deref(), Some("Wed May  4 23:04:45 2022"));
+        assert!(new.missing_end("x = y").is_some());
+    }
+}

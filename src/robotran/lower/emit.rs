@@ -1,0 +1,559 @@
+//! One straight-line function, written equation by equation.
+//!
+//! Invariant: the nodes of an equation are appended in the order of the
+//! arena, so the node `first + k` of the arena is the value `base + k` of the
+//! function.
+
+use super::names::Names;
+use super::scan::{READ_BACK, REWRITTEN, Scan};
+use crate::robotran::explain::refusal;
+use crate::robotran::places::Places;
+use crate::robotran::storage::{Initial, Storage};
+use crate::robotran::syntax::{Kind, Leaf, LeafKind, Syntax};
+use crate::robotran::token::{Name as SyntaxName, Span};
+use hashbrown::HashSet;
+use robovec_ir::diagnostic::{Diagnostic, Label};
+use robovec_ir::{
+    Array, Assignment, Boundary, Function, Input, Name, Node, Operand, Operation, Output, Shape,
+    SourceSet, Symbol, Tables, Value,
+};
+use rustc_hash::FxBuildHasher;
+use std::ops::Range;
+
+/// A set of names.
+pub(super) type SymbolSet = HashSet<Symbol, FxBuildHasher>;
+
+/// The scalars that pass between the parts of a function with loops.
+#[derive(Default, Debug)]
+pub(super) struct Crossing {
+    pub(super) inputs: SymbolSet,
+    pub(super) outputs: SymbolSet,
+}
+
+/// What all functions of a file share.
+pub(super) struct Shared<'a, 't> {
+    pub(super) syntax: &'a Syntax,
+    pub(super) text: &'t str,
+    pub(super) tables: &'a mut Tables,
+    pub(super) places: &'a mut Places<'t>,
+    /// The definition of every scalar, by symbol; empty between functions.
+    pub(super) definitions: Vec<Operand>,
+}
+
+/// Writes one function.
+pub(super) struct Emitter<'e, 'a, 't> {
+    shared: &'e mut Shared<'a, 't>,
+    storage: &'e Storage,
+    scan: &'e Scan,
+    parameters: &'e [SyntaxName],
+    counters: &'e SymbolSet,
+    /// `None` for a whole function.
+    crossing: Option<&'e Crossing>,
+    function: Function,
+    names: Names,
+    /// The input and output array of every stored array.
+    inputs: Vec<Option<Array>>,
+    outputs: Vec<Option<Array>>,
+    /// The value of every element, [`Operand::NONE`] before it is written.
+    elements: Vec<Operand>,
+    /// The elements that became named values, in order of first writing.
+    named_elements: Vec<u32>,
+    defined: Vec<Symbol>,
+    passed_scalars: SymbolSet,
+    /// Scalars read without a definition, with the statement.
+    pub(super) missing: Vec<(Symbol, usize)>,
+    missing_known: SymbolSet,
+    pub(super) errors: Vec<Diagnostic>,
+    pub(super) warnings: Vec<Diagnostic>,
+    statement: usize,
+}
+
+/// The inputs in the order in which the field lists them.
+const INPUT_ORDER: [&str; 11] = [
+    "q", "qd", "qdd", "dpt", "l", "m", "In", "g", "frc", "trq", "lrod",
+];
+
+impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
+    pub(super) fn new(
+        function: Function,
+        shared: &'e mut Shared<'a, 't>,
+        storage: &'e Storage,
+        scan: &'e Scan,
+        (parameters, counters): (&'e [SyntaxName], &'e SymbolSet),
+        crossing: Option<&'e Crossing>,
+    ) -> Emitter<'e, 'a, 't> {
+        let arrays = storage.arrays.len();
+        let known = shared.tables.symbols.len();
+        let mut emitter = Emitter {
+            shared,
+            storage,
+            scan,
+            parameters,
+            counters,
+            crossing,
+            function,
+            names: Names::new(known),
+            inputs: vec![None; arrays],
+            outputs: vec![None; arrays],
+            elements: vec![Operand::NONE; storage.len],
+            named_elements: Vec::new(),
+            defined: Vec::new(),
+            passed_scalars: SymbolSet::default(),
+            missing: Vec::new(),
+            missing_known: SymbolSet::default(),
+            errors: Vec::new(),
+            warnings: Vec::new(),
+            statement: 0,
+        };
+        emitter.function.reserve(scan.nodes + scan.equations / 4);
+        emitter.declare_inputs();
+        emitter.declare_outputs();
+        emitter
+    }
+
+    fn declare_inputs(&mut self) {
+        let text = |array: u32| {
+            let name = self.storage.arrays[array as usize].name.symbol();
+            self.shared.tables.symbols.text(name)
+        };
+        let rank = |array: u32| {
+            let known = INPUT_ORDER.iter().position(|&known| known == text(array));
+            known.unwrap_or(INPUT_ORDER.len())
+        };
+        let mut read: Vec<u32> = (0..self.storage.arrays.len() as u32)
+            .filter(|&array| self.scan.read[array as usize])
+            .collect();
+        read.sort_by_key(|&array| rank(array));
+        for number in read {
+            let array = self.storage.arrays[number as usize];
+            // A Matlab file may read both `s.frc` and a parameter `frc`.
+            let same = self
+                .function
+                .inputs()
+                .iter()
+                .find(|input| input.name == array.name.symbol() && input.shape == array.shape);
+            self.inputs[number as usize] = Some(match same {
+                Some(&input) => input,
+                None => self.function.add_input(array.name.symbol(), array.shape),
+            });
+        }
+    }
+
+    /// Outputs in the order of the signature, then of first appearance.
+    fn declare_outputs(&mut self) {
+        let rank = |array: &u32| {
+            let name = self.storage.arrays[*array as usize].name;
+            let place = self
+                .parameters
+                .iter()
+                .position(|&parameter| parameter == name);
+            place.unwrap_or(self.parameters.len())
+        };
+        let mut written: Vec<u32> = (0..self.storage.arrays.len() as u32)
+            .filter(|&array| {
+                let number = array as usize;
+                let visible = !self.storage.arrays[number].local
+                    || self.scan.passed[number]
+                    || self.crossing.is_some();
+                self.scan.written[number] && visible
+            })
+            .collect();
+        written.sort_by_key(rank);
+        for number in written {
+            let array = self.storage.arrays[number as usize];
+            let output = self.function.add_output(array.name.symbol(), array.shape);
+            self.outputs[number as usize] = Some(output);
+        }
+    }
+
+    /// Lowers the statements.
+    pub(super) fn run(&mut self, runs: &[Range<usize>]) {
+        for index in runs.iter().cloned().flatten() {
+            self.statement = index;
+            let statement = self.shared.syntax.statements[index];
+            match statement.kind {
+                Kind::Equation {
+                    target,
+                    root,
+                    first,
+                    end,
+                } => self.equation(target, root, first..end, statement.span),
+                Kind::Call(call) => self.call(call, statement.span),
+                _ => {}
+            }
+            if self.errors.len() >= crate::robotran::ERROR_LIMIT {
+                break;
+            }
+        }
+    }
+
+    fn sources(&mut self, span: Span) -> SourceSet {
+        let place = self.shared.places.place(span);
+        self.shared.tables.sources.single(place)
+    }
+
+    fn equation(&mut self, target: Leaf, root: Leaf, run: Range<u32>, span: Span) {
+        if let LeafKind::Scalar(name) = target.kind()
+            && (self.counters.contains(&name.symbol()) || self.is_flag(name))
+        {
+            return;
+        }
+        let sources = self.sources(span);
+        let base = self.function.nodes().len() as u32;
+        let syntax = self.shared.syntax;
+        for node in &syntax.nodes[run.start as usize..run.end as usize] {
+            let left = self.operand(node.operands[0], base, run.start);
+            let right = match node.operation.arity() {
+                2 => self.operand(node.operands[1], base, run.start),
+                _ => Operand::NONE,
+            };
+            self.function.push(Node {
+                name: Name::NONE,
+                sources,
+                operands: [left, right],
+                operation: node.operation,
+            });
+        }
+        let operand = self.operand(root, base, run.start);
+        let fresh = matches!(root.kind(), LeafKind::Node(_));
+        match target.kind() {
+            LeafKind::Scalar(name) => self.define(name, operand, fresh, sources),
+            LeafKind::Element(element) => {
+                let slot = syntax.elements[element as usize].row;
+                self.write(slot, operand, fresh, sources);
+            }
+            LeafKind::Node(_) | LeafKind::Number(_) => {}
+        }
+    }
+
+    /// `s->flag_stop = 1;` of a guard file.
+    fn is_flag(&self, name: SyntaxName) -> bool {
+        name.is_of_data() && self.shared.tables.symbols.text(name.symbol()) == "flag_stop"
+    }
+
+    fn operand(&mut self, leaf: Leaf, base: u32, first: u32) -> Operand {
+        match leaf.kind() {
+            LeafKind::Node(index) => Operand::from(Value(base + (index - first))),
+            LeafKind::Number(index) => {
+                let number = self.shared.syntax.numbers[index as usize];
+                Operand::from(self.function.constant(number))
+            }
+            LeafKind::Scalar(name) => self.scalar(name),
+            LeafKind::Element(element) => {
+                let element = self.shared.syntax.elements[element as usize];
+                self.element(element.row, element.column)
+            }
+        }
+    }
+
+    fn element(&mut self, slot: u32, array: u32) -> Operand {
+        let value = self.elements[slot as usize];
+        if !value.is_none() {
+            return value;
+        }
+        let stored = self.storage.arrays[array as usize];
+        match stored.initial {
+            Initial::Input(home) => match self.inputs[home as usize] {
+                Some(input) => Operand::from(Input(input.offset + (slot - stored.offset))),
+                None => Operand::from(self.function.constant(0.0)),
+            },
+            // Reading nothing is an error that the scan has reported.
+            Initial::Zero | Initial::Nothing => Operand::from(self.function.constant(0.0)),
+        }
+    }
+
+    fn scalar(&mut self, name: SyntaxName) -> Operand {
+        let symbol = name.symbol();
+        let known = self.shared.definitions[symbol.index()];
+        if !known.is_none() {
+            return known;
+        }
+        let given = name.is_of_data()
+            || (self.parameters.contains(&name) && self.storage.find(name).is_none())
+            || self
+                .crossing
+                .is_some_and(|crossing| crossing.inputs.contains(&symbol));
+        if given {
+            return self.scalar_input(symbol);
+        }
+        if self.missing_known.insert(symbol) {
+            self.missing.push((symbol, self.statement));
+        }
+        Operand::from(self.function.constant(0.0))
+    }
+
+    fn scalar_input(&mut self, symbol: Symbol) -> Operand {
+        let array = self.function.add_input(symbol, Shape::Scalar);
+        let operand = Operand::from(Input(array.offset));
+        self.set_definition(symbol, operand);
+        operand
+    }
+
+    fn set_definition(&mut self, symbol: Symbol, operand: Operand) {
+        if symbol.index() >= self.shared.definitions.len() {
+            let length = symbol.index() + 1;
+            self.shared.definitions.resize(length, Operand::NONE);
+        }
+        self.shared.definitions[symbol.index()] = operand;
+        self.defined.push(symbol);
+    }
+
+    fn define(&mut self, name: SyntaxName, operand: Operand, fresh: bool, sources: SourceSet) {
+        let symbol = name.symbol();
+        if self.storage.find(name).is_some() {
+            self.errors.push(refusal(
+                "an array is assigned to without an index",
+                self.shared.syntax.statements[self.statement].span,
+                "which element is meant?",
+                "write the index, or give the temporary another name",
+            ));
+            return;
+        }
+        if self.names.is_defined(symbol) && self.crossing.is_none() {
+            self.defined_twice(symbol);
+            return;
+        }
+        let name = self.names.scalar(symbol);
+        let value = self.named(name, operand, fresh, sources);
+        self.set_definition(symbol, value);
+    }
+
+    /// Names a value: a fresh node takes the name itself, anything else is
+    /// copied.
+    fn named(&mut self, name: Name, operand: Operand, fresh: bool, sources: SourceSet) -> Operand {
+        if fresh && let Some(value) = operand.value() {
+            self.function.node_mut(value).name = name;
+            return operand;
+        }
+        Operand::from(self.function.push(Node {
+            name,
+            sources,
+            operands: [operand, Operand::NONE],
+            operation: Operation::Copy,
+        }))
+    }
+
+    fn defined_twice(&mut self, symbol: Symbol) {
+        let text = self.shared.tables.symbols.text(symbol).to_owned();
+        let again = self.shared.syntax.statements[self.statement].span;
+        let first = self.first_definition(symbol).unwrap_or(again);
+        self.errors.push(
+            Diagnostic::error()
+                .with_message(format!("`{text}` is defined twice"))
+                .with_labels(vec![
+                    Label::primary(0, again.range()).with_message("defined again here"),
+                    Label::secondary(0, first.range()).with_message("first defined here"),
+                ])
+                .with_note("every temporary has one equation; rename or delete one of the two"),
+        );
+    }
+
+    fn first_definition(&self, symbol: Symbol) -> Option<Span> {
+        let mut statements = self.shared.syntax.statements[..self.statement].iter();
+        let found = statements.rfind(|statement| match statement.kind {
+            Kind::Equation { target, .. } => {
+                matches!(target.kind(), LeafKind::Scalar(name) if name.symbol() == symbol)
+            }
+            _ => false,
+        });
+        found.map(|statement| statement.span)
+    }
+
+    fn write(&mut self, slot: u32, operand: Operand, fresh: bool, sources: SourceSet) {
+        let flags = self.scan.flags[slot as usize];
+        let (array, indices, rank) = self.storage.element(slot);
+        let number = self.storage.find(array.name).unwrap_or(0) as usize;
+        let output = self.outputs[number];
+        if flags & (REWRITTEN | READ_BACK) == 0
+            && let Some(output) = output
+        {
+            self.function.assignments.push(Assignment {
+                output: Output(output.offset + (slot - array.offset)),
+                operand,
+                sources,
+            });
+            return;
+        }
+        let symbols = &mut self.shared.tables.symbols;
+        let name = self
+            .names
+            .element(symbols, array.name.symbol(), &indices[..rank]);
+        let value = self.named(name, operand, fresh, sources);
+        if self.elements[slot as usize].is_none() {
+            self.named_elements.push(slot);
+        }
+        self.elements[slot as usize] = value;
+    }
+
+    fn call(&mut self, call: u32, span: Span) {
+        let syntax = self.shared.syntax;
+        let call = syntax.calls[call as usize];
+        let callee = self
+            .shared
+            .tables
+            .symbols
+            .text(call.callee.symbol())
+            .to_owned();
+        if !callee.starts_with("user_") && !callee.starts_with("usrfun.") {
+            self.unknown_call(&callee, call.target.is_some(), span);
+            return;
+        }
+        let sources = self.sources(span);
+        let (first, last) = call.arguments;
+        let mut arguments = Vec::new();
+        for argument in &syntax.arguments[first as usize..last as usize] {
+            let text = &self.shared.text[argument.span.range()];
+            arguments.push(text.split_whitespace().collect::<Vec<_>>().join(" "));
+            if argument.leaf != Leaf::NONE {
+                self.argument(argument.leaf, argument.span);
+            }
+        }
+        let result = call.target.map(|target| self.result(target, sources));
+        self.function.boundaries.push(Boundary {
+            callee,
+            arguments,
+            result,
+            sources,
+        });
+    }
+
+    fn argument(&mut self, leaf: Leaf, span: Span) {
+        match leaf.kind() {
+            LeafKind::Scalar(name) => {
+                let value = self.shared.definitions[name.symbol().index()];
+                if self.storage.find(name).is_none()
+                    && let Some(node) = value.value()
+                    && self.passed_scalars.insert(name.symbol())
+                {
+                    let sources = self.function.node(node).sources;
+                    self.scalar_output(name.symbol(), value, sources);
+                }
+            }
+            LeafKind::Node(_) => self.errors.push(refusal(
+                "a user function is called with an expression",
+                span,
+                "has no name under which it could be handed over",
+                "assign it to a name first and pass that",
+            )),
+            LeafKind::Element(_) | LeafKind::Number(_) => {}
+        }
+    }
+
+    fn scalar_output(&mut self, symbol: Symbol, operand: Operand, sources: SourceSet) {
+        let array = self.function.add_output(symbol, Shape::Scalar);
+        self.function.assignments.push(Assignment {
+            output: Output(array.offset),
+            operand,
+            sources,
+        });
+    }
+
+    /// The input that holds the result of a call.
+    fn result(&mut self, target: Leaf, sources: SourceSet) -> String {
+        match target.kind() {
+            LeafKind::Element(element) => {
+                let slot = self.shared.syntax.elements[element as usize].row;
+                let (array, indices, rank) = self.storage.element(slot);
+                let symbols = &mut self.shared.tables.symbols;
+                let name = self
+                    .names
+                    .element(symbols, array.name.symbol(), &indices[..rank]);
+                let operand = self.scalar_input(name.base);
+                self.write(slot, operand, false, sources);
+                self.shared.tables.symbols.text(name.base).to_owned()
+            }
+            LeafKind::Scalar(name) => {
+                let symbol = name.symbol();
+                if self.storage.find(name).is_none() {
+                    if self.names.is_defined(symbol) && self.crossing.is_none() {
+                        self.defined_twice(symbol);
+                    } else {
+                        let _ = self.names.scalar(symbol);
+                        self.scalar_input(symbol);
+                    }
+                }
+                self.shared.tables.symbols.text(symbol).to_owned()
+            }
+            LeafKind::Node(_) | LeafKind::Number(_) => String::new(),
+        }
+    }
+
+    fn unknown_call(&mut self, callee: &str, has_target: bool, span: Span) {
+        let message = matches!(
+            callee,
+            "mbs_msg"
+                | "mbs_warning_msg"
+                | "mbs_error_msg"
+                | "printf"
+                | "fprintf"
+                | "print"
+                | "disp"
+                | "warning"
+                | "error"
+        );
+        if has_target {
+            self.errors.push(refusal(
+                &format!("`{callee}` is not a function that can be compiled"),
+                span,
+                "called here",
+                "known are sin, cos and sqrt, and user functions whose names start with `user_` or `usrfun.`",
+            ));
+        } else if !message {
+            self.warnings.push(
+                Diagnostic::warning()
+                    .with_message(format!("the call of `{callee}` is left out"))
+                    .with_labels(vec![Label::primary(0, span.range())])
+                    .with_note("it has no result that an equation could read"),
+            );
+        }
+    }
+
+    /// Finishes the function: the last value of every element that became a
+    /// named value, and the scalars other parts read.
+    pub(super) fn finish(mut self) -> Finished {
+        for slot in std::mem::take(&mut self.named_elements) {
+            let (array, _, _) = self.storage.element(slot);
+            let number = self.storage.find(array.name).unwrap_or(0) as usize;
+            let operand = self.elements[slot as usize];
+            if let (Some(output), Some(node)) = (self.outputs[number], operand.value()) {
+                let sources = self.function.node(node).sources;
+                self.function.assignments.push(Assignment {
+                    output: Output(output.offset + (slot - array.offset)),
+                    operand,
+                    sources,
+                });
+            }
+        }
+        if let Some(crossing) = self.crossing {
+            let mut seen = SymbolSet::default();
+            for symbol in self.defined.clone() {
+                let operand = self.shared.definitions[symbol.index()];
+                if crossing.outputs.contains(&symbol)
+                    && seen.insert(symbol)
+                    && let Some(node) = operand.value()
+                {
+                    let sources = self.function.node(node).sources;
+                    self.scalar_output(symbol, operand, sources);
+                }
+            }
+        }
+        self.function.sort_assignments();
+        for symbol in self.defined {
+            self.shared.definitions[symbol.index()] = Operand::NONE;
+        }
+        Finished {
+            function: self.function,
+            missing: self.missing,
+            errors: self.errors,
+            warnings: self.warnings,
+        }
+    }
+}
+
+/// A function that was written, and what was found wrong with it.
+pub(super) struct Finished {
+    pub(super) function: Function,
+    pub(super) missing: Vec<(Symbol, usize)>,
+    pub(super) errors: Vec<Diagnostic>,
+    pub(super) warnings: Vec<Diagnostic>,
+}

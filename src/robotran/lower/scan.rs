@@ -1,0 +1,192 @@
+//! What a function does with its arrays, found before it is lowered.
+//!
+//! Lowering must know beforehand which arrays become inputs and outputs, and
+//! which elements are read back or written again: only an element written
+//! once and never read back is a plain output, any other becomes a named
+//! value.
+
+use crate::robotran::explain::refusal;
+use crate::robotran::storage::{Initial, Storage};
+use crate::robotran::syntax::{Kind, Leaf, LeafKind, Syntax};
+use crate::robotran::token::Span;
+use robovec_ir::diagnostic::Diagnostic;
+use std::ops::Range;
+
+/// The element is written.
+pub(super) const WRITTEN: u8 = 1;
+/// It is written more than once.
+pub(super) const REWRITTEN: u8 = 2;
+/// It is read after it was written.
+pub(super) const READ_BACK: u8 = 4;
+
+/// The use of every element and array.
+#[derive(Debug)]
+pub(super) struct Scan {
+    /// Per element: [`WRITTEN`] and its like.
+    pub(super) flags: Vec<u8>,
+    /// Per array: its first values are read.
+    pub(super) read: Vec<bool>,
+    /// Per array: an element is written.
+    pub(super) written: Vec<bool>,
+    /// Per array: it is an argument of a user function.
+    pub(super) passed: Vec<bool>,
+    /// How many equations there are.
+    pub(super) equations: usize,
+    /// How many nodes they have.
+    pub(super) nodes: usize,
+    pub(super) errors: Vec<Diagnostic>,
+}
+
+struct Scanner<'a> {
+    syntax: &'a Syntax,
+    storage: &'a Storage,
+    scan: Scan,
+    /// Per array: the result of a call that is still to come.
+    awaited: Vec<bool>,
+}
+
+/// Scans the statements of a function. In a `part` of a function the calls
+/// may stand in another part.
+pub(super) fn scan(syntax: &Syntax, storage: &Storage, runs: &[Range<usize>], part: bool) -> Scan {
+    let arrays = storage.arrays.len();
+    let mut scanner = Scanner {
+        syntax,
+        storage,
+        scan: Scan {
+            flags: vec![0; storage.len],
+            read: vec![false; arrays],
+            written: vec![false; arrays],
+            passed: vec![false; arrays],
+            equations: 0,
+            nodes: 0,
+            errors: Vec::new(),
+        },
+        awaited: vec![false; arrays],
+    };
+    if !part {
+        scanner.await_results(runs);
+    }
+    for index in runs.iter().cloned().flatten() {
+        let statement = syntax.statements[index];
+        match statement.kind {
+            Kind::Equation {
+                target,
+                root,
+                first,
+                end,
+            } => {
+                scanner.scan.equations += 1;
+                scanner.scan.nodes += (end - first) as usize;
+                for node in &syntax.nodes[first as usize..end as usize] {
+                    for &leaf in node.operands() {
+                        scanner.read(leaf, statement.span);
+                    }
+                }
+                scanner.read(root, statement.span);
+                scanner.write(target, statement.span);
+            }
+            Kind::Call(call) => scanner.call(call, statement.span),
+            _ => {}
+        }
+    }
+    scanner.scan
+}
+
+impl Scanner<'_> {
+    fn await_results(&mut self, runs: &[Range<usize>]) {
+        for index in runs.iter().cloned().flatten() {
+            if let Kind::Call(call) = self.syntax.statements[index].kind
+                && let Some(LeafKind::Scalar(name)) =
+                    self.syntax.calls[call as usize].target.map(Leaf::kind)
+                && let Some(array) = self.storage.find(name)
+            {
+                self.awaited[array as usize] = true;
+            }
+        }
+    }
+
+    fn read(&mut self, leaf: Leaf, span: Span) {
+        let LeafKind::Element(element) = leaf.kind() else {
+            return;
+        };
+        let element = self.syntax.elements[element as usize];
+        let flags = &mut self.scan.flags[element.row as usize];
+        if *flags & WRITTEN != 0 {
+            *flags |= READ_BACK;
+            return;
+        }
+        let array = element.column as usize;
+        if self.awaited[array] {
+            self.awaited[array] = false;
+            self.scan.errors.push(refusal(
+                "the result of a user function is read before the call",
+                span,
+                "read here",
+                "move the call before this equation",
+            ));
+        }
+        match self.storage.arrays[array].initial {
+            Initial::Input(home) => self.scan.read[home as usize] = true,
+            Initial::Zero => {}
+            Initial::Nothing => self.scan.errors.push(refusal(
+                "an element of a local array is read before it is written",
+                span,
+                "read here",
+                "its value would be whatever the memory holds; write it first",
+            )),
+        }
+    }
+
+    fn write(&mut self, target: Leaf, span: Span) {
+        let LeafKind::Element(element) = target.kind() else {
+            return;
+        };
+        let element = self.syntax.elements[element as usize];
+        let flags = &mut self.scan.flags[element.row as usize];
+        *flags |= if *flags & WRITTEN == 0 {
+            WRITTEN
+        } else {
+            REWRITTEN
+        };
+        let array = element.column as usize;
+        self.scan.written[array] = true;
+        if self.scan.passed[array] {
+            self.scan.errors.push(refusal(
+                "an argument of a user function changes after the call",
+                span,
+                "written here",
+                "the call would see the new value; write it before the call",
+            ));
+        }
+    }
+
+    fn call(&mut self, call: u32, span: Span) {
+        let call = self.syntax.calls[call as usize];
+        let (first, last) = call.arguments;
+        for argument in &self.syntax.arguments[first as usize..last as usize] {
+            if argument.leaf == Leaf::NONE {
+                continue;
+            }
+            match argument.leaf.kind() {
+                LeafKind::Scalar(name) => {
+                    if let Some(array) = self.storage.find(name) {
+                        self.scan.passed[array as usize] = true;
+                    }
+                }
+                LeafKind::Element(_) => self.read(argument.leaf, span),
+                LeafKind::Node(_) | LeafKind::Number(_) => {}
+            }
+        }
+        match call.target.map(Leaf::kind) {
+            Some(LeafKind::Scalar(name)) => {
+                if let Some(array) = self.storage.find(name) {
+                    self.awaited[array as usize] = false;
+                }
+            }
+            Some(LeafKind::Element(_)) => {
+                self.write(call.target.unwrap_or(Leaf::NONE), span);
+            }
+            Some(LeafKind::Node(_) | LeafKind::Number(_)) | None => {}
+        }
+    }
+}

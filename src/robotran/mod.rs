@@ -1,0 +1,273 @@
+//! The reader of Robotran's files: C, Matlab and Python, generators 6.6
+//! and 8.1, every kind of file.
+//!
+//! A file passes through [`decode`] (bytes to text), a lexer of its language
+//! ([`raw`], [`tokens`]), one grammar for all three (`grammar.lalrpop`) that
+//! writes into an arena ([`syntax`]), [`structure`] (functions, sensor cases,
+//! loops), [`storage`] (arrays and their extents) and [`lower`]. The result is
+//! a module at the equations level whose evaluation in 64-bit floats equals
+//! the compiled C file bit for bit.
+
+mod decode;
+mod explain;
+mod header;
+mod lower;
+mod places;
+mod raw;
+mod storage;
+mod structure;
+mod syntax;
+mod token;
+mod tokens;
+
+lalrpop_util::lalrpop_mod!(
+    #[allow(clippy::all, clippy::pedantic, unused, missing_docs, unreachable_pub)]
+    grammar,
+    "/robotran/grammar.rs"
+);
+
+use self::explain::{explain, refusal};
+use self::header::Header;
+use self::lower::Lowering;
+use self::places::Places;
+use self::raw::{C, Matlab, Python, Surface};
+use self::syntax::{Builder, CAPACITY, Syntax};
+use self::token::Span;
+use self::tokens::{TokenSource, Tokens};
+use robovec_ir::diagnostic::{Diagnostic, Report};
+use robovec_ir::{Module, Symbols};
+use std::fmt;
+
+/// No more errors than this are reported for one file.
+const ERROR_LIMIT: usize = 20;
+
+/// A language Robotran writes.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Language {
+    /// C, for MBsysC.
+    C,
+    /// Matlab, for MBsysLab.
+    Matlab,
+    /// Python, for MBsysPy.
+    Python,
+}
+
+impl Language {
+    /// All languages.
+    pub const ALL: [Language; 3] = [Language::C, Language::Matlab, Language::Python];
+
+    /// The language's name, in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Language::C => "c",
+            Language::Matlab => "matlab",
+            Language::Python => "python",
+        }
+    }
+
+    /// The language of a name in lower case.
+    pub fn from_name(name: &str) -> Option<Language> {
+        Language::ALL
+            .into_iter()
+            .find(|language| language.name() == name)
+    }
+
+    /// The language of a file name's extension, without the dot.
+    pub fn from_extension(extension: &str) -> Option<Language> {
+        match extension {
+            "c" | "h" | "cc" | "cpp" => Some(Language::C),
+            "m" => Some(Language::Matlab),
+            "py" => Some(Language::Python),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Language {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+/// A file that was read.
+#[derive(Debug)]
+pub struct Read {
+    /// One function for each function of the file, for each case of a sensor
+    /// file (`sensor_3`), or for each part of a function with loops.
+    pub module: Module,
+    /// What the user should know, with the text it is about; without the text
+    /// when there is nothing to say.
+    pub warnings: Report,
+}
+
+/// A file that could not be read: the reasons, and the text they point into.
+#[derive(Debug)]
+pub struct ReadError {
+    /// One to twenty errors, perhaps with warnings.
+    pub report: Report,
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = self.report.files().first().map_or("", |file| file.name());
+        let count = self.report.error_count();
+        let plural = if count == 1 { "" } else { "s" };
+        write!(formatter, "{name}: {count} error{plural}")
+    }
+}
+
+impl std::error::Error for ReadError {}
+
+/// Reads a file of Robotran's. The name serves messages, the source places of
+/// the module, and, where the text leaves it open, to tell the language and
+/// the kind of file; `language` overrules what is found.
+///
+/// # Errors
+///
+/// Everything that keeps the file from being compiled as it was meant, each
+/// with its place: syntax, names that are undefined or defined twice, cycles,
+/// outputs that are never written, an incomplete file, a file that is not
+/// text.
+pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read, ReadError> {
+    let fail = |text: &str, errors: Vec<Diagnostic>| ReadError {
+        report: Report::of(name, text, errors),
+    };
+    let text = decode::decode(bytes).map_err(|error| fail("", vec![error]))?;
+    let Some(language) = language.or_else(|| decode::detect(name, &text)) else {
+        let error = Diagnostic::error()
+            .with_message("the language of the file is not apparent")
+            .with_note("name the file .c, .m or .py, or force the language");
+        return Err(fail(&text, vec![error]));
+    };
+    let mut module = Module::new();
+    let syntax =
+        parse(&text, language, &mut module.tables.symbols).map_err(|errors| fail(&text, errors))?;
+    let (module, errors, warnings) = build(name, &text, language, module, syntax);
+    if errors.is_empty() {
+        let shown = if warnings.is_empty() { "" } else { &text };
+        return Ok(Read {
+            module,
+            warnings: Report::of(name, shown, warnings),
+        });
+    }
+    let mut errors = errors;
+    errors.truncate(ERROR_LIMIT);
+    errors.extend(warnings);
+    Err(fail(&text, errors))
+}
+
+fn parse(text: &str, language: Language, symbols: &mut Symbols) -> Result<Syntax, Vec<Diagnostic>> {
+    let mut builder = Builder::default();
+    builder.extents_from_zero = language != Language::Matlab;
+    let errors = match language {
+        Language::C => parse_tokens(
+            text,
+            Tokens::<C>::new(text, language, symbols),
+            &mut builder,
+        ),
+        Language::Matlab => parse_tokens(
+            text,
+            Tokens::<Matlab>::new(text, language, symbols),
+            &mut builder,
+        ),
+        Language::Python => parse_tokens(
+            text,
+            Tokens::<Python>::new(text, language, symbols),
+            &mut builder,
+        ),
+    };
+    let syntax = builder.syntax;
+    if syntax
+        .nodes
+        .len()
+        .max(syntax.elements.len())
+        .max(symbols.len())
+        >= CAPACITY
+    {
+        return Err(vec![
+            Diagnostic::error().with_message("the file has more than 2^29 operations or names"),
+        ]);
+    }
+    if errors.is_empty() {
+        Ok(syntax)
+    } else {
+        Err(errors)
+    }
+}
+
+/// Parses all statements; behind one that cannot be read it starts anew.
+fn parse_tokens<'s, L: Surface<'s>>(
+    text: &str,
+    mut tokens: Tokens<'s, '_, L>,
+    builder: &mut Builder,
+) -> Vec<Diagnostic> {
+    let parser = grammar::FileParser::new();
+    let mut errors = Vec::new();
+    while let Err(error) = parser.parse(builder, &mut tokens) {
+        let [last, before] = tokens.recent();
+        let previous = match error {
+            lalrpop_util::ParseError::UnrecognizedEof { .. } => last,
+            _ => before,
+        };
+        let at_end = matches!(error, lalrpop_util::ParseError::UnrecognizedEof { .. });
+        errors.push(explain(error, previous, text));
+        builder.abandon_statement();
+        if at_end || errors.len() >= ERROR_LIMIT {
+            break;
+        }
+        tokens.skip_statement();
+    }
+    errors
+}
+
+fn build(
+    name: &str,
+    text: &str,
+    language: Language,
+    mut module: Module,
+    syntax: Syntax,
+) -> (Module, Vec<Diagnostic>, Vec<Diagnostic>) {
+    let file = module.tables.sources.add_file(name);
+    let mut places = Places::new(text, file);
+    let blocks = match structure::functions(&syntax, language, &mut places, text) {
+        Ok(blocks) => blocks,
+        Err(errors) => return (module, errors, Vec::new()),
+    };
+    let header = Header::read(text);
+    let mut errors = Vec::new();
+    if blocks.is_empty() {
+        errors.push(
+            Diagnostic::error()
+                .with_message("there is no function and no equation in the file")
+                .with_note(format!(
+                    "it was read as {language}; is it one of Robotran's files?"
+                )),
+        );
+    }
+    let has_equations = !syntax.nodes.is_empty();
+    if let Some(mark) = header.missing_end(text)
+        && has_equations
+        && language != Language::C
+    {
+        let end = text.trim_end().len();
+        errors.push(refusal(
+            "the file is cut short",
+            Span::new(end, end),
+            "its closing comment is missing",
+            &format!("generate or copy it again; if it is complete, add the comment `{mark}`"),
+        ));
+    }
+    let mut lowering = Lowering {
+        syntax,
+        text,
+        file_name: name,
+        language,
+        header,
+        places,
+        module,
+        errors,
+        warnings: Vec::new(),
+    };
+    lowering.run(&blocks);
+    (lowering.module, lowering.errors, lowering.warnings)
+}

@@ -1,0 +1,71 @@
+//! Lines and columns of a text.
+
+use super::token::Span;
+use robovec_ir::Place;
+
+/// Finds lines and columns; quick when asked in order.
+#[derive(Debug)]
+pub(super) struct Places<'t> {
+    text: &'t str,
+    starts: Vec<u32>,
+    /// The line found last, from 0.
+    line: usize,
+    ascii: bool,
+    file: u32,
+}
+
+impl<'t> Places<'t> {
+    pub(super) fn new(text: &'t str, file: u32) -> Places<'t> {
+        let after_breaks = text
+            .bytes()
+            .enumerate()
+            .filter(|&(_, byte)| byte == b'\n')
+            .map(|(at, _)| at as u32 + 1);
+        Places {
+            text,
+            starts: std::iter::once(0).chain(after_breaks).collect(),
+            line: 0,
+            ascii: text.is_ascii(),
+            file,
+        }
+    }
+
+    fn seek(&mut self, byte: u32) {
+        if byte < self.starts[self.line] {
+            self.line = self.starts.partition_point(|&start| start <= byte) - 1;
+        }
+        while self
+            .starts
+            .get(self.line + 1)
+            .is_some_and(|&start| start <= byte)
+        {
+            self.line += 1;
+        }
+    }
+
+    /// Line and column of a byte, both from 1.
+    pub(super) fn location(&mut self, byte: u32) -> (u32, u32) {
+        self.seek(byte);
+        let start = self.starts[self.line];
+        let column = if self.ascii {
+            byte - start
+        } else {
+            let before = self.text.get(start as usize..byte as usize);
+            before.map_or(0, |text| text.chars().count() as u32)
+        };
+        (self.line as u32 + 1, column + 1)
+    }
+
+    /// The place of a span that is not empty.
+    pub(super) fn place(&mut self, span: Span) -> Place {
+        let (line, column) = self.location(span.start);
+        let (end_line, after) = self.location(span.end.max(span.start + 1));
+        Place {
+            file: self.file,
+            line,
+            column,
+            end_line,
+            end_column: after.saturating_sub(1).max(1),
+        }
+    }
+}

@@ -1,0 +1,424 @@
+//! The arrays of a function: their extents, and one number for every element.
+//!
+//! In C and Python `s->frc`, the parameter `frc` and a local alias are the
+//! same memory, so one array stands for all of them. In Matlab `frc = s.frc`
+//! is a copy: `s.frc` is an array of its own that keeps its first values.
+
+use super::Language;
+use super::explain::refusal;
+use super::syntax::{Head, Kind, LeafKind, Syntax};
+use super::token::{Name, Span};
+use hashbrown::HashMap;
+use robovec_ir::diagnostic::Diagnostic;
+use robovec_ir::{Shape, Symbol, Symbols};
+use rustc_hash::FxBuildHasher;
+use std::ops::Range;
+
+/// More elements than this are taken for a slip in an index.
+const LARGEST_STORAGE: u64 = 4_000_000;
+
+/// What an element holds before the function writes it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Initial {
+    /// What the caller put there: the input array of this number.
+    Input(u32),
+    /// Zero: `M = zeros(6,6)`.
+    Zero,
+    /// Nothing: a local array of C.
+    Nothing,
+}
+
+/// An array.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StoredArray {
+    pub(super) name: Name,
+    pub(super) shape: Shape,
+    /// The number of its first element.
+    pub(super) offset: u32,
+    pub(super) initial: Initial,
+    /// True when only the function itself sees it.
+    pub(super) local: bool,
+}
+
+/// The arrays of a function, in order of first appearance.
+#[derive(Clone, Default, Debug)]
+pub(super) struct Storage {
+    pub(super) arrays: Vec<StoredArray>,
+    /// How many elements they have together.
+    pub(super) len: usize,
+    names: Vec<Name>,
+    numbers: HashMap<Name, u32, FxBuildHasher>,
+    /// Other names of an array (`Qq = phi`).
+    aliases: HashMap<Name, Name, FxBuildHasher>,
+    /// Matlab's `frc = s.frc`: the copy and the original.
+    copies: Vec<(Name, Name)>,
+    joined: bool,
+}
+
+impl Storage {
+    /// The name under which an array is stored.
+    pub(super) fn canonical(&self, name: Name) -> Name {
+        let name = if self.joined {
+            Name::local(name.symbol())
+        } else {
+            name
+        };
+        self.aliases.get(&name).copied().unwrap_or(name)
+    }
+
+    /// The number of an array.
+    pub(super) fn find(&self, name: Name) -> Option<u32> {
+        self.numbers.get(&self.canonical(name)).copied()
+    }
+
+    /// The array and the indices of an element.
+    pub(super) fn element(&self, slot: u32) -> (&StoredArray, [u32; 2], usize) {
+        let after = self.arrays.partition_point(|array| array.offset <= slot);
+        let array = &self.arrays[after - 1];
+        let (indices, rank) = array.shape.indices(slot - array.offset);
+        (array, indices, rank)
+    }
+}
+
+/// The extents that follow from the number of joints, 0 where they do not.
+fn known_extent(name: &str, joints: u32) -> Option<(u32, u32)> {
+    Some(match name {
+        "q" | "qd" | "qdd" | "Qq" | "Qa" | "c" | "m" => (joints, 0),
+        "l" | "frc" | "trq" => (3, joints),
+        "In" => (9, joints),
+        "M" => (joints, joints),
+        "Jac" => (0, joints),
+        "dpt" => (3, 0),
+        "g" | "sens.P" | "sens.V" | "sens.OM" | "sens.A" | "sens.OMP" => (3, 0),
+        "sens.R" => (3, 3),
+        "sens.J" => (6, joints),
+        _ => return None,
+    })
+}
+
+/// Names that are arrays even where no element of them is used.
+fn is_array_name(name: &str) -> bool {
+    known_extent(name, 0).is_some()
+        || matches!(name, "h" | "Jdqd" | "lrod" | "Z" | "Zd" | "Flink" | "Flnk")
+}
+
+/// Builds the storage of a function and replaces, in its elements, the column
+/// by the array's number and the row by the number of the element.
+pub(super) struct StorageBuilder<'a> {
+    pub(super) syntax: &'a mut Syntax,
+    pub(super) symbols: &'a Symbols,
+    pub(super) language: Language,
+    pub(super) head: Option<&'a Head>,
+    pub(super) statements: Range<usize>,
+    pub(super) elements: Range<usize>,
+    pub(super) joints: u32,
+    pub(super) errors: Vec<Diagnostic>,
+    pub(super) warnings: Vec<Diagnostic>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Use {
+    rank: u32,
+    rows: u32,
+    columns: u32,
+}
+
+impl StorageBuilder<'_> {
+    /// The storage; errors and warnings are left in the builder.
+    pub(super) fn build(&mut self) -> Storage {
+        let mut storage = Storage {
+            joined: self.language != Language::Matlab,
+            ..Storage::default()
+        };
+        self.find_aliases(&mut storage);
+        let uses = self.collect_uses(&mut storage);
+        self.lay_out(&mut storage, &uses);
+        self.replace_elements(&mut storage);
+        self.find_initials(&mut storage);
+        storage
+    }
+
+    /// Whole-array assignments of the prologue: `q = s->q;`, `Qq = phi`.
+    fn find_aliases(&mut self, storage: &mut Storage) {
+        let arrays: hashbrown::HashSet<Symbol, FxBuildHasher> = self.syntax.elements
+            [self.elements.clone()]
+        .iter()
+        .map(|element| element.name.symbol())
+        .collect();
+        let symbols = self.symbols;
+        let is_array = |name: Name| {
+            arrays.contains(&name.symbol()) || is_array_name(symbols.text(name.symbol()))
+        };
+        for index in self.statements.clone() {
+            let Kind::Equation { target, root, .. } = self.syntax.statements[index].kind else {
+                continue;
+            };
+            let (LeafKind::Scalar(target), LeafKind::Scalar(root)) = (target.kind(), root.kind())
+            else {
+                continue;
+            };
+            if !is_array(target) && !(root.is_of_data() && is_array(root)) {
+                continue;
+            }
+            let parameter = self
+                .head
+                .is_some_and(|head| head.parameters.contains(&root));
+            self.syntax.statements[index].kind = Kind::Prologue;
+            if !storage.joined {
+                storage.copies.push((target, root));
+            } else if target.symbol() == root.symbol() {
+                // The same array under the same name.
+            } else if root.is_of_data() {
+                storage.aliases.insert(target, Name::local(root.symbol()));
+            } else if parameter {
+                storage.aliases.insert(root, target);
+            }
+        }
+    }
+
+    fn collect_uses(&mut self, storage: &mut Storage) -> Vec<Use> {
+        let mut uses: Vec<Use> = Vec::new();
+        let mut last = (Name::local(Symbol(u32::MAX >> 1)), 0);
+        for index in self.elements.clone() {
+            let element = self.syntax.elements[index];
+            let number = if element.name == last.0 {
+                last.1
+            } else {
+                storage.number(element.name, &mut uses)
+            };
+            last = (element.name, number);
+            let rank = if element.column == 0 { 1 } else { 2 };
+            let used = &mut uses[number as usize];
+            if used.rank != 0 && used.rank != rank {
+                self.wrong_rank(index);
+                continue;
+            }
+            used.rank = rank;
+            used.rows = used.rows.max(element.row);
+            used.columns = used.columns.max(element.column);
+        }
+        for statement in self.statements.clone() {
+            if let Kind::Extent(extent) = self.syntax.statements[statement].kind {
+                let extent = self.syntax.extents[extent as usize];
+                if let Some(number) = storage.find(extent.name) {
+                    let used = &mut uses[number as usize];
+                    used.rows = used.rows.max(extent.rows);
+                    if used.rank == 2 {
+                        used.columns = used.columns.max(extent.columns);
+                    }
+                }
+            }
+        }
+        self.add_results(storage, &mut uses);
+        // A copy and its original have one shape, and both exist.
+        for (copy, original) in storage.copies.clone() {
+            let Some(copy) = storage.find(copy) else {
+                continue;
+            };
+            let original = storage.number(original, &mut uses);
+            let (left, right) = (uses[copy as usize], uses[original as usize]);
+            let joint = Use {
+                rank: left.rank.max(right.rank),
+                rows: left.rows.max(right.rows),
+                columns: left.columns.max(right.columns),
+            };
+            uses[copy as usize] = joint;
+            uses[original as usize] = joint;
+        }
+        uses
+    }
+
+    /// The result of an external force has nine numbers.
+    fn add_results(&mut self, storage: &mut Storage, uses: &mut [Use]) {
+        for statement in self.statements.clone() {
+            if let Kind::Call(call) = self.syntax.statements[statement].kind
+                && let call = self.syntax.calls[call as usize]
+                && let Some(LeafKind::Scalar(target)) = call.target.map(super::syntax::Leaf::kind)
+                && let Some(number) = storage.find(target)
+                && matches!(
+                    self.symbols.text(call.callee.symbol()),
+                    "user_ExtForces" | "user_call_ExtForces" | "usrfun.fext"
+                )
+            {
+                let used = &mut uses[number as usize];
+                used.rows = used.rows.max(9);
+            }
+        }
+    }
+
+    fn lay_out(&mut self, storage: &mut Storage, uses: &[Use]) {
+        let mut total = 0u64;
+        for (name, used) in storage.names.clone().into_iter().zip(uses) {
+            let text = self.symbols.text(name.symbol());
+            let known = known_extent(text, self.joints);
+            let (rows, columns) = known.unwrap_or((0, 0));
+            self.check_joints(text, used);
+            let rows = rows.max(used.rows).max(1);
+            let columns = columns.max(used.columns).max(1);
+            let shape = match used.rank {
+                2 => Shape::Matrix(rows, columns),
+                _ => Shape::Vector(rows),
+            };
+            storage.arrays.push(StoredArray {
+                name,
+                shape,
+                offset: total.min(LARGEST_STORAGE) as u32,
+                initial: Initial::Nothing,
+                local: false,
+            });
+            total = total.saturating_add(shape.len() as u64);
+            if total > LARGEST_STORAGE {
+                self.errors.push(
+                    Diagnostic::error()
+                        .with_message(format!("`{text}` makes the arrays larger than any model needs"))
+                        .with_note(format!("together they may have {LARGEST_STORAGE} elements; look for a wrong index")),
+                );
+                storage.len = 0;
+                return;
+            }
+        }
+        storage.len = total as usize;
+    }
+
+    /// Warns when the equations know more joints than the header.
+    fn check_joints(&mut self, text: &str, used: &Use) {
+        let joint = match text {
+            "q" | "qd" | "qdd" | "m" | "c" | "Qq" => used.rows,
+            "l" | "In" | "frc" | "trq" => used.columns,
+            _ => 0,
+        };
+        if self.joints > 0 && joint > self.joints {
+            self.warnings.push(
+                Diagnostic::warning()
+                    .with_message(format!(
+                        "the header says {} joints, but joint {joint} of `{text}` is used",
+                        self.joints
+                    ))
+                    .with_note(
+                        "header and equations come from different models; generate the file again",
+                    ),
+            );
+        }
+    }
+
+    fn replace_elements(&mut self, storage: &mut Storage) {
+        if storage.len == 0 {
+            return;
+        }
+        let mut last = (Name::local(Symbol(u32::MAX >> 1)), 0);
+        for index in self.elements.clone() {
+            let element = self.syntax.elements[index];
+            if element.name != last.0 {
+                last = (element.name, storage.find(element.name).unwrap_or(0));
+            }
+            let array = storage.arrays[last.1 as usize];
+            let column = element.column;
+            let indices = [element.row, column];
+            let rank = if column == 0 { 1 } else { 2 };
+            // Extents cover every use; a use of the wrong rank is an error
+            // reported before.
+            let offset = array.shape.offset(&indices[..rank]).unwrap_or(0);
+            let replaced = &mut self.syntax.elements[index];
+            replaced.row = array.offset + offset;
+            replaced.column = last.1;
+        }
+    }
+
+    fn find_initials(&mut self, storage: &mut Storage) {
+        for number in 0..storage.arrays.len() {
+            storage.arrays[number].initial = Initial::Input(number as u32);
+        }
+        for statement in &self.syntax.statements[self.statements.clone()] {
+            if let Kind::Extent(extent) = statement.kind
+                && let extent = self.syntax.extents[extent as usize]
+                && let Some(number) = storage.find(extent.name)
+            {
+                let local = !self.is_visible(extent.name);
+                let array = &mut storage.arrays[number as usize];
+                array.local = local;
+                array.initial = match extent.zeroed {
+                    true => Initial::Zero,
+                    false => Initial::Nothing,
+                };
+            }
+        }
+        if self.language == Language::Matlab
+            && let Some(head) = self.head
+            && !head.outputs.is_empty()
+        {
+            for number in 0..storage.arrays.len() {
+                let name = storage.arrays[number].name;
+                storage.arrays[number].local = !name.is_of_data() && !self.is_visible(name);
+            }
+        }
+        for (copy, original) in storage.copies.clone() {
+            if let (Some(copy), Some(original)) = (storage.find(copy), storage.find(original)) {
+                storage.arrays[copy as usize].initial = Initial::Input(original);
+            }
+        }
+    }
+
+    /// True for an array the caller sees: a parameter or a result.
+    fn is_visible(&self, name: Name) -> bool {
+        let Some(head) = self.head else {
+            return true;
+        };
+        let text = self.symbols.text(name.symbol());
+        let structure = text.split('.').next().unwrap_or(text);
+        let mut visible = head.parameters.iter().chain(&head.outputs);
+        visible.any(|parameter| {
+            *parameter == name || self.symbols.text(parameter.symbol()) == structure
+        })
+    }
+
+    fn wrong_rank(&mut self, element: usize) {
+        let span = statement_of_element(self.syntax, self.statements.clone(), element as u32);
+        let name = self
+            .symbols
+            .text(self.syntax.elements[element].name.symbol());
+        self.errors.push(refusal(
+            &format!("`{name}` is used with one index and with two"),
+            span,
+            "differs from an earlier use",
+            "an array has one number of indices; correct the odd one",
+        ));
+    }
+}
+
+impl Storage {
+    fn number(&mut self, name: Name, uses: &mut Vec<Use>) -> u32 {
+        let name = self.canonical(name);
+        let next = uses.len() as u32;
+        let number = *self.numbers.entry(name).or_insert(next);
+        if number == next {
+            uses.push(Use::default());
+            self.names.push(name);
+        }
+        number
+    }
+}
+
+/// The statement that holds an element: for messages only.
+fn statement_of_element(syntax: &Syntax, statements: Range<usize>, element: u32) -> Span {
+    for statement in &syntax.statements[statements.clone()] {
+        let Kind::Equation {
+            target,
+            root,
+            first,
+            end,
+        } = statement.kind
+        else {
+            continue;
+        };
+        let nodes = &syntax.nodes[first as usize..end as usize];
+        let mut leaves = nodes
+            .iter()
+            .flat_map(|node| node.operands())
+            .chain([&target, &root]);
+        if leaves.any(|leaf| leaf.kind() == LeafKind::Element(element)) {
+            return statement.span;
+        }
+    }
+    let first = syntax.statements.get(statements.start);
+    first.map_or(Span { start: 0, end: 0 }, |statement| statement.span)
+}

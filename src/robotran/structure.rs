@@ -1,0 +1,525 @@
+//! Blocks: which statements belong to which function, sensor case or part.
+//!
+//! The grammar gives a flat list of statements. Here it is cut into runs of
+//! straight-line statements, with an explicit stack of the open blocks.
+
+use super::Language;
+use super::explain::refusal;
+use super::places::Places;
+use super::syntax::{Kind, Statement, Syntax};
+use super::token::{Name, Span};
+use robovec_ir::diagnostic::{Diagnostic, Label};
+use std::ops::Range;
+
+/// Where a run of statements stands.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum Region {
+    /// Outside any control structure.
+    Common,
+    /// In these cases of `switch(isens)`.
+    Cases(Vec<u32>),
+    /// In a loop or a condition, whose head this is.
+    Control(Span),
+    /// Where control never comes: `default`, or behind a `return`.
+    Dead,
+}
+
+/// Consecutive statements of one region.
+#[derive(Clone, Debug)]
+pub(super) struct Run {
+    pub(super) region: Region,
+    pub(super) statements: Range<usize>,
+}
+
+/// A function of the file.
+#[derive(Clone, Debug)]
+pub(super) struct FunctionBlock {
+    /// The entry of [`Syntax::heads`]; `None` for a file without a head.
+    pub(super) head: Option<u32>,
+    pub(super) span: Span,
+    pub(super) runs: Vec<Run>,
+}
+
+impl FunctionBlock {
+    pub(super) fn has_control(&self) -> bool {
+        let mut regions = self.runs.iter().map(|run| &run.region);
+        regions.any(|region| matches!(region, Region::Control(_)))
+    }
+
+    /// The sensor cases, in order of appearance.
+    pub(super) fn cases(&self) -> Vec<u32> {
+        let mut cases = Vec::new();
+        let mut known = hashbrown::HashSet::new();
+        for run in &self.runs {
+            if let Region::Cases(numbers) = &run.region {
+                cases.extend(numbers.iter().copied().filter(|&case| known.insert(case)));
+            }
+        }
+        cases
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Block {
+    Function,
+    /// Braces that mean nothing more.
+    Plain,
+    Switch {
+        cases: Vec<u32>,
+        dead: bool,
+    },
+    SensorCase(u32),
+    Control(Span),
+    Dead,
+}
+
+struct Open {
+    block: Block,
+    /// Where it starts: its column in Python, its statement's span for errors.
+    column: u32,
+    span: Span,
+    /// True for the body of an `if` without braces.
+    single: bool,
+}
+
+/// Cuts a file into functions.
+pub(super) fn functions(
+    syntax: &Syntax,
+    language: Language,
+    places: &mut Places<'_>,
+    text: &str,
+) -> Result<Vec<FunctionBlock>, Vec<Diagnostic>> {
+    let mut cutter = Cutter {
+        syntax,
+        language,
+        text,
+        functions: Vec::new(),
+        stack: Vec::new(),
+        pending: None,
+        returned: false,
+        current: None,
+        errors: Vec::new(),
+    };
+    for index in 0..syntax.statements.len() {
+        let column = match language {
+            Language::Python => places.location(syntax.statements[index].span.start).1,
+            Language::C | Language::Matlab => 0,
+        };
+        cutter.statement(index, column);
+        if cutter.errors.len() >= super::ERROR_LIMIT {
+            break;
+        }
+    }
+    cutter.finish()
+}
+
+struct Cutter<'a> {
+    syntax: &'a Syntax,
+    language: Language,
+    text: &'a str,
+    functions: Vec<FunctionBlock>,
+    stack: Vec<Open>,
+    /// A block whose `{` is to come, or its only statement.
+    pending: Option<(Block, Span)>,
+    returned: bool,
+    current: Option<Run>,
+    errors: Vec<Diagnostic>,
+}
+
+impl Cutter<'_> {
+    fn statement(&mut self, index: usize, column: u32) {
+        let Statement { kind, span } = self.syntax.statements[index];
+        if self.language == Language::Python {
+            self.close_to_column(column);
+        }
+        if !matches!(kind, Kind::BlockOpen) {
+            self.open_pending_without_brace();
+        }
+        match kind {
+            Kind::Head(head) => self.head(index, head, span, column),
+            Kind::BlockOpen => {
+                let (block, from) = self.pending.take().unwrap_or((Block::Plain, span));
+                self.open(block, 0, from, false);
+            }
+            Kind::BlockClose => self.block_close(span),
+            Kind::Switch(name) => self.block(
+                Block::Switch {
+                    cases: Vec::new(),
+                    dead: false,
+                },
+                span,
+                column,
+                Some(name),
+            ),
+            Kind::Case(number) => self.case(number, span),
+            Kind::DefaultCase => self.default_case(span),
+            Kind::Break => self.leave(),
+            Kind::Return => {
+                if matches!(
+                    self.stack.last(),
+                    Some(Open {
+                        block: Block::Function,
+                        ..
+                    })
+                ) {
+                    self.end_run();
+                    self.returned = true;
+                }
+                self.close_single();
+            }
+            Kind::While => self.block(Block::Control(span), span, column, None),
+            Kind::If => {
+                let block = match self.sensor_case(span) {
+                    Some(number) => Block::SensorCase(number),
+                    None => Block::Control(span),
+                };
+                self.block(block, span, column, None);
+            }
+            Kind::ElseIf => {
+                let block = match self.sensor_case(span) {
+                    Some(number) => Block::SensorCase(number),
+                    None => Block::Control(span),
+                };
+                self.close_for_else();
+                self.block(block, span, column, None);
+            }
+            Kind::Else => {
+                let sensor = self.after_sensor_case();
+                self.close_for_else();
+                let block = if sensor {
+                    Block::Dead
+                } else {
+                    Block::Control(span)
+                };
+                self.block(block, span, column, None);
+            }
+            Kind::Equation { .. }
+            | Kind::Call(_)
+            | Kind::Extent(_)
+            | Kind::Counter(_)
+            | Kind::Prologue => {
+                self.plain(index, span);
+                self.close_single();
+            }
+        }
+    }
+
+    /// The number of a condition `isens == 3`.
+    fn sensor_case(&self, span: Span) -> Option<u32> {
+        let text = self.text.get(span.range())?;
+        let condition = text.trim_start_matches(|c: char| c.is_ascii_alphabetic());
+        let bare: String = condition
+            .chars()
+            .filter(|c| !c.is_whitespace() && !matches!(c, '(' | ')' | ':'))
+            .collect();
+        bare.strip_prefix("isens==")?.parse().ok()
+    }
+
+    fn after_sensor_case(&self) -> bool {
+        // In Python and C the case is closed by now; its run is the last one.
+        let last = self.current.as_ref().map(|run| &run.region);
+        let before = self
+            .functions
+            .last()
+            .and_then(|function| function.runs.last());
+        let region = last.or(before.map(|run| &run.region));
+        matches!(region, Some(Region::Cases(_)))
+            || matches!(
+                self.stack.last(),
+                Some(Open {
+                    block: Block::SensorCase(_),
+                    ..
+                })
+            )
+    }
+
+    /// Matlab closes `if`, `elseif`, `else` by one `end`.
+    fn close_for_else(&mut self) {
+        if self.language == Language::Matlab
+            && matches!(
+                self.stack.last(),
+                Some(Open {
+                    block: Block::SensorCase(_) | Block::Control(_) | Block::Dead,
+                    ..
+                })
+            )
+        {
+            self.close();
+        }
+    }
+
+    fn head(&mut self, index: usize, head: u32, span: Span, column: u32) {
+        if self.language == Language::C {
+            let next = self.syntax.statements.get(index + 1).map(|next| next.kind);
+            if !matches!(next, Some(Kind::BlockOpen)) {
+                return; // A prototype.
+            }
+        }
+        if self.language == Language::Matlab {
+            while matches!(
+                self.stack.last(),
+                Some(Open {
+                    block: Block::Function,
+                    ..
+                })
+            ) {
+                self.close();
+            }
+        }
+        if !self.stack.is_empty() {
+            self.errors.push(refusal(
+                "a function inside another block",
+                span,
+                "starts here",
+                "close the block before, or move the function out of it",
+            ));
+            return;
+        }
+        self.end_run();
+        self.returned = false;
+        self.functions.push(FunctionBlock {
+            head: Some(head),
+            span,
+            runs: Vec::new(),
+        });
+        match self.language {
+            Language::C => self.pending = Some((Block::Function, span)),
+            Language::Matlab | Language::Python => self.open(Block::Function, column, span, false),
+        }
+    }
+
+    fn block(&mut self, block: Block, span: Span, column: u32, selector: Option<Name>) {
+        let nested = self
+            .stack
+            .iter()
+            .any(|open| matches!(open.block, Block::SensorCase(_) | Block::Switch { .. }));
+        let inside_control = self
+            .stack
+            .iter()
+            .any(|open| matches!(open.block, Block::Control(_)));
+        let sensor = matches!(block, Block::SensorCase(_) | Block::Switch { .. });
+        if nested || (sensor && inside_control) {
+            self.errors.push(refusal(
+                "nested control flow around sensor cases",
+                span,
+                "starts here",
+                "each case of a sensor file must be straight-line code",
+            ));
+        }
+        let parameters = self
+            .functions
+            .last()
+            .and_then(|function| function.head)
+            .map(|head| &self.syntax.heads[head as usize].parameters);
+        if let (Some(name), Some(parameters)) = (selector, parameters)
+            && !parameters.contains(&name)
+        {
+            self.errors.push(refusal(
+                "a switch over something that is not a parameter",
+                span,
+                "only the number of the sensor can select equations",
+                "write the equations out without the switch",
+            ));
+        }
+        match self.language {
+            Language::C => self.pending = Some((block, span)),
+            Language::Matlab | Language::Python => self.open(block, column, span, false),
+        }
+    }
+
+    fn open(&mut self, block: Block, column: u32, span: Span, single: bool) {
+        self.end_run();
+        self.stack.push(Open {
+            block,
+            column,
+            span,
+            single,
+        });
+    }
+
+    fn close(&mut self) {
+        self.end_run();
+        if let Some(Open {
+            block: Block::Function,
+            ..
+        }) = self.stack.pop()
+        {
+            self.returned = false;
+        }
+    }
+
+    fn open_pending_without_brace(&mut self) {
+        if let Some((block, span)) = self.pending.take() {
+            self.open(block, 0, span, true);
+        }
+    }
+
+    fn close_single(&mut self) {
+        while matches!(self.stack.last(), Some(open) if open.single) {
+            self.close();
+        }
+    }
+
+    fn close_to_column(&mut self, column: u32) {
+        while matches!(self.stack.last(), Some(open) if open.column >= column) {
+            self.close();
+        }
+    }
+
+    fn block_close(&mut self, span: Span) {
+        if self.stack.is_empty() {
+            self.errors.push(refusal(
+                "this closes nothing",
+                span,
+                "no block is open here",
+                "remove it, or look for a block that was closed too early",
+            ));
+            return;
+        }
+        self.close();
+        self.close_single();
+    }
+
+    fn misplaced(&mut self, span: Span) {
+        self.errors.push(refusal(
+            "a case outside a switch",
+            span,
+            "no `switch` is open here",
+            "put it inside `switch(isens)`",
+        ));
+    }
+
+    fn case(&mut self, number: u32, span: Span) {
+        self.end_run();
+        let fresh = self.language == Language::Matlab;
+        match self.stack.last_mut() {
+            Some(Open {
+                block: Block::Switch { cases, dead },
+                ..
+            }) => {
+                if fresh || *dead {
+                    cases.clear();
+                }
+                cases.push(number);
+                *dead = false;
+            }
+            _ => self.misplaced(span),
+        }
+    }
+
+    fn default_case(&mut self, span: Span) {
+        self.end_run();
+        match self.stack.last_mut() {
+            Some(Open {
+                block: Block::Switch { cases, dead },
+                ..
+            }) => {
+                cases.clear();
+                *dead = true;
+            }
+            _ => self.misplaced(span),
+        }
+    }
+
+    fn leave(&mut self) {
+        self.end_run();
+        if let Some(Open {
+            block: Block::Switch { cases, dead },
+            ..
+        }) = self.stack.last_mut()
+        {
+            cases.clear();
+            *dead = true;
+        }
+        self.close_single();
+    }
+
+    fn region(&self) -> Region {
+        if self.returned {
+            return Region::Dead;
+        }
+        for open in self.stack.iter().rev() {
+            match &open.block {
+                Block::Function | Block::Plain => {}
+                Block::Switch { cases, dead } if *dead || cases.is_empty() => return Region::Dead,
+                Block::Switch { cases, .. } => return Region::Cases(cases.clone()),
+                Block::SensorCase(number) => return Region::Cases(vec![*number]),
+                Block::Control(span) => return Region::Control(*span),
+                Block::Dead => return Region::Dead,
+            }
+        }
+        Region::Common
+    }
+
+    fn plain(&mut self, index: usize, span: Span) {
+        if let Some(run) = &mut self.current {
+            run.statements.end = index + 1;
+            return;
+        }
+        if self.functions.is_empty() && self.syntax.heads.is_empty() {
+            self.functions.push(FunctionBlock {
+                head: None,
+                span,
+                runs: Vec::new(),
+            });
+        }
+        let outside = self.stack.is_empty() && !self.syntax.heads.is_empty();
+        if outside {
+            // Declarations may stand outside functions in C, calls in a
+            // Python script; neither computes anything.
+            if matches!(self.syntax.statements[index].kind, Kind::Equation { .. }) {
+                self.errors.push(refusal(
+                    "an equation outside any function",
+                    span,
+                    "belongs to no function",
+                    "move it into the function, or look for a block that was closed too early",
+                ));
+            }
+            return;
+        }
+        self.current = Some(Run {
+            region: self.region(),
+            statements: index..index + 1,
+        });
+    }
+
+    fn end_run(&mut self) {
+        if let (Some(run), Some(function)) = (self.current.take(), self.functions.last_mut()) {
+            function.runs.push(run);
+        }
+    }
+
+    fn finish(mut self) -> Result<Vec<FunctionBlock>, Vec<Diagnostic>> {
+        self.end_run();
+        let unclosed = match self.language {
+            Language::C => self.pending.take().map(|(_, span)| span).or_else(|| {
+                let last = self.stack.last();
+                last.map(|open| open.span)
+            }),
+            Language::Matlab => {
+                let mut inner = self.stack.iter().rev();
+                inner
+                    .find(|open| !matches!(open.block, Block::Function))
+                    .map(|open| open.span)
+            }
+            Language::Python => None,
+        };
+        if let Some(span) = unclosed {
+            let end = self.text.len();
+            self.errors.push(
+                Diagnostic::error()
+                    .with_message("the file ends inside a block")
+                    .with_labels(vec![
+                        Label::primary(0, span.range()).with_message("this is never closed"),
+                        Label::secondary(0, end..end).with_message("the file ends here"),
+                    ])
+                    .with_note("the file is cut short; generate or copy it again"),
+            );
+        }
+        if self.errors.is_empty() {
+            Ok(self.functions)
+        } else {
+            Err(self.errors)
+        }
+    }
+}
