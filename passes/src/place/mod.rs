@@ -34,6 +34,7 @@ mod ports;
 mod ready;
 #[cfg(test)]
 mod rules;
+mod statistics;
 mod sweep;
 #[cfg(test)]
 mod testing;
@@ -44,6 +45,7 @@ pub use choice::Choice;
 pub use error::PlaceError;
 pub use order::Priority;
 pub use pass::Place;
+pub use statistics::{KindStatistics, PlacementStatistics, Spread, placement_statistics};
 
 use graph::Graph;
 use order::Order;
