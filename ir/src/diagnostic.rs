@@ -296,8 +296,9 @@ pub fn did_you_mean<'a>(
 mod tests {
     use super::*;
 
-    fn rendered(text: &str, ranges: &[Range<usize>]) -> String {
-        let labels = ranges.iter().enumerate().map(|(index, range)| match index {
+    fn rendered(text: &str, first: Range<usize>, others: &[Range<usize>]) -> String {
+        let ranges = std::iter::once(&first).chain(others);
+        let labels = ranges.enumerate().map(|(index, range)| match index {
             0 => Label::primary(0, range.clone()).with_message("here"),
             _ => Label::secondary(0, range.clone()).with_message("first defined here"),
         });
@@ -310,7 +311,7 @@ mod tests {
 
     #[test]
     fn a_caret_stands_under_the_range() {
-        let shown = rendered("one\r\ntwo three\r\n", &[9..14]);
+        let shown = rendered("one\r\ntwo three\r\n", 9..14, &[]);
         assert!(shown.contains("a.rvir:2:5"), "{shown}");
         assert!(
             shown.contains("2 │ two three\n  │     ^^^^^ here\n"),
@@ -326,7 +327,8 @@ mod tests {
         let at = text.len();
         text.push_str("WRONG");
         text.push_str(&"y".repeat(5_000_000));
-        let shown = rendered(&text, &[at..at + 5, 6..8]);
+        let second = [Range { start: 6, end: 8 }];
+        let shown = rendered(&text, at..at + 5, &second);
         assert!(shown.len() < 2000, "{} bytes", shown.len());
         assert!(shown.contains("a.rvir:2:5000001"), "{shown}");
         assert!(
@@ -339,7 +341,8 @@ mod tests {
     #[test]
     fn distant_lines_keep_their_numbers_and_a_break_between() {
         let text = "a\n".repeat(100);
-        let shown = rendered(&text, &[180..181, 2..3]);
+        let second = [Range { start: 2, end: 3 }];
+        let shown = rendered(&text, 180..181, &second);
         assert!(shown.contains(" 2 │ a"), "{shown}");
         assert!(shown.contains("·"), "{shown}");
         assert!(shown.contains("91 │ a"), "{shown}");
@@ -350,7 +353,7 @@ mod tests {
         let text = "a\u{1b}[31mé\u{202e}\u{85}\0\nlast";
         for start in 0..text.len() + 3 {
             for end in 0..text.len() + 3 {
-                let shown = rendered(text, &[start..end]);
+                let shown = rendered(text, start..end, &[]);
                 let controls = shown.chars().filter(|&c| c.is_control() && c != '\n');
                 assert_eq!(controls.count(), 0, "{shown:?}");
             }

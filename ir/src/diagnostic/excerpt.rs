@@ -74,9 +74,7 @@ pub(super) fn excerpt(files: &[SourceText], diagnostic: &Diagnostic) -> (Excerpt
 fn fitted(source: &SourceText, label: &Label) -> Label {
     let text = source.text();
     let start = boundary_before(text, label.range.start);
-    let end = text
-        .ceil_char_boundary(label.range.end.min(text.len()))
-        .max(start);
+    let end = boundary_after(text, label.range.end).max(start);
     let mut end = start + text[start..end].trim_end_matches(['\n', '\r']).len();
     let first = source.line_index(start);
     if source.line_index(end) - first >= MOST_LINES {
