@@ -17,11 +17,13 @@ pub mod function;
 pub mod machine;
 pub mod module;
 pub mod operation;
+pub mod parse;
 pub mod placement;
 pub mod print;
 pub mod source;
 pub mod states;
 pub mod symbol;
+pub mod verify;
 
 pub use entity::{Constant, Input, Operand, OperandKind, Output, Value};
 pub use function::{Array, Assignment, Boundary, Function, Level, Node, Shape, Timing};

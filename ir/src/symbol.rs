@@ -113,6 +113,29 @@ impl Name {
         self.base == Name::NONE.base
     }
 
+    /// Takes the text of a name apart: digits after the last dot, without a
+    /// leading zero and at most nine of them, are the number; all else
+    /// belongs to the symbol.
+    pub fn split(text: &str) -> (&str, u32) {
+        let Some(dot) = text.rfind('.') else {
+            return (text, 0);
+        };
+        let digits = &text[dot + 1..];
+        let canonical = (1..=Name::MOST_DIGITS).contains(&digits.len())
+            && digits.bytes().all(|byte| byte.is_ascii_digit())
+            && !digits.starts_with('0');
+        match digits.parse() {
+            Ok(suffix) if canonical => (&text[..dot], suffix),
+            Ok(_) | Err(_) => (text, 0),
+        }
+    }
+
+    /// A number behind the dot has at most this many digits.
+    pub const MOST_DIGITS: usize = 9;
+
+    /// The largest number behind the dot.
+    pub const MOST: u32 = 999_999_999;
+
     /// The name as text, without the leading `%`.
     pub fn display(self, symbols: &Symbols) -> String {
         match self.suffix {
@@ -165,6 +188,17 @@ mod tests {
     #[test]
     fn interning_is_idempotent_and_names_are_fresh() {
         let mut symbols = Symbols::new();
+        for (text, split) in [
+            ("OM16", ("OM16", 0)),
+            ("OM16.12", ("OM16", 12)),
+            ("sens.P.1", ("sens.P", 1)),
+            ("sens.P", ("sens.P", 0)),
+            ("x.01", ("x.01", 0)),
+            ("x.0", ("x.0", 0)),
+            ("x.9999999999", ("x.9999999999", 0)),
+        ] {
+            assert_eq!(Name::split(text), split);
+        }
         let first = symbols.intern("OM16");
         let second = symbols.intern("CF323");
         assert_eq!(symbols.intern("OM16"), first);

@@ -1,0 +1,93 @@
+//! The text form, read.
+//!
+//! Reading and writing are inverse at every level: `parse(print(m)) == m`,
+//! and `print(parse(t)) == t` for printed `t`. Text written by hand may be
+//! laid out freely (`docs/text-format.md`).
+//!
+//! The grammar (`grammar.lalrpop`) knows single statements; the `builder`
+//! it calls knows which function and line it is in and makes nodes at once.
+//! After an error reading goes on at the next line. What the grammar cannot
+//! see is left to the [verifier](crate::verify), whose answers get the place
+//! of what they are about; so text that parses is always a verified module.
+
+mod attributes;
+mod body;
+mod builder;
+mod finish;
+mod header;
+mod lexer;
+mod names;
+mod problems;
+mod syntax;
+mod undefined;
+
+lalrpop_util::lalrpop_mod!(
+    #[allow(
+        clippy::all,
+        clippy::unwrap_used,
+        missing_docs,
+        private_interfaces,
+        unreachable_pub,
+        unused_parens,
+        unused_imports
+    )]
+    grammar,
+    "/parse/grammar.rs"
+);
+
+use crate::diagnostic::{Diagnostic, Label};
+use crate::module::Module;
+use crate::print::HEADER;
+use builder::Builder;
+use lexer::Tokens;
+
+/// Texts of this many bytes and more are refused.
+const MOST_BYTES: usize = 1 << 31;
+
+/// Reads a module from its text form. The name is that of the file, for
+/// messages that must say it; labels refer to file 0.
+///
+/// # Errors
+///
+/// Messages for the first twenty errors, in order of their place, when the
+/// text is not a module that the [verifier](crate::verify) accepts.
+pub fn parse_module(name: &str, text: &str) -> Result<Module, Vec<Diagnostic>> {
+    if text.len() >= MOST_BYTES {
+        let message = format!("{name} is larger than 2 GiB, which no function needs");
+        return Err(vec![Diagnostic::error().with_message(message)]);
+    }
+    check_version(text)?;
+    let mut builder = Builder::new(text);
+    let mut tokens = Tokens::new(text);
+    let parser = grammar::StatementsParser::new();
+    while let Err(error) = parser.parse(&mut builder, &mut tokens) {
+        builder.syntax_error(error);
+        if builder.is_full() {
+            break;
+        }
+        tokens.skip_statement();
+    }
+    builder.finish()
+}
+
+/// A first line that names another version of the format is refused; no such
+/// line is needed in text written by hand.
+fn check_version(text: &str) -> Result<(), Vec<Diagnostic>> {
+    let line = text.lines().next().unwrap_or_default();
+    let stem = HEADER.trim_end_matches(|character: char| character.is_ascii_digit());
+    let Some(version) = line.trim_end().strip_prefix(stem) else {
+        return Ok(());
+    };
+    let number = !version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit());
+    if !number || line.trim_end() == HEADER {
+        return Ok(());
+    }
+    Err(vec![
+        Diagnostic::error()
+            .with_message(format!("version {version} of the text form is not known"))
+            .with_label(Label::primary(0, 0..line.len()))
+            .with_note(format!(
+                "help: this program reads text that begins with '{HEADER}'"
+            )),
+    ])
+}

@@ -1,0 +1,307 @@
+//! The state of reading: what the actions of the grammar change.
+//!
+//! There is always a function being read: outside the braces it is one that
+//! is thrown away, so that no action has to ask. Nodes are pushed as their
+//! expressions are reduced; the head of a statement says where its nodes
+//! start, its end gives the last of them the name.
+
+use super::attributes::Attributes;
+use super::names::NameTable;
+use super::problems::{Problems, also, error};
+use super::undefined::Undefined;
+use crate::diagnostic::{Diagnostic, clip};
+use crate::entity::{Operand, Output, Value};
+use crate::function::{Function, Level};
+use crate::module::Module;
+use crate::placement::{Word, Write};
+use crate::source::SourceSet;
+use crate::symbol::Name;
+use hashbrown::HashMap;
+use rustc_hash::FxBuildHasher;
+use std::ops::Range;
+
+pub(super) type FastMap<Key, Content> = HashMap<Key, Content, FxBuildHasher>;
+
+/// Bytes of the text.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub(super) struct Span {
+    pub(super) start: u32,
+    pub(super) end: u32,
+}
+
+impl Span {
+    pub(super) fn new(start: u32, end: u32) -> Span {
+        Span { start, end }
+    }
+
+    pub(super) fn range(self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
+}
+
+/// The indices of an element, or the extents of an array.
+#[derive(Clone, Copy, Default, Debug)]
+pub(super) struct Indices {
+    /// The first two.
+    pub(super) values: [u32; 2],
+    /// How many there are.
+    pub(super) count: u32,
+    /// Where they stand, brackets included.
+    pub(super) span: Span,
+}
+
+impl Indices {
+    /// One more.
+    pub(super) fn and(mut self, value: u32) -> Indices {
+        if let Some(place) = self.values.get_mut(self.count as usize) {
+            *place = value;
+        }
+        self.count = self.count.saturating_add(1);
+        self
+    }
+
+    pub(super) fn at(self, span: Span) -> Indices {
+        Indices { span, ..self }
+    }
+
+    /// The indices kept.
+    pub(super) fn list(&self) -> &[u32] {
+        &self.values[..(self.count as usize).min(2)]
+    }
+}
+
+/// The statement being read.
+#[derive(Clone, Copy, Default, Debug)]
+pub(super) enum Head {
+    /// Neither of the two.
+    #[default]
+    Other,
+    /// `%x =`: the name and where it stands.
+    Definition(Name, Span),
+    /// `M[1,2] =`: the element, when it exists, and where it stands.
+    Assignment(Option<Output>, Span),
+}
+
+/// An assignment, before they are sorted.
+pub(super) struct PendingAssignment {
+    pub(super) output: Output,
+    pub(super) operand: Operand,
+    pub(super) sources: SourceSet,
+    pub(super) home: Option<Word>,
+    pub(super) span: Span,
+    /// The nodes of its expression.
+    pub(super) nodes: Range<u32>,
+}
+
+/// An initial word, before values have names.
+pub(super) struct PendingPreload {
+    pub(super) word: Word,
+    pub(super) operand: Result<Operand, Span>,
+    pub(super) span: Span,
+}
+
+/// The function being read.
+pub(super) struct Open<'t> {
+    pub(super) function: Function,
+    /// The `function` line; `None` outside the braces.
+    pub(super) head: Option<Span>,
+    /// How many errors there were before it.
+    pub(super) problems_before: usize,
+    pub(super) inputs: FastMap<&'t str, usize>,
+    pub(super) outputs: FastMap<&'t str, usize>,
+    pub(super) input_spans: Vec<Span>,
+    pub(super) output_spans: Vec<Span>,
+    pub(super) boundary_spans: Vec<Span>,
+    pub(super) schedule_span: Span,
+    /// Where each node stands: an expression, or a definition from its name
+    /// to the end of its expression.
+    pub(super) spans: Vec<Span>,
+    pub(super) sets: FastMap<u32, (SourceSet, Span)>,
+    pub(super) assignments: Vec<PendingAssignment>,
+    /// Where each output element was first set.
+    pub(super) written: FastMap<u32, Span>,
+    pub(super) preloads: Vec<PendingPreload>,
+    pub(super) undefined: Undefined,
+    /// True when the nodes do not yet stand in the order of the text form.
+    pub(super) disordered: bool,
+}
+
+impl Open<'_> {
+    pub(super) fn new(name: &str, level: Level, head: Option<Span>) -> Self {
+        Open {
+            function: Function::new(name, level),
+            head,
+            problems_before: 0,
+            inputs: FastMap::default(),
+            outputs: FastMap::default(),
+            input_spans: Vec::new(),
+            output_spans: Vec::new(),
+            boundary_spans: Vec::new(),
+            schedule_span: Span::default(),
+            spans: Vec::new(),
+            sets: FastMap::default(),
+            assignments: Vec::new(),
+            written: FastMap::default(),
+            preloads: Vec::new(),
+            undefined: Undefined::default(),
+            disordered: false,
+        }
+    }
+
+    pub(super) fn node_count(&self) -> u32 {
+        self.function.nodes().len() as u32
+    }
+
+    /// Where the name of a defined value stands.
+    pub(super) fn name_span(&self, value: Value, text: &str) -> Span {
+        let span = self.spans[value.index()];
+        let length = text[span.range()]
+            .find(|character: char| character.is_whitespace() || character == '=')
+            .unwrap_or(span.range().len());
+        Span::new(span.start, span.start + length as u32)
+    }
+}
+
+/// Everything read so far.
+pub(super) struct Builder<'t> {
+    pub(super) text: &'t str,
+    pub(super) module: Module,
+    pub(super) problems: Problems,
+    pub(super) functions: FastMap<&'t str, Span>,
+    pub(super) open: Open<'t>,
+    pub(super) names: NameTable,
+    /// Number of nodes before the statement being read.
+    pub(super) start: u32,
+    pub(super) head: Head,
+    pub(super) attributes: Attributes,
+    pub(super) writes: Vec<Write>,
+    pub(super) members: Vec<SourceSet>,
+    pub(super) arguments: Vec<String>,
+    pub(super) kinds: Vec<(Span, u32)>,
+}
+
+impl<'t> Builder<'t> {
+    pub(super) fn new(text: &'t str) -> Builder<'t> {
+        Builder {
+            text,
+            module: Module::new(),
+            problems: Problems::default(),
+            functions: FastMap::default(),
+            open: Open::new("", Level::Equations, None),
+            names: NameTable::default(),
+            start: 0,
+            head: Head::Other,
+            attributes: Attributes::default(),
+            writes: Vec::new(),
+            members: Vec::new(),
+            arguments: Vec::new(),
+            kinds: Vec::new(),
+        }
+    }
+
+    /// The text of a token.
+    pub(super) fn slice(&self, span: Span) -> &'t str {
+        &self.text[span.range()]
+    }
+
+    /// Records an error.
+    pub(super) fn error(&mut self, span: Span, message: impl Into<String>) {
+        self.problems.push(error(span, message));
+    }
+
+    /// Records an error with advice.
+    pub(super) fn advise(&mut self, span: Span, message: impl Into<String>, help: &str) {
+        let diagnostic = error(span, message).with_note(format!("help: {help}"));
+        self.problems.push(diagnostic);
+    }
+
+    /// Records an error that refers to a second place.
+    pub(super) fn conflict(
+        &mut self,
+        span: Span,
+        message: impl Into<String>,
+        first: Span,
+        label: &str,
+    ) {
+        let diagnostic = error(span, message).with_label(also(first, label));
+        self.problems.push(diagnostic);
+    }
+
+    /// True when no further error would be shown.
+    pub(super) fn is_full(&self) -> bool {
+        self.problems.is_full()
+    }
+
+    /// A whole number of 32 bits; 0 after an error.
+    pub(super) fn integer(&mut self, span: Span) -> u32 {
+        let digits = self.slice(span);
+        digits.parse().unwrap_or_else(|_| {
+            let message = format!("the number {} is too large", clip(digits));
+            self.error(span, message);
+            0
+        })
+    }
+
+    /// The content of a quoted text.
+    pub(super) fn string(&mut self, span: Span) -> String {
+        let quoted = self.slice(span);
+        let inner = &quoted[1..quoted.len() - 1];
+        if !inner.contains('\\') {
+            return inner.to_owned();
+        }
+        let mut content = String::with_capacity(inner.len());
+        let mut characters = inner.chars();
+        while let Some(character) = characters.next() {
+            if character != '\\' {
+                content.push(character);
+                continue;
+            }
+            match characters.next() {
+                Some('n') => content.push('\n'),
+                Some('r') => content.push('\r'),
+                Some('t') => content.push('\t'),
+                Some(same @ ('"' | '\\')) => content.push(same),
+                other => {
+                    let shown = other.map(String::from).unwrap_or_default();
+                    self.advise(
+                        span,
+                        format!("a text in quotes has no '\\{shown}'"),
+                        "what can follow a backslash is n, r, t, \" or another backslash",
+                    );
+                    return content;
+                }
+            }
+        }
+        content
+    }
+
+    /// Forgets what was read of a statement.
+    pub(super) fn next_statement(&mut self) {
+        self.head = Head::Other;
+        self.start = self.open.node_count();
+        self.attributes = Attributes::default();
+        self.writes.clear();
+        self.members.clear();
+        self.arguments.clear();
+        self.kinds.clear();
+    }
+
+    /// The module, or what is wrong with the text.
+    pub(super) fn finish(mut self) -> Result<Module, Vec<Diagnostic>> {
+        if let Some(head) = self.open.head {
+            if !self.is_full() {
+                let end = self.text.len() as u32;
+                let diagnostic = error(Span::new(end, end), "the text ends inside a function")
+                    .with_label(also(head, "the function starts here"))
+                    .with_note("help: a function ends with '}' on a line of its own");
+                self.problems.push(diagnostic);
+            }
+            self.close_function();
+        }
+        if self.problems.is_empty() {
+            Ok(self.module)
+        } else {
+            Err(self.problems.into_sorted())
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! Tokens of the text form.
+//!
+//! A token is one byte and a range of the text; what it says is read from the
+//! text by whoever needs it, so nothing is copied or allocated here. Line
+//! ends are tokens because they end statements, which is also what an error
+//! recovers at; [`Tokens`] drops those between a line and its continuation.
+
+use logos::{Lexer, Logos};
+
+/// A kind of token.
+#[derive(Logos, Clone, Copy, PartialEq, Eq, Debug)]
+#[logos(skip r"[ \t\r\f]+")]
+#[logos(skip(r"//[^\n]*", allow_greedy = true))]
+pub(super) enum Token {
+    /// End of a line.
+    #[token("\n")]
+    Newline,
+    /// `%OM16.1`: a value.
+    #[regex(r"%[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*")]
+    Value,
+    /// `sens.P`, `add0.left`: an array, an element, a word of the language.
+    #[regex(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*")]
+    Word,
+    /// `12`.
+    #[regex(r"[0-9]+")]
+    Integer,
+    /// `1.5`, `2e-3`.
+    #[regex(r"[0-9]+\.[0-9]+([eE][+-]?[0-9]+)?")]
+    #[regex(r"[0-9]+[eE][+-]?[0-9]+")]
+    Real,
+    /// `"…"`.
+    #[regex(r#""([^"\\\n]|\\[^\n])*""#)]
+    String,
+    /// A string whose line ends before it does.
+    #[regex(r#""([^"\\\n]|\\[^\n])*"#)]
+    OpenString,
+    /// `@1/43:3-44:20`: a place.
+    #[regex(r"@([0-9]+/)?[0-9]+:[0-9]+-([0-9]+:)?[0-9]+")]
+    Place,
+    /// `@!3`: a reference to a set of places.
+    #[regex(r"@![0-9]+")]
+    SetReference,
+    /// `!3`: a set of places, where it is declared.
+    #[regex(r"![0-9]+")]
+    Set,
+    #[token("source")]
+    Source,
+    #[token("function")]
+    Function,
+    #[token("meta")]
+    Meta,
+    #[token("in")]
+    In,
+    #[token("out")]
+    Out,
+    #[token("places")]
+    Places,
+    #[token("call")]
+    Call,
+    #[token("schedule")]
+    Schedule,
+    #[token("cycles")]
+    Cycles,
+    #[token("bound")]
+    Bound,
+    #[token("preload")]
+    Preload,
+    #[token("on")]
+    On,
+    #[token("at")]
+    At,
+    #[token("read")]
+    Read,
+    #[token("buffer")]
+    Buffer,
+    #[token("write")]
+    Write,
+    #[token("=")]
+    Equals,
+    #[token("+")]
+    Plus,
+    #[token("-")]
+    Minus,
+    #[token("*")]
+    Star,
+    #[token("/")]
+    Slash,
+    #[token(",")]
+    Comma,
+    #[token("..")]
+    Dots,
+    #[token("->")]
+    Arrow,
+    #[token("(")]
+    OpenParenthesis,
+    #[token(")")]
+    CloseParenthesis,
+    #[token("[")]
+    OpenBracket,
+    #[token("]")]
+    CloseBracket,
+    #[token("{")]
+    OpenBrace,
+    #[token("}")]
+    CloseBrace,
+    /// Characters that begin no token.
+    Unknown,
+}
+
+impl Token {
+    /// True when the statement goes on after a line end behind this token.
+    fn goes_on(self) -> bool {
+        matches!(
+            self,
+            Token::Equals
+                | Token::Plus
+                | Token::Minus
+                | Token::Star
+                | Token::Slash
+                | Token::Comma
+                | Token::Arrow
+                | Token::OpenParenthesis
+                | Token::OpenBracket
+        )
+    }
+
+    /// True when a line that begins with this token continues the one before.
+    fn continues(self) -> bool {
+        let closes = matches!(
+            self,
+            Token::CloseParenthesis | Token::CloseBracket | Token::OpenBrace
+        );
+        let follows = matches!(self, Token::Place | Token::SetReference);
+        closes || follows || (self.goes_on() && self != Token::OpenBracket)
+    }
+}
+
+/// A token with the bytes it stands at.
+pub(super) type Spanned = (u32, Token, u32);
+
+/// The tokens of a text; every statement ends with exactly one
+/// [`Token::Newline`].
+pub(super) struct Tokens<'t> {
+    lexer: Lexer<'t, Token>,
+    ahead: Option<Spanned>,
+    previous: Token,
+}
+
+impl<'t> Tokens<'t> {
+    /// Starts at the beginning of a text shorter than 4 GiB.
+    pub(super) fn new(text: &'t str) -> Tokens<'t> {
+        let mut lexer = Token::lexer(text);
+        if text.starts_with('\u{feff}') {
+            lexer.bump('\u{feff}'.len_utf8());
+        }
+        Tokens {
+            lexer,
+            ahead: None,
+            previous: Token::Newline,
+        }
+    }
+
+    /// Drops the rest of the statement that the last token belongs to.
+    pub(super) fn skip_statement(&mut self) {
+        while self.previous != Token::Newline && self.next().is_some() {}
+    }
+
+    fn raw(&mut self) -> Option<Spanned> {
+        let token = self.lexer.next()?.unwrap_or(Token::Unknown);
+        let span = self.lexer.span();
+        Some((span.start as u32, token, span.end as u32))
+    }
+
+    /// What follows a line end: the line end itself, or, when the statement
+    /// goes on, the token behind it.
+    fn after_newline(&mut self, newline: Spanned) -> Option<Spanned> {
+        let following = loop {
+            match self.raw() {
+                Some((_, Token::Newline, _)) => {}
+                other => break other,
+            }
+        };
+        let ends = match following {
+            None => self.previous != Token::Newline,
+            Some((_, token, _)) => {
+                self.previous != Token::Newline && !self.previous.goes_on() && !token.continues()
+            }
+        };
+        if !ends {
+            return following;
+        }
+        self.ahead = following;
+        Some(newline)
+    }
+}
+
+impl Iterator for Tokens<'_> {
+    type Item = Spanned;
+
+    fn next(&mut self) -> Option<Spanned> {
+        let token = match self.ahead.take().or_else(|| self.raw()) {
+            Some(newline @ (_, Token::Newline, _)) => self.after_newline(newline),
+            None if self.previous != Token::Newline => {
+                let end = self.lexer.source().len() as u32;
+                Some((end, Token::Newline, end))
+            }
+            other => other,
+        }?;
+        self.previous = token.1;
+        Some(token)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tokens(text: &str) -> Vec<(Token, &str)> {
+        Tokens::new(text)
+            .map(|(start, token, end)| (token, &text[start as usize..end as usize]))
+            .collect()
+    }
+
+    #[test]
+    fn ranges_reals_and_names_are_told_apart() {
+        use Token::*;
+        assert_eq!(
+            tokens("q[1..6] 1.5e-3 2e7 %OM16.1 sens.P"),
+            [
+                (Word, "q"),
+                (OpenBracket, "["),
+                (Integer, "1"),
+                (Dots, ".."),
+                (Integer, "6"),
+                (CloseBracket, "]"),
+                (Real, "1.5e-3"),
+                (Real, "2e7"),
+                (Value, "%OM16.1"),
+                (Word, "sens.P"),
+                (Newline, ""),
+            ]
+        );
+    }
+
+    #[test]
+    fn a_place_is_one_token_and_comments_are_none() {
+        use Token::*;
+        assert_eq!(
+            tokens("@43:3-20 @1/43:3-44:20 // @1:1-1\n\n@!2 !2"),
+            [
+                (Place, "@43:3-20"),
+                (Place, "@1/43:3-44:20"),
+                (SetReference, "@!2"),
+                (Set, "!2"),
+                (Newline, ""),
+            ]
+        );
+    }
+
+    #[test]
+    fn line_ends_inside_a_statement_vanish() {
+        use Token::*;
+        let kinds: Vec<Token> = tokens("\n\n%x = 1 +\n2\n  * 3 // why\n\n%y = 4\n")
+            .into_iter()
+            .map(|(token, _)| token)
+            .collect();
+        assert_eq!(
+            kinds,
+            [
+                Value, Equals, Integer, Plus, Integer, Star, Integer, Newline, Value, Equals,
+                Integer, Newline
+            ]
+        );
+    }
+
+    #[test]
+    fn unfinished_and_unknown_characters_are_tokens_too() {
+        let found = tokens("\"abc\n§ \"a\\\"b\"");
+        assert_eq!(found[0], (Token::OpenString, "\"abc"));
+        assert_eq!(found[2].0, Token::Unknown);
+        assert_eq!(found[3], (Token::String, "\"a\\\"b\""));
+    }
+}

@@ -1,0 +1,304 @@
+//! The verifier: what every function keeps to, after every pass.
+//!
+//! [`verify`] collects all violations instead of stopping at the first. It
+//! runs after every pass, so it takes linear time (sorting aside) and few
+//! allocations. What needs the machine is checked by [`verify_placement`].
+//!
+//! # Invariants
+//!
+//! At every level:
+//!
+//! 1. The name of the function, the keys of its metadata and the names of its
+//!    arrays are words: ASCII letters, digits and underscores, in parts
+//!    joined by dots, not beginning with a digit.
+//! 2. Input arrays have different names, and so have output arrays; inputs
+//!    and outputs have at most 2^28 elements each.
+//! 3. A node has as many operands as its operation takes; an operand is an
+//!    earlier node, an input element or a constant that exists.
+//! 4. Names are different; the symbol of a name is a word that does not
+//!    itself end like a derived name (`x.1`), and its number is at most
+//!    999,999,999.
+//! 5. Constants are finite.
+//! 6. Assignments are in order of the output elements, each set once; what
+//!    they are set to exists. An output array with elements has at least one
+//!    that is set.
+//! 7. The result of a user call is an input array.
+//!
+//! At the level `equations`:
+//!
+//! 8. Nodes without a name are inner nodes of one expression: each is used
+//!    exactly once, and they stand in the order of evaluation, left operand
+//!    first, right before the definition they belong to; those that belong
+//!    to assignments stand behind all definitions. So the text determines
+//!    the order of the nodes.
+//! 9. An inner node has the sources of the definition or assignment that it
+//!    belongs to.
+//! 10. A copy is a definition, and copies no inner node.
+//! 11. There are no times.
+//!
+//! From the level `atomic` on:
+//!
+//! 12. Every node has a name; there is no copy and no minus (`0 - x` instead).
+//! 13. Times, when present, are there for every node; none is earlier than
+//!     its operands allow or later than its users allow, and earliest does
+//!     not come after latest.
+//!
+//! At the levels `scheduled` and `placed`, and only there:
+//!
+//! 14. There is a schedule with a slot for every node; the kinds of
+//!     processing elements have different names of lower-case letters, none
+//!     of them `host`.
+//! 15. No processing element starts two operations in one cycle; an operation
+//!     starts after those whose results it reads; the host evaluates nothing
+//!     that needs a result of a processing element, and sine and cosine are
+//!     evaluated by nothing else.
+//! 16. All operations start before the end of the schedule, and the proved
+//!     bound does not exceed its length.
+//!
+//! At the level `placed`, and only there:
+//!
+//! 17. There is a placement with addresses for every operand, writes for
+//!     results of processing elements only, in order and after their issue,
+//!     and with a buffer word only for a result that is written later than
+//!     its first write could be.
+//! 18. Words belong to processing elements; initial data is in order, one
+//!     datum to a word, and known before the run.
+//! 19. An output that is a result of a processing element has a word where it
+//!     stays, and no other output has one.
+
+mod body;
+mod header;
+mod names;
+mod placed;
+mod placement;
+mod schedule;
+mod timing;
+
+use crate::entity::{Constant, Operand, Value};
+use crate::function::Level;
+use crate::module::View;
+use crate::print;
+use crate::source::Place;
+pub use placement::verify_placement;
+
+/// How many violations are described; the rest is counted.
+const MOST: usize = 100;
+
+/// What a violation is about.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Subject {
+    /// The function as a whole.
+    Function,
+    /// An input array, by its index in [`crate::Function::inputs`].
+    Input(usize),
+    /// An output array, by its index in [`crate::Function::outputs`].
+    Output(usize),
+    /// A user call, by its index in [`crate::Function::boundaries`].
+    Boundary(usize),
+    /// A constant.
+    Constant(Constant),
+    /// A node.
+    Value(Value),
+    /// An assignment, by its index in [`crate::Function::assignments`].
+    Assignment(usize),
+    /// A preload, by its index in [`crate::placement::Placement::preloads`].
+    Preload(usize),
+    /// The schedule as a whole.
+    Schedule,
+}
+
+/// A broken invariant.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Violation {
+    /// What it is about.
+    pub subject: Subject,
+    /// A sentence that names it.
+    pub message: String,
+}
+
+impl Violation {
+    /// A place of the user's file that the violation is about, when known:
+    /// that of the value, output or call. For an array or a constant, that of
+    /// the first node that reads it.
+    pub fn place(&self, view: View<'_>) -> Option<Place> {
+        let function = view.function;
+        let sources = &view.tables.sources;
+        let reader = |reads: &dyn Fn(Operand) -> bool| {
+            let nodes = function.nodes().iter();
+            let found = nodes.filter(|node| node.operands.iter().any(|&operand| reads(operand)));
+            found.map(|node| node.sources).next()
+        };
+        let set = match self.subject {
+            Subject::Function | Subject::Schedule => None,
+            Subject::Value(value) => function.nodes().get(value.index()).map(|node| node.sources),
+            Subject::Boundary(index) => function.boundaries.get(index).map(|call| call.sources),
+            Subject::Assignment(index) => function
+                .assignments
+                .get(index)
+                .map(|assignment| assignment.sources),
+            Subject::Constant(constant) => reader(&|operand| operand.constant() == Some(constant)),
+            Subject::Input(index) => {
+                let array = function.inputs()[index];
+                let end = array.offset + array.shape.len() as u32;
+                reader(&|operand| {
+                    let input = operand.input();
+                    input.is_some_and(|input| (array.offset..end).contains(&input.0))
+                })
+            }
+            Subject::Output(index) => {
+                let array = function.outputs()[index];
+                let end = array.offset + array.shape.len() as u32;
+                let mut assignments = function.assignments.iter();
+                assignments
+                    .find(|assignment| (array.offset..end).contains(&assignment.output.0))
+                    .map(|assignment| assignment.sources)
+            }
+            Subject::Preload(index) => function
+                .placement
+                .as_ref()
+                .and_then(|placement| placement.preloads.get(index))
+                .and_then(|preload| preload.operand.value())
+                .and_then(|value| function.nodes().get(value.index()))
+                .map(|node| node.sources),
+        };
+        set.and_then(|set| sources.first(set))
+    }
+}
+
+/// Checks the invariants of the function's level. The result is empty for a
+/// well-formed function. It holds at most 100 violations; when there are
+/// more, a last entry says how many.
+pub fn verify(view: View<'_>) -> Vec<Violation> {
+    let mut collector = Collector::new(view);
+    header::check(&mut collector);
+    if !body::check(&mut collector) {
+        // With operands that do not exist nothing else can be looked up.
+        return collector.finish();
+    }
+    names::check(&mut collector);
+    timing::check(&mut collector);
+    let function = view.function;
+    let level = function.level;
+    if function.schedule.is_some() != (level >= Level::Scheduled) {
+        let message = match level >= Level::Scheduled {
+            true => format!("a function of the level {level} needs a schedule"),
+            false => format!("a function of the level {level} has no schedule"),
+        };
+        collector.add(Subject::Function, || message);
+    }
+    if function.placement.is_some() != (level == Level::Placed) {
+        let message = match level == Level::Placed {
+            true => "a placed function needs a placement".to_owned(),
+            false => format!("a function of the level {level} has no placement"),
+        };
+        collector.add(Subject::Function, || message);
+    }
+    if let Some(schedule) = &function.schedule
+        && schedule::check(&mut collector, schedule)
+        && let Some(placement) = &function.placement
+    {
+        placed::check(&mut collector, schedule, placement);
+    }
+    collector.finish()
+}
+
+/// Violations up to the limit, and their number.
+struct Collector<'a> {
+    view: View<'a>,
+    list: Vec<Violation>,
+    total: usize,
+}
+
+impl<'a> Collector<'a> {
+    fn new(view: View<'a>) -> Collector<'a> {
+        Collector {
+            view,
+            list: Vec::new(),
+            total: 0,
+        }
+    }
+
+    fn add(&mut self, subject: Subject, message: impl FnOnce() -> String) {
+        self.total += 1;
+        if self.list.len() < MOST {
+            let message = message();
+            self.list.push(Violation { subject, message });
+        }
+    }
+
+    /// A violation about a node; the message follows its name.
+    fn value(&mut self, value: Value, message: impl FnOnce() -> String) {
+        let view = self.view;
+        self.add(Subject::Value(value), || {
+            format!("{} {}", describe(view, value), message())
+        });
+    }
+
+    /// A violation about an assignment; the message follows its output.
+    fn assignment(&mut self, index: usize, message: impl FnOnce() -> String) {
+        let view = self.view;
+        self.add(Subject::Assignment(index), || {
+            let output = view.function.assignments[index].output;
+            let name = match output.index() < view.function.output_len() {
+                true => print::print_output(view, output),
+                false => format!("output element {}", output.0),
+            };
+            format!("{name} {}", message())
+        });
+    }
+
+    fn finish(mut self) -> Vec<Violation> {
+        if self.total > self.list.len() {
+            let rest = self.total - self.list.len();
+            self.list.push(Violation {
+                subject: Subject::Function,
+                message: format!("{rest} further violations are not shown"),
+            });
+        }
+        self.list
+    }
+}
+
+/// A value for a message: its name, or that of the definition around it.
+fn describe(view: View<'_>, value: Value) -> String {
+    let symbols = &view.tables.symbols;
+    let name = |value: Value| {
+        let name = view.function.node(value).name;
+        match name.base.index() < symbols.len() {
+            true => format!("%{}", name.display(symbols)),
+            false => format!("node {}", value.0),
+        }
+    };
+    if !view.function.node(value).name.is_none() {
+        return name(value);
+    }
+    let count = view.function.nodes().len() as u32;
+    let root = (value.0..count)
+        .map(Value)
+        .find(|&later| !view.function.node(later).name.is_none());
+    let operation = view.function.node(value).operation.name();
+    match root {
+        Some(root) => format!("an inner '{operation}' before {}", name(root)),
+        None => format!("an inner '{operation}' behind all definitions"),
+    }
+}
+
+/// An operand for a message.
+fn describe_operand(view: View<'_>, operand: Operand) -> String {
+    match operand.value() {
+        Some(value) => describe(view, value),
+        None => print::print_operand(view, operand),
+    }
+}
+
+/// True for a word: letters, digits and underscores in parts joined by dots.
+pub(crate) fn is_word(text: &str) -> bool {
+    !text.starts_with(|first: char| first.is_ascii_digit())
+        && text.split('.').all(|part| {
+            let word = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
+            !part.is_empty() && part.bytes().all(word)
+        })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,251 @@
+//! Invariants 3, 6, 8 to 10 and 12: nodes, expressions, assignments.
+
+use super::{Collector, Subject, describe_operand};
+use crate::entity::{Operand, OperandKind, Output, Value};
+use crate::function::{Array, Level, Node};
+use crate::operation::Operation;
+use crate::source::SourceSet;
+
+/// True when every operand exists.
+pub(super) fn check(collector: &mut Collector<'_>) -> bool {
+    let sound = operands(collector);
+    let sound = assignments(collector) && sound;
+    if !sound {
+        return false;
+    }
+    if collector.view.function.level == Level::Equations {
+        expressions(collector);
+    } else {
+        atomic(collector);
+    }
+    true
+}
+
+/// What can be an operand of a node.
+struct Bounds {
+    inputs: usize,
+    constants: usize,
+}
+
+impl Bounds {
+    fn holds(&self, operand: Operand, values: usize) -> bool {
+        match operand.kind() {
+            OperandKind::Value(value) => value.index() < values,
+            OperandKind::Input(input) => input.index() < self.inputs,
+            OperandKind::Constant(constant) => constant.index() < self.constants,
+            OperandKind::None => false,
+        }
+    }
+}
+
+fn bounds(collector: &Collector<'_>) -> Bounds {
+    Bounds {
+        inputs: collector.view.function.input_len(),
+        constants: collector.view.function.constants().len(),
+    }
+}
+
+fn operands(collector: &mut Collector<'_>) -> bool {
+    let bounds = bounds(collector);
+    let mut sound = true;
+    for (value, node) in collector.view.function.values() {
+        let [left, right] = node.operands;
+        let right_fits = match node.operation.arity() {
+            1 => right.is_none(),
+            _ => bounds.holds(right, value.index()),
+        };
+        if !bounds.holds(left, value.index()) || !right_fits {
+            sound = false;
+            let operation = node.operation.name();
+            collector.value(value, || {
+                format!(
+                    "('{operation}') does not read {} earlier values, inputs or constants: {left:?}, {right:?}",
+                    node.operation.arity()
+                )
+            });
+        }
+    }
+    sound
+}
+
+fn assignments(collector: &mut Collector<'_>) -> bool {
+    let bounds = bounds(collector);
+    let function = collector.view.function;
+    let (elements, values) = (function.output_len(), function.nodes().len());
+    let mut sound = true;
+    let mut last: Option<Output> = None;
+    for (index, assignment) in function.assignments.iter().enumerate() {
+        if assignment.output.index() >= elements {
+            sound = false;
+            collector.assignment(index, || format!("is beyond the {elements} that exist"));
+            continue;
+        }
+        if last == Some(assignment.output) {
+            collector.assignment(index, || "is set twice".to_owned());
+        } else if last > Some(assignment.output) {
+            collector.assignment(index, || "is set out of order".to_owned());
+        }
+        last = Some(assignment.output);
+        if !bounds.holds(assignment.operand, values) {
+            sound = false;
+            let operand = assignment.operand;
+            collector.assignment(index, || {
+                format!("is set to {operand:?}, which does not exist")
+            });
+        }
+    }
+    outputs(collector);
+    sound
+}
+
+fn outputs(collector: &mut Collector<'_>) {
+    let view = collector.view;
+    let arrays = view.function.outputs();
+    let end = |array: &Array| array.offset as usize + array.shape.len();
+    let mut set = vec![false; arrays.len()];
+    for assignment in &view.function.assignments {
+        let element = assignment.output.index();
+        let array = arrays.partition_point(|array| end(array) <= element);
+        if let Some(set) = set.get_mut(array) {
+            *set = true;
+        }
+    }
+    for (index, array) in arrays.iter().enumerate() {
+        if !set[index] && !array.shape.is_empty() && array.name.index() < view.tables.symbols.len()
+        {
+            let name = view.tables.symbols.text(array.name);
+            let message = || format!("no element of the output array '{name}' is ever set");
+            collector.add(Subject::Output(index), message);
+        }
+    }
+}
+
+fn atomic(collector: &mut Collector<'_>) {
+    let level = collector.view.function.level;
+    for (value, node) in collector.view.function.values() {
+        if node.name.is_none() {
+            collector.value(value, || {
+                format!("has no name: at the level {level} a definition is one operation")
+            });
+        }
+        match node.operation {
+            Operation::Copy => collector.value(value, || {
+                format!("is a copy, which the level {level} does not have")
+            }),
+            Operation::Neg => collector.value(value, || {
+                format!("is a minus, which the level {level} does not have; it is written 0 - x")
+            }),
+            _ => {}
+        }
+    }
+}
+
+/// Inner nodes, with a stack of those not yet used: what an operation reads
+/// must lie on top, and a definition must leave nothing behind.
+fn expressions(collector: &mut Collector<'_>) {
+    let function = collector.view.function;
+    let named: Vec<bool> = function
+        .nodes()
+        .iter()
+        .map(|node| !node.name.is_none())
+        .collect();
+    let mut open: Vec<Value> = Vec::new();
+    let mut first = 0;
+    for (value, node) in function.values() {
+        for &operand in node.operands().iter().rev() {
+            if let Some(inner) = operand.value().filter(|inner| !named[inner.index()]) {
+                take(collector, &mut open, inner, value);
+            }
+        }
+        copy(collector, value, node, &named);
+        if named[value.index()] {
+            for left in open.drain(..) {
+                collector.value(left, || {
+                    "is not used by the definition behind it".to_owned()
+                });
+            }
+            sources(collector, first..value.0, node.sources);
+            first = value.0 + 1;
+        } else {
+            open.push(value);
+        }
+    }
+    trees_of_assignments(collector, &open, &named, first);
+}
+
+fn take(collector: &mut Collector<'_>, open: &mut Vec<Value>, inner: Value, user: Value) {
+    if open.last() == Some(&inner) {
+        open.pop();
+        return;
+    }
+    let view = collector.view;
+    if let Some(at) = open.iter().rposition(|&other| other == inner) {
+        open.remove(at);
+        collector.value(inner, || {
+            let user = super::describe(view, user);
+            format!("does not stand in the order of evaluation of {user}")
+        });
+    } else {
+        collector.value(inner, || {
+            let user = super::describe(view, user);
+            format!("is used more than once or by another definition, {user}")
+        });
+    }
+}
+
+fn copy(collector: &mut Collector<'_>, value: Value, node: &Node, named: &[bool]) {
+    if node.operation != Operation::Copy {
+        return;
+    }
+    let copied = node.operands[0];
+    if !named[value.index()] {
+        collector.value(value, || "is a copy, which must be a definition".to_owned());
+    }
+    if copied.value().is_some_and(|inner| !named[inner.index()]) {
+        let view = collector.view;
+        collector.value(value, || {
+            format!("copies {}", describe_operand(view, copied))
+        });
+    }
+}
+
+fn sources(collector: &mut Collector<'_>, inner: std::ops::Range<u32>, set: SourceSet) {
+    for value in inner.map(Value) {
+        if collector.view.function.node(value).sources != set {
+            collector.value(value, || {
+                "has other sources than what it belongs to".to_owned()
+            });
+        }
+    }
+}
+
+/// The expressions of assignments: what is open behind the definitions, in
+/// the order of the assignments.
+fn trees_of_assignments(
+    collector: &mut Collector<'_>,
+    open: &[Value],
+    named: &[bool],
+    mut first: u32,
+) {
+    let function = collector.view.function;
+    let mut roots = open.iter().copied().peekable();
+    for (index, assignment) in function.assignments.iter().enumerate() {
+        let Some(root) = assignment.operand.value() else {
+            continue;
+        };
+        if named[root.index()] {
+            continue;
+        }
+        if roots.next_if_eq(&root).is_some() {
+            sources(collector, first..root.0 + 1, assignment.sources);
+            first = root.0 + 1;
+        } else {
+            collector.assignment(index, || {
+                "is set to an expression that does not stand in the order of the outputs".to_owned()
+            });
+        }
+    }
+    for root in roots {
+        collector.value(root, || "is used by nothing".to_owned());
+    }
+}

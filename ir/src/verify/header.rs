@@ -1,0 +1,83 @@
+//! Invariants 1, 2, 5 and 7: words, arrays, constants, user calls.
+
+use super::{Collector, Subject, is_word};
+use crate::entity::Constant;
+use crate::function::Array;
+use hashbrown::HashSet;
+use rustc_hash::FxBuildHasher;
+
+const MOST_ELEMENTS: u64 = 1 << 28;
+
+pub(super) fn check(collector: &mut Collector<'_>) {
+    let function = collector.view.function;
+    if !is_word(&function.name) {
+        let message = || format!("the name '{}' of the function is not a word", function.name);
+        collector.add(Subject::Function, message);
+    }
+    for (key, _) in &function.metadata {
+        if !is_word(key) {
+            let message = || format!("the key '{key}' of the metadata is not a word");
+            collector.add(Subject::Function, message);
+        }
+    }
+    arrays(collector, function.inputs(), "input", Subject::Input);
+    arrays(collector, function.outputs(), "output", Subject::Output);
+    for (index, &number) in function.constants().iter().enumerate() {
+        if !number.is_finite() {
+            let subject = Subject::Constant(Constant(index as u32));
+            collector.add(subject, || format!("the constant {number} is not finite"));
+        }
+    }
+    boundaries(collector);
+}
+
+fn arrays(
+    collector: &mut Collector<'_>,
+    arrays: &[Array],
+    kind: &str,
+    subject: impl Fn(usize) -> Subject,
+) {
+    let symbols = &collector.view.tables.symbols;
+    let mut seen: HashSet<_, FxBuildHasher> = HashSet::default();
+    let mut elements = 0u64;
+    for (index, array) in arrays.iter().enumerate() {
+        if array.name.index() >= symbols.len() {
+            collector.add(subject(index), || format!("an {kind} array has no name"));
+            continue;
+        }
+        let name = symbols.text(array.name);
+        if !is_word(name) {
+            let message = || format!("the name '{name}' of an {kind} array is not a word");
+            collector.add(subject(index), message);
+        }
+        if !seen.insert(array.name) {
+            let message = || format!("there are two {kind} arrays '{name}'");
+            collector.add(subject(index), message);
+        }
+        let before = elements;
+        elements = elements.saturating_add(array.shape.len() as u64);
+        if before <= MOST_ELEMENTS && elements > MOST_ELEMENTS {
+            let message = || format!("the {kind} arrays have more than {MOST_ELEMENTS} elements");
+            collector.add(subject(index), message);
+        }
+    }
+}
+
+fn boundaries(collector: &mut Collector<'_>) {
+    let view = collector.view;
+    let inputs = view.function.inputs().iter();
+    let names: HashSet<&str, FxBuildHasher> = inputs
+        .filter(|array| array.name.index() < view.tables.symbols.len())
+        .map(|array| view.tables.symbols.text(array.name))
+        .collect();
+    for (index, boundary) in view.function.boundaries.iter().enumerate() {
+        if let Some(result) = &boundary.result
+            && !names.contains(result.as_str())
+        {
+            collector.add(Subject::Boundary(index), || {
+                let callee = &boundary.callee;
+                format!("the result '{result}' of the call of '{callee}' is not an input array")
+            });
+        }
+    }
+}

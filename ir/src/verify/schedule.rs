@@ -1,0 +1,152 @@
+//! Invariants 14 to 16: what of a schedule can be checked without knowing the
+//! machine.
+
+use super::{Collector, Subject, describe};
+use crate::entity::Value;
+use crate::placement::{Schedule, Slot};
+
+/// True when every node has a slot on an element that exists.
+pub(super) fn check(collector: &mut Collector<'_>, schedule: &Schedule) -> bool {
+    kinds(collector, schedule);
+    let count = collector.view.function.nodes().len();
+    if schedule.slots.len() != count {
+        let slots = schedule.slots.len();
+        let message = || format!("there are slots for {slots} of {count} nodes");
+        collector.add(Subject::Schedule, message);
+        return false;
+    }
+    let sound = slots(collector, schedule);
+    dependencies(collector, schedule);
+    one_at_a_time(collector, schedule);
+    if schedule.lower_bound > schedule.cycles {
+        collector.add(Subject::Schedule, || {
+            let (cycles, bound) = (schedule.cycles, schedule.lower_bound);
+            format!("the schedule of {cycles} cycles is shorter than its lower bound {bound}")
+        });
+    }
+    sound
+}
+
+fn kinds(collector: &mut Collector<'_>, schedule: &Schedule) {
+    let mut elements = 0u64;
+    for (index, kind) in schedule.kinds.iter().enumerate() {
+        let name = &kind.name;
+        let letters = name.bytes().all(|byte| byte.is_ascii_lowercase());
+        if name.is_empty() || !letters || name == "host" {
+            collector.add(Subject::Schedule, || {
+                format!("the kind '{name}' is not a word of lower-case letters other than 'host'")
+            });
+        }
+        if schedule.kinds[..index]
+            .iter()
+            .any(|other| other.name == *name)
+        {
+            let message = || format!("there are two kinds '{name}' of processing elements");
+            collector.add(Subject::Schedule, message);
+        }
+        elements += u64::from(kind.count);
+    }
+    if elements >= 1 << 24 {
+        let message = || "there are more than 2^24 processing elements".to_owned();
+        collector.add(Subject::Schedule, message);
+    }
+}
+
+fn slots(collector: &mut Collector<'_>, schedule: &Schedule) -> bool {
+    let elements: u64 = schedule
+        .kinds
+        .iter()
+        .map(|kind| u64::from(kind.count))
+        .sum();
+    let mut sound = elements < 1 << 24;
+    for (value, node) in collector.view.function.values() {
+        let slot = schedule.slots[value.index()];
+        if slot.is_host() {
+            continue;
+        }
+        if u64::from(slot.element) >= elements {
+            sound = false;
+            collector.value(value, || {
+                format!("is on processing element {} of {elements}", slot.element)
+            });
+        }
+        if slot.cycle >= schedule.cycles {
+            let cycles = schedule.cycles;
+            collector.value(value, || {
+                format!("starts at cycle {} of {cycles}", slot.cycle)
+            });
+        }
+        if node.operation.is_trigonometric() {
+            collector.value(value, || {
+                "is a sine or cosine, which only the host evaluates".to_owned()
+            });
+        }
+    }
+    sound
+}
+
+fn dependencies(collector: &mut Collector<'_>, schedule: &Schedule) {
+    let view = collector.view;
+    for (value, node) in view.function.values() {
+        let slot = schedule.slots[value.index()];
+        for operand in node.operands().iter().filter_map(|operand| operand.value()) {
+            let source = schedule.slots[operand.index()];
+            if source.is_host() {
+                continue;
+            }
+            if slot.is_host() {
+                collector.value(value, || {
+                    let operand = describe(view, operand);
+                    format!("is evaluated by the host before the run, but reads {operand}")
+                });
+            } else if slot.cycle <= source.cycle {
+                collector.value(value, || {
+                    let operand = describe(view, operand);
+                    format!(
+                        "starts at cycle {}, but {operand}, which it reads, starts at {}",
+                        slot.cycle, source.cycle
+                    )
+                });
+            }
+        }
+    }
+}
+
+fn one_at_a_time(collector: &mut Collector<'_>, schedule: &Schedule) {
+    let key = |slot: &Slot| u64::from(slot.element) << 32 | u64::from(slot.cycle);
+    let mut keys: Vec<u64> = schedule
+        .slots
+        .iter()
+        .filter(|slot| !slot.is_host())
+        .map(key)
+        .collect();
+    keys.sort_unstable();
+    let mut twice: Vec<u64> = keys
+        .windows(2)
+        .filter(|pair| pair[0] == pair[1])
+        .map(|pair| pair[0])
+        .collect();
+    twice.dedup();
+    if twice.is_empty() {
+        return;
+    }
+    let mut first: Vec<Option<Value>> = vec![None; twice.len()];
+    let view = collector.view;
+    for (index, slot) in schedule.slots.iter().enumerate() {
+        let Ok(at) = twice.binary_search(&key(slot)) else {
+            continue;
+        };
+        let value = Value(index as u32);
+        match first[at] {
+            None => first[at] = Some(value),
+            Some(other) => collector.value(value, || {
+                let (kind, number) = schedule.element_name(slot.element);
+                format!(
+                    "starts on {kind}{number} at cycle {}, and so does {}",
+                    slot.cycle,
+                    describe(view, other)
+                )
+            }),
+        }
+    }
+}
