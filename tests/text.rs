@@ -63,7 +63,14 @@ fn errors_point_at_their_place() {
         match parse_module(&name, &text) {
             Ok(_) => panic!("{name} is read without complaint"),
             Err(diagnostics) => {
-                insta::assert_snapshot!(Report::of(&name, text, diagnostics).render_plain());
+                let shown = Report::of(&name, text, diagnostics).render_plain();
+                let mut settings = insta::Settings::clone_current();
+                settings.set_snapshot_path("errors/text");
+                settings.set_prepend_module_to_snapshot(false);
+                settings.remove_snapshot_suffix();
+                settings.set_omit_expression(true);
+                settings.remove_input_file();
+                settings.bind(|| insta::assert_snapshot!(name.clone(), shown));
             }
         }
     });

@@ -61,7 +61,7 @@ pub fn parse_module(name: &str, text: &str) -> Result<Module, Vec<Diagnostic>> {
     let mut tokens = Tokens::new(text);
     let parser = grammar::StatementsParser::new();
     while let Err(error) = parser.parse(&mut builder, &mut tokens) {
-        builder.syntax_error(error);
+        builder.syntax_error(error, &tokens);
         if builder.is_full() {
             break;
         }

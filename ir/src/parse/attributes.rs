@@ -40,7 +40,7 @@ impl Builder<'_> {
     }
 
     /// An attribute that belongs to the level and those below.
-    fn from_level(&mut self, level: Level, span: Span, what: &str) -> bool {
+    fn belongs_to(&mut self, level: Level, span: Span, what: &str) -> bool {
         let actual = self.open.function.level;
         let fits = actual >= level;
         if !fits && self.open.head.is_some() {
@@ -56,7 +56,7 @@ impl Builder<'_> {
     /// `on add0 at 17` or `on host`.
     pub(super) fn on(&mut self, element: Span, cycle: Option<Span>, span: Span) {
         let first = self.attributes.slot.map(|(_, span)| span);
-        if !self.from_level(Level::Scheduled, span, "schedule")
+        if !self.belongs_to(Level::Scheduled, span, "schedule")
             || !self.once(first, span, "the processing element")
         {
             return;
@@ -92,7 +92,7 @@ impl Builder<'_> {
     /// `read 12 40`.
     pub(super) fn read(&mut self, left: Span, right: Option<Span>, span: Span) {
         let first = self.attributes.reads.map(|(_, span)| span);
-        if self.from_level(Level::Placed, span, "addresses") && self.once(first, span, "'read'") {
+        if self.belongs_to(Level::Placed, span, "addresses") && self.once(first, span, "'read'") {
             let left = self.integer(left);
             let right = right.map_or(Placement::NONE, |right| self.integer(right));
             self.attributes.reads = Some(([left, right], span));
@@ -102,14 +102,14 @@ impl Builder<'_> {
     /// `buffer 2`.
     pub(super) fn buffer(&mut self, word: Span, span: Span) {
         let first = self.attributes.buffer.map(|(_, span)| span);
-        if self.from_level(Level::Placed, span, "buffers") && self.once(first, span, "'buffer'") {
+        if self.belongs_to(Level::Placed, span, "buffers") && self.once(first, span, "'buffer'") {
             self.attributes.buffer = Some((self.integer(word), span));
         }
     }
 
     /// `multi2[7] at 33` of `write`.
     pub(super) fn write(&mut self, element: Span, address: Span, cycle: Span, span: Span) {
-        if !self.from_level(Level::Placed, span, "writes") {
+        if !self.belongs_to(Level::Placed, span, "writes") {
             return;
         }
         let cycle = self.integer(cycle);
@@ -122,7 +122,7 @@ impl Builder<'_> {
     /// `in multi2[17]`.
     pub(super) fn home(&mut self, element: Span, address: Span, span: Span) {
         let first = self.attributes.home.map(|(_, span)| span);
-        if !self.from_level(Level::Placed, span, "addresses")
+        if !self.belongs_to(Level::Placed, span, "addresses")
             || !self.once(first, span, "the address")
         {
             return;
@@ -153,13 +153,15 @@ impl Builder<'_> {
     /// read before.
     pub(super) fn timing(&mut self, span: Span) {
         let first = self.attributes.timing.map(|(_, span)| span);
-        if !self.from_level(Level::Atomic, span, "times") || !self.once(first, span, "the time") {
+        if !self.belongs_to(Level::Atomic, span, "times") || !self.once(first, span, "the time") {
             return;
         }
         let entries = std::mem::take(&mut self.attributes.entries);
         let mut missing = TIMING_KEYS[..4].iter().zip(&entries);
         if let Some((key, _)) = missing.find(|(_, entry)| entry.is_none()) {
             self.error(span, format!("the time '{key}' is missing"));
+            self.attributes.timing = Some((Timing::default(), span));
+            return;
         }
         let [asap, alap, asap_cycle, alap_cycle, mobility] = entries;
         let timing = Timing {

@@ -187,11 +187,11 @@ impl Builder<'_> {
     }
 
     fn unknown_array(&mut self, name: Span, is_input: bool) {
-        if self.is_full() {
-            return;
-        }
         let text = self.slice(name);
         let open = &self.open;
+        if self.is_full() || open.broken.contains_key(text) {
+            return;
+        }
         let (arrays, others) = match is_input {
             true => (open.function.inputs(), &open.outputs),
             false => (open.function.outputs(), &open.inputs),
@@ -222,7 +222,7 @@ impl Builder<'_> {
     }
 
     /// The end of a definition's line.
-    pub(super) fn end_definition(&mut self, root: Operand) {
+    pub(super) fn end_definition(&mut self, root: Operand, end: u32) {
         let Head::Definition(name, span) = self.head else {
             return;
         };
@@ -234,7 +234,6 @@ impl Builder<'_> {
                 copy.value().unwrap_or(Value(self.start))
             }
         };
-        let end = self.open.spans[root.index()].end;
         self.open.spans[root.index()] = Span::new(span.start, end);
         if let Some(first) = self.names.get(name) {
             let first = self.open.name_span(first, self.text);

@@ -109,6 +109,8 @@ pub(super) struct Open<'t> {
     pub(super) problems_before: usize,
     pub(super) inputs: FastMap<&'t str, usize>,
     pub(super) outputs: FastMap<&'t str, usize>,
+    /// Arrays whose declaration was refused: their uses are no errors.
+    pub(super) broken: FastMap<&'t str, ()>,
     pub(super) input_spans: Vec<Span>,
     pub(super) output_spans: Vec<Span>,
     pub(super) boundary_spans: Vec<Span>,
@@ -134,6 +136,7 @@ impl Open<'_> {
             problems_before: 0,
             inputs: FastMap::default(),
             outputs: FastMap::default(),
+            broken: FastMap::default(),
             input_spans: Vec::new(),
             output_spans: Vec::new(),
             boundary_spans: Vec::new(),

@@ -140,6 +140,7 @@ impl Builder<'_> {
         }
         if total as u64 + shape.len() as u64 > MOST_ELEMENTS {
             let message = format!("the {kind} arrays have more than {MOST_ELEMENTS} elements");
+            open.broken.insert(text, ());
             self.error(name, message);
             return self.next_statement();
         }
@@ -301,7 +302,10 @@ impl Builder<'_> {
                 .kinds
                 .iter()
                 .filter(|known| known.count > 0)
-                .map(|known| format!("{0}0 to {0}{1}", known.name, known.count - 1))
+                .map(|known| match known.count {
+                    1 => format!("{}0", known.name),
+                    count => format!("{0}0 to {0}{1}", known.name, count - 1),
+                })
                 .collect();
             let message = format!("there is no processing element '{}'", clip(text));
             let declared = self.open.schedule_span;

@@ -144,6 +144,10 @@ pub(super) struct Tokens<'t> {
     lexer: Lexer<'t, Token>,
     ahead: Option<Spanned>,
     previous: Token,
+    /// Where the statement of the last token starts.
+    statement: u32,
+    /// The last line end that did not end the statement.
+    joined: Option<u32>,
 }
 
 impl<'t> Tokens<'t> {
@@ -157,7 +161,19 @@ impl<'t> Tokens<'t> {
             lexer,
             ahead: None,
             previous: Token::Newline,
+            statement: 0,
+            joined: None,
         }
+    }
+
+    /// Where the statement of the last token starts.
+    pub(super) fn statement(&self) -> u32 {
+        self.statement
+    }
+
+    /// The last line end inside the statement of the last token.
+    pub(super) fn joined(&self) -> Option<u32> {
+        self.joined
     }
 
     /// Drops the rest of the statement that the last token belongs to.
@@ -171,6 +187,13 @@ impl<'t> Tokens<'t> {
         Some((span.start as u32, token, span.end as u32))
     }
 
+    /// True when the token and the text behind it begin a new definition, as
+    /// after a line that breaks off.
+    fn is_head(&self, token: Token, end: u32) -> bool {
+        let rest = self.lexer.source()[end as usize..].trim_start_matches([' ', '\t']);
+        matches!(token, Token::Value | Token::Word) && rest.starts_with('=')
+    }
+
     /// What follows a line end: the line end itself, or, when the statement
     /// goes on, the token behind it.
     fn after_newline(&mut self, newline: Spanned) -> Option<Spanned> {
@@ -182,11 +205,14 @@ impl<'t> Tokens<'t> {
         };
         let ends = match following {
             None => self.previous != Token::Newline,
-            Some((_, token, _)) => {
-                self.previous != Token::Newline && !self.previous.goes_on() && !token.continues()
+            Some((_, token, end)) => {
+                self.previous != Token::Newline
+                    && (!self.previous.goes_on() || self.is_head(token, end))
+                    && !token.continues()
             }
         };
         if !ends {
+            self.joined = (self.previous != Token::Newline).then_some(newline.0);
             return following;
         }
         self.ahead = following;
@@ -206,6 +232,10 @@ impl Iterator for Tokens<'_> {
             }
             other => other,
         }?;
+        if self.previous == Token::Newline {
+            self.statement = token.0;
+            self.joined = None;
+        }
         self.previous = token.1;
         Some(token)
     }

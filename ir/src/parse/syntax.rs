@@ -1,11 +1,13 @@
 //! Errors of the grammar, said for people.
 
-use super::builder::{Builder, Head, Span};
-use super::lexer::Token;
-use super::problems::error;
+use super::builder::{Builder, Head, Open, Span};
+use super::lexer::{Spanned, Token, Tokens};
+use super::problems::{also, error};
 use crate::diagnostic::clip;
+use crate::function::Level;
 use crate::operation::Operation;
 use lalrpop_util::ParseError;
+use logos::Logos;
 
 /// How many of the expected tokens are listed.
 const MOST_EXPECTED: usize = 6;
@@ -13,14 +15,16 @@ const MOST_EXPECTED: usize = 6;
 impl Builder<'_> {
     /// Records an error of the grammar and gives the unfinished statement an
     /// end that causes no further errors.
-    pub(super) fn syntax_error(&mut self, error: ParseError<u32, Token, std::convert::Infallible>) {
+    pub(super) fn syntax_error(
+        &mut self,
+        error: ParseError<u32, Token, std::convert::Infallible>,
+        tokens: &Tokens<'_>,
+    ) {
         match error {
             ParseError::UnrecognizedToken { token, expected } => {
-                self.unexpected(token.1, Span::new(token.0, token.2), &expected);
+                self.unexpected(token, &expected, tokens.joined());
             }
-            ParseError::ExtraToken { token } => {
-                self.unexpected(token.1, Span::new(token.0, token.2), &[]);
-            }
+            ParseError::ExtraToken { token } => self.unexpected(token, &[], tokens.joined()),
             ParseError::InvalidToken { location } => {
                 self.error(Span::new(location, location), "this is not understood");
             }
@@ -32,84 +36,127 @@ impl Builder<'_> {
             }
             ParseError::User { error } => match error {},
         }
-        self.abandon();
+        self.abandon(tokens.statement());
     }
 
-    fn unexpected(&mut self, token: Token, span: Span, expected: &[String]) {
+    fn unexpected(&mut self, token: Spanned, expected: &[String], joined: Option<u32>) {
         if self.is_full() {
             return;
         }
+        let (start, token, end) = token;
+        let span = Span::new(start, end);
         let text = self.slice(span);
         let mut diagnostic = match token {
-            Token::Newline => error(Span::new(span.start, span.start), "the line ends too early"),
+            Token::Newline => error(Span::new(start, start), "the line ends too early"),
             Token::OpenString => error(span, "the quotes are not closed on this line"),
             Token::Unknown => error(span, format!("'{}' has no meaning here", clip(text))),
             _ => error(span, format!("'{}' is not expected here", clip(text))),
         };
-        match token {
-            Token::OpenString => {}
-            Token::Unknown if text.starts_with('%') => {
-                diagnostic = diagnostic.with_note("help: a value is a % and a name, like %OM16.1");
-            }
-            _ => {
-                if let Some(list) = expected_list(expected) {
-                    diagnostic = diagnostic.with_note(format!("expected {list}"));
-                }
-            }
+        if let Some(joined) = joined {
+            let label = also(
+                Span::new(joined, joined),
+                "the statement goes on behind this line",
+            );
+            diagnostic = diagnostic.with_label(label);
         }
-        self.problems.push(diagnostic);
+        let note = match token {
+            Token::OpenString => None,
+            Token::Unknown if text.starts_with('%') => {
+                Some("help: a value is a % and a name, like %OM16.1".to_owned())
+            }
+            Token::Unknown if text.starts_with('.') => {
+                Some("help: a number has digits before and behind its point".to_owned())
+            }
+            _ => expected_list(expected).map(|list| format!("expected {list}")),
+        };
+        self.problems.push(match note {
+            Some(note) => diagnostic.with_note(note),
+            None => diagnostic,
+        });
     }
 
-    /// Ends a statement that could not be read: what it defines counts as
-    /// defined, so that its uses are no errors.
-    fn abandon(&mut self) {
-        if let Head::Definition(name, span) = self.head {
-            let nothing = self.nothing();
-            let value = self.unary(Operation::Copy, nothing, span);
-            if let Some(value) = value.value()
-                && self.names.get(name).is_none()
-            {
-                self.names.set(name, value);
+    /// Ends a statement that could not be read: what it defines or declares
+    /// counts as known, so that its uses are no errors.
+    fn abandon(&mut self, statement: u32) {
+        let first = self.token_at(statement);
+        let second = first.and_then(|(_, _, end)| self.token_at(end));
+        match (first, second) {
+            (Some((start, Token::Value, end)), Some((_, Token::Equals, _))) => {
+                self.begin_definition(Span::new(start, end));
+                let nothing = self.nothing();
+                let value = self.unary(Operation::Copy, nothing, Span::new(start, end));
+                if let (Head::Definition(name, _), Some(value)) = (self.head, value.value())
+                    && self.names.get(name).is_none()
+                {
+                    self.names.set(name, value);
+                }
             }
+            (Some((_, Token::In | Token::Out, _)), Some((start, _, end))) => {
+                let name = self.slice(Span::new(start, end));
+                self.open.broken.insert(name, ());
+            }
+            (Some((_, Token::Function, _)), Some((start, _, end))) => {
+                self.close_function();
+                self.open = Open::new("", Level::Equations, Some(Span::new(start, end)));
+                self.names.clear();
+            }
+            _ => {}
         }
         self.next_statement();
     }
+
+    /// The token that starts at a byte or behind the blanks there.
+    fn token_at(&self, start: u32) -> Option<Spanned> {
+        let mut lexer = Token::lexer(&self.text[start as usize..]);
+        let token = lexer.next()?.ok()?;
+        let span = lexer.span();
+        Some((start + span.start as u32, token, start + span.end as u32))
+    }
 }
 
-/// The expected tokens as part of a sentence; the grammar names them in
-/// words, the signs and fixed words stand in quotes.
+const OPERATORS: [&str; 4] = ["+", "-", "*", "/"];
+
+const ATTRIBUTES: [&str; 8] = [
+    "on",
+    "read",
+    "buffer",
+    "write",
+    "in",
+    "{",
+    "a place (@LINE:COLUMN-COLUMN)",
+    "a set of places (@!NUMBER)",
+];
+
+/// The expected tokens as part of a sentence. The grammar names them in
+/// words; signs and fixed words are put in quotes, and the two large groups
+/// get one word.
 fn expected_list(expected: &[String]) -> Option<String> {
-    let operators = ["+", "-", "*", "/"];
+    let mut plain: Vec<&str> = expected.iter().map(|name| name.trim_matches('"')).collect();
     let mut names: Vec<String> = Vec::new();
-    let mut any_word = false;
-    let plain = expected.iter().map(|name| name.trim_matches('"'));
-    let operator_count = plain
-        .clone()
-        .filter(|name| operators.contains(name))
-        .count();
-    for name in plain {
-        any_word |= name == "a name";
-        if name.contains(' ') {
+    for (group, name) in [
+        (&OPERATORS[..], "an operator"),
+        (&ATTRIBUTES[..], "an attribute such as a place"),
+    ] {
+        if group.iter().all(|member| plain.contains(member)) {
+            plain.retain(|name| !group.contains(name));
             names.push(name.to_owned());
-        } else if operator_count < operators.len() || !operators.contains(&name) {
-            names.push(format!("'{name}'"));
         }
     }
-    if any_word {
+    if plain.contains(&"a name") {
         // Every fixed word is also a name.
-        names.retain(|name| !name.starts_with('\'') || !name[1..].starts_with(char::is_alphabetic));
+        plain.retain(|name| name.contains(' ') || !name.starts_with(char::is_alphabetic));
     }
-    if operator_count == operators.len() {
-        names.push("an operator".to_owned());
-    }
+    names.extend(plain.iter().map(|name| match name.contains(' ') {
+        true => (*name).to_owned(),
+        false => format!("'{name}'"),
+    }));
     if names.is_empty() || names.len() > MOST_EXPECTED {
         return None;
     }
     names.sort_by_key(|name| name.starts_with('\''));
     let last = names.pop()?;
-    Some(if names.is_empty() {
-        last
-    } else {
-        format!("{} or {last}", names.join(", "))
+    Some(match names.is_empty() {
+        true => last,
+        false => format!("{} or {last}", names.join(", ")),
     })
 }

@@ -237,7 +237,7 @@ impl Builder<'_> {
                 .map(|&value| also(self.open.name_span(value, self.text), "in the circle"));
             error(span, "these definitions go in a circle")
                 .with_labels_iter(labels)
-                .with_note(format!("{}", way.join(" needs ")))
+                .with_note(way.join(" needs "))
         };
         self.problems.push(diagnostic);
     }
