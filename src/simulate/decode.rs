@@ -77,9 +77,12 @@ impl Fields {
         };
         for (memory, side) in sides.iter().enumerate() {
             let ports = element.memories.get(memory).map_or(0, |m| m.write_ports);
-            for port in 0..ports.min(width) {
+            for port in 0..ports {
                 let of = |name: &str| format!("{side}write{port}.{name}");
                 let bits = ["enable", "address", "select"].map(|name| take(&of(name)));
+                if bits[0].width != 1 {
+                    return Err(fail(format!("'{}' is not a bit", of("enable"))));
+                }
                 fields.writes.push((memory, bits));
             }
         }
@@ -87,8 +90,12 @@ impl Fields {
             .buffer
             .as_ref()
             .map_or(0, |buffer| buffer.read_ports);
-        for port in 0..reads.min(width.max(1)) {
-            let bits = take(&format!("buffer.read{port}.address"));
+        for port in 0..reads {
+            let name = format!("buffer.read{port}.address");
+            let bits = take(&name);
+            if bits.width == 0 {
+                return Err(fail(format!("there is no '{name}'")));
+            }
             fields.buffer_reads.push(bits);
         }
         match named.keys().next() {

@@ -11,9 +11,9 @@ use std::collections::BTreeMap;
 
 /// Most elements.
 const MOST_ELEMENTS: usize = 1 << 14;
-/// Most words of all memories, of all buffers, and of all instruction images
-/// in limbs of 64 bits.
-const MOST_WORDS: u64 = 1 << 26;
+/// Most words of all memories, of all buffers, of all instruction images in
+/// limbs of 64 bits, and of all pipelines.
+const MOST_WORDS: u64 = 1 << 24;
 
 impl Program {
     /// Loads a program from its files, as (file name, text), and checks that
@@ -360,6 +360,7 @@ impl<'a> Loader<'a> {
     fn elements(&self) -> Result<(Vec<ElementUnit>, usize), LoadError> {
         let mut units = Vec::new();
         let mut buffer_offset = 0u64;
+        let mut slots = 0u64;
         for element in &self.manifest.elements {
             let kind = self
                 .machine
@@ -389,8 +390,11 @@ impl<'a> Loader<'a> {
                 buffer_offset: buffer_offset as u32,
             });
             buffer_offset += u64::from(buffer_words);
-            if buffer_offset > MOST_WORDS {
-                return Err(LoadError::TooLarge(format!("{buffer_offset} buffer words")));
+            slots += u64::from(stages) + 1;
+            if buffer_offset.max(slots) > MOST_WORDS {
+                return Err(LoadError::TooLarge(format!(
+                    "{buffer_offset} buffer words and {slots} pipeline stages"
+                )));
             }
         }
         Ok((units, buffer_offset as usize))

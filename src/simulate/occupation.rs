@@ -60,8 +60,8 @@ impl Program {
             for write in self.steps.writes(cycle) {
                 let owner = &self.elements[write.element as usize];
                 let memory = &self.memories[owner.memories[write.memory as usize] as usize];
-                if let Some(word) = used.get_mut((memory.offset + write.address) as usize) {
-                    *word = true;
+                if write.address < memory.words {
+                    used[(memory.offset + write.address) as usize] = true;
                 }
                 let source = write.select as usize % self.elements.len();
                 if (write.select as usize) < self.elements.len() {

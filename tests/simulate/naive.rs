@@ -169,9 +169,9 @@ impl Naive {
             MemoryStyle::Unified => [Bank::Unified; 2],
             MemoryStyle::SideSplit => [Bank::Left, Bank::Right],
         };
-        for side in 0..2 {
+        for (side, bank) in banks.into_iter().enumerate() {
             let operand = node.operands[side];
-            let word = self.bring(machine, operand, element, banks[side], random);
+            let word = self.bring(machine, operand, element, bank, random);
             self.reads[value.index()][side] = word.address;
         }
     }
