@@ -5,6 +5,7 @@ mod hand;
 mod hazards;
 mod loading;
 mod naive;
+mod refusals;
 
 use naive::Random;
 use robovec::simulate::Program;
