@@ -1,5 +1,7 @@
 //! robovec: a compiler for the equations of multibody systems.
 
+pub mod evaluate_command;
+pub mod hexadecimal;
 pub mod report;
 pub mod robotran;
 pub mod simulate;

@@ -6,7 +6,7 @@
 //! of them.
 
 use crate::entity::Operand;
-use crate::function::{Function, Level};
+use crate::function::{Assignment, Function, Level};
 use crate::operation::Operation;
 
 /// The numbers of a function's operations.
@@ -30,6 +30,11 @@ pub struct Counts {
     pub sin_cos: usize,
     /// Signs: negations, or subtractions from a literal zero.
     pub negations: usize,
+    /// The thesis' "vectors": into how many groups the equations fall when
+    /// each group needs only those before it. This is the number of equations
+    /// on the longest chain of equations, outputs included, sines and cosines
+    /// (which the host prepares) not.
+    pub vectors: usize,
 }
 
 impl Counts {
@@ -65,16 +70,87 @@ impl Counts {
                 .filter(|node| node.operation == Operation::Neg)
                 .count();
         }
+        counts.vectors = vectors(function);
         counts
     }
 }
 
+/// The longest chain of equations; see [`Counts::vectors`].
+fn vectors(function: &Function) -> usize {
+    let mut levels: Vec<u32> = Vec::with_capacity(function.nodes().len());
+    let level = |levels: &[u32], operand: Operand| {
+        let value = operand.value();
+        value.map_or(0, |value| levels[value.index()])
+    };
+    for node in function.nodes() {
+        let inside = node
+            .operands()
+            .iter()
+            .map(|&operand| level(&levels, operand));
+        let inside = inside.max().unwrap_or(0);
+        let counts = !node.name.is_none() && !node.operation.is_trigonometric();
+        levels.push(inside + u32::from(counts));
+    }
+    let outputs = function.assignments.iter().map(|assignment| {
+        let own = !is_same_equation(function, assignment);
+        level(&levels, assignment.operand) + u32::from(own)
+    });
+    let longest = outputs.chain(levels.iter().copied()).max();
+    longest.unwrap_or(0) as usize
+}
+
 /// True when an output element takes the value of a named node that was made
 /// by the very same equation (`frc[1][6] = ...`, read back further down).
-fn is_same_equation(function: &Function, assignment: &crate::Assignment) -> bool {
+fn is_same_equation(function: &Function, assignment: &Assignment) -> bool {
     let named = |operand: Operand| {
         let node = function.node(operand.value()?);
         (!node.name.is_none()).then_some(node)
     };
     named(assignment.operand).is_some_and(|node| node.sources == assignment.sources)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::function::{Node, Shape};
+    use crate::source::SourceSet;
+    use crate::symbol::{Name, Symbols};
+    use crate::{Input, Output, Value};
+
+    fn node(name: Name, operation: Operation, operands: [Operand; 2]) -> Node {
+        Node {
+            name,
+            sources: SourceSet::EMPTY,
+            operands,
+            operation,
+        }
+    }
+
+    #[test]
+    fn equations_operations_and_vectors_are_counted_as_the_thesis_does() {
+        let mut symbols = Symbols::new();
+        let mut function = Function::new("f", Level::Equations);
+        function.add_input(symbols.intern("q"), Shape::Vector(1));
+        function.add_output(symbols.intern("c"), Shape::Vector(1));
+        let q = Operand::from(Input(0));
+        // S = sin(q); A = -(S*q); c = A + q.
+        let sine = Name::plain(symbols.intern("S"));
+        let sine = function.push(node(sine, Operation::Sin, [q, Operand::NONE]));
+        let product = function.push(node(Name::NONE, Operation::Mul, [sine.into(), q]));
+        let minus = Name::plain(symbols.intern("A"));
+        let minus = node(minus, Operation::Neg, [product.into(), Operand::NONE]);
+        let minus: Value = function.push(minus);
+        let sum = function.push(node(Name::NONE, Operation::Add, [minus.into(), q]));
+        function.assignments.push(Assignment {
+            output: Output(0),
+            operand: sum.into(),
+            sources: SourceSet::EMPTY,
+        });
+        let counts = Counts::of(&function);
+        assert_eq!(counts.equations, 3);
+        assert_eq!(counts.operations, 3);
+        assert_eq!((counts.add_sub, counts.mul, counts.negations), (1, 1, 1));
+        assert_eq!(counts.sin_cos, 1);
+        assert_eq!(counts.vectors, 2);
+    }
 }
