@@ -48,6 +48,17 @@ impl Double {
         }
     }
 
+    /// The number, or `high` alone when something was not finite: wherever an
+    /// operation meets an infinity or NaN the second half becomes NaN.
+    #[inline]
+    fn or(self, high: f64) -> Double {
+        if self.low.is_finite() {
+            self
+        } else {
+            Double::from(high)
+        }
+    }
+
     fn sqrt(self) -> Double {
         if self.high < 0.0 || self.high.is_nan() {
             return Double::NAN;
@@ -106,12 +117,9 @@ impl std::ops::Add for Double {
     #[inline]
     fn add(self, other: Double) -> Double {
         let sum = two_sum(self.high, other.high);
-        if !sum.high.is_finite() {
-            return Double::from(sum.high);
-        }
         let rest = two_sum(self.low, other.low);
         let joined = fast_two_sum(sum.high, sum.low + rest.high);
-        fast_two_sum(joined.high, joined.low + rest.low)
+        fast_two_sum(joined.high, joined.low + rest.low).or(sum.high)
     }
 }
 
@@ -130,11 +138,8 @@ impl std::ops::Mul for Double {
     #[inline]
     fn mul(self, other: Double) -> Double {
         let (high, error) = two_product(self.high, other.high);
-        if !high.is_finite() {
-            return Double::from(high);
-        }
-        let cross = self.high * other.low + self.low * other.high + self.low * other.low;
-        fast_two_sum(high, error + cross)
+        let cross = self.high * other.low + self.low * other.high;
+        fast_two_sum(high, error + cross).or(high)
     }
 }
 
@@ -182,9 +187,6 @@ fn two_sum(a: f64, b: f64) -> Double {
 #[inline]
 fn fast_two_sum(a: f64, b: f64) -> Double {
     let sum = a + b;
-    if !sum.is_finite() {
-        return Double::from(sum);
-    }
     Double {
         high: sum,
         low: b - (sum - a),
@@ -192,7 +194,7 @@ fn fast_two_sum(a: f64, b: f64) -> Double {
 }
 
 /// The product and its rounding error, exactly unless the error is below the
-/// smallest subnormal.
+/// smallest subnormal; the error is 0 when the product is not finite.
 ///
 /// A fused multiply-add gives the error at once, but without the processor's
 /// own instruction it is a library call several times slower than splitting
@@ -200,27 +202,29 @@ fn fast_two_sum(a: f64, b: f64) -> Double {
 #[inline]
 fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
-    if cfg!(target_feature = "fma") {
-        let error = a.mul_add(b, -product);
-        return (product, if product.is_finite() { error } else { 0.0 });
+    let error = if cfg!(target_feature = "fma") {
+        a.mul_add(b, -product)
+    } else {
+        product_error(a, b, product)
+    };
+    if error.is_finite() {
+        (product, error)
+    } else {
+        (product, large_product_error(a, b, product))
     }
-    let bound = a.abs().max(b.abs()).max(product.abs());
-    if bound < SPLIT_LIMIT {
-        return (product, product_error(a, b, product));
-    }
-    if !product.is_finite() {
-        return (product, 0.0);
-    }
-    // Splitting multiplies by 2²⁷ + 1 and would overflow: move the larger
-    // factor down by a power of two and the error up again.
-    let (down, up) = (2f64.powi(-200), 2f64.powi(200));
-    let (small, large) = if a.abs() < b.abs() { (a, b) } else { (b, a) };
-    let error = product_error(small, large * down, product * down);
-    (product, error * up)
 }
 
-/// Factors and products below this can be split.
-const SPLIT_LIMIT: f64 = 1e290;
+/// The error of a product whose factors could not be split: splitting
+/// multiplies by 2²⁷ + 1 and overflows for numbers near the largest.
+#[cold]
+fn large_product_error(a: f64, b: f64, product: f64) -> f64 {
+    if !product.is_finite() {
+        return 0.0;
+    }
+    let (down, up) = (2f64.powi(-200), 2f64.powi(200));
+    let (small, large) = if a.abs() < b.abs() { (a, b) } else { (b, a) };
+    product_error(small, large * down, product * down) * up
+}
 
 /// Dekker's product: the error of `product` from the halves of the factors.
 #[inline]

@@ -119,6 +119,16 @@ impl Operand {
         self == Operand::NONE
     }
 
+    /// The kind (0 to 3, as [`OperandKind`] lists them) and the index, without
+    /// a branch; the absent operand has index [`CAPACITY`].
+    #[inline]
+    pub(crate) fn parts(self) -> (usize, usize) {
+        (
+            (self.0 >> KIND_SHIFT) as usize,
+            (self.0 & INDEX_MASK) as usize,
+        )
+    }
+
     /// The packed bits: a dense, order-preserving key for tables.
     pub fn bits(self) -> u32 {
         self.0

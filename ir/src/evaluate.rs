@@ -1,7 +1,7 @@
 //! The evaluator, generic over the kind of number.
 
 use crate::arithmetic::Arithmetic;
-use crate::entity::{Operand, OperandKind};
+use crate::entity::{CAPACITY, OperandKind};
 use crate::function::Function;
 use crate::operation::Operation;
 
@@ -21,34 +21,37 @@ pub fn evaluate_nodes<A: Arithmetic>(
         function.input_len(),
         "one number per input element"
     );
-    let constants: Vec<A::Number> = function
-        .constants()
-        .iter()
-        .map(|&number| arithmetic.literal(number))
-        .collect();
-    let mut values: Vec<A::Number> = Vec::with_capacity(function.nodes().len());
-    for node in function.nodes() {
-        let get = |operand: Operand| match operand.kind() {
-            OperandKind::Value(value) => values[value.index()],
-            OperandKind::Input(input) => inputs[input.index()],
-            OperandKind::Constant(constant) => constants[constant.index()],
-            OperandKind::None => arithmetic.literal(0.0),
-        };
-        let a = get(node.operands[0]);
-        let result = match node.operation {
+    // Values, inputs and constants lie behind one another, so that fetching
+    // an operand is an addition and not a branch that nobody can predict.
+    let count = function.nodes().len();
+    let zero = arithmetic.literal(0.0);
+    let mut slots = Vec::with_capacity(count + inputs.len() + function.constants().len() + 1);
+    slots.resize(count, zero);
+    slots.extend_from_slice(inputs);
+    let constants = function.constants().iter();
+    slots.extend(constants.map(|&number| arithmetic.literal(number)));
+    slots.push(zero);
+    let none = slots.len() - 1;
+    let starts = [0, count, count + inputs.len(), none.wrapping_sub(CAPACITY)];
+    for (index, node) in function.nodes().iter().enumerate() {
+        let [a, b] = node.operands.map(|operand| {
+            let (kind, place) = operand.parts();
+            slots[starts[kind].wrapping_add(place)]
+        });
+        slots[index] = match node.operation {
             Operation::Copy => a,
             Operation::Neg => arithmetic.neg(a),
-            Operation::Add => arithmetic.add(a, get(node.operands[1])),
-            Operation::Sub => arithmetic.sub(a, get(node.operands[1])),
-            Operation::Mul => arithmetic.mul(a, get(node.operands[1])),
-            Operation::Div => arithmetic.div(a, get(node.operands[1])),
+            Operation::Add => arithmetic.add(a, b),
+            Operation::Sub => arithmetic.sub(a, b),
+            Operation::Mul => arithmetic.mul(a, b),
+            Operation::Div => arithmetic.div(a, b),
             Operation::Sin => arithmetic.sin(a),
             Operation::Cos => arithmetic.cos(a),
             Operation::Sqrt => arithmetic.sqrt(a),
         };
-        values.push(result);
     }
-    values
+    slots.truncate(count);
+    slots
 }
 
 /// The value of every assignment, in the order of

@@ -7,6 +7,7 @@
 //! This crate holds no pass and no front end, and touches no file.
 
 pub mod arithmetic;
+pub mod batch;
 pub mod count;
 pub mod diagnostic;
 pub mod double_double;

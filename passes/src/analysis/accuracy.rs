@@ -18,10 +18,12 @@
 //! its data; literals that a format cannot hold do count.
 
 use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_ir::batch::Batch;
 use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
 use robovec_ir::{Output, View};
+use std::array;
 
 /// Median and worst case of an error over all states.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -121,13 +123,22 @@ pub fn accuracy(view: View<'_>, states: u32, seed: u64) -> Accuracy {
     let mut narrow = Samples::new(view, 23, -126);
     let mut wide = Samples::new(view, 52, -1022);
     let source = States::new(seed);
-    for index in 0..states {
-        let inputs = source.draw(view, index);
-        let exact = evaluate_at(view, &DoubleDouble, &inputs);
-        let computed = evaluate_at(view, &Binary32, &inputs);
-        let computed: Vec<f64> = computed.into_iter().map(f64::from).collect();
-        narrow.add(view, &exact, &computed);
-        wide.add(view, &exact, &evaluate_at(view, &Binary64, &inputs));
+    // The last batch may hold more states than are wanted.
+    for first in (0..states).step_by(LANES) {
+        let inputs: [Vec<f64>; LANES] =
+            array::from_fn(|lane| source.draw(view, first + lane as u32));
+        let exact = evaluate_lanes(view, DoubleDouble, &inputs);
+        let single = evaluate_lanes(view, Binary32, &inputs);
+        let double = evaluate_lanes(view, Binary64, &inputs);
+        for lane in 0..LANES.min((states - first) as usize) {
+            let exact: Vec<Double> = exact.iter().map(|lanes| lanes[lane]).collect();
+            narrow.add(
+                view,
+                &exact,
+                single.iter().map(|lanes| f64::from(lanes[lane])),
+            );
+            wide.add(view, &exact, double.iter().map(|lanes| lanes[lane]));
+        }
     }
     Accuracy {
         states,
@@ -148,6 +159,22 @@ pub fn evaluate_at<A: Arithmetic>(
         .map(|&number| arithmetic.literal(number))
         .collect();
     evaluate(view.function, arithmetic, &inputs)
+}
+
+/// States evaluated at a time.
+const LANES: usize = 4;
+
+fn evaluate_lanes<A: Arithmetic + Copy>(
+    view: View<'_>,
+    arithmetic: A,
+    inputs: &[Vec<f64>; LANES],
+) -> Vec<[A::Number; LANES]> {
+    let inputs: [Vec<A::Number>; LANES] = array::from_fn(|lane| {
+        let numbers = inputs[lane].iter();
+        numbers.map(|&number| arithmetic.literal(number)).collect()
+    });
+    let inputs = Batch::<A, LANES>::gather(&inputs);
+    evaluate(view.function, &Batch([arithmetic; LANES]), &inputs)
 }
 
 /// Errors of one format, state after state.
@@ -182,10 +209,10 @@ impl Samples {
         }
     }
 
-    fn add(&mut self, view: View<'_>, exact: &[Double], computed: &[f64]) {
+    fn add(&mut self, view: View<'_>, exact: &[Double], computed: impl Iterator<Item = f64>) {
         let mut errors = Vec::with_capacity(exact.len());
         let mut norms = vec![(0.0f64, 0.0f64); view.function.outputs().len()];
-        for ((&exact, &computed), &array) in exact.iter().zip(computed).zip(&self.arrays) {
+        for ((&exact, computed), &array) in exact.iter().zip(computed).zip(&self.arrays) {
             if !exact.high.is_finite() {
                 errors.push((f64::NAN, f64::NAN));
                 continue;

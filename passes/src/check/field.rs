@@ -2,8 +2,10 @@
 
 use super::pairing::Pairs;
 use robovec_ir::Output;
+use robovec_ir::batch::Batch;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::field::PrimeField;
+use std::array;
 
 /// How the comparison ended.
 pub(super) enum Comparison {
@@ -24,32 +26,44 @@ pub(super) enum Comparison {
 /// always does.
 const EXTRA_POINTS: u32 = 4;
 
+/// Points evaluated at a time.
+const LANES: usize = 4;
+
 /// Compares all outputs until each was defined on both sides at `points`
-/// points, or always undefined.
+/// points, or always undefined. Points come in fours: the last four are used
+/// up.
 pub(super) fn compare(pairs: &Pairs<'_>, circle: bool, points: u32, seed: u64) -> Comparison {
     let mut tallies = vec![Tally::default(); pairs.list.len()];
-    for point in 0..points.saturating_add(EXTRA_POINTS) {
-        if tallies.iter().all(|tally| tally.both >= points) {
-            break;
-        }
-        let field = PrimeField {
-            seed: super::nth_seed(seed, point),
+    let mut point = 0;
+    while point < points.saturating_add(EXTRA_POINTS)
+        && (point == 0 || tallies.iter().any(|tally| tally.both < points))
+    {
+        let fields: [PrimeField; LANES] = array::from_fn(|lane| PrimeField {
+            seed: super::nth_seed(seed, point + lane as u32),
             circle,
-        };
-        let inputs = field.point(pairs.before.function.input_len());
-        let before = evaluate(pairs.before.function, &field, &inputs);
-        let after = evaluate(pairs.after.function, &field, &inputs);
+        });
+        let [before, after] = [pairs.before, pairs.after].map(|view| {
+            let inputs = fields.map(|field| field.point(view.function.input_len()));
+            evaluate(
+                view.function,
+                &Batch(fields),
+                &Batch::<PrimeField, LANES>::gather(&inputs),
+            )
+        });
         for (pair, tally) in pairs.list.iter().zip(&mut tallies) {
-            let (before, after) = (before[pair.before], after[pair.after]);
-            if tally.add(before, after) && before != after {
-                return Comparison::Different {
-                    output: pair.output,
-                    field,
-                    before,
-                    after,
-                };
+            let lanes = before[pair.before].into_iter().zip(after[pair.after]);
+            for ((before, after), field) in lanes.zip(fields) {
+                if tally.add(before, after) && before != after {
+                    return Comparison::Different {
+                        output: pair.output,
+                        field,
+                        before,
+                        after,
+                    };
+                }
             }
         }
+        point += LANES as u32;
     }
     judge_undefined(pairs, &tallies, circle, seed)
 }
