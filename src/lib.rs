@@ -2,6 +2,7 @@
 
 pub mod evaluate_command;
 pub mod hexadecimal;
+pub mod command;
 pub mod report;
 pub mod robotran;
 pub mod simulate;

@@ -28,15 +28,7 @@ const FLUSH_AT: usize = 1 << 16;
 /// Passes on the errors of the writer.
 pub fn write_module(module: &Module, writer: &mut dyn io::Write) -> io::Result<()> {
     let mut text = Text::new(writer);
-    text.push(HEADER);
-    text.push("\n");
-    for (index, file) in module.tables.sources.files.iter().enumerate() {
-        text.push("source ");
-        text.integer(index as u32);
-        text.push(" ");
-        text.quoted(file);
-        text.push("\n");
-    }
+    text.file_header(&module.tables);
     for function in &module.functions {
         text.push("\n");
         let view = View {
@@ -53,6 +45,20 @@ pub fn print_module(module: &Module) -> String {
     let mut bytes = Vec::new();
     // Writing to a vector cannot fail, and all that is written is UTF-8.
     write_module(module, &mut bytes).unwrap_or_default();
+    String::from_utf8(bytes).unwrap_or_default()
+}
+
+/// One function as a whole text of its own.
+pub fn print_file(view: View<'_>) -> String {
+    let mut bytes = Vec::new();
+    let mut text = Text::new(&mut bytes);
+    text.file_header(view.tables);
+    text.push("\n");
+    // As above: a vector takes everything.
+    FunctionPrinter::new(view)
+        .print(&mut text)
+        .and_then(|()| text.finish())
+        .unwrap_or_default();
     String::from_utf8(bytes).unwrap_or_default()
 }
 
@@ -107,6 +113,18 @@ impl<'w> Text<'w> {
         Text {
             buffer: String::with_capacity(FLUSH_AT + 4096),
             writer,
+        }
+    }
+
+    fn file_header(&mut self, tables: &Tables) {
+        self.push(HEADER);
+        self.push("\n");
+        for (index, file) in tables.sources.files.iter().enumerate() {
+            self.push("source ");
+            self.integer(index as u32);
+            self.push(" ");
+            self.quoted(file);
+            self.push("\n");
         }
     }
 
@@ -230,7 +248,7 @@ impl<'a> FunctionPrinter<'a> {
         text.push(" {");
         text.end_line()?;
         self.header(text)?;
-        if !function.nodes().is_empty() {
+        if function.nodes().iter().any(|node| !node.name.is_none()) {
             text.end_line()?;
         }
         for (value, node) in function.values() {

@@ -13,6 +13,7 @@ pub mod codegen;
 pub mod cse;
 pub mod dce;
 pub mod fold;
+pub mod manager;
 pub mod options;
 pub mod pass;
 pub mod pipeline;

@@ -1,8 +1,8 @@
 //! Writing a function anew: what every pass that changes the body shares.
 
 use robovec_ir::{
-    Assignment, Function, Level, Node, Operand, OperandKind, Output, Symbol, Tables, Value, View,
-    print,
+    Assignment, Function, Level, Node, Operand, OperandKind, Output, SourceSet, Symbol, Tables,
+    Value, View, print,
 };
 
 /// A function being written from another one, with the translation of the
@@ -25,6 +25,14 @@ impl<'a> Rewriter<'a> {
             new,
             map: Vec::with_capacity(old.nodes().len()),
         }
+    }
+
+    /// As [`Rewriter::new`], for writing in another order: the translations
+    /// are filled in by the caller.
+    fn unmapped(old: &'a Function, level: Level) -> Rewriter<'a> {
+        let mut rewriter = Rewriter::new(old, level);
+        rewriter.map = vec![Operand::NONE; old.nodes().len()];
+        rewriter
     }
 
     /// What an old operand has become. Values must have been recorded.
@@ -111,4 +119,61 @@ pub fn owners(tables: &mut Tables, function: &Function) -> Vec<Symbol> {
         }
     }
     owners
+}
+
+/// Puts the nodes of a function at the equations level in the order its text
+/// implies: before each definition the inner nodes of its tree, left operand
+/// before right, and those of the outputs at the end. Inner nodes take over
+/// the sources of the definition or output they belong to.
+pub fn lay_out(function: &Function) -> Function {
+    let mut layout = Layout {
+        rewriter: Rewriter::unmapped(function, Level::Equations),
+        open: Vec::new(),
+    };
+    for (value, node) in function.values() {
+        if !node.name.is_none() {
+            layout.tree(value, node.sources);
+        }
+    }
+    for assignment in &function.assignments {
+        if let Some(value) = assignment.operand.value()
+            && function.node(value).name.is_none()
+        {
+            layout.tree(value, assignment.sources);
+        }
+    }
+    layout.rewriter.finish()
+}
+
+struct Layout<'a> {
+    rewriter: Rewriter<'a>,
+    /// Nodes to write, with whether their operands have been.
+    open: Vec<(Value, bool)>,
+}
+
+impl Layout<'_> {
+    fn tree(&mut self, root: Value, sources: SourceSet) {
+        self.open.push((root, false));
+        while let Some((value, ready)) = self.open.pop() {
+            let node = self.rewriter.old.node(value);
+            if ready {
+                let operands = self.rewriter.translate_operands(node);
+                let written = self.rewriter.new.push(Node {
+                    operands,
+                    sources,
+                    ..*node
+                });
+                self.rewriter.map[value.index()] = written.into();
+                continue;
+            }
+            self.open.push((value, true));
+            for operand in node.operands().iter().rev() {
+                if let Some(inner) = operand.value()
+                    && self.rewriter.old.node(inner).name.is_none()
+                {
+                    self.open.push((inner, false));
+                }
+            }
+        }
+    }
 }

@@ -14,6 +14,8 @@ mod text;
 use counts::Counts;
 pub use error::{ArrayReport, ElementReport, ErrorReport, FormatReport, SpreadReport};
 pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
+pub(crate) use text::table;
+
 use robovec_ir::{Function, Machine, Module, View};
 use robovec_passes::analysis::accuracy::accuracy;
 use robovec_passes::analysis::critical_path::critical_path;

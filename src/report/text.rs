@@ -7,7 +7,7 @@ use super::error::{ArrayReport, ElementReport, FormatReport};
 use super::records::{CheckErrors, CheckReport, PassReport};
 use super::schedule::{ByKind, ScheduleReport};
 use super::{FunctionReport, Report};
-use table::table;
+pub(crate) use table::table;
 
 /// How many of an array's elements are named as its worst.
 const NAMED_ELEMENTS: usize = 3;

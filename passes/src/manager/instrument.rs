@@ -82,7 +82,7 @@ impl<'a> Instruments<'a> {
             self.print(tables, function)?;
         }
         if let Some(dump) = &mut self.config.dump {
-            let text = print::print_function(View { tables, function });
+            let text = print::print_file(View { tables, function });
             dump.dump(DumpState {
                 function: &function.name,
                 pass: "start",
@@ -137,7 +137,7 @@ impl<'a> Instruments<'a> {
             }
         }
         if let Some(dump) = &mut self.config.dump {
-            let text = record.changed.then(|| print::print_function(view));
+            let text = record.changed.then(|| print::print_file(view));
             dump.dump(DumpState {
                 function: &function.name,
                 pass: step.info.name,
@@ -168,7 +168,10 @@ fn write_diff(log: &mut dyn Write, old: &str, new: &str) -> io::Result<()> {
             writeln!(log, "  …")?;
         }
         first = false;
-        for change in group.iter().flat_map(|operation| diff.iter_changes(operation)) {
+        for change in group
+            .iter()
+            .flat_map(|operation| diff.iter_changes(operation))
+        {
             let sign = match change.tag() {
                 ChangeTag::Equal => ' ',
                 ChangeTag::Delete => '-',

@@ -23,23 +23,32 @@ impl Meter {
     }
 }
 
-/// CPU seconds and peak memory (MB) of the process.
+/// CPU seconds and peak memory (MB of 10^6 bytes) of the process so far.
 #[cfg(unix)]
-fn usage() -> (f64, f64) {
+pub fn usage() -> (f64, f64) {
     use nix::sys::resource::{UsageWho, getrusage};
     use nix::sys::time::TimeValLike;
     let Ok(usage) = getrusage(UsageWho::RUSAGE_SELF) else {
         return (0.0, 0.0);
     };
-    let microseconds = usage.user_time().num_microseconds() + usage.system_time().num_microseconds();
+    let microseconds =
+        usage.user_time().num_microseconds() + usage.system_time().num_microseconds();
     // Kilobytes of 1024 bytes, except on macOS, which counts bytes.
-    let unit = if cfg!(target_os = "macos") { 1.0 } else { 1024.0 };
-    (microseconds as f64 * 1e-6, usage.max_rss() as f64 * unit * 1e-6)
+    let unit = if cfg!(target_os = "macos") {
+        1.0
+    } else {
+        1024.0
+    };
+    (
+        microseconds as f64 * 1e-6,
+        usage.max_rss() as f64 * unit * 1e-6,
+    )
 }
 
-/// Elsewhere nothing is told.
+/// CPU seconds and peak memory of the process: zeros where the system does
+/// not tell.
 #[cfg(not(unix))]
-fn usage() -> (f64, f64) {
+pub fn usage() -> (f64, f64) {
     (0.0, 0.0)
 }
 
@@ -57,7 +66,13 @@ pub(super) fn fingerprint(function: &Function) -> u64 {
         constant.to_bits().hash(&mut hasher);
     }
     for timing in function.timing.iter().flatten() {
-        (timing.asap, timing.alap, timing.asap_cycle, timing.alap_cycle).hash(&mut hasher);
+        (
+            timing.asap,
+            timing.alap,
+            timing.asap_cycle,
+            timing.alap_cycle,
+        )
+            .hash(&mut hasher);
     }
     if let Some(schedule) = &function.schedule {
         for slot in &schedule.slots {
@@ -79,11 +94,12 @@ pub(super) fn size(function: &Function, machine: &Machine) -> (u64, u32) {
     let operations = function
         .nodes()
         .iter()
-        .filter(|node| {
-            !node.operation.is_trigonometric() && node.operation != Operation::Copy
-        })
+        .filter(|node| !node.operation.is_trigonometric() && node.operation != Operation::Copy)
         .count();
-    (operations as u64, critical_path(function, machine).asap_cycle)
+    (
+        operations as u64,
+        critical_path(function, machine).asap_cycle,
+    )
 }
 
 /// Removes attributes that a pass has made untrue.

@@ -10,7 +10,8 @@ mod instrument;
 mod measure;
 mod plan;
 
-pub use instrument::{Dump, PassFilter, PrintChanged};
+pub use instrument::{Dump, DumpState, PassFilter, PrintChanged};
+pub use measure::usage;
 pub use plan::PlanError;
 
 use crate::check::{self, Verdict};
@@ -20,6 +21,9 @@ use instrument::Instruments;
 use measure::Meter;
 use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
 use std::io;
+
+/// Told before each pass: its ordinal, the number of all, its name.
+pub type Progress<'a> = dyn FnMut(usize, usize, &str) + 'a;
 
 /// How a pipeline is run.
 pub struct Config<'a> {
@@ -41,9 +45,8 @@ pub struct Config<'a> {
     pub dump: Option<&'a mut dyn Dump>,
     /// Receives what is printed, and the remarks of the passes.
     pub log: &'a mut dyn io::Write,
-    /// Called before each pass of each function with its ordinal, the number
-    /// of all and its name.
-    pub progress: Option<&'a mut dyn FnMut(usize, usize, &str)>,
+    /// Called before each pass of each function.
+    pub progress: Option<&'a mut Progress<'a>>,
 }
 
 /// What one pass did to one function.
@@ -184,7 +187,9 @@ impl Run<'_> {
                     fingerprint: measure::fingerprint(function),
                 }),
                 Step::Close => {
-                    let Some(round) = rounds.last_mut() else { continue };
+                    let Some(round) = rounds.last_mut() else {
+                        continue;
+                    };
                     let fingerprint = measure::fingerprint(function);
                     round.left -= 1;
                     if round.left > 0 && fingerprint != round.fingerprint {
@@ -253,7 +258,11 @@ impl Run<'_> {
         (record.operations, record.asap_cycle) =
             measure::size(function, self.instruments.config.machine);
         for remark in remarks {
-            writeln!(self.instruments.config.log, "remark: {}: {name}: {remark}", function.name)?;
+            writeln!(
+                self.instruments.config.log,
+                "remark: {}: {name}: {remark}",
+                function.name
+            )?;
         }
         self.verify(step.info, &name, tables, function)?;
         if let (Some(points), Some(before)) = (self.instruments.config.check_each, &before) {
@@ -276,15 +285,15 @@ impl Run<'_> {
             return Ok(());
         }
         let mut violations: Vec<String> = verify::verify(View { tables, function })
-            .iter()
-            .map(ToString::to_string)
+            .into_iter()
+            .map(|violation| violation.message)
             .collect();
         if function.level == Level::Placed {
             let machine = self.instruments.config.machine;
             violations.extend(
                 verify::verify_placement(View { tables, function }, machine)
-                    .iter()
-                    .map(ToString::to_string),
+                    .into_iter()
+                    .map(|violation| violation.message),
             );
         }
         if let crate::pass::Gives::Level(level) = info.gives
@@ -312,19 +321,25 @@ impl Run<'_> {
         after: &Function,
     ) -> Result<Verdict, RunError> {
         let verdict = check::check(
-            View { tables, function: before },
-            View { tables, function: after },
+            View {
+                tables,
+                function: before,
+            },
+            View {
+                tables,
+                function: after,
+            },
             info.class,
             points,
             self.instruments.config.seed,
         );
-        match verdict.failure() {
-            None => Ok(verdict),
-            Some(reason) => Err(RunError::Check {
-                pass: name.to_owned(),
-                function: after.name.clone(),
-                reason,
-            }),
+        if verdict.holds() {
+            return Ok(verdict);
         }
+        Err(RunError::Check {
+            pass: name.to_owned(),
+            function: after.name.clone(),
+            reason: verdict.to_string(),
+        })
     }
 }

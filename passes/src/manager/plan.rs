@@ -64,7 +64,10 @@ impl State {
                         info.name,
                         required.name()
                     ),
-                    help: format!("put {} before it", makers(|other| other.sets.contains(required))),
+                    help: format!(
+                        "put {} before it",
+                        makers(|other| other.sets.contains(required))
+                    ),
                     span: step.span.clone(),
                 });
             }
@@ -95,7 +98,10 @@ impl State {
             };
             format!("put {} before it", makers(reaches))
         } else {
-            format!("put it before '{}'", self.maker.unwrap_or("the passes that lower"))
+            format!(
+                "put it before '{}'",
+                self.maker.unwrap_or("the passes that lower")
+            )
         };
         PlanError {
             message: format!(

@@ -5,7 +5,7 @@ use super::share::PairCounts;
 use super::signs::Wishes;
 use crate::analysis::critical_path::{Weights, tails};
 use crate::cse::{Key, SourceMerges};
-use crate::rewrite::{output_symbol, owners};
+use crate::rewrite::{lay_out, output_symbol, owners};
 use hashbrown::HashMap;
 use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol,
@@ -92,6 +92,9 @@ pub(super) type Score = (u32, Reverse<u32>);
 pub(super) struct Deadlines {
     /// Indexed by old value.
     pub(super) latest: Vec<u32>,
+    /// Groups that had a leaf negated because an output needs their sign;
+    /// their latest time is that of the true value.
+    pub(super) negated_early: Vec<Value>,
     pub(super) pairs: PairCounts,
 }
 
@@ -107,6 +110,7 @@ pub(super) struct Builder<'p> {
     map: Vec<Signed>,
     names: FreshNames,
     merges: SourceMerges,
+    pub(super) negated_early: Vec<Value>,
 }
 
 /// Names and sources for the operations of one group.
@@ -143,6 +147,7 @@ impl<'p> Builder<'p> {
             map: Vec::with_capacity(count),
             names: plan.function.fresh_names(),
             merges: SourceMerges::default(),
+            negated_early: Vec::new(),
         }
     }
 
@@ -397,13 +402,18 @@ impl<'p> Builder<'p> {
                 pairs.add(family, &leaves);
             }
         }
-        Deadlines { latest, pairs }
+        Deadlines {
+            latest,
+            negated_early: self.negated_early,
+            pairs,
+        }
     }
 
     fn finish(mut self, tables: &mut Tables) -> Function {
         self.merges.apply(&mut self.out, tables);
         if self.out.level == Level::Equations {
             name_shared(&mut self.out, tables, &mut self.names);
+            return lay_out(&self.out);
         }
         self.out
     }

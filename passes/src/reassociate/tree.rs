@@ -31,13 +31,17 @@ impl Builder<'_> {
         }
         arrivals.sort_unstable();
         let early = finish(&mut arrivals, group_weight);
-        let deadline = match &self.deadlines {
-            Some(deadlines) => deadlines.latest[root.index()].saturating_add(weight),
-            None => 0,
+        let needed = match &self.deadlines {
+            None => early < late,
+            Some(deadlines) => {
+                deadlines.negated_early.binary_search(&root).is_ok()
+                    && late > deadlines.latest[root.index()]
+            }
         };
-        if late <= early || late <= deadline {
+        if !needed {
             return;
         }
+        self.negated_early.push(root);
         let Some(first) = terms
             .iter_mut()
             .min_by_key(|term| (term.arrival, term.order))

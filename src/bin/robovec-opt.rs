@@ -1,0 +1,8 @@
+//! `robovec-opt`: reads equations, runs a pipeline of passes, writes the
+//! result.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    robovec::command::opt::main(std::env::args_os())
+}

@@ -1,0 +1,229 @@
+//! The command line of `robovec-opt`.
+
+use clap::builder::{PossibleValuesParser, StyledStr};
+use clap::{Parser, ValueEnum};
+use clap_complete::engine::{ArgValueCandidates, CompletionCandidate};
+use robovec_passes::registry;
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// Reads equations of a multibody system (Robotran C, Matlab or Python, or
+/// robovec's own text), runs a pipeline of passes over them and writes the
+/// result.
+#[derive(Parser, Debug)]
+#[command(
+    name = "robovec-opt",
+    version,
+    after_help = "Example:\n  robovec-opt examples/suspension/mbs_dirdyna_suspension.m \
+                  -passes=atomise,balance,place --report -\n\n\
+                  Long options may be written with one dash. '--list-passes' shows the passes, \
+                  '--help-pass NAME' the manual page of one."
+)]
+pub(crate) struct Arguments {
+    /// File to read, or - for the standard input
+    #[arg(required_unless_present_any = ["list_passes", "help_pass", "list_machines", "completion"])]
+    pub(crate) input: Option<PathBuf>,
+
+    /// Pipeline, e.g. atomise,fixpoint(fold,cse),place; @FILE reads it from a file
+    #[arg(long, value_name = "PIPELINE", add = ArgValueCandidates::new(pass_candidates))]
+    pub(crate) passes: Option<String>,
+
+    /// File (or, for several memory images, folder) to write instead of the standard output
+    #[arg(short, long, value_name = "PATH")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Language of the input; by default told by its name and content
+    #[arg(long, value_enum)]
+    pub(crate) language: Option<InputLanguage>,
+
+    /// Only this function of the input
+    #[arg(long, value_name = "NAME")]
+    pub(crate) function: Option<String>,
+
+    /// Machine compiled for: a name of '--list-machines' or a .toml file
+    #[arg(long, default_value = "thesis", add = ArgValueCandidates::new(machine_candidates))]
+    pub(crate) machine: String,
+
+    /// Write a report: FILE.json, any other FILE as text, or - for the standard error
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
+
+    /// Print the function before these passes (all without names)
+    #[arg(long, value_name = "PASSES", num_args = 0..=1, default_missing_value = "*",
+          require_equals = true)]
+    pub(crate) print_before: Option<String>,
+
+    /// Print the function after these passes (all without names)
+    #[arg(long, value_name = "PASSES", num_args = 0..=1, default_missing_value = "*",
+          require_equals = true)]
+    pub(crate) print_after: Option<String>,
+
+    /// Print the function after every pass
+    #[arg(long)]
+    pub(crate) print_after_all: bool,
+
+    /// Print the function after passes that changed it, whole or as a difference
+    #[arg(long, value_name = "HOW", num_args = 0..=1, default_missing_value = "full",
+          require_equals = true, value_parser = PossibleValuesParser::new(["full", "diff"]))]
+    pub(crate) print_changed: Option<String>,
+
+    /// Write every state of every function into numbered files, with an index.json
+    #[arg(long, value_name = "DIR")]
+    pub(crate) dump_dir: Option<PathBuf>,
+
+    /// Verify the function after every pass
+    #[arg(long, num_args = 0..=1, default_value_t = true, default_missing_value = "true",
+          require_equals = true, action = clap::ArgAction::Set)]
+    pub(crate) verify_each: bool,
+
+    /// Check after every pass, at N random points, that it kept the function
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "4",
+          require_equals = true, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) check_each: Option<u32>,
+
+    /// Seed of all random points and states
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+
+    /// Print the time and memory of every pass
+    #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1,
+          default_missing_value = "table", require_equals = true)]
+    pub(crate) time_passes: Option<TableFormat>,
+
+    /// Print what every pass counted
+    #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1,
+          default_missing_value = "table", require_equals = true)]
+    pub(crate) stats: Option<TableFormat>,
+
+    /// Simulate the memory images on N random states and compare with the evaluator
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "1",
+          require_equals = true, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) simulate: Option<u32>,
+
+    /// Print the pipeline with its presets expanded
+    #[arg(long)]
+    pub(crate) print_pipeline: bool,
+
+    /// List the passes and presets
+    #[arg(long)]
+    pub(crate) list_passes: bool,
+
+    /// Show the manual page of a pass
+    #[arg(long, value_name = "NAME", add = ArgValueCandidates::new(pass_name_candidates))]
+    pub(crate) help_pass: Option<String>,
+
+    /// List the machines that ship with robovec
+    #[arg(long)]
+    pub(crate) list_machines: bool,
+
+    /// Print the script that makes a shell complete options, passes and machines
+    #[arg(long, value_name = "SHELL",
+          value_parser = PossibleValuesParser::new(["bash", "elvish", "fish", "powershell", "zsh"]))]
+    pub(crate) completion: Option<String>,
+}
+
+/// A language robovec reads.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum InputLanguage {
+    /// Robotran's C
+    C,
+    /// Robotran's Matlab
+    Matlab,
+    /// Robotran's Python
+    Python,
+    /// robovec's own text
+    Rvir,
+}
+
+/// How a table is printed.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum TableFormat {
+    /// For a person
+    Table,
+    /// For a program
+    Json,
+}
+
+/// Long options may be written with one dash, as compiler people are used to:
+/// `-passes=cse` becomes `--passes=cse`.
+pub(crate) fn normalise(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    arguments
+        .enumerate()
+        .map(|(index, argument)| match argument.to_str() {
+            Some(text) if index > 0 && is_single_dash_long(text) => format!("-{text}").into(),
+            Some(_) | None => argument,
+        })
+        .collect()
+}
+
+fn is_single_dash_long(text: &str) -> bool {
+    let Some(name) = text.strip_prefix('-') else {
+        return false;
+    };
+    let word = name.split('=').next().unwrap_or(name);
+    word.len() > 2
+        && word
+            .bytes()
+            .all(|byte| byte.is_ascii_lowercase() || byte == b'-')
+        && !word.starts_with('-')
+}
+
+fn candidate(name: String, help: String) -> CompletionCandidate {
+    CompletionCandidate::new(name).help(Some(StyledStr::from(help)))
+}
+
+fn pass_name_candidates() -> Vec<CompletionCandidate> {
+    registry::PASSES
+        .iter()
+        .map(|info| candidate(info.name.to_owned(), info.summary().to_owned()))
+        .collect()
+}
+
+fn pass_candidates() -> Vec<CompletionCandidate> {
+    let presets = registry::PRESETS
+        .iter()
+        .map(|preset| candidate(format!("${}", preset.name), preset.summary.to_owned()));
+    pass_name_candidates().into_iter().chain(presets).collect()
+}
+
+fn machine_candidates() -> Vec<CompletionCandidate> {
+    robovec_ir::machine::BUILT_IN
+        .iter()
+        .map(|(name, _)| CompletionCandidate::new(*name))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn one_dash_is_enough_for_long_options() {
+        let words = [
+            "robovec-opt",
+            "-passes=cse",
+            "-o",
+            "-",
+            "--report",
+            "a-passes",
+            "-h",
+        ];
+        let normal = normalise(words.iter().map(OsString::from));
+        let expected = [
+            "robovec-opt",
+            "--passes=cse",
+            "-o",
+            "-",
+            "--report",
+            "a-passes",
+            "-h",
+        ];
+        assert_eq!(normal, expected.map(OsString::from));
+    }
+}

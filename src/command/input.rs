@@ -1,0 +1,160 @@
+//! Reading what the user names: equations, pipelines, machines.
+
+use super::Failure;
+use super::arguments::InputLanguage;
+use crate::robotran::{self, Language};
+use robovec_ir::diagnostic::{Diagnostic, Label, Report};
+use robovec_ir::machine::{self, MachineError};
+use robovec_ir::{Machine, Module, parse};
+use robovec_passes::pipeline::{self, Pipeline};
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+
+/// Equations as read, with the text messages point into.
+pub(crate) struct Input {
+    /// The functions.
+    pub(crate) module: Module,
+    /// Name of the file.
+    pub(crate) name: String,
+    /// Its text, empty when it is not needed for messages.
+    pub(crate) text: String,
+    /// What the reader remarked.
+    pub(crate) warnings: Report,
+}
+
+/// The largest input, in bytes.
+const LARGEST: u64 = 1 << 30;
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    let fail = |reason: String| {
+        Err(Failure::plain(format!(
+            "cannot read {}: {reason}",
+            path.display()
+        )))
+    };
+    let mut bytes = Vec::new();
+    let result = if path == Path::new("-") {
+        std::io::stdin().take(LARGEST + 1).read_to_end(&mut bytes)
+    } else {
+        fs::File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
+    };
+    match result {
+        Err(error) => fail(error.to_string()),
+        Ok(_) if bytes.len() as u64 > LARGEST => fail("it has more than 1 GiB".to_owned()),
+        Ok(_) => Ok(bytes),
+    }
+}
+
+fn display_name(path: &Path) -> String {
+    if path == Path::new("-") {
+        "<stdin>".to_owned()
+    } else {
+        // Only the last part, so that results do not depend on where one
+        // stands.
+        path.file_name()
+            .unwrap_or(path.as_os_str())
+            .to_string_lossy()
+            .into_owned()
+    }
+}
+
+/// Reads equations in any language.
+pub(crate) fn equations(path: &Path, language: Option<InputLanguage>) -> Result<Input, Failure> {
+    let bytes = read_bytes(path)?;
+    let name = display_name(path);
+    let is_own = match language {
+        Some(language) => language == InputLanguage::Rvir,
+        None => name.ends_with(".rvir") || bytes.starts_with(b"// robovec "),
+    };
+    if is_own {
+        return own_text(name, bytes);
+    }
+    let language = match language {
+        Some(InputLanguage::C) => Some(Language::C),
+        Some(InputLanguage::Matlab) => Some(Language::Matlab),
+        Some(InputLanguage::Python) => Some(Language::Python),
+        Some(InputLanguage::Rvir) | None => None,
+    };
+    let read = robotran::read(&name, &bytes, language).map_err(|error| Failure(error.report))?;
+    Ok(Input {
+        module: read.module,
+        name,
+        text: String::from_utf8_lossy(&bytes).into_owned(),
+        warnings: read.warnings,
+    })
+}
+
+fn own_text(name: String, bytes: Vec<u8>) -> Result<Input, Failure> {
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        Failure::advised(
+            format!(
+                "{name} is not UTF-8 text: byte {} does not belong",
+                valid + 1
+            ),
+            vec!["robovec's own text is UTF-8; is this another kind of file?".to_owned()],
+        )
+    })?;
+    match parse::parse_module(&name, &text) {
+        Ok(module) => Ok(Input {
+            module,
+            name,
+            text: String::new(),
+            warnings: Report::new(),
+        }),
+        Err(diagnostics) => Err(Failure(Report::of(&name, text, diagnostics))),
+    }
+}
+
+/// Reads a pipeline, from a file when it starts with `@`.
+pub(crate) fn passes(text: &str) -> Result<Pipeline, Failure> {
+    let content = match text.strip_prefix('@') {
+        None => text.to_owned(),
+        Some(file) => String::from_utf8_lossy(&read_bytes(Path::new(file))?).into_owned(),
+    };
+    pipeline::parse(&content).map_err(|error| Failure(error.0))
+}
+
+/// The machine of a name, or of a file.
+pub(crate) fn machine(name: &str) -> Result<Machine, Failure> {
+    if let Some(machine) = Machine::built_in(name) {
+        return Ok(machine);
+    }
+    let path = Path::new(name);
+    if path.extension().is_none() && !path.exists() {
+        let names: Vec<&str> = machine::BUILT_IN.iter().map(|(name, _)| *name).collect();
+        let mut notes: Vec<String> =
+            robovec_ir::diagnostic::did_you_mean(name, names.iter().copied())
+                .map(|near| format!("did you mean '{near}'?"))
+                .into_iter()
+                .collect();
+        notes.push(format!("machines: {}, or a .toml file", names.join(", ")));
+        return Err(Failure::advised(
+            format!("there is no machine '{name}'"),
+            notes,
+        ));
+    }
+    let text = String::from_utf8_lossy(&read_bytes(path)?).into_owned();
+    Machine::parse(&text).map_err(|error| {
+        let diagnostic = Diagnostic::error().with_message(error.to_string());
+        let diagnostic = match error {
+            MachineError::Syntax {
+                span: Some(span), ..
+            } => diagnostic.with_labels(vec![Label::primary(0, span)]),
+            MachineError::Syntax { span: None, .. } | MachineError::Meaning(_) => diagnostic
+                .with_labels(vec![
+                    Label::primary(0, 0..0).with_message("in this machine file"),
+                ]),
+        };
+        Failure(Report::of(&display_name(path), text, vec![diagnostic]))
+    })
+}
+
+/// The pipeline of an option that may be absent.
+pub(crate) fn passes_or_empty(text: Option<&str>) -> Result<Pipeline, Failure> {
+    match text {
+        None => Ok(Pipeline::default()),
+        Some(text) => passes(text),
+    }
+}

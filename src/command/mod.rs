@@ -1,0 +1,45 @@
+//! The programs.
+//!
+//! Results go to the standard output or to `-o`; everything else goes to the
+//! standard error or to the file an option names. Every mistake of the user
+//! ends in a diagnostic and exit code 1; wrong use of the command line is
+//! exit code 2.
+
+mod arguments;
+mod dump;
+mod input;
+mod listing;
+pub mod opt;
+mod output;
+mod simulation;
+mod tables;
+
+use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
+
+/// Why a program stops, already as messages for the user.
+#[derive(Debug)]
+pub(crate) struct Failure(pub(crate) Report);
+
+impl Failure {
+    /// A failure that is about no text.
+    pub(crate) fn plain(message: impl Into<String>) -> Failure {
+        Failure::advised(message, Vec::new())
+    }
+
+    /// A failure about no text, with advice.
+    pub(crate) fn advised(message: impl Into<String>, notes: Vec<String>) -> Failure {
+        let mut report = Report::new();
+        report.push(
+            robovec_ir::diagnostic::Diagnostic::error()
+                .with_message(message.into())
+                .with_notes(notes),
+        );
+        Failure(report)
+    }
+
+    /// Tells the user.
+    pub(crate) fn emit(&self) {
+        // When the standard error is closed there is nobody left to tell.
+        self.0.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();
+    }
+}

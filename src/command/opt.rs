@@ -1,0 +1,320 @@
+//! `robovec-opt`.
+
+use super::arguments::{self, Arguments};
+use super::dump::DumpFolder;
+use super::input::{self, Input};
+use super::tables::{self, Stage};
+use super::{Failure, listing, output, simulation};
+use crate::report;
+use clap::{CommandFactory, Parser};
+use clap_complete::env::{CompleteEnv, Shells};
+use robovec_ir::diagnostic::{Diagnostic, Label, Report, termcolor::ColorChoice};
+use robovec_ir::{Machine, Module, SourceSet, print};
+use robovec_passes::manager::{self, Config, Outcome, PassFilter, PrintChanged, RunError, usage};
+use robovec_passes::pipeline::Pipeline;
+use std::ffi::OsString;
+use std::io::{self, IsTerminal, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Runs the program.
+pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
+    CompleteEnv::with_factory(Arguments::command).complete();
+    let arguments = Arguments::parse_from(arguments::normalise(arguments));
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.emit();
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(text) = information(arguments)? {
+        return output::write_stdout(|stdout| stdout.write_all(text.as_bytes()));
+    }
+    // Everything the user wrote is read before any work is done.
+    let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
+    let machine = input::machine(&arguments.machine)?;
+    let Some(path) = &arguments.input else {
+        return Err(Failure::plain("no input file"));
+    };
+    if arguments.print_pipeline {
+        // The standard error may be closed; the pipeline still runs.
+        let _ = writeln!(io::stderr(), "-passes={pipeline}");
+    }
+    let start = usage().0;
+    let mut input = input::equations(path, arguments.language)?;
+    let (now, peak_mb) = usage();
+    let mut stages = vec![Stage {
+        name: "(read)",
+        cpu_s: now - start,
+        peak_mb,
+    }];
+    input
+        .warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
+    if let Some(name) = &arguments.function {
+        select(&mut input.module, name)?;
+    }
+    let outcome = transform(arguments, &pipeline, &machine, &mut input)?;
+    let simulated = match arguments.simulate {
+        Some(states) => simulation::simulate(&input.module, &machine, states, arguments.seed)?,
+        None => String::new(),
+    };
+    let report = match &arguments.report {
+        Some(path) => write_report(path, arguments, &input.module, &machine, &outcome)?,
+        None => String::new(),
+    };
+    let start = usage().0;
+    write_result(arguments.output.as_deref(), &input.module, &outcome)?;
+    let (now, peak_mb) = usage();
+    stages.push(Stage {
+        name: "(write)",
+        cpu_s: now - start,
+        peak_mb,
+    });
+    let mut text = report + &simulated;
+    if let Some(format) = arguments.stats {
+        text += &tables::statistics(&outcome.records, format);
+    }
+    if let Some(format) = arguments.time_passes {
+        text += &tables::times(&outcome.records, &stages, format);
+    }
+    // As above: nobody is left to tell when the standard error is closed.
+    let _ = io::stderr().write_all(text.as_bytes());
+    Ok(())
+}
+
+/// What can be told without an input.
+fn information(arguments: &Arguments) -> Result<Option<String>, Failure> {
+    if arguments.list_passes {
+        return Ok(Some(listing::passes()));
+    }
+    if arguments.list_machines {
+        return Ok(Some(listing::machines()));
+    }
+    if let Some(name) = &arguments.help_pass {
+        return listing::pass(name).map(Some);
+    }
+    if let Some(shell) = &arguments.completion {
+        return completion(shell).map(Some);
+    }
+    Ok(None)
+}
+
+fn completion(shell: &str) -> Result<String, Failure> {
+    let shells = Shells::builtins();
+    let Some(completer) = shells.completer(shell) else {
+        return Err(Failure::plain(format!(
+            "no completion for the shell '{shell}'"
+        )));
+    };
+    let mut script = Vec::new();
+    completer
+        .write_registration(
+            "COMPLETE",
+            "robovec-opt",
+            "robovec-opt",
+            "robovec-opt",
+            &mut script,
+        )
+        .map_err(|error| Failure::plain(format!("cannot write the completion: {error}")))?;
+    Ok(String::from_utf8_lossy(&script).into_owned())
+}
+
+fn select(module: &mut Module, name: &str) -> Result<(), Failure> {
+    let names: Vec<String> = module.functions.iter().map(|f| f.name.clone()).collect();
+    module.functions.retain(|function| function.name == name);
+    if module.functions.is_empty() {
+        let notes = vec![format!("functions: {}", names.join(", "))];
+        return Err(Failure::advised(
+            format!("there is no function '{name}'"),
+            notes,
+        ));
+    }
+    Ok(())
+}
+
+fn filter(names: Option<&str>) -> PassFilter {
+    match names {
+        None => PassFilter::None,
+        Some("*") => PassFilter::All,
+        Some(names) => PassFilter::Named(names.split(',').map(str::to_owned).collect()),
+    }
+}
+
+fn transform(
+    arguments: &Arguments,
+    pipeline: &Pipeline,
+    machine: &Machine,
+    input: &mut Input,
+) -> Result<Outcome, Failure> {
+    let mut dump = arguments
+        .dump_dir
+        .as_deref()
+        .map(DumpFolder::create)
+        .transpose()?;
+    let bar = indicatif::ProgressBar::hidden();
+    if io::stderr().is_terminal() && pipeline.passes().count() * input.module.functions.len() > 20 {
+        bar.set_draw_target(indicatif::ProgressDrawTarget::stderr());
+    }
+    let mut progress = |done: usize, total: usize, name: &str| {
+        bar.set_length(total as u64);
+        bar.set_position(done as u64);
+        bar.set_message(name.to_owned());
+    };
+    let print_after = if arguments.print_after_all {
+        Some("*")
+    } else {
+        arguments.print_after.as_deref()
+    };
+    let result = manager::run(
+        &mut input.module,
+        pipeline,
+        Config {
+            machine,
+            verify_each: arguments.verify_each,
+            check_each: arguments.check_each,
+            seed: arguments.seed,
+            print_before: filter(arguments.print_before.as_deref()),
+            print_after: filter(print_after),
+            print_changed: arguments.print_changed.as_deref().map(|how| match how {
+                "diff" => PrintChanged::Diff,
+                _ => PrintChanged::Full,
+            }),
+            dump: dump.as_mut().map(|dump| dump as &mut dyn manager::Dump),
+            log: &mut io::stderr().lock(),
+            progress: Some(&mut progress),
+        },
+    );
+    bar.finish_and_clear();
+    if let Some(dump) = dump {
+        dump.finish()?;
+    }
+    result.map_err(|error| explain(error, arguments, input))
+}
+
+/// Turns the manager's error into messages that point into the user's texts.
+fn explain(error: RunError, arguments: &Arguments, input: &Input) -> Failure {
+    match error {
+        RunError::Plan(error) => {
+            let text = match &arguments.passes {
+                Some(text) if !text.starts_with('@') => text.clone(),
+                Some(_) | None => String::new(),
+            };
+            let label = Label::primary(0, error.span.clone());
+            let diagnostic = Diagnostic::error()
+                .with_message(error.message)
+                .with_notes(vec![error.help]);
+            let diagnostic = if text.is_empty() {
+                diagnostic
+            } else {
+                diagnostic.with_labels(vec![label])
+            };
+            Failure(Report::of("<-passes>", text, vec![diagnostic]))
+        }
+        RunError::Pass {
+            pass,
+            function,
+            error,
+        } => {
+            let message = format!("{pass}, function '{function}': {}", error.message);
+            located(message, error.sources, error.help, input)
+        }
+        other => Failure::plain(other.to_string()),
+    }
+}
+
+/// A message about equations: in the text read if they stand there, else with
+/// their place named.
+fn located(message: String, sources: SourceSet, help: Option<String>, input: &Input) -> Failure {
+    let mut report = Report::new();
+    let mut diagnostic = Diagnostic::error().with_message(message);
+    diagnostic.notes.extend(help);
+    if let Some(place) = input.module.tables.sources.first(sources) {
+        let file = &input.module.tables.sources.files[place.file as usize];
+        if *file == input.name && !input.text.is_empty() {
+            let id = report.add_file(&input.name, input.text.clone());
+            diagnostic
+                .labels
+                .push(Label::primary(id, report.range_of(id, place)));
+        } else {
+            diagnostic
+                .notes
+                .push(format!("the equation is in {file}, line {}", place.line));
+        }
+    }
+    report.push(diagnostic);
+    Failure(report)
+}
+
+/// Writes the report to its file; returns it instead when it is for the
+/// standard error.
+fn write_report(
+    path: &Path,
+    arguments: &Arguments,
+    module: &Module,
+    machine: &Machine,
+    outcome: &Outcome,
+) -> Result<String, Failure> {
+    let records: Vec<report::PassRecord> = outcome
+        .records
+        .iter()
+        .map(|record| report::PassRecord {
+            function: record.function.clone(),
+            name: record.name.clone(),
+            cpu_s: record.cpu_s,
+            peak_mb: (record.peak_mb > 0.0).then_some(record.peak_mb),
+            operations: record.operations as usize,
+            asap_cycle: record.asap_cycle,
+            verdict: record.check.clone(),
+        })
+        .collect();
+    let options = report::ReportOptions {
+        seed: arguments.seed,
+        ..report::ReportOptions::default()
+    };
+    let report = report::Report::collect(module, machine, &records, options);
+    if path == Path::new("-") {
+        return Ok(report.to_text());
+    }
+    let json = path
+        .extension()
+        .is_some_and(|extension| extension == "json");
+    let text = if json {
+        report.to_json()
+    } else {
+        report.to_text()
+    };
+    output::write_file(path, |writer| writer.write_all(text.as_bytes()))?;
+    Ok(String::new())
+}
+
+fn write_result(path: Option<&Path>, module: &Module, outcome: &Outcome) -> Result<(), Failure> {
+    let text = |writer: &mut dyn Write| match &outcome.artifacts[..] {
+        [] => print::write_module(module, writer),
+        files => files
+            .iter()
+            .try_for_each(|file| writer.write_all(file.text.as_bytes())),
+    };
+    match (path, outcome.artifacts.len()) {
+        (None, 0 | 1) => output::write_stdout(text),
+        (Some(path), 0 | 1) if path != Path::new("-") => output::write_file(path, text),
+        (Some(path), 0 | 1) if path == Path::new("-") => output::write_stdout(text),
+        (Some(folder), _) => {
+            output::make_folder(folder)?;
+            outcome.artifacts.iter().try_for_each(|file| {
+                output::write_file(&folder.join(&file.name), |writer| {
+                    writer.write_all(file.text.as_bytes())
+                })
+            })
+        }
+        (None, count) => Err(Failure::advised(
+            format!("the pipeline made {count} files"),
+            vec!["name a folder for them: -o FOLDER".to_owned()],
+        )),
+    }
+}

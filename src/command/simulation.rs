@@ -1,0 +1,105 @@
+//! `--simulate`: the placed program against the equations.
+
+use super::Failure;
+use crate::simulate::Program;
+use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::print::print_output;
+use robovec_ir::states::States;
+use robovec_ir::{Function, Level, Machine, Module, View};
+use robovec_passes::codegen::write_images;
+use std::fmt::Write;
+
+/// Generates the memory images of every placed function, runs them cycle by
+/// cycle on random states, and compares each output with the evaluator, bit
+/// for bit. Returns a line per function for the user.
+pub(crate) fn simulate(
+    module: &Module,
+    machine: &Machine,
+    states: u32,
+    seed: u64,
+) -> Result<String, Failure> {
+    let mut text = String::new();
+    for function in &module.functions {
+        if function.level != Level::Placed {
+            return Err(Failure::advised(
+                format!(
+                    "'{}' is at the level {}, not placed",
+                    function.name, function.level
+                ),
+                vec!["'--simulate' needs a pipeline with 'place' in it".to_owned()],
+            ));
+        }
+        let view = View {
+            tables: &module.tables,
+            function,
+        };
+        let cycles = compare(view, machine, states, seed).map_err(|reason| {
+            Failure::plain(format!("simulating '{}': {reason}", function.name))
+        })?;
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{}: {states} simulated runs of {cycles} cycles, {} outputs each, all equal to the \
+             evaluator's bit for bit",
+            function.name,
+            function.assignments.len(),
+        );
+    }
+    Ok(text)
+}
+
+fn compare(view: View<'_>, machine: &Machine, states: u32, seed: u64) -> Result<u32, String> {
+    let mut files: Vec<(String, String)> = Vec::new();
+    write_images(view, machine, None, &mut files).map_err(|error| error.to_string())?;
+    let program = Program::load(&files, machine).map_err(|error| error.to_string())?;
+    let places: Vec<u32> = program.outputs().map(|(_, place)| place).collect();
+    let draws = States::new(seed);
+    for index in 0..states {
+        let inputs = draws.draw(view, index);
+        let outputs = program.run(&inputs).map_err(|hazard| hazard.to_string())?;
+        let expected = if machine.number.mantissa > 23 {
+            expected(view.function, &Binary64, &inputs, f64::to_bits)
+        } else {
+            expected(view.function, &Binary32, &inputs, |number| {
+                u64::from(number.to_bits())
+            })
+        };
+        for (place, word) in places.iter().zip(&outputs.words) {
+            // Assignments stand in the order of their outputs.
+            let (_, wanted) = expected
+                .binary_search_by_key(place, |(output, _)| *output)
+                .map(|found| &expected[found])
+                .map_err(|_| "the images set an output the function does not have")?;
+            if word != wanted {
+                let name = print_output(view, robovec_ir::Output(*place));
+                return Err(format!(
+                    "state {index}: {name} is {word:#x} in the machine and {wanted:#x} in the \
+                     evaluator"
+                ));
+            }
+        }
+    }
+    Ok(program.cycles())
+}
+
+/// The outputs the evaluator gives: place among the flattened outputs, and
+/// bits.
+fn expected<A: Arithmetic>(
+    function: &Function,
+    arithmetic: &A,
+    inputs: &[f64],
+    bits: fn(A::Number) -> u64,
+) -> Vec<(u32, u64)> {
+    let inputs: Vec<A::Number> = inputs
+        .iter()
+        .map(|&number| arithmetic.literal(number))
+        .collect();
+    let outputs = evaluate(function, arithmetic, &inputs);
+    function
+        .assignments
+        .iter()
+        .zip(outputs)
+        .map(|(assignment, number)| (assignment.output.0, bits(number)))
+        .collect()
+}

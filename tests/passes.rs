@@ -1,0 +1,60 @@
+//! File tests of passes: `tests/passes/PASS/*.rvir`.
+//!
+//! The first line of a file says what to run: `// RUN: PIPELINE [MACHINE]`.
+//! Every pass runs under the verifier and the semantic check; the expected
+//! text is the function after the pipeline, or the message when it must fail.
+
+mod support;
+
+use robovec_ir::{Machine, parse, print};
+use robovec_passes::manager::{self, Config, PassFilter};
+use robovec_passes::pipeline;
+use std::path::Path;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    support::run("passes", &["rvir"], produce)
+}
+
+fn produce(path: &Path, text: &str) -> String {
+    let mut words = support::directive(text).split_whitespace();
+    let pipeline = words.next().expect("a pipeline");
+    let machine = words.next().unwrap_or("thesis");
+    let machine = Machine::built_in(machine).expect("a machine that ships");
+    let pipeline = match pipeline::parse(pipeline) {
+        Ok(pipeline) => pipeline,
+        Err(error) => return error.to_string(),
+    };
+    let name = path.file_name().expect("a file").to_string_lossy();
+    let mut module = parse::parse_module(&name, text).expect("a well-formed test file");
+    let mut log = Vec::new();
+    let result = manager::run(
+        &mut module,
+        &pipeline,
+        Config {
+            machine: &machine,
+            verify_each: true,
+            check_each: Some(4),
+            seed: 1,
+            print_before: PassFilter::None,
+            print_after: PassFilter::None,
+            print_changed: None,
+            dump: None,
+            log: &mut log,
+            progress: None,
+        },
+    );
+    match result {
+        Ok(outcome) => {
+            let mut produced = print::print_module(&module);
+            // The text must also say all there is to say.
+            let again = parse::parse_module(&name, &produced).expect("printed text reads back");
+            assert!(again == module, "the printed text says something else");
+            for artifact in outcome.artifacts {
+                produced += &format!("\n==> {} <==\n{}", artifact.name, artifact.text);
+            }
+            produced + &String::from_utf8_lossy(&log)
+        }
+        Err(error) => format!("{error}\n"),
+    }
+}
