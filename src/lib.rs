@@ -1,8 +1,8 @@
 //! robovec: a compiler for the equations of multibody systems.
 
+pub mod command;
 pub mod evaluate_command;
 pub mod hexadecimal;
-pub mod command;
 pub mod report;
 pub mod robotran;
 pub mod simulate;

@@ -12,7 +12,11 @@ use std::process::ExitCode;
 /// Runs one trial per file of a folder under `tests/` (and the folders below
 /// it) with one of these extensions, and compares what `produce` says with
 /// the `.snap` file beside it.
-pub(crate) fn run(folder: &str, extensions: &[&str], produce: fn(&Path, &str) -> String) -> ExitCode {
+pub(crate) fn run(
+    folder: &str,
+    extensions: &[&str],
+    produce: fn(&Path, &str) -> String,
+) -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("tests")
         .join(folder);
