@@ -21,7 +21,14 @@ mod token;
 mod tokens;
 
 lalrpop_util::lalrpop_mod!(
-    #[allow(clippy::all, clippy::pedantic, unused, missing_docs, unreachable_pub)]
+    #[allow(
+        clippy::all,
+        clippy::unwrap_used,
+        clippy::pedantic,
+        unused,
+        missing_docs,
+        unreachable_pub
+    )]
     grammar,
     "/robotran/grammar.rs"
 );
@@ -140,8 +147,8 @@ pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read
         return Err(fail(&text, vec![error]));
     };
     let mut module = Module::new();
-    let syntax =
-        parse(&text, language, &mut module.tables.symbols).map_err(|errors| fail(&text, errors))?;
+    let syntax = parse(&text, language, &mut module.tables.symbols)
+        .map_err(|errors| fail(&text, limited(errors, Vec::new())))?;
     let (module, errors, warnings) = build(name, &text, language, module, syntax);
     if errors.is_empty() {
         let shown = if warnings.is_empty() { "" } else { &text };
@@ -150,10 +157,20 @@ pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read
             warnings: Report::of(name, shown, warnings),
         });
     }
-    let mut errors = errors;
+    Err(fail(&text, limited(errors, warnings)))
+}
+
+/// At most [`ERROR_LIMIT`] errors, then the warnings.
+fn limited(mut errors: Vec<Diagnostic>, warnings: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let more = errors.len() >= ERROR_LIMIT;
     errors.truncate(ERROR_LIMIT);
     errors.extend(warnings);
-    Err(fail(&text, errors))
+    if more {
+        errors.push(Diagnostic::note().with_message(format!(
+            "reading stopped after {ERROR_LIMIT} errors; there may be more"
+        )));
+    }
+    errors
 }
 
 fn parse(text: &str, language: Language, symbols: &mut Symbols) -> Result<Syntax, Vec<Diagnostic>> {

@@ -157,7 +157,8 @@ impl StorageBuilder<'_> {
             else {
                 continue;
             };
-            if !is_array(target) && !(root.is_of_data() && is_array(root)) {
+            let whole_array = is_array(target) || (root.is_of_data() && is_array(root));
+            if !whole_array {
                 continue;
             }
             let parameter = self
@@ -268,11 +269,7 @@ impl StorageBuilder<'_> {
             });
             total = total.saturating_add(shape.len() as u64);
             if total > LARGEST_STORAGE {
-                self.errors.push(
-                    Diagnostic::error()
-                        .with_message(format!("`{text}` makes the arrays larger than any model needs"))
-                        .with_note(format!("together they may have {LARGEST_STORAGE} elements; look for a wrong index")),
-                );
+                self.too_large(name, used);
                 storage.len = 0;
                 return;
             }
@@ -369,6 +366,24 @@ impl StorageBuilder<'_> {
         visible.any(|parameter| {
             *parameter == name || self.symbols.text(parameter.symbol()) == structure
         })
+    }
+
+    fn too_large(&mut self, name: Name, used: &Use) {
+        let mut elements = self.elements.clone();
+        let largest = elements.find(|&index| {
+            let element = self.syntax.elements[index];
+            let extreme = element.row == used.rows || element.column == used.columns;
+            element.name.symbol() == name.symbol() && extreme
+        });
+        let element = largest.unwrap_or(0) as u32;
+        let span = statement_of_element(self.syntax, self.statements.clone(), element);
+        let text = self.symbols.text(name.symbol());
+        self.errors.push(refusal(
+            &format!("`{text}` makes the arrays larger than any model needs"),
+            span,
+            "uses an extreme index",
+            &format!("together they may have {LARGEST_STORAGE} elements; correct the index"),
+        ));
     }
 
     fn wrong_rank(&mut self, element: usize) {

@@ -506,9 +506,13 @@ impl<'s, L: Surface<'s>> Iterator for Tokens<'s, '_, L> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let item = self.step()?;
-        if let Ok(token) = item {
-            self.recent = [Some(token), self.recent[0]];
-        }
+        // A lexeme that is no token stands for one, so that the statement it
+        // is part of is known to have begun.
+        let token = match &item {
+            Ok(token) => *token,
+            Err(error) => (error.span.start, Token::Other, error.span.end),
+        };
+        self.recent = [Some(token), self.recent[0]];
         Some(item)
     }
 }
@@ -520,15 +524,23 @@ impl<'s, L: Surface<'s>> TokenSource for Tokens<'s, '_, L> {
 
     fn skip_statement(&mut self) {
         self.open.clear();
-        if let Some((_, Token::End, _)) = self.recent[0] {
-            return;
-        }
+        let in_head = match self.recent[0] {
+            Some((_, Token::End, _)) => return,
+            // The head of C's `for` has semicolons of its own.
+            Some((_, Token::Refused, _)) => self.language == Language::C,
+            _ => false,
+        };
+        let mut depth = 0u32;
         while let Some(item) = self.next() {
             if self.language != Language::C {
                 self.open.clear();
             }
-            if matches!(item, Ok((_, Token::End | Token::BraceClose, _))) {
-                break;
+            match item {
+                Ok((_, Token::Open, _)) if in_head => depth += 1,
+                Ok((_, Token::Close, _)) if in_head => depth = depth.saturating_sub(1),
+                Ok((_, Token::End, _)) if depth == 0 => break,
+                Ok((_, Token::BraceClose, _)) => break,
+                Ok(_) | Err(_) => {}
             }
         }
     }

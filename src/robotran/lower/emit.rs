@@ -351,9 +351,8 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
     fn first_definition(&self, symbol: Symbol) -> Option<Span> {
         let mut statements = self.shared.syntax.statements[..self.statement].iter();
         let found = statements.rfind(|statement| match statement.kind {
-            Kind::Equation { target, .. } => {
-                matches!(target.kind(), LeafKind::Scalar(name) if name.symbol() == symbol)
-            }
+            Kind::Equation { target, .. } => defines(Some(target), symbol),
+            Kind::Call(call) => defines(self.shared.syntax.calls[call as usize].target, symbol),
             _ => false,
         });
         found.map(|statement| statement.span)
@@ -396,6 +395,10 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
             .to_owned();
         if !callee.starts_with("user_") && !callee.starts_with("usrfun.") {
             self.unknown_call(&callee, call.target.is_some(), span);
+            if let Some(LeafKind::Scalar(name)) = call.target.map(Leaf::kind) {
+                // One message about it is enough.
+                self.missing_known.insert(name.symbol());
+            }
             return;
         }
         let sources = self.sources(span);
@@ -548,6 +551,12 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
             warnings: self.warnings,
         }
     }
+}
+
+/// True for the assignment to a scalar.
+fn defines(target: Option<Leaf>, symbol: Symbol) -> bool {
+    let kind = target.map(Leaf::kind);
+    matches!(kind, Some(LeafKind::Scalar(name)) if name.symbol() == symbol)
 }
 
 /// A function that was written, and what was found wrong with it.

@@ -362,6 +362,7 @@ impl Lowering<'_, '_> {
         if solved {
             expected.extend(symbols.find("qdd"));
         }
+        expected.sort_unstable();
         expected.dedup();
         for symbol in expected {
             let names = [Name::local(symbol), Name::of_data(symbol)];

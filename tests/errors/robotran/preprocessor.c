@@ -1,0 +1,7 @@
+#if defined(A) && B
+#endif
+void mbs_invdyna(double *Qq, MbsData *s, double tsim)
+{
+Qq[1] = s->q[1];
+}
+#ifdef A

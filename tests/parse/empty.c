@@ -1,0 +1,3 @@
+void cons_hJ(double *h,double **Jac, MBSdataStruct *s, double tsim) 
+{ 
+} 

@@ -1,0 +1,184 @@
+//! The reader of Robotran's files: what it makes of good files, what it says
+//! about bad ones, and that no text makes it panic or hang.
+
+use robovec::robotran::{Language, Read, ReadError, read};
+use robovec_ir::count::Counts;
+use robovec_ir::print::print_module;
+use std::path::{Path, PathBuf};
+
+/// The file's bytes, and its name without the folder, which may lie anywhere.
+fn load(path: &Path) -> (String, Vec<u8>) {
+    let name = path
+        .file_name()
+        .expect("glob gives files")
+        .to_string_lossy();
+    (
+        name.into_owned(),
+        std::fs::read(path).expect("glob gives readable files"),
+    )
+}
+
+/// Compares with the snapshot beside the file.
+fn compare(path: &Path, text: &str) {
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path(
+        path.parent()
+            .expect("files lie in folders")
+            .join("snapshots"),
+    );
+    settings.set_prepend_module_to_snapshot(false);
+    settings.remove_snapshot_suffix();
+    settings.set_omit_expression(true);
+    settings.remove_input_file();
+    let name = path
+        .file_name()
+        .expect("glob gives files")
+        .to_string_lossy();
+    settings.bind(|| insta::assert_snapshot!(name.into_owned(), text.trim_end()));
+}
+
+#[test]
+fn files_become_modules() {
+    insta::glob!("parse/*.{c,m,py}", |path| {
+        let (name, bytes) = load(path);
+        let text = match read(&name, &bytes, None) {
+            Ok(read) => print_module(&read.module) + "\n" + &read.warnings.render_plain(),
+            Err(error) => panic!("{}", error.report.render_plain()),
+        };
+        compare(path, &text);
+    });
+}
+
+#[test]
+fn bad_files_are_refused_with_places() {
+    insta::glob!("errors/robotran/*.{c,m,py,txt}", |path| {
+        let (name, bytes) = load(path);
+        let error = read(&name, &bytes, None).expect_err("the file is bad");
+        assert!(error.report.has_errors());
+        compare(path, &error.report.render_plain());
+    });
+}
+
+fn c_function(body: &str) -> String {
+    format!("void mbs_invdyna(double *Qq, MbsData *s, double tsim)\n{{\n{body}\n}}\n")
+}
+
+fn read_text(text: &str, language: Language) -> Result<Read, ReadError> {
+    read("test", text.as_bytes(), Some(language))
+}
+
+#[test]
+fn deep_nesting_is_read() {
+    let depth = 100_000;
+    let sum = format!(
+        "Qq[1] = {}q[1]+q[2]{};",
+        "(".repeat(depth),
+        ")".repeat(depth)
+    );
+    let read = read_text(&c_function(&sum), Language::C).expect("nesting is no error");
+    assert_eq!(Counts::of(&read.module.functions[0]).operations, 1);
+    let minuses = format!(
+        "Qq[1] = q[1]*{}q[2];",
+        "-(".repeat(depth) + "-q[3]" + &")".repeat(depth) + "*"
+    );
+    let read = read_text(&c_function(&minuses), Language::C).expect("nesting is no error");
+    assert_eq!(Counts::of(&read.module.functions[0]).operations, depth + 3);
+    assert!(print_module(&read.module).len() > depth);
+}
+
+#[test]
+fn a_million_terms_are_read() {
+    let terms = 1_000_000;
+    let sum = format!("Qq[1] = q[1]{};", "+q[2]".repeat(terms - 1));
+    let read = read_text(&c_function(&sum), Language::C).expect("a long sum is no error");
+    assert_eq!(Counts::of(&read.module.functions[0]).operations, terms - 1);
+}
+
+#[test]
+fn a_million_parentheses_are_refused() {
+    for language in Language::ALL {
+        for text in [
+            "(", "a = (", "a(", "if (", "{", "[", "a = -", "/*", "\"", "%{\n", "def f(", "#if 0\n",
+        ] {
+            let text = text.repeat((1 << 20) / text.len());
+            let error = read_text(&text, language).expect_err("no function");
+            assert!(error.report.render_plain().len() < 100_000);
+        }
+    }
+}
+
+fn example_files() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files: Vec<PathBuf> = ["examples/suspension", "examples/thesis", "tests/parse"]
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(root.join(folder)).expect("the folder exists"))
+        .map(|entry| entry.expect("readable folder").path())
+        .filter(|path| {
+            let extension = path.extension().and_then(|extension| extension.to_str());
+            extension.and_then(Language::from_extension).is_some()
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn truncated_files_do_not_panic() {
+    for path in example_files() {
+        let (name, bytes) = load(&path);
+        let step = (bytes.len() / 150).max(1);
+        for end in (0..bytes.len()).step_by(step) {
+            let _ = read(&name, &bytes[..end], None);
+        }
+    }
+}
+
+#[test]
+fn files_with_flipped_bits_do_not_panic() {
+    let mut random = 1u64;
+    for path in example_files() {
+        let (name, bytes) = load(&path);
+        for _ in 0..150 {
+            let mut damaged = bytes.clone();
+            for _ in 0..3 {
+                random = random
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                let at = (random >> 33) as usize % damaged.len();
+                damaged[at] ^= 1 << (random >> 29 & 7);
+            }
+            if let Ok(read) = read(&name, &damaged, None) {
+                assert!(!print_module(&read.module).is_empty());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cut_example_is_an_error_wherever_a_function_is_open() {
+    for path in example_files() {
+        let (name, bytes) = load(&path);
+        let text = String::from_utf8_lossy(&bytes);
+        let complete = name.ends_with(".c") && text.contains("= ");
+        if let Some(end) = text.rfind('}').filter(|_| complete) {
+            let last = text[..end]
+                .rfind(';')
+                .expect("equations end with a semicolon");
+            assert!(
+                read(&name, text[..last].as_bytes(), None).is_err(),
+                "{name}"
+            );
+        }
+    }
+}
+
+#[test]
+fn reading_is_deterministic() {
+    for path in example_files() {
+        let (name, bytes) = load(&path);
+        let once = read(&name, &bytes, None).expect("a good file");
+        let again = read(&name, &bytes, None).expect("a good file");
+        assert_eq!(print_module(&once.module), print_module(&again.module));
+        assert_eq!(once.module, again.module);
+    }
+}
