@@ -144,14 +144,11 @@ pub(super) struct BufferWrite {
 }
 
 /// What happens, cycle after cycle and within a cycle element after element.
-#[derive(Clone, Default, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Steps {
-    issues: Vec<Issue>,
-    writes: Vec<Write>,
-    buffer_writes: Vec<BufferWrite>,
-    /// For each cycle where its issues, writes and buffer writes start; one
-    /// entry more at the end.
-    starts: Vec<[u32; 3]>,
+    issues: ByCycle<Issue>,
+    writes: ByCycle<Write>,
+    buffer_writes: ByCycle<BufferWrite>,
 }
 
 impl Steps {
@@ -163,105 +160,136 @@ impl Steps {
         images: &[Image],
         fields: &[Fields],
     ) -> Result<Steps, LoadError> {
-        let mut steps = Steps::default();
-        steps.starts.reserve(cycles as usize + 1);
-        for cycle in 0..cycles {
-            steps.mark();
-            for element in 0..images.len() {
-                let image = &images[element];
+        let mut found = Found::default();
+        for (element, image) in images.iter().enumerate() {
+            let name = || names[element].to_owned();
+            if let Some(cycle) = (0..cycles).find(|&cycle| !image.is_defined(cycle)) {
+                let element = name();
+                return Err(LoadError::UndefinedInstruction { element, cycle });
+            }
+            let covered = &fields[element].covered;
+            for cycle in 0..cycles {
                 let word = image.word(cycle);
-                if !image.is_defined(cycle) {
-                    return Err(LoadError::UndefinedInstruction {
-                        element: names[element].to_owned(),
-                        cycle,
-                    });
-                }
                 if word.iter().all(|&limb| limb == 0) {
                     continue;
                 }
-                let covered = &fields[element].covered;
                 if word
                     .iter()
                     .zip(covered)
                     .any(|(word, mask)| word & !mask != 0)
                 {
-                    return Err(LoadError::UndefinedBits {
-                        element: names[element].to_owned(),
-                        cycle,
-                    });
+                    let element = name();
+                    return Err(LoadError::UndefinedBits { element, cycle });
                 }
-                steps.word(cycle, element, images, fields);
+                found.word(cycle, element, images, fields);
             }
         }
-        steps.mark();
-        Ok(steps)
+        Ok(Steps {
+            issues: ByCycle::new(cycles, found.issues),
+            writes: ByCycle::new(cycles, found.writes),
+            buffer_writes: ByCycle::new(cycles, found.buffer_writes),
+        })
     }
 
-    fn mark(&mut self) {
-        self.starts.push([
-            self.issues.len() as u32,
-            self.writes.len() as u32,
-            self.buffer_writes.len() as u32,
-        ]);
+    /// The operations that start in a cycle.
+    pub(super) fn issues(&self, cycle: u32) -> &[Issue] {
+        self.issues.of(cycle)
     }
 
+    /// The writes at the end of a cycle.
+    pub(super) fn writes(&self, cycle: u32) -> &[Write] {
+        self.writes.of(cycle)
+    }
+
+    /// The buffer writes at the end of a cycle.
+    pub(super) fn buffer_writes(&self, cycle: u32) -> &[BufferWrite] {
+        self.buffer_writes.of(cycle)
+    }
+}
+
+/// Steps grouped by cycle.
+#[derive(Clone, Debug)]
+struct ByCycle<T> {
+    /// For each cycle where its steps start; one entry more at the end.
+    starts: Vec<u32>,
+    steps: Vec<T>,
+}
+
+impl<T: Copy> ByCycle<T> {
+    /// Sorts steps by cycle; those of one cycle keep their order.
+    fn new(cycles: u32, found: Vec<(u32, T)>) -> ByCycle<T> {
+        let mut starts = vec![0u32; cycles as usize + 1];
+        for &(cycle, _) in &found {
+            starts[cycle as usize + 1] += 1;
+        }
+        for cycle in 0..cycles as usize {
+            starts[cycle + 1] += starts[cycle];
+        }
+        let mut next = starts.clone();
+        let mut places: Vec<u32> = vec![0; found.len()];
+        for (index, &(cycle, _)) in (0u32..).zip(&found) {
+            let place = &mut next[cycle as usize];
+            places[*place as usize] = index;
+            *place += 1;
+        }
+        let steps = places.iter().map(|&index| found[index as usize].1);
+        ByCycle {
+            steps: steps.collect(),
+            starts,
+        }
+    }
+
+    fn of(&self, cycle: u32) -> &[T] {
+        let cycle = cycle as usize;
+        &self.steps[self.starts[cycle] as usize..self.starts[cycle + 1] as usize]
+    }
+}
+
+/// Steps with their cycles, element after element.
+#[derive(Default)]
+struct Found {
+    issues: Vec<(u32, Issue)>,
+    writes: Vec<(u32, Write)>,
+    buffer_writes: Vec<(u32, BufferWrite)>,
+}
+
+impl Found {
     fn word(&mut self, cycle: u32, element: usize, images: &[Image], all: &[Fields]) {
         let (image, fields) = (&images[element], &all[element]);
         let own = |bits: Bits| get(image, cycle, bits);
+        let owner = element as u32;
         if own(fields.issue) == 1 {
-            self.issues.push(Issue {
-                element: element as u32,
+            let issue = Issue {
+                element: owner,
                 code: own(fields.operation),
                 reads: fields.reads.map(own),
-            });
+            };
+            self.issues.push((cycle, issue));
         }
         for &(memory, [enable, address, select]) in &fields.writes {
             if own(enable) == 1 {
                 let select = own(select);
                 // The codes count all results, then all first read ports of
                 // the buffers, then all second ones.
-                let (port, source) = (
-                    select as usize / images.len(),
-                    select as usize % images.len(),
-                );
-                let read = port
-                    .checked_sub(1)
-                    .and_then(|port| all[source].buffer_reads.get(port));
-                self.writes.push(Write {
-                    element: element as u32,
+                let source = select as usize % images.len();
+                let port = (select as usize / images.len()).checked_sub(1);
+                let read = port.and_then(|port| all[source].buffer_reads.get(port));
+                let write = Write {
+                    element: owner,
                     memory: memory as u32,
                     address: own(address),
                     select,
                     buffer_word: read.map_or(0, |&bits| get(&images[source], cycle, bits)),
-                });
+                };
+                self.writes.push((cycle, write));
             }
         }
         let [enable, word] = fields.buffer_write;
         if own(enable) == 1 {
-            self.buffer_writes.push(BufferWrite {
-                element: element as u32,
-                word: own(word),
-            });
+            let element = owner;
+            let word = own(word);
+            self.buffer_writes
+                .push((cycle, BufferWrite { element, word }));
         }
-    }
-
-    fn range(&self, cycle: u32, kind: usize) -> std::ops::Range<usize> {
-        let cycle = cycle as usize;
-        self.starts[cycle][kind] as usize..self.starts[cycle + 1][kind] as usize
-    }
-
-    /// The operations that start in a cycle.
-    pub(super) fn issues(&self, cycle: u32) -> &[Issue] {
-        &self.issues[self.range(cycle, 0)]
-    }
-
-    /// The writes at the end of a cycle.
-    pub(super) fn writes(&self, cycle: u32) -> &[Write] {
-        &self.writes[self.range(cycle, 1)]
-    }
-
-    /// The buffer writes at the end of a cycle.
-    pub(super) fn buffer_writes(&self, cycle: u32) -> &[BufferWrite] {
-        &self.buffer_writes[self.range(cycle, 2)]
     }
 }

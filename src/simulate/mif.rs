@@ -422,21 +422,17 @@ fn radix(name: &[u8]) -> Option<Radix> {
 /// Reads digits into limbs that are zero; false when there are none, one is
 /// foreign, or the number has more than `width` bits.
 fn number(digits: &[u8], radix: Radix, width: u32, limbs: &mut [u64]) -> bool {
-    let value = |digit: u8| (digit as char).to_digit(radix.base() as u32);
-    if digits.is_empty() || !digits.iter().all(|&digit| value(digit).is_some()) {
-        return false;
-    }
     let zeros = digits.iter().take_while(|&&digit| digit == b'0').count();
-    let digits = &digits[zeros..];
+    let significant = &digits[zeros..];
     // Every digit behind the leading zeros stands for a bit or more.
-    if digits.len() > width as usize {
+    if digits.is_empty() || significant.len() > width as usize {
         return false;
     }
     let fits = match radix {
-        Radix::Hexadecimal => shifted(digits, 4, limbs),
-        Radix::Octal => shifted(digits, 3, limbs),
-        Radix::Binary => shifted(digits, 1, limbs),
-        Radix::Decimal => multiplied(digits, limbs),
+        Radix::Hexadecimal => shifted(significant, 4, limbs),
+        Radix::Octal => shifted(significant, 3, limbs),
+        Radix::Binary => shifted(significant, 1, limbs),
+        Radix::Decimal => multiplied(significant, limbs),
     };
     let used = width % 64;
     let top = (width / 64) as usize;
@@ -444,10 +440,12 @@ fn number(digits: &[u8], radix: Radix, width: u32, limbs: &mut [u64]) -> bool {
 }
 
 /// Digits of a base that is a power of two, from the last to the first.
-fn shifted(digits: &[u8], bits: usize, limbs: &mut [u64]) -> bool {
-    for (place, &digit) in digits.iter().rev().enumerate() {
-        let digit = u64::from((digit as char).to_digit(16).unwrap_or(0));
-        let (limb, shift) = (place * bits / 64, place * bits % 64);
+fn shifted(digits: &[u8], bits: u32, limbs: &mut [u64]) -> bool {
+    let (mut limb, mut shift) = (0, 0);
+    for &digit in digits.iter().rev() {
+        let Some(digit) = (digit as char).to_digit(1 << bits) else {
+            return false;
+        };
         let wide = u128::from(digit) << shift;
         for (limb, part) in [(limb, wide as u64), (limb + 1, (wide >> 64) as u64)] {
             match limbs.get_mut(limb) {
@@ -456,6 +454,10 @@ fn shifted(digits: &[u8], bits: usize, limbs: &mut [u64]) -> bool {
                 None => {}
             }
         }
+        shift += bits;
+        if shift >= 64 {
+            (limb, shift) = (limb + 1, shift - 64);
+        }
     }
     true
 }
@@ -463,7 +465,10 @@ fn shifted(digits: &[u8], bits: usize, limbs: &mut [u64]) -> bool {
 /// Decimal digits, from the first to the last.
 fn multiplied(digits: &[u8], limbs: &mut [u64]) -> bool {
     for &digit in digits {
-        let mut carry = u128::from(digit - b'0');
+        let Some(digit) = (digit as char).to_digit(10) else {
+            return false;
+        };
+        let mut carry = u128::from(digit);
         for limb in limbs.iter_mut() {
             let product = u128::from(*limb) * 10 + carry;
             *limb = product as u64;

@@ -2,13 +2,14 @@
 
 use super::ImageError;
 use super::binding::Binding;
-use super::layout::{ISSUE, Layout, OPERATION, READ, Sizes};
+use super::layout::{Layout, Sizes};
 use super::manifest::{self, Fnv, Manifest};
 use super::mif::MifWriter;
 use super::number::Encoding;
 use super::traffic::Traffic;
-use robovec_ir::placement::{Bank, Placement, Preload};
-use robovec_ir::{Machine, Value, View};
+use super::words::Words;
+use robovec_ir::placement::{Bank, Preload};
+use robovec_ir::{Machine, View};
 use serde::Serialize;
 use std::io;
 
@@ -86,8 +87,7 @@ pub fn write_images(
     let mut elements = Vec::new();
     for element in 0..traffic.usage.elements {
         let layout = writer.layout(element);
-        let events = writer.events(element, &layout)?;
-        hash = writer.instruction_image(element, &layout, events, hash, artifacts)?;
+        hash = writer.instruction_image(element, &layout, hash, artifacts)?;
         writer.data_images(element, &loaded, artifacts)?;
         elements.push(writer.element(element, &layout));
     }
@@ -174,17 +174,9 @@ fn write_manifest(target: &mut dyn io::Write, manifest: &Manifest) -> io::Result
     writeln!(target, "}}")
 }
 
-/// A field of one word and what it holds.
-#[derive(Clone, Copy)]
-struct Event {
-    cycle: u32,
-    field: u32,
-    content: u32,
-}
-
-struct ImageWriter<'a> {
-    traffic: &'a Traffic<'a>,
-    sizes: Sizes,
+pub(super) struct ImageWriter<'a> {
+    pub(super) traffic: &'a Traffic<'a>,
+    pub(super) sizes: Sizes,
     encoding: Encoding,
 }
 
@@ -207,7 +199,7 @@ impl ImageWriter<'_> {
         self.file_name(&format!("{memory}.data.mif"))
     }
 
-    fn operations(&self, element: u32) -> &[String] {
+    pub(super) fn operations(&self, element: u32) -> &[String] {
         let kind = self.traffic.kinds[element as usize];
         &self.traffic.machine.elements[kind].operations
     }
@@ -240,147 +232,9 @@ impl ImageWriter<'_> {
             .collect()
     }
 
-    /// All fields to be set in an element's words, in order of cycle.
-    fn events(&self, element: u32, layout: &Layout) -> Result<Vec<Event>, ImageError> {
-        let mut events = Vec::new();
-        self.issue_events(element, layout, &mut events)?;
-        self.write_events(element, layout, &mut events)?;
-        let reads = &self.traffic.buffer_reads;
-        let start = reads.partition_point(|read| read.0 < element);
-        let own = reads[start..].chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
-        for group in own.take_while(|group| group[0].0 == element) {
-            for (port, &(_, cycle, word)) in (0u32..).zip(group) {
-                if self.sizes.buffer.is_none_or(|(_, ports)| port >= ports) {
-                    return Err(ImageError::BufferPorts {
-                        element: self.traffic.element_name(element),
-                        ports: self.sizes.buffer.map_or(0, |(_, ports)| ports),
-                        cycle,
-                    });
-                }
-                events.push(Event {
-                    cycle,
-                    field: layout.buffer_read(port),
-                    content: word,
-                });
-            }
-        }
-        events.sort_by_key(|event| event.cycle);
-        Ok(events)
-    }
-
-    /// Issues and buffer writes.
-    fn issue_events(
-        &self,
-        element: u32,
-        layout: &Layout,
-        events: &mut Vec<Event>,
-    ) -> Result<(), ImageError> {
-        let traffic = self.traffic;
-        let mut last = None;
-        for &value in traffic.issues.of(element) {
-            let cycle = traffic.schedule.slots[value as usize].cycle;
-            if last.replace(cycle) == Some(cycle) {
-                return Err(ImageError::IssueTwice {
-                    element: traffic.element_name(element),
-                    cycle,
-                });
-            }
-            let operation = traffic.view.function.node(Value(value)).operation;
-            let code = (self.operations(element).iter())
-                .position(|name| name == operation.name())
-                .unwrap_or(0) as u32;
-            let [left, right] = traffic.placement.reads[value as usize];
-            let right = if operation.arity() == 2 { right } else { 0 };
-            let fields = [
-                (ISSUE, 1),
-                (OPERATION, code),
-                (READ, left),
-                (READ + 1, right),
-            ];
-            events.extend(fields.map(|(field, content)| Event {
-                cycle,
-                field,
-                content,
-            }));
-            let word = traffic.placement.buffers[value as usize];
-            if word != Placement::NONE {
-                let ready = self.buffer_write_cycle(element, value)?;
-                let field = layout.buffer_write();
-                events.extend(
-                    [(field, 1), (field + 1, word)].map(|(field, content)| Event {
-                        cycle: ready,
-                        field,
-                        content,
-                    }),
-                );
-            }
-        }
-        Ok(())
-    }
-
-    fn buffer_write_cycle(&self, element: u32, value: u32) -> Result<u32, ImageError> {
-        let traffic = self.traffic;
-        let ready = traffic.ready(value);
-        if self.sizes.buffer.is_none() {
-            return Err(ImageError::NotBuffered {
-                value: traffic.value_name(value),
-                element: traffic.element_name(element),
-                cycle: traffic.schedule.slots[value as usize].cycle,
-            });
-        }
-        match u32::try_from(ready) {
-            Ok(cycle) if cycle < traffic.schedule.cycles => Ok(cycle),
-            Ok(_) | Err(_) => Err(ImageError::AfterEnd {
-                value: traffic.value_name(value),
-                cycle: ready,
-                cycles: traffic.schedule.cycles,
-            }),
-        }
-    }
-
-    /// Writes into the element's memories, each through the next free port.
-    fn write_events(
-        &self,
-        element: u32,
-        layout: &Layout,
-        events: &mut Vec<Event>,
-    ) -> Result<(), ImageError> {
-        let writes = &self.traffic.placement.writes;
-        let same = |a: &u32, b: &u32| {
-            let [a, b] = [*a, *b].map(|index| writes[index as usize]);
-            a.cycle == b.cycle && a.word.bank == b.word.bank
-        };
-        for group in self.traffic.arrivals.of(element).chunk_by(same) {
-            for (port, &index) in (0u32..).zip(group) {
-                let write = writes[index as usize];
-                if port >= self.sizes.write_ports {
-                    return Err(ImageError::WritePorts {
-                        memory: self.traffic.memory_name(element, write.word.bank),
-                        ports: self.sizes.write_ports,
-                        cycle: write.cycle,
-                    });
-                }
-                let memory = u32::from(write.word.bank == Bank::Right);
-                let field = layout.write(memory, port);
-                let select = self.select(self.traffic.owners[index as usize], write.cycle);
-                let fields = [
-                    (field, 1),
-                    (field + 1, write.word.address),
-                    (field + 2, select),
-                ];
-                events.extend(fields.map(|(field, content)| Event {
-                    cycle: write.cycle,
-                    field,
-                    content,
-                }));
-            }
-        }
-        Ok(())
-    }
-
     /// The crossbar's code for a value in a cycle: its producer's result, or
     /// the read port of the producer's buffer that shows it.
-    fn select(&self, value: u32, cycle: u32) -> u32 {
+    pub(super) fn select(&self, value: u32, cycle: u32) -> u32 {
         let element = self.traffic.schedule.slots[value as usize].element;
         if u64::from(cycle) == self.traffic.ready(value) {
             return element;
@@ -396,7 +250,6 @@ impl ImageWriter<'_> {
         &self,
         element: u32,
         layout: &Layout,
-        events: Vec<Event>,
         hash: Fnv,
         artifacts: &mut dyn Artifacts,
     ) -> Result<Fnv, ImageError> {
@@ -406,22 +259,13 @@ impl ImageWriter<'_> {
         let file = self.instruction_file(&name);
         artifacts.file(&file, &mut |target| {
             let mut mif = MifWriter::new(target, hash, &title, layout.width(), self.depth())?;
+            let mut words = Words::new(self, element, layout);
             let mut next = 0;
-            let mut limbs = vec![0u64; layout.width().div_ceil(64) as usize];
-            for group in events.chunk_by(|a, b| a.cycle == b.cycle) {
-                let cycle = group[0].cycle;
+            while let Some(cycle) = words.advance() {
                 if cycle > next {
                     mif.zeros(next, cycle - 1)?;
                 }
-                limbs.fill(0);
-                for event in group {
-                    insert(
-                        &mut limbs,
-                        &layout.fields()[event.field as usize],
-                        event.content,
-                    );
-                }
-                mif.word(cycle, &limbs)?;
+                mif.word(cycle, words.word())?;
                 next = cycle + 1;
             }
             if next < self.depth() {
@@ -497,18 +341,5 @@ impl ImageWriter<'_> {
                 .map(|(words, read_ports)| manifest::Buffer { words, read_ports }),
             name,
         }
-    }
-}
-
-/// Sets a field of a word; its bits are zero before.
-fn insert(limbs: &mut [u64], field: &manifest::Field, content: u32) {
-    if field.width == 0 {
-        return;
-    }
-    let (limb, shift) = ((field.low / 64) as usize, field.low % 64);
-    let content = u64::from(content);
-    limbs[limb] |= content << shift;
-    if shift + field.width > 64 {
-        limbs[limb + 1] |= content >> (64 - shift);
     }
 }

@@ -22,6 +22,7 @@ mod mif;
 mod number;
 mod pass;
 mod traffic;
+mod words;
 
 pub use error::ImageError;
 pub use images::{Artifacts, images, write_images};

@@ -151,6 +151,8 @@ impl<'a> Traffic<'a> {
         traffic.collect_buffer_reads()?;
         traffic.usage = traffic.measure();
         traffic.check_addresses()?;
+        traffic.check_issues()?;
+        traffic.check_ports()?;
         Ok(traffic)
     }
 
@@ -245,12 +247,8 @@ impl<'a> Traffic<'a> {
             .buffers
             .iter()
             .filter(|&&word| word != Placement::NONE);
-        let same_port = |a: &u32, b: &u32| {
-            let [a, b] = [*a, *b].map(|index| placement.writes[index as usize]);
-            a.cycle == b.cycle && a.word.bank == b.word.bank
-        };
         let write_ports = (0..self.kinds.len() as u32)
-            .flat_map(|element| self.arrivals.of(element).chunk_by(same_port))
+            .flat_map(|element| self.write_groups(element))
             .map(<[u32]>::len)
             .max();
         let buffer_reads = self
@@ -287,6 +285,89 @@ impl<'a> Traffic<'a> {
             });
         }
         Ok(())
+    }
+
+    /// An element starts one operation per cycle, and what enters a buffer
+    /// does so before the end.
+    fn check_issues(&self) -> Result<(), ImageError> {
+        for element in 0..self.usage.elements {
+            let mut last = None;
+            for &value in self.issues.of(element) {
+                let cycle = self.schedule.slots[value as usize].cycle;
+                if last.replace(cycle) == Some(cycle) {
+                    return Err(ImageError::IssueTwice {
+                        element: self.element_name(element),
+                        cycle,
+                    });
+                }
+                if self.placement.buffers[value as usize] == Placement::NONE {
+                    continue;
+                }
+                if self.machine.buffer.is_none() {
+                    return Err(ImageError::NotBuffered {
+                        value: self.value_name(value),
+                        element: self.element_name(element),
+                        cycle,
+                    });
+                }
+                let ready = self.ready(value);
+                if ready >= u64::from(self.schedule.cycles) {
+                    return Err(ImageError::AfterEnd {
+                        value: self.value_name(value),
+                        cycle: ready,
+                        cycles: self.schedule.cycles,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// No more transfers in a cycle than the machine declares ports.
+    fn check_ports(&self) -> Result<(), ImageError> {
+        let ports = self.machine.memory.writes.unwrap_or(u32::MAX);
+        if self.usage.write_ports > ports {
+            for element in 0..self.usage.elements {
+                let mut groups = self.write_groups(element);
+                if let Some(group) = groups.find(|group| group.len() > ports as usize) {
+                    let write = self.placement.writes[group[0] as usize];
+                    return Err(ImageError::WritePorts {
+                        memory: self.memory_name(element, write.word.bank),
+                        ports,
+                        cycle: write.cycle,
+                    });
+                }
+            }
+        }
+        let reads = self.machine.buffer.and_then(|buffer| buffer.reads);
+        let ports = reads.unwrap_or(u32::MAX);
+        let mut groups = self.buffer_reads.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
+        if let Some(group) = groups.find(|group| group.len() > ports as usize) {
+            return Err(ImageError::BufferPorts {
+                element: self.element_name(group[0].0),
+                ports,
+                cycle: group[0].1,
+            });
+        }
+        Ok(())
+    }
+
+    /// The writes into an element's memories, those of one memory and cycle
+    /// together, in order of cycle.
+    pub(super) fn write_groups(&self, element: u32) -> impl Iterator<Item = &[u32]> {
+        let writes = &self.placement.writes;
+        self.arrivals.of(element).chunk_by(|&a, &b| {
+            let [a, b] = [a, b].map(|index| writes[index as usize]);
+            a.cycle == b.cycle && a.word.bank == b.word.bank
+        })
+    }
+
+    /// The words an element's buffer shows, those of one cycle together, in
+    /// order of cycle.
+    pub(super) fn buffer_groups(&self, element: u32) -> impl Iterator<Item = &[BufferRead]> {
+        let start = self.buffer_reads.partition_point(|read| read.0 < element);
+        let end = self.buffer_reads.partition_point(|read| read.0 <= element);
+        self.buffer_reads[start..end].chunk_by(|a, b| a.1 == b.1)
     }
 
     /// The error of a placement that does not fit its function.

@@ -1,0 +1,152 @@
+//! The instruction words of one element, cycle after cycle.
+//!
+//! Issues, buffer writes, memory writes and buffer reads each come in order
+//! of cycle; the words are their merge, made one at a time.
+
+use super::images::ImageWriter;
+use super::layout::{ISSUE, Layout, OPERATION, READ};
+use super::manifest::Field;
+use super::traffic::BufferRead;
+use robovec_ir::Value;
+use robovec_ir::placement::{Bank, Placement};
+use std::iter::Peekable;
+
+type Groups<'a, T> = Peekable<Box<dyn Iterator<Item = &'a [T]> + 'a>>;
+
+/// An iterator over the words that are not zero.
+pub(super) struct Words<'a> {
+    writer: &'a ImageWriter<'a>,
+    layout: &'a Layout,
+    element: u32,
+    issues: &'a [u32],
+    /// The values that enter the buffer: a subsequence of the issues, since
+    /// all results take equally long.
+    buffered: &'a [u32],
+    writes: Groups<'a, u32>,
+    reads: Groups<'a, BufferRead>,
+    limbs: Vec<u64>,
+}
+
+impl<'a> Words<'a> {
+    pub(super) fn new(writer: &'a ImageWriter<'a>, element: u32, layout: &'a Layout) -> Words<'a> {
+        let issues = writer.traffic.issues.of(element);
+        let writes: Box<dyn Iterator<Item = &'a [u32]>> =
+            Box::new(writer.traffic.write_groups(element));
+        let reads: Box<dyn Iterator<Item = &'a [BufferRead]>> =
+            Box::new(writer.traffic.buffer_groups(element));
+        Words {
+            writer,
+            layout,
+            element,
+            issues,
+            buffered: issues,
+            writes: writes.peekable(),
+            reads: reads.peekable(),
+            limbs: vec![0; layout.width().div_ceil(64) as usize],
+        }
+    }
+
+    /// The word last made.
+    pub(super) fn word(&self) -> &[u64] {
+        &self.limbs
+    }
+
+    /// Makes the next word that is not zero; its cycle.
+    pub(super) fn advance(&mut self) -> Option<u32> {
+        let traffic = self.writer.traffic;
+        while let Some((&first, rest)) = self.buffered.split_first()
+            && traffic.placement.buffers[first as usize] == Placement::NONE
+        {
+            self.buffered = rest;
+        }
+        let issue = self.issues.first().map(|&value| self.issue_cycle(value));
+        let buffered = self.buffered.first();
+        // Traffic has checked that what is buffered is ready before the end.
+        let ready = buffered.map(|&value| traffic.ready(value) as u32);
+        let writes = &traffic.placement.writes;
+        let write = self.writes.peek();
+        let write = write.map(|group| writes[group[0] as usize].cycle);
+        let read = self.reads.peek().map(|group| group[0].1);
+        let cycle = [issue, ready, write, read].into_iter().flatten().min()?;
+        self.limbs.fill(0);
+        if issue == Some(cycle) {
+            self.issue();
+        }
+        if ready == Some(cycle) {
+            self.buffer_write();
+        }
+        self.memory_writes(cycle);
+        if let Some(group) = self.reads.next_if(|group| group[0].1 == cycle) {
+            for (port, &(_, _, word)) in (0u32..).zip(group) {
+                self.set(self.layout.buffer_read(port), word);
+            }
+        }
+        Some(cycle)
+    }
+
+    fn issue_cycle(&self, value: u32) -> u32 {
+        self.writer.traffic.schedule.slots[value as usize].cycle
+    }
+
+    fn issue(&mut self) {
+        let Some((&value, rest)) = self.issues.split_first() else {
+            return;
+        };
+        self.issues = rest;
+        let traffic = self.writer.traffic;
+        let operation = traffic.view.function.node(Value(value)).operation;
+        let mut codes = self.writer.operations(self.element).iter();
+        let code = codes.position(|name| name == operation.name());
+        let [left, right] = traffic.placement.reads[value as usize];
+        self.set(ISSUE, 1);
+        // Traffic has checked that the element performs the operation.
+        self.set(OPERATION, code.unwrap_or(0) as u32);
+        self.set(READ, left);
+        if operation.arity() == 2 {
+            self.set(READ + 1, right);
+        }
+    }
+
+    fn buffer_write(&mut self) {
+        let Some((&value, rest)) = self.buffered.split_first() else {
+            return;
+        };
+        self.buffered = rest;
+        let word = self.writer.traffic.placement.buffers[value as usize];
+        let field = self.layout.buffer_write();
+        self.set(field, 1);
+        self.set(field + 1, word);
+    }
+
+    /// All writes of a cycle, each through the next free port of its memory.
+    fn memory_writes(&mut self, cycle: u32) {
+        let traffic = self.writer.traffic;
+        let writes = &traffic.placement.writes;
+        let now = |group: &&[u32]| writes[group[0] as usize].cycle == cycle;
+        while let Some(group) = self.writes.next_if(now) {
+            for (port, &index) in (0u32..).zip(group) {
+                let word = writes[index as usize].word;
+                let memory = u32::from(word.bank == Bank::Right);
+                let field = self.layout.write(memory, port);
+                let value = traffic.owners[index as usize];
+                self.set(field, 1);
+                self.set(field + 1, word.address);
+                self.set(field + 2, self.writer.select(value, cycle));
+            }
+        }
+    }
+
+    /// Sets a field, whose bits are zero before.
+    fn set(&mut self, field: u32, content: u32) {
+        let Field { low, width, .. } = self.layout.fields()[field as usize];
+        if width == 0 {
+            return;
+        }
+        let (limb, shift) = ((low / 64) as usize, low % 64);
+        let content = u64::from(content);
+        self.limbs[limb] |= content << shift;
+        if shift + width > 64 {
+            self.limbs[limb + 1] |= content >> (64 - shift);
+        }
+    }
+}
