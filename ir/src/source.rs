@@ -41,6 +41,8 @@ pub struct Sources {
     /// Names of the files, as the user gave them.
     pub files: Vec<String>,
     places: Vec<Place>,
+    /// Places to their index; empty as long as the places come in increasing
+    /// order, as they do from a file, and a binary search finds them.
     place_index: HashMap<Place, u32, FxBuildHasher>,
     ranges: Vec<(u32, u32)>,
     members: Vec<u32>,
@@ -70,6 +72,16 @@ impl Sources {
             return SourceSet(self.places.len() as u32 - 1);
         }
         let next = self.places.len() as u32;
+        if self.place_index.is_empty() {
+            if self.places.last().is_none_or(|last| *last < place) {
+                self.places.push(place);
+                return SourceSet(next);
+            }
+            if let Ok(index) = self.places.binary_search(&place) {
+                return SourceSet(index as u32);
+            }
+            self.place_index = self.places.iter().copied().zip(0..).collect();
+        }
         let index = *self.place_index.entry(place).or_insert(next);
         if index == next {
             self.places.push(place);
@@ -205,5 +217,17 @@ mod tests {
         assert_eq!(sources.union(&[]), SourceSet::EMPTY);
         let lines: Vec<u32> = sources.places(both).map(|place| place.line).collect();
         assert_eq!(lines, [1, 2]);
+    }
+
+    #[test]
+    fn places_keep_their_number_when_order_breaks() {
+        let mut sources = Sources::new();
+        let order = [2, 4, 6, 4, 3, 8, 6, 3, 1];
+        let sets: Vec<SourceSet> = order.map(|line| sources.single(place(line))).into();
+        for (line, set) in order.into_iter().zip(&sets) {
+            assert_eq!(sources.single(place(line)), *set);
+            assert_eq!(sources.first(*set), Some(place(line)));
+        }
+        assert_eq!(sources.places.len(), 6);
     }
 }

@@ -25,7 +25,9 @@ impl Symbol {
 pub struct Symbols {
     text: String,
     ends: Vec<u32>,
-    table: HashTable<u32>,
+    /// The hash beside the symbol: growing the table reads no string, and
+    /// almost every string that is compared is the right one.
+    table: HashTable<(u32, u32)>,
 }
 
 impl Symbols {
@@ -36,32 +38,29 @@ impl Symbols {
 
     /// The symbol of a string, made at its first appearance.
     pub fn intern(&mut self, string: &str) -> Symbol {
-        let hash = FxBuildHasher.hash_one(string);
-        let (text, ends) = (&self.text, &self.ends);
-        if let Some(&found) = self
-            .table
-            .find(hash, |&candidate| slice(text, ends, candidate) == string)
-        {
-            return Symbol(found);
+        let hash = hash(string);
+        if let Some(found) = self.lookup(hash, string) {
+            return found;
         }
         let symbol = self.ends.len() as u32;
         self.text.push_str(string);
         self.ends.push(self.text.len() as u32);
-        let (text, ends) = (&self.text, &self.ends);
-        self.table.insert_unique(hash, symbol, |&other| {
-            FxBuildHasher.hash_one(slice(text, ends, other))
-        });
+        self.table
+            .insert_unique(spread(hash), (hash, symbol), |&(hash, _)| spread(hash));
         Symbol(symbol)
     }
 
     /// The symbol of a string, if it was interned before.
     pub fn find(&self, string: &str) -> Option<Symbol> {
-        let hash = FxBuildHasher.hash_one(string);
+        self.lookup(hash(string), string)
+    }
+
+    fn lookup(&self, hash: u32, string: &str) -> Option<Symbol> {
         self.table
-            .find(hash, |&candidate| {
-                slice(&self.text, &self.ends, candidate) == string
+            .find(spread(hash), |&(other, candidate)| {
+                other == hash && slice(&self.text, &self.ends, candidate) == string
             })
-            .map(|&found| Symbol(found))
+            .map(|&(_, found)| Symbol(found))
     }
 
     /// The string of a symbol.
@@ -78,6 +77,16 @@ impl Symbols {
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
+}
+
+fn hash(string: &str) -> u32 {
+    let hash = FxBuildHasher.hash_one(string);
+    (hash ^ hash >> 32) as u32
+}
+
+/// The table looks at both ends of its 64 bits.
+fn spread(hash: u32) -> u64 {
+    u64::from(hash) | u64::from(hash) << 32
 }
 
 fn slice<'a>(text: &'a str, ends: &[u32], symbol: u32) -> &'a str {

@@ -109,11 +109,18 @@ impl Builder<'_> {
 
     /// `%x` in an expression.
     pub(super) fn value(&mut self, span: Span) -> Operand {
-        let (base, suffix) = Name::split(&self.slice(span)[1..]);
+        let text = &self.slice(span)[1..];
+        if let Some(value) = self.recent.get(text) {
+            return value.into();
+        }
+        let (base, suffix) = Name::split(text);
         let base = self.module.tables.symbols.find(base);
         let value = base.and_then(|base| self.names.get(Name { base, suffix }));
         match value {
-            Some(value) => value.into(),
+            Some(value) => {
+                self.recent.set(text, value);
+                value.into()
+            }
             None => {
                 if self.open.head.is_some() {
                     let node = self.open.node_count();
@@ -241,6 +248,7 @@ impl Builder<'_> {
             self.conflict(span, message, first, "first defined here");
         }
         self.names.set(name, root);
+        self.recent.set(&self.slice(span)[1..], root);
         self.open.function.node_mut(root).name = name;
         self.open.disordered |= self.trees_came_before();
         if let Some((_, home)) = self.attributes.home {

@@ -6,7 +6,7 @@
 //! start, its end gives the last of them the name.
 
 use super::attributes::Attributes;
-use super::names::NameTable;
+use super::names::{NameTable, Recent};
 use super::problems::{Problems, also, error};
 use super::undefined::Undefined;
 use crate::diagnostic::{Diagnostic, clip};
@@ -173,6 +173,7 @@ pub(super) struct Builder<'t> {
     pub(super) functions: FastMap<&'t str, Span>,
     pub(super) open: Open<'t>,
     pub(super) names: NameTable,
+    pub(super) recent: Recent<'t>,
     /// Number of nodes before the statement being read.
     pub(super) start: u32,
     pub(super) head: Head,
@@ -192,6 +193,7 @@ impl<'t> Builder<'t> {
             functions: FastMap::default(),
             open: Open::new("", Level::Equations, None),
             names: NameTable::default(),
+            recent: Recent::new(),
             start: 0,
             head: Head::Other,
             attributes: Attributes::default(),

@@ -56,6 +56,7 @@ impl Builder<'_> {
         self.open = Open::new(text, level, Some(name));
         self.open.problems_before = self.problems.len();
         self.names.clear();
+        self.recent.clear();
         self.next_statement();
     }
 

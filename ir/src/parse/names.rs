@@ -9,14 +9,73 @@ use crate::entity::Value;
 use crate::symbol::{Name, Symbol};
 use hashbrown::HashMap;
 use rustc_hash::FxBuildHasher;
+use std::hash::BuildHasher;
 
 const ABSENT: u32 = u32::MAX;
+
+/// Places of [`Recent`]; a power of two.
+const RECENT: usize = 4096;
+
+/// The values whose names were met last, by the text of the name: most
+/// operands were defined a few lines above, and finding them here costs no
+/// walk through tables that have outgrown the cache of the processor.
+pub(super) struct Recent<'t> {
+    function: u32,
+    entries: Vec<RecentEntry<'t>>,
+}
+
+#[derive(Clone, Copy)]
+struct RecentEntry<'t> {
+    text: &'t str,
+    value: Value,
+    function: u32,
+}
+
+impl<'t> Recent<'t> {
+    pub(super) fn new() -> Recent<'t> {
+        let nothing = RecentEntry {
+            text: "",
+            value: Value(0),
+            function: 0,
+        };
+        Recent {
+            function: 0,
+            entries: vec![nothing; RECENT],
+        }
+    }
+
+    fn slot(text: &str) -> usize {
+        FxBuildHasher.hash_one(text) as usize & (RECENT - 1)
+    }
+
+    /// Forgets all names.
+    pub(super) fn clear(&mut self) {
+        self.function += 1;
+    }
+
+    /// The value that bears a name, if it was met not long ago.
+    pub(super) fn get(&self, text: &str) -> Option<Value> {
+        let entry = self.entries[Recent::slot(text)];
+        (entry.function == self.function && entry.text == text).then_some(entry.value)
+    }
+
+    /// Makes a value the bearer of a name.
+    pub(super) fn set(&mut self, text: &'t str, value: Value) {
+        self.entries[Recent::slot(text)] = RecentEntry {
+            text,
+            value,
+            function: self.function,
+        };
+    }
+}
 
 #[derive(Clone, Default)]
 struct Entry {
     function: u32,
-    /// Values by number; `ABSENT` where no value bears the name.
-    values: Vec<u32>,
+    /// The value that bears the symbol itself, or `ABSENT`.
+    plain: u32,
+    /// Values by number, from 1; `ABSENT` where no value bears the name.
+    numbered: Vec<u32>,
 }
 
 /// The names of one function at a time.
@@ -40,19 +99,29 @@ impl NameTable {
         if entry.function != self.function {
             return None;
         }
-        let value = match entry.values.get(name.suffix as usize) {
-            Some(&value) if value != ABSENT => value,
-            Some(_) | None => *self.sparse.get(&name)?,
+        let value = match name.suffix {
+            0 => entry.plain,
+            suffix => entry
+                .numbered
+                .get(suffix as usize - 1)
+                .copied()
+                .unwrap_or(ABSENT),
         };
-        Some(Value(value))
+        if value != ABSENT {
+            return Some(Value(value));
+        }
+        self.sparse.get(&name).map(|&value| Value(value))
     }
 
     /// The last value, in program order, whose name derives from a symbol.
     pub(super) fn last_of(&self, base: Symbol) -> Option<Value> {
         let entry = self.entries.get(base.index())?;
-        let values = entry.values.iter().filter(|&&value| value != ABSENT);
-        let current = entry.function == self.function;
-        values.max().filter(|_| current).map(|&value| Value(value))
+        if entry.function != self.function {
+            return None;
+        }
+        let all = entry.numbered.iter().chain([&entry.plain]);
+        let values = all.filter(|&&value| value != ABSENT);
+        values.max().map(|&value| Value(value))
     }
 
     /// Makes a value the bearer of a name.
@@ -65,17 +134,20 @@ impl NameTable {
         let entry = &mut self.entries[index];
         if entry.function != self.function {
             entry.function = self.function;
-            entry.values.clear();
+            entry.plain = ABSENT;
+            entry.numbered.clear();
         }
         let suffix = name.suffix as usize;
-        if suffix > 2 * entry.values.len() + 16 {
+        if suffix == 0 {
+            entry.plain = value.0;
+        } else if suffix > 2 * entry.numbered.len() + 16 {
             self.sparse.insert(name, value.0);
-            return;
+        } else {
+            if suffix > entry.numbered.len() {
+                entry.numbered.resize(suffix, ABSENT);
+            }
+            entry.numbered[suffix - 1] = value.0;
         }
-        if suffix >= entry.values.len() {
-            entry.values.resize(suffix + 1, ABSENT);
-        }
-        entry.values[suffix] = value.0;
     }
 }
 

@@ -99,6 +99,7 @@ impl Builder<'_> {
                 self.close_function();
                 self.open = Open::new("", Level::Equations, Some(Span::new(start, end)));
                 self.names.clear();
+                self.recent.clear();
             }
             _ => {}
         }
