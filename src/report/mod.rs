@@ -5,23 +5,22 @@
 //! interface, documented in `docs/report.md`; a field may be added and none
 //! renamed. Numbers that are not finite are `null` there.
 
-mod counts;
 mod error;
 mod records;
 mod schedule;
 mod text;
 
-use counts::Counts;
 pub use error::{ArrayReport, ElementReport, ErrorReport, FormatReport, SpreadReport};
 pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
 pub(crate) use text::table;
 
-use robovec_ir::{Function, Machine, Module, View};
+use robovec_ir::count::Counts;
+use robovec_ir::{Function, Level, Machine, Module, View};
 use robovec_passes::analysis::accuracy::accuracy;
 use robovec_passes::analysis::critical_path::critical_path;
 use robovec_passes::check::Verdict;
-pub use schedule::{ByKind, KindReport, ScheduleReport, Usage};
-use serde::Serialize;
+pub use schedule::{ByKind, KindReport, ScheduleReport, TransferReport};
+use serde::{Serialize, Serializer};
 
 /// What the pass manager tells about one run of a pass on one function.
 #[derive(Clone, PartialEq, Debug)]
@@ -78,10 +77,27 @@ pub struct FunctionReport {
     /// The model it belongs to, from the header of its file.
     pub model: Option<String>,
     /// The level it was lowered to.
-    pub level: &'static str,
-    /// The counts; their names stand directly in the function's object.
-    #[serde(flatten)]
-    pub counts: Counts,
+    #[serde(serialize_with = "level_name")]
+    pub level: Level,
+    /// Assignments: named values and output elements.
+    pub equations: usize,
+    /// Everything but sines, cosines and copies.
+    pub operations: usize,
+    /// Additions and subtractions; below the equations level minus signs are
+    /// among them, as `0 - x`.
+    pub add_sub: usize,
+    /// Multiplications.
+    pub mul: usize,
+    /// Divisions.
+    pub div: usize,
+    /// Square roots.
+    pub sqrt: usize,
+    /// Sines and cosines.
+    pub sin_cos: usize,
+    /// Minus signs.
+    pub negations: usize,
+    /// Groups of equations that need only those before them.
+    pub vectors: usize,
     /// The longest chain, in operations.
     pub asap: u32,
     /// The longest chain, in cycles of the machine.
@@ -150,8 +166,16 @@ impl FunctionReport {
         FunctionReport {
             name: function.name.clone(),
             model: function.metadata("model").map(str::to_owned),
-            level: function.level.name(),
-            counts,
+            level: function.level,
+            equations: counts.equations,
+            operations: counts.operations,
+            add_sub: counts.add_sub,
+            mul: counts.mul,
+            div: counts.div,
+            sqrt: counts.sqrt,
+            sin_cos: counts.sin_cos,
+            negations: counts.negations,
+            vectors: counts.vectors,
             asap: path.asap,
             asap_cycle: path.asap_cycle,
             number_y: (path.asap_cycle > 0)
@@ -162,6 +186,10 @@ impl FunctionReport {
             error: ErrorReport::new(view, &accuracy(view, options.states, options.seed)),
         }
     }
+}
+
+fn level_name<S: Serializer>(level: &Level, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(level.name())
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! What a schedule costs, and how well it uses its machine.
 
 use robovec_ir::machine::NumberFormat;
-use robovec_ir::placement::{Bank, ElementKind, Placement, Schedule, Word};
+use robovec_ir::placement::{ElementKind, Schedule};
 use robovec_ir::{Function, Machine, Operation};
+use robovec_passes::place::{KindStatistics, PlacementStatistics, Spread, placement_statistics};
 use serde::{Serialize, Serializer};
 
 /// Cycles, processing elements and what they hold.
@@ -31,6 +32,8 @@ pub struct ScheduleReport {
     pub memory: Option<ByKind>,
     /// Words of buffer used per element; absent before `place`.
     pub buffer: Option<ByKind>,
+    /// How results travel; absent before `place`.
+    pub transfers: Option<TransferReport>,
     /// The kinds of elements and how busy they are.
     pub elements: Vec<KindReport>,
 }
@@ -49,20 +52,37 @@ pub struct KindReport {
     pub occupation: Vec<f64>,
 }
 
-/// Words used by the elements of a kind.
-#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
-pub struct Usage {
-    /// By the element that uses fewest.
-    pub min: u32,
-    /// On average.
-    pub mean: f64,
-    /// By the element that uses most.
-    pub max: u32,
+/// How results travel between the elements.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub struct TransferReport {
+    /// Words filled before the run.
+    pub preloads: u32,
+    /// Writes in the cycle in which the result appears.
+    pub direct: u32,
+    /// Writes through a buffer.
+    pub indirect: u32,
+    /// Results that pass through a buffer.
+    pub buffered: u32,
+    /// How many operations have each rank of the thesis' Table 2.1, from rank
+    /// 1 (both operands wait in memory) on.
+    pub ranks: [u32; 9],
+}
+
+impl TransferReport {
+    fn new(statistics: &PlacementStatistics) -> TransferReport {
+        TransferReport {
+            preloads: statistics.preloads,
+            direct: statistics.direct_writes,
+            indirect: statistics.indirect_writes,
+            buffered: statistics.buffered_results,
+            ranks: statistics.ranks,
+        }
+    }
 }
 
 /// Usage per kind of element, in the machine's order; an object in JSON.
 #[derive(Clone, PartialEq, Debug)]
-pub struct ByKind(pub Vec<(String, Usage)>);
+pub struct ByKind(pub Vec<(String, Spread)>);
 
 impl Serialize for ByKind {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -84,10 +104,12 @@ impl ScheduleReport {
         };
         let issued = schedule.slots.iter().filter(|slot| !slot.is_host()).count();
         let capacity = f64::from(schedule.element_count()) * f64::from(schedule.cycles);
-        let words = function
-            .placement
-            .as_ref()
-            .map(|_| words_used(function, schedule));
+        let placed = placement_statistics(function, machine);
+        let words = |pick: fn(&KindStatistics) -> Spread| {
+            let kinds = placed.as_ref()?.kinds.iter();
+            let words = kinds.map(|kind| (kind.kind.clone(), pick(kind)));
+            Some(ByKind(words.collect()))
+        };
         let own = (machine.name == schedule.machine).then_some(machine);
         Some(ScheduleReport {
             machine: schedule.machine.clone(),
@@ -102,8 +124,9 @@ impl ScheduleReport {
             } else {
                 0.0
             },
-            memory: words.as_ref().map(|(memory, _)| by_kind(schedule, memory)),
-            buffer: words.as_ref().map(|(_, buffer)| by_kind(schedule, buffer)),
+            memory: words(|kind| kind.memory),
+            buffer: words(|kind| kind.buffer),
+            transfers: placed.as_ref().map(TransferReport::new),
             elements: occupation(schedule),
         })
     }
@@ -121,51 +144,6 @@ fn format_name(format: NumberFormat) -> String {
     } else {
         format!("{name}, subnormals as zero")
     }
-}
-
-/// Words of memory (both sides of a split one together) and of buffer that
-/// each element uses: one more than the highest address.
-fn words_used(function: &Function, schedule: &Schedule) -> (Vec<u32>, Vec<u32>) {
-    let elements = schedule.element_count() as usize;
-    let mut sides = vec![[0u32; 2]; elements];
-    let mut buffers = vec![0u32; elements];
-    let Some(placement) = &function.placement else {
-        return (buffers.clone(), buffers);
-    };
-    let mut touch = |word: Word| {
-        let side = usize::from(word.bank == Bank::Right);
-        let used = &mut sides[word.element as usize][side];
-        *used = (*used).max(word.address + 1);
-    };
-    placement
-        .preloads
-        .iter()
-        .for_each(|preload| touch(preload.word));
-    placement.writes.iter().for_each(|write| touch(write.word));
-    for (slot, &buffer) in schedule.slots.iter().zip(&placement.buffers) {
-        if buffer != Placement::NONE && !slot.is_host() {
-            let used = &mut buffers[slot.element as usize];
-            *used = (*used).max(buffer + 1);
-        }
-    }
-    (sides.into_iter().map(|[a, b]| a + b).collect(), buffers)
-}
-
-fn by_kind(schedule: &Schedule, words: &[u32]) -> ByKind {
-    let mut rest = words;
-    let mut kinds = Vec::new();
-    for kind in &schedule.kinds {
-        let (own, others) = rest.split_at(kind.count as usize);
-        rest = others;
-        let total: u64 = own.iter().map(|&words| u64::from(words)).sum();
-        let usage = Usage {
-            min: own.iter().copied().min().unwrap_or(0),
-            mean: total as f64 / own.len().max(1) as f64,
-            max: own.iter().copied().max().unwrap_or(0),
-        };
-        kinds.push((kind.name.clone(), usage));
-    }
-    ByKind(kinds)
 }
 
 /// How busy each kind is, slice by slice.

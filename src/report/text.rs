@@ -5,8 +5,9 @@ mod table;
 
 use super::error::{ArrayReport, ElementReport, FormatReport};
 use super::records::{CheckErrors, CheckReport, PassReport};
-use super::schedule::{ByKind, ScheduleReport};
+use super::schedule::{ByKind, ScheduleReport, TransferReport};
 use super::{FunctionReport, Report};
+use robovec_ir::Level;
 pub(crate) use table::table;
 
 /// How many of an array's elements are named as its worst.
@@ -48,38 +49,41 @@ fn section(title: &str, body: &str, text: &mut String) {
 }
 
 fn counts(function: &FunctionReport, text: &mut String) {
-    let counts = function.counts;
     let mut parts = vec![
-        (counts.add_sub, "additions and subtractions"),
-        (counts.mul, "multiplications"),
-        (counts.div, "divisions"),
-        (counts.sqrt, "square roots"),
-        (counts.negations, "minus signs"),
+        (function.add_sub, "add or subtract"),
+        (function.mul, "multiply"),
+        (function.div, "divide"),
+        (function.sqrt, "take a root"),
     ];
+    // Below the equations level a minus is a subtraction from zero.
+    let mut detail = String::new();
+    match function.level {
+        Level::Equations => parts.push((function.negations, "change the sign")),
+        _ if function.negations > 0 => {
+            detail = format!("; {} are 0 - x", function.negations);
+        }
+        _ => {}
+    }
     parts.retain(|(count, _)| *count > 0);
     let parts: Vec<String> = parts
         .iter()
         .map(|(n, what)| format!("{n} {what}"))
         .collect();
-    let detail = if parts.is_empty() {
-        String::new()
-    } else {
-        format!("= {}", parts.join(" + "))
-    };
+    let detail = format!("{}{detail}", parts.join(", "));
     let mut rows = vec![
         vec![
             "equations".to_owned(),
-            counts.equations.to_string(),
-            format!("in {} vectors of independent ones", counts.vectors),
+            function.equations.to_string(),
+            format!("in {} vectors of independent ones", function.vectors),
         ],
         vec![
             "operations".to_owned(),
-            counts.operations.to_string(),
+            function.operations.to_string(),
             detail,
         ],
         vec![
             "sin, cos".to_owned(),
-            counts.sin_cos.to_string(),
+            function.sin_cos.to_string(),
             "on the host, not counted as operations".to_owned(),
         ],
         vec![
@@ -227,6 +231,34 @@ fn print_schedule(schedule: &ScheduleReport, text: &mut String) {
             text,
         );
     }
+    if let Some(transfers) = &schedule.transfers {
+        print_transfers(transfers, text);
+    }
+}
+
+fn print_transfers(transfers: &TransferReport, text: &mut String) {
+    let row = |name: &str, value: u32, note: &str| {
+        vec![name.to_owned(), value.to_string(), note.to_owned()]
+    };
+    let rows = [
+        row(
+            "preloads",
+            transfers.preloads,
+            "words filled before the run",
+        ),
+        row(
+            "direct",
+            transfers.direct,
+            "writes in the cycle in which the result appears",
+        ),
+        row("indirect", transfers.indirect, "writes through a buffer"),
+        row(
+            "buffered",
+            transfers.buffered,
+            "results that pass through a buffer",
+        ),
+    ];
+    section("Transfers", &table(&[], &rows, &[1]), text);
 }
 
 fn usage<'a>(what: &'a str, kinds: &'a ByKind) -> impl Iterator<Item = Vec<String>> + 'a {
