@@ -12,7 +12,7 @@
 
 use super::graph::Graph;
 use super::ports::Ports;
-use super::sweep::Sweep;
+use super::sweep::{Outcome, Sweep};
 use robovec_ir::{Function, Value};
 
 const UNBOUND: u32 = u32::MAX;
@@ -185,20 +185,20 @@ impl Ahead {
 
 impl Sweep<'_> {
     /// Issues a node if its element is free and its result finds ports.
-    pub(super) fn issue_ahead(&mut self, node: usize, cycle: u32) -> bool {
+    pub(super) fn issue_ahead(&mut self, node: usize, cycle: u32) -> Outcome {
         let back = cycle + self.graph.weight(node) - 1;
         self.draft.ports.reach(back);
         let Some(ahead) = &self.ahead else {
-            return false;
+            return Outcome::Failed;
         };
         let seat = ahead.seat(node);
         if seat.is_some_and(|seat| self.busy[seat.element] == cycle + 1) {
-            return false;
+            return Outcome::Failed;
         }
         let (function, graph, ports) = (self.function, self.graph, &self.draft.ports);
         let is_output = self.is_output[node];
         let Some(booking) = ahead.book(function, graph, ports, node, back, is_output) else {
-            return false;
+            return Outcome::Failed;
         };
         let sources = self.graph.data[node].map(|datum| self.source(datum));
         self.mark(sources);
@@ -210,11 +210,11 @@ impl Sweep<'_> {
             .filter(|at| seat.is_none_or(|seat| seat.swapped == at.swapped))
             .find_map(|at| self.plain(sources, at));
         let Some(plan) = plan else {
-            return false;
+            return Outcome::Failed;
         };
         self.commit(node, cycle, plan);
         self.write_ahead(node, back, &booking);
-        true
+        Outcome::Issued
     }
 
     fn write_ahead(&mut self, node: usize, back: u32, booking: &Booking) {

@@ -183,7 +183,14 @@ impl Search<'_> {
     fn candidate(&self, name: &'static str, order: &Order) -> Result<Candidate, Stuck> {
         self.settled(
             name,
-            sweep::sweep(self.function, self.graph, self.machine, order, self.choice),
+            sweep::sweep(
+                self.function,
+                self.graph,
+                self.machine,
+                order,
+                self.choice,
+                self.lower_bound,
+            ),
         )
         .or_else(|Stuck| {
             self.settled(

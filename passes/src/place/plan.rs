@@ -19,6 +19,17 @@ pub(super) struct Plan {
     pub(super) routes: [Option<Route>; 2],
 }
 
+/// What can be done with an operation in a cycle.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Verdict {
+    /// Issue it so.
+    Issue(Plan),
+    /// An element that is taken in this cycle could do without a buffer.
+    Wait,
+    /// No free element can take it.
+    Fail,
+}
+
 impl Sweep<'_> {
     /// The operand as data flow, `None` for the absent second one.
     pub(super) fn source(&self, datum: u32) -> Option<Source> {
@@ -46,37 +57,52 @@ impl Sweep<'_> {
     }
 
     /// The best plan for a node whose operands have been computed.
-    pub(super) fn consider(&mut self, node: usize, cycle: u32) -> Option<Plan> {
+    pub(super) fn consider(&mut self, node: usize, cycle: u32) -> Verdict {
         let sources = self.graph.data[node].map(|datum| self.source(datum));
         self.mark(sources);
         let kind = self.graph.kinds[self.graph.kind[node] as usize];
         let elements = kind.first as usize..(kind.first + kind.count) as usize;
-        let free = elements.filter(|&element| self.busy[element] != cycle + 1);
-        match self.choice {
-            Choice::First => free
-                .flat_map(|element| self.sides(node, element))
-                .find_map(|at| {
-                    self.plain(sources, at)
-                        .or_else(|| self.indirect(sources, at, cycle))
-                }),
+        let is_free = |element: &usize| self.busy[*element] != cycle + 1;
+        let free = elements.clone().filter(is_free);
+        let places = free.flat_map(|element| self.sides(node, element));
+        let plan = match self.choice {
+            Choice::First => places.into_iter().find_map(|at| {
+                self.plain(sources, at)
+                    .or_else(|| self.indirect(sources, at, cycle))
+            }),
             Choice::Preferential => {
-                let plain = free
-                    .clone()
-                    .flat_map(|element| self.sides(node, element))
-                    .filter_map(|at| self.plain(sources, at))
-                    .min_by_key(|plan| self.cost(plan));
-                plain.or_else(|| {
-                    free.flat_map(|element| self.sides(node, element))
+                let plain = places.clone().filter_map(|at| self.plain(sources, at));
+                let best = plain.min_by_key(|plan| self.cost(sources, plan));
+                if best.is_none() && self.can_wait(node, cycle) {
+                    let later = elements.filter(|element| !is_free(element));
+                    let mut later = later.flat_map(|element| self.sides(node, element));
+                    if later.any(|at| self.plain(sources, at).is_some()) {
+                        return Verdict::Wait;
+                    }
+                }
+                best.or_else(|| {
+                    places
                         .filter_map(|at| self.indirect(sources, at, cycle))
-                        .min_by_key(|plan| self.cost(plan))
+                        .min_by_key(|plan| self.cost(sources, plan))
                 })
             }
-        }
+        };
+        plan.map_or(Verdict::Fail, Verdict::Issue)
+    }
+
+    /// True when issuing the node a cycle later need not lengthen the
+    /// schedule.
+    fn can_wait(&self, node: usize, cycle: u32) -> bool {
+        self.picky && cycle + self.graph.tail[node] < self.target
     }
 
     /// The ways to feed a node's operands to an element: the second with
     /// sides exchanged, where that is possible and makes a difference.
-    pub(super) fn sides(&self, node: usize, element: usize) -> impl Iterator<Item = Plan> + use<> {
+    pub(super) fn sides(
+        &self,
+        node: usize,
+        element: usize,
+    ) -> impl Iterator<Item = Plan> + Clone + use<> {
         let first = element * self.banks;
         let last = first + self.banks - 1;
         let straight = Plan {
@@ -170,8 +196,9 @@ impl Sweep<'_> {
         Some(Planned::new(source, at.memories[operand], route))
     }
 
-    /// What [`Choice::Preferential`] minimises.
-    fn cost(&self, plan: &Plan) -> (u8, u8, u32) {
+    /// What [`Choice::Preferential`] minimises: the rank, the cycles results
+    /// stay in buffers, new words of initial data, live words.
+    fn cost(&self, sources: [Option<Source>; 2], plan: &Plan) -> (u8, u32, u8, u32) {
         let status = |side: usize| {
             // Exchanged, the first operand is the one on the right.
             plan.routes[side ^ usize::from(plan.swapped)].map_or(0, Route::status)
@@ -187,7 +214,16 @@ impl Sweep<'_> {
             .iter()
             .map(|&memory| self.draft.live[memory])
             .sum();
-        (rank, loads, words)
+        let stay = plan.routes.iter().zip(sources).map(|(route, source)| {
+            let back = source
+                .and_then(|source| source.result)
+                .map_or(0, |(back, _)| back);
+            match route {
+                Some(Route::Indirect(at)) => at - back,
+                _ => 0,
+            }
+        });
+        (rank, stay.sum(), loads, words)
     }
 
     /// False when no element, free now or not, can take the node in this or

@@ -12,7 +12,7 @@ use super::choice::{Choice, Route, Source};
 use super::graph::{Graph, HOST, NO_DATUM};
 use super::locations::{Locations, NO_ENTRY, PRELOADED};
 use super::order::Order;
-use super::plan::Plan;
+use super::plan::{Plan, Verdict};
 use super::ports::Ports;
 use super::ready::{Calendar, RankSet};
 use robovec_ir::{Function, Machine};
@@ -42,6 +42,17 @@ pub(super) struct Draft {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Stuck;
 
+/// What came of trying to issue an operation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Outcome {
+    /// It is issued.
+    Issued,
+    /// It stays ready.
+    Waits,
+    /// It found no way.
+    Failed,
+}
+
 /// Places every operation in the given order.
 ///
 /// # Errors
@@ -54,8 +65,9 @@ pub(super) fn sweep(
     machine: &Machine,
     order: &Order,
     choice: Choice,
+    target: u32,
 ) -> Result<Draft, Stuck> {
-    let mut sweep = Sweep::new(function, graph, machine, order, choice);
+    let mut sweep = Sweep::new(function, graph, machine, order, choice, target);
     sweep.run()?;
     Ok(sweep.draft)
 }
@@ -67,7 +79,7 @@ pub(super) fn sweep_ahead(
     machine: &Machine,
     order: &Order,
 ) -> Result<Draft, Stuck> {
-    let mut sweep = Sweep::new(function, graph, machine, order, Choice::First);
+    let mut sweep = Sweep::new(function, graph, machine, order, Choice::First, 0);
     sweep.ahead = Some(Ahead::new(graph.kind.len(), sweep.busy.len(), sweep.banks));
     sweep.is_output = vec![false; graph.kind.len()];
     for assignment in &function.assignments {
@@ -98,6 +110,10 @@ pub(super) struct Sweep<'a> {
     pub(super) marks: [Vec<(u32, u32)>; 2],
     pub(super) stamp: u32,
     pub(super) last_issue: u32,
+    /// Operations wait for an element that needs no buffer while the schedule
+    /// need not become longer than [`Sweep::target`].
+    pub(super) picky: bool,
+    pub(super) target: u32,
     /// Set when readers are bound before they are issued.
     pub(super) ahead: Option<Ahead>,
     /// The outputs, when [`Sweep::ahead`] is set.
@@ -111,6 +127,7 @@ impl<'a> Sweep<'a> {
         machine: &Machine,
         order: &'a Order,
         choice: Choice,
+        target: u32,
     ) -> Sweep<'a> {
         let nodes = graph.kind.len();
         let banks = super::ports::banks(machine);
@@ -144,6 +161,8 @@ impl<'a> Sweep<'a> {
             ],
             stamp: 0,
             last_issue: 0,
+            picky: true,
+            target,
             ahead: None,
             is_output: Vec::new(),
         }
@@ -180,38 +199,55 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Issues what the elements of one kind can take in one cycle.
+    /// Issues what the elements of one kind can take in one cycle: first what
+    /// needs no buffer or cannot wait, then, on elements still free, the rest.
     fn issue_kind(&mut self, kind: usize, cycle: u32) -> Result<(), Stuck> {
         let mut free = self.graph.kinds[kind].count;
-        let mut failures_left = 8 * free + 64;
-        let mut rank = 0;
-        while free > 0 && failures_left > 0 {
-            let Some(next) = self.ready[kind].next_from(rank) else {
-                return Ok(());
-            };
-            let node = self.order.nodes[kind][next as usize] as usize;
-            self.ready[kind].remove(next);
-            let issued = match self.ahead {
-                Some(_) => self.issue_ahead(node, cycle),
-                None => self.issue_now(node, cycle),
-            };
-            if issued {
-                free -= 1;
-            } else {
-                failures_left -= 1;
-                self.postpone(node, cycle)?;
+        let tries = 8 * free + 64;
+        for picky in [true, false] {
+            self.picky = picky;
+            let (mut tries_left, mut waiting, mut rank) = (tries, 0, 0);
+            while free > 0 && tries_left > 0 {
+                let Some(next) = self.ready[kind].next_from(rank) else {
+                    break;
+                };
+                rank = next + 1;
+                let node = self.order.nodes[kind][next as usize] as usize;
+                match self.issue(node, cycle) {
+                    Outcome::Issued => {
+                        self.ready[kind].remove(next);
+                        free -= 1;
+                    }
+                    Outcome::Waits => {
+                        waiting += 1;
+                        tries_left -= 1;
+                    }
+                    Outcome::Failed => {
+                        self.ready[kind].remove(next);
+                        self.postpone(node, cycle)?;
+                        tries_left -= 1;
+                    }
+                }
             }
-            rank = next + 1;
+            if waiting == 0 {
+                break;
+            }
         }
         Ok(())
     }
 
-    fn issue_now(&mut self, node: usize, cycle: u32) -> bool {
-        let plan = self.consider(node, cycle);
-        if let Some(plan) = plan {
-            self.commit(node, cycle, plan);
+    fn issue(&mut self, node: usize, cycle: u32) -> Outcome {
+        if self.ahead.is_some() {
+            return self.issue_ahead(node, cycle);
         }
-        plan.is_some()
+        match self.consider(node, cycle) {
+            Verdict::Issue(plan) => {
+                self.commit(node, cycle, plan);
+                Outcome::Issued
+            }
+            Verdict::Wait => Outcome::Waits,
+            Verdict::Fail => Outcome::Failed,
+        }
     }
 
     fn postpone(&mut self, node: usize, cycle: u32) -> Result<(), Stuck> {
