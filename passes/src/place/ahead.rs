@@ -11,6 +11,7 @@
 //! slightly longer schedule.
 
 use super::graph::Graph;
+use super::plan::Verdict;
 use super::ports::Ports;
 use super::sweep::{Outcome, Sweep};
 use robovec_ir::{Function, Value};
@@ -71,7 +72,8 @@ impl Ahead {
 
     /// Finds ports for the result of a node in its write-back cycle: at the
     /// elements its readers are bound to, at the least loaded one with a free
-    /// port for those that are not. `None` when a port is taken.
+    /// port for those that are not. Where a port is taken, `None`, or, when
+    /// `partial`, what there is without it.
     pub(super) fn book(
         &self,
         function: &Function,
@@ -79,7 +81,7 @@ impl Ahead {
         ports: &Ports,
         node: usize,
         back: u32,
-        is_output: bool,
+        partial: bool,
     ) -> Option<Booking> {
         let mut booking = Booking::default();
         let users = graph.users_of(node);
@@ -88,31 +90,35 @@ impl Ahead {
             if index > 0 && users[index - 1] == user {
                 continue;
             }
-            let seat = match self.seat(user as usize) {
-                Some(seat) => seat,
-                None => {
-                    let seat =
-                        self.find_seat(function, graph, ports, node, user, back, &booking)?;
-                    booking.seats.push((user, seat));
-                    seat
+            let known = self.seat(user as usize);
+            let seat = known
+                .or_else(|| self.find_seat(function, graph, ports, node, user, back, &booking));
+            let Some(seat) = seat else {
+                if partial {
+                    continue;
                 }
+                return None;
             };
+            if known.is_none() {
+                booking.seats.push((user, seat));
+            }
             for memory in self.memories(graph, node, user, seat) {
-                if !booking.memories.contains(&memory) {
-                    if !ports.can_write(back, memory, 1) {
-                        return None;
-                    }
+                if booking.memories.contains(&memory) {
+                    continue;
+                }
+                if ports.can_write(back, memory, 1) {
                     booking.memories.push(memory);
+                } else if !partial {
+                    return None;
                 }
             }
         }
-        if is_output && booking.memories.is_empty() {
-            let memories = self.load.len() * self.banks;
-            booking
-                .memories
-                .push((0..memories).find(|&memory| ports.can_write(back, memory, 1))?);
-        }
         Some(booking)
+    }
+
+    /// Any memory that can take the result of an output nobody reads.
+    fn book_home(&self, ports: &Ports, back: u32) -> Option<usize> {
+        (0..self.load.len() * self.banks).find(|&memory| ports.can_write(back, memory, 1))
     }
 
     /// Binds the readers of a booking.
@@ -196,10 +202,15 @@ impl Sweep<'_> {
             return Outcome::Failed;
         }
         let (function, graph, ports) = (self.function, self.graph, &self.draft.ports);
-        let is_output = self.is_output[node];
-        let Some(booking) = ahead.book(function, graph, ports, node, back, is_output) else {
+        let Some(mut booking) = ahead.book(function, graph, ports, node, back, false) else {
             return Outcome::Failed;
         };
+        if self.is_output[node] && booking.memories.is_empty() {
+            match ahead.book_home(ports, back) {
+                Some(memory) => booking.memories.push(memory),
+                None => return Outcome::Failed,
+            }
+        }
         let sources = self.graph.data[node].map(|datum| self.source(datum));
         self.mark(sources);
         let kind = self.graph.kinds[self.graph.kind[node] as usize];
@@ -215,6 +226,35 @@ impl Sweep<'_> {
         self.commit(node, cycle, plan);
         self.write_ahead(node, back, &booking);
         Outcome::Issued
+    }
+
+    /// Issues a node where its operands were booked to, and books its result;
+    /// where either is impossible the node waits if it can, and else goes to
+    /// any element and leaves its result to the buffer.
+    pub(super) fn issue_booked(&mut self, node: usize, cycle: u32) -> Outcome {
+        let back = cycle + self.graph.weight(node) - 1;
+        self.draft.ports.reach(back);
+        let Some(ahead) = &self.ahead else {
+            return Outcome::Failed;
+        };
+        let waits = self.can_wait(node, cycle);
+        let seat = ahead.seat(node);
+        if waits && seat.is_some_and(|seat| self.busy[seat.element] == cycle + 1) {
+            return Outcome::Waits;
+        }
+        let (function, graph, ports) = (self.function, self.graph, &self.draft.ports);
+        let Some(booking) = ahead.book(function, graph, ports, node, back, !waits) else {
+            return Outcome::Waits;
+        };
+        match self.consider(node, cycle) {
+            Verdict::Issue(plan) => {
+                self.commit(node, cycle, plan);
+                self.write_ahead(node, back, &booking);
+                Outcome::Issued
+            }
+            Verdict::Wait => Outcome::Waits,
+            Verdict::Fail => Outcome::Failed,
+        }
     }
 
     fn write_ahead(&mut self, node: usize, back: u32, booking: &Booking) {

@@ -1,6 +1,6 @@
 //! From a draft to the explicit schedule and placement of the function.
 
-use super::addresses::{Addresses, allocate, allocate_buffers};
+use super::addresses::{Addresses, allocate};
 use super::error::PlaceError;
 use super::graph::{Graph, HOST};
 use super::locations::NO_ENTRY;
@@ -8,6 +8,18 @@ use super::ports::{Ports, banks};
 use super::sweep::Draft;
 use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
 use robovec_ir::{Function, Level, Machine, Value};
+
+/// Everything that is decided, but for addresses in memories.
+pub(super) struct Settled {
+    /// Cycles, elements and transfers.
+    pub(super) draft: Draft,
+    /// The entry that keeps each assignment, or [`NO_ENTRY`].
+    pub(super) homes: Vec<u32>,
+    /// The buffer word of each node, or [`NO_ENTRY`].
+    pub(super) buffers: Vec<u32>,
+    /// The proved bound.
+    pub(super) lower_bound: u32,
+}
 
 /// Writes schedule and placement into the function.
 ///
@@ -18,10 +30,14 @@ pub(super) fn finish(
     function: &mut Function,
     mut graph: Graph,
     machine: &Machine,
-    mut draft: Draft,
-    homes: &[u32],
-    lower_bound: u32,
+    settled: Settled,
 ) -> Result<(), PlaceError> {
+    let Settled {
+        mut draft,
+        homes,
+        buffers,
+        lower_bound,
+    } = settled;
     graph.release_links();
     let addresses = allocate(&graph, &draft);
     draft.ports = Ports::default();
@@ -45,7 +61,7 @@ pub(super) fn finish(
         lower_bound,
     };
     check_sizes(machine, &schedule, &addresses)?;
-    let placement = words.placement(&graph, homes);
+    let placement = words.placement(&graph, &homes, buffers);
     for (index, _) in draft.swapped.iter().enumerate().filter(|(_, swap)| **swap) {
         function.node_mut(Value(index as u32)).operands.swap(0, 1);
     }
@@ -125,7 +141,7 @@ impl WordNames<'_> {
         }
     }
 
-    fn placement(&self, graph: &Graph, homes: &[u32]) -> Placement {
+    fn placement(&self, graph: &Graph, homes: &[u32], buffers: Vec<u32>) -> Placement {
         let address = |entry: u32| match entry {
             NO_ENTRY => Placement::NONE,
             entry => self.addresses.of_entry[entry as usize],
@@ -162,7 +178,7 @@ impl WordNames<'_> {
                 .iter()
                 .map(|read| read.map(address))
                 .collect(),
-            buffers: allocate_buffers(graph, self.draft),
+            buffers,
             write_starts,
             writes,
             homes: homes

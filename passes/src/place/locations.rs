@@ -91,6 +91,33 @@ impl Locations {
         })
     }
 
+    /// Forgets the words that were booked and are never read: those whose
+    /// last read is still the cycle in which they are written.
+    pub(super) fn drop_unread(&mut self) {
+        let unread = |entry: &Entry| entry.last_read == entry.written;
+        if !self.entries.iter().any(unread) {
+            return;
+        }
+        for datum in &mut self.data {
+            let mut link: Option<usize> = None;
+            let mut next = datum.first;
+            while let Some(&entry) = self.entries.get(next as usize) {
+                if unread(&entry) {
+                    match link {
+                        None => datum.first = entry.next,
+                        Some(before) => self.entries[before].next = entry.next,
+                    }
+                } else {
+                    link = Some(next as usize);
+                }
+                next = entry.next;
+            }
+        }
+        for entry in self.entries.iter_mut().filter(|entry| unread(entry)) {
+            (entry.written, entry.last_read) = (PRELOADED, FOREVER);
+        }
+    }
+
     /// The last cycle in which the datum is read from its producer's buffer,
     /// if it is in the buffer at all.
     pub(super) fn buffered_until(&self, datum: u32) -> Option<u32> {

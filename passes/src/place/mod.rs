@@ -48,9 +48,10 @@ pub use pass::Place;
 pub use statistics::{KindStatistics, PlacementStatistics, Spread, placement_statistics};
 
 use graph::Graph;
+use locations::NO_ENTRY;
 use order::Order;
 use robovec_ir::{Function, Machine};
-use sweep::{Draft, Stuck};
+use sweep::{Draft, Manner, Stuck, Task};
 
 /// How many visits of an operation [`Priority::Best`] may spend beyond its
 /// first sweep: a few more tries for a model of 30,000 operations, none for
@@ -110,11 +111,13 @@ pub fn place(
     let fan_out = Order::fan_out(&graph);
     let lower_bound = bound::lower_bound(&graph, &fan_out);
     let mut search = Search {
-        function,
-        graph: &graph,
-        machine,
-        choice: options.choice,
-        lower_bound,
+        task: Task {
+            function,
+            graph: &graph,
+            machine,
+            choice: options.choice,
+            target: lower_bound,
+        },
         best: None,
         tries: 0,
     };
@@ -137,77 +140,63 @@ pub fn place(
         order: best.order,
         tries,
     };
-    finish::finish(
-        function,
-        graph,
-        machine,
-        best.draft,
-        &best.homes,
+    let settled = finish::Settled {
+        draft: best.draft,
+        homes: best.homes,
+        buffers: best.buffers,
         lower_bound,
-    )?;
+    };
+    finish::finish(function, graph, machine, settled)?;
     Ok(summary)
 }
 
-struct Candidate {
-    draft: Draft,
-    homes: Vec<u32>,
-    order: &'static str,
-}
-
-/// Tries orders and keeps the shortest schedule.
+/// Tries orders and keeps the best placement.
 struct Search<'a> {
-    function: &'a Function,
-    graph: &'a Graph,
-    machine: &'a Machine,
-    choice: Choice,
-    lower_bound: u32,
+    task: Task<'a>,
     best: Option<Candidate>,
     tries: u32,
 }
 
 impl Search<'_> {
+    /// Places in an order, in the manners that suit the machine, and keeps
+    /// the result if it is better than what there is.
     fn sweep(&mut self, name: &'static str, order: &Order) {
         self.tries += 1;
-        if let Ok(candidate) = self.candidate(name, order)
-            && self
-                .best
-                .as_ref()
-                .is_none_or(|best| candidate.draft.cycles < best.draft.cycles)
-        {
-            self.best = Some(candidate);
+        let Task {
+            graph,
+            machine,
+            choice,
+            target,
+            ..
+        } = self.task;
+        let widest = graph.kinds.iter().map(|kind| kind.count).max().unwrap_or(0);
+        // With one or two elements of a kind there is hardly a choice at
+        // issue, and what keeps the buffers small is not to let results
+        // appear together; with more of them, booking only ties hands.
+        let books = choice == Choice::Preferential
+            && machine.buffer.is_some()
+            && widest <= 2
+            && graph.operations() * SWEEP_COST <= WORK_BUDGET;
+        if books {
+            self.consider(name, sweep::sweep(self.task, order, Manner::Booked));
+        }
+        if self.best_cycles() > target {
+            self.consider(name, sweep::sweep(self.task, order, Manner::AtIssue));
+        }
+        if self.best.is_none() {
+            self.consider(name, sweep::sweep(self.task, order, Manner::Ahead));
         }
     }
 
-    /// The placement an order gives: with the choices of the sweep, or, where
-    /// these leave an operand without a way into any memory, bound ahead.
-    fn candidate(&self, name: &'static str, order: &Order) -> Result<Candidate, Stuck> {
-        self.settled(
-            name,
-            sweep::sweep(
-                self.function,
-                self.graph,
-                self.machine,
-                order,
-                self.choice,
-                self.lower_bound,
-            ),
-        )
-        .or_else(|Stuck| {
-            self.settled(
-                name,
-                sweep::sweep_ahead(self.function, self.graph, self.machine, order),
-            )
-        })
-    }
-
-    fn settled(&self, name: &'static str, draft: Result<Draft, Stuck>) -> Result<Candidate, Stuck> {
-        let mut draft = draft?;
-        let homes = homes::settle_homes(self.function, self.graph, &mut draft)?;
-        Ok(Candidate {
-            draft,
-            homes,
-            order: name,
-        })
+    fn consider(&mut self, name: &'static str, draft: Result<Draft, Stuck>) {
+        if let Ok(candidate) = draft.and_then(|draft| Candidate::new(&self.task, name, draft))
+            && self
+                .best
+                .as_ref()
+                .is_none_or(|best| candidate.cost < best.cost)
+        {
+            self.best = Some(candidate);
+        }
     }
 
     fn best_cycles(&self) -> u32 {
@@ -218,12 +207,17 @@ impl Search<'_> {
 
     /// See [`Priority::Best`].
     fn best(&mut self, fan_out: &Order) {
-        let graph = self.graph;
+        let Task {
+            function,
+            graph,
+            target,
+            ..
+        } = self.task;
         self.sweep("fan-out", fan_out);
         let mut budget = WORK_BUDGET / graph.operations().max(1);
         let mut name = "alap";
         let mut next = Order::alap(graph);
-        while self.best_cycles() > self.lower_bound && budget > SWEEP_COST + 2 {
+        while self.best_cycles() > target && budget > SWEEP_COST + 2 {
             self.tries += 1;
             budget -= 2;
             let schedule = list::forward(graph, &next);
@@ -233,12 +227,41 @@ impl Search<'_> {
             }
             // What is late in a schedule from the end must be early here.
             let mirrored = Order::by_key(graph, |node| u64::from(schedule.issue[node]));
-            let backward = list::backward(graph, self.function, &mirror(&mirrored, graph));
+            let backward = list::backward(graph, function, &mirror(&mirrored, graph));
             name = "backward";
             next = Order::by_key(graph, |node| {
                 u64::from(backward.cycles - backward.issue[node])
             });
         }
+    }
+}
+
+/// A complete placement, but for addresses.
+struct Candidate {
+    draft: Draft,
+    homes: Vec<u32>,
+    buffers: Vec<u32>,
+    order: &'static str,
+    /// Smaller is better: cycles above the bound, in steps of 1/4096 of it;
+    /// the deepest buffer; cycles.
+    cost: (u32, u32, u32),
+}
+
+impl Candidate {
+    fn new(task: &Task<'_>, order: &'static str, mut draft: Draft) -> Result<Candidate, Stuck> {
+        let homes = homes::settle_homes(task.function, task.graph, &mut draft)?;
+        draft.locations.drop_unread();
+        let buffers = addresses::allocate_buffers(task.graph, &draft);
+        let used = buffers.iter().filter(|&&word| word != NO_ENTRY);
+        let depth = used.map(|word| word + 1).max().unwrap_or(0);
+        let above = draft.cycles - task.target;
+        Ok(Candidate {
+            cost: (above / (task.target / 4096 + 1), depth, above),
+            draft,
+            homes,
+            buffers,
+            order,
+        })
     }
 }
 

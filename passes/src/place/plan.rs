@@ -6,6 +6,10 @@ use super::graph::NO_DATUM;
 use super::locations::NOT_COMPUTED;
 use super::sweep::Sweep;
 
+/// An operation waits for a better element only while its longest chain ends
+/// this many cycles before the target.
+const MARGIN: u32 = 4;
+
 /// How one operation is carried out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
@@ -92,8 +96,8 @@ impl Sweep<'_> {
 
     /// True when issuing the node a cycle later need not lengthen the
     /// schedule.
-    fn can_wait(&self, node: usize, cycle: u32) -> bool {
-        self.picky && cycle + self.graph.tail[node] < self.target
+    pub(super) fn can_wait(&self, node: usize, cycle: u32) -> bool {
+        self.picky && cycle + self.graph.tail[node] + MARGIN < self.target
     }
 
     /// The ways to feed a node's operands to an element: the second with

@@ -111,10 +111,10 @@ fn without_a_buffer_a_product_is_issued_later_instead() {
 }
 
 #[test]
-fn a_buffer_output_carries_one_word_a_cycle() {
-    // One multiplier makes two products a cycle apart; the adder's only port
-    // is taken in both of those cycles by a second multiplier's. Both words
-    // of the first must come through its one buffer output, one by one.
+fn one_write_port_carries_one_word_a_cycle() {
+    // Two multipliers make four products in two cycles for an adder with one
+    // write port: the last of them arrives two cycles late, wherever the
+    // others wait.
     let mut builder = Builder::new(8, 2);
     let q: Vec<Operand> = (0..8).map(|number| builder.input(number)).collect();
     let products: Vec<Operand> = (0..4)
@@ -126,11 +126,9 @@ fn a_buffer_output_carries_one_word_a_cycle() {
     builder.output(1, second);
     let mut narrow = machine("thesis", 1, 2);
     narrow.memory.writes = Some(1);
-    // Four words through one port: the fourth at cycle 9 at the earliest.
     let function = placed(builder, &narrow);
-    let mut sums = [cycle(&function, first), cycle(&function, second)];
-    sums.sort_unstable();
-    assert_eq!(sums, [8, 10]);
+    let last = cycle(&function, first).max(cycle(&function, second));
+    assert_eq!(last, 10);
 }
 
 #[test]

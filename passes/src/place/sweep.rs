@@ -53,40 +53,43 @@ pub(super) enum Outcome {
     Failed,
 }
 
+/// What is to be placed, where and how.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Task<'a> {
+    /// The function.
+    pub(super) function: &'a Function,
+    /// Its dependences.
+    pub(super) graph: &'a Graph,
+    /// The machine.
+    pub(super) machine: &'a Machine,
+    /// Which element an operation goes to.
+    pub(super) choice: Choice,
+    /// The length aimed at: the bound.
+    pub(super) target: u32,
+}
+
+/// When the element of an operation is decided.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Manner {
+    /// When it is issued; its operands are sent after it, through write ports
+    /// that were left free, or through buffers.
+    AtIssue,
+    /// When its first operand is issued, and ports are booked then; but an
+    /// element or a buffer that avoids idling is preferred to the booking.
+    Booked,
+    /// When its first operand is issued, without exception; needs no buffer.
+    Ahead,
+}
+
 /// Places every operation in the given order.
 ///
 /// # Errors
 ///
-/// [`Stuck`] when the machine has no buffers or small ones and the greedy
-/// choices left an operand without a way; never otherwise.
-pub(super) fn sweep(
-    function: &Function,
-    graph: &Graph,
-    machine: &Machine,
-    order: &Order,
-    choice: Choice,
-    target: u32,
-) -> Result<Draft, Stuck> {
-    let mut sweep = Sweep::new(function, graph, machine, order, choice, target);
-    sweep.run()?;
-    Ok(sweep.draft)
-}
-
-/// Places every operation without ever using a buffer; see [`Ahead`].
-pub(super) fn sweep_ahead(
-    function: &Function,
-    graph: &Graph,
-    machine: &Machine,
-    order: &Order,
-) -> Result<Draft, Stuck> {
-    let mut sweep = Sweep::new(function, graph, machine, order, Choice::First, 0);
-    sweep.ahead = Some(Ahead::new(graph.kind.len(), sweep.busy.len(), sweep.banks));
-    sweep.is_output = vec![false; graph.kind.len()];
-    for assignment in &function.assignments {
-        if let Some(value) = assignment.operand.value() {
-            sweep.is_output[value.index()] = true;
-        }
-    }
+/// [`Stuck`] when the machine has no buffers or small ones and the choices
+/// left an operand without a way; with [`Manner::Ahead`], only when memories
+/// take no writes at all.
+pub(super) fn sweep(task: Task<'_>, order: &Order, manner: Manner) -> Result<Draft, Stuck> {
+    let mut sweep = Sweep::new(task, order, manner);
     sweep.run()?;
     Ok(sweep.draft)
 }
@@ -114,21 +117,22 @@ pub(super) struct Sweep<'a> {
     /// need not become longer than [`Sweep::target`].
     pub(super) picky: bool,
     pub(super) target: u32,
-    /// Set when readers are bound before they are issued.
+    pub(super) manner: Manner,
+    /// The bookings, unless elements are decided at issue.
     pub(super) ahead: Option<Ahead>,
-    /// The outputs, when [`Sweep::ahead`] is set.
+    /// Which nodes are outputs.
     pub(super) is_output: Vec<bool>,
 }
 
 impl<'a> Sweep<'a> {
-    fn new(
-        function: &'a Function,
-        graph: &'a Graph,
-        machine: &Machine,
-        order: &'a Order,
-        choice: Choice,
-        target: u32,
-    ) -> Sweep<'a> {
+    fn new(task: Task<'a>, order: &'a Order, manner: Manner) -> Sweep<'a> {
+        let Task {
+            function,
+            graph,
+            machine,
+            choice,
+            target,
+        } = task;
         let nodes = graph.kind.len();
         let banks = super::ports::banks(machine);
         let elements: usize = graph.kinds.iter().map(|kind| kind.count as usize).sum();
@@ -163,8 +167,9 @@ impl<'a> Sweep<'a> {
             last_issue: 0,
             picky: true,
             target,
-            ahead: None,
-            is_output: Vec::new(),
+            manner,
+            ahead: (manner != Manner::AtIssue).then(|| Ahead::new(nodes, elements, banks)),
+            is_output: outputs(function),
         }
     }
 
@@ -237,8 +242,10 @@ impl<'a> Sweep<'a> {
     }
 
     fn issue(&mut self, node: usize, cycle: u32) -> Outcome {
-        if self.ahead.is_some() {
-            return self.issue_ahead(node, cycle);
+        match self.manner {
+            Manner::AtIssue => {}
+            Manner::Booked => return self.issue_booked(node, cycle),
+            Manner::Ahead => return self.issue_ahead(node, cycle),
         }
         match self.consider(node, cycle) {
             Verdict::Issue(plan) => {
@@ -251,7 +258,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn postpone(&mut self, node: usize, cycle: u32) -> Result<(), Stuck> {
-        if self.ahead.is_some() {
+        if self.manner == Manner::Ahead {
             self.calendar.enter(cycle + 1, node as u32);
             return Ok(());
         }
@@ -366,6 +373,16 @@ pub(super) fn reserve_indirect(draft: &mut Draft, source: Source, memory: usize,
         .buffered_until(source.datum)
         .map_or(back, |until| until + 1);
     draft.ports.occupy(from..=at, producer);
+}
+
+fn outputs(function: &Function) -> Vec<bool> {
+    let mut is_output = vec![false; function.nodes().len()];
+    for assignment in &function.assignments {
+        if let Some(value) = assignment.operand.value() {
+            is_output[value.index()] = true;
+        }
+    }
+    is_output
 }
 
 /// How often each datum is read; an output counts once more, so that its

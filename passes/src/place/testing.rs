@@ -123,6 +123,7 @@ struct Replay<'a> {
     placement: &'a Placement,
     slots: &'a [Slot],
     memory: BTreeMap<Word, Operand>,
+    unread: BTreeSet<Word>,
     issues: BTreeMap<u32, Vec<usize>>,
     writes: BTreeMap<u32, Vec<(usize, Word)>>,
     cycles: u32,
@@ -138,6 +139,7 @@ impl<'a> Replay<'a> {
             placement,
             slots: &schedule.slots,
             memory: BTreeMap::new(),
+            unread: BTreeSet::new(),
             issues: BTreeMap::new(),
             writes: BTreeMap::new(),
             cycles: schedule.cycles,
@@ -228,14 +230,20 @@ impl<'a> Replay<'a> {
                 Some(word) => computed && self.memory.get(word) == Some(&assignment.operand),
                 None => !computed,
             };
+            if let Some(word) = home {
+                self.unread.remove(word);
+            }
             if !right {
                 return Err(format!("{assignment:?} is not at home in {home:?}"));
             }
         }
-        Ok(())
+        match self.unread.first() {
+            Some(word) => Err(format!("{word:?} is never read")),
+            None => Ok(()),
+        }
     }
 
-    fn check_reads(&self, node: usize) -> Result<(), String> {
+    fn check_reads(&mut self, node: usize) -> Result<(), String> {
         let operands = self.function.nodes()[node].operands();
         for (side, operand) in operands.iter().enumerate() {
             let bank = match (self.machine.memory.style, side) {
@@ -248,6 +256,7 @@ impl<'a> Replay<'a> {
                 bank,
                 address: self.placement.reads[node][side],
             };
+            self.unread.remove(&word);
             if self.memory.get(&word) != Some(operand) {
                 return Err(format!("{node} finds no {operand:?} in {word:?}"));
             }
@@ -273,6 +282,9 @@ impl<'a> Replay<'a> {
             }
             let value = robovec_ir::Value(node as u32);
             self.memory.insert(word, Operand::from(value));
+            if !self.unread.insert(word) {
+                return Err(format!("{word:?} overwritten at {cycle} before it is read"));
+            }
         }
         let limit = self.machine.memory.writes.unwrap_or(u32::MAX);
         if let Some((memory, count)) = per_memory.iter().find(|(_, count)| **count > limit) {
