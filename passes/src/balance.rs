@@ -1,10 +1,12 @@
 //! Tree balancing (thesis 2.4.3).
 
 use crate::analysis::critical_path::{Weights, critical_path};
+use crate::cse::merge_equal;
+use crate::dce::remove_dead;
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::reassociate::{Reach, Shape, reassociate};
-use robovec_ir::Function;
+use robovec_ir::{Function, Level, Tables};
 
 declare_pass! {
     /// Combines the two earliest operands of every sum and product first.
@@ -14,9 +16,14 @@ declare_pass! {
     /// once, and with their signs, so that no `0 - x` is needed inside. Of
     /// several trees with the same finish, and where there is time also of
     /// later ones, the one is taken that shares sub-sums and sub-products
-    /// with other equations. The longest path never grows and there are never
-    /// more operations: a function that cannot be improved stays as it is.
-    pub struct Balance("balance") {}
+    /// with other equations. The longest path never grows, and where it stays
+    /// there are fewer operations: a function that cannot be improved stays as
+    /// it is.
+    pub struct Balance("balance") {
+        /// Largest number of rounds; a round that gains nothing is the last,
+        /// and functions of more than 200,000 operations have one.
+        pub rounds: u32 = 2,
+    }
     takes: [Equations, Atomic],
     gives: Gives::Same,
     class: Real,
@@ -25,29 +32,53 @@ declare_pass! {
     destroys: [Timed],
 }
 
+/// The largest function that is balanced more than once, in operations.
+const LARGEST_REPEATED: usize = 200_000;
+
+impl Balance {
+    /// One round: equal operations are merged and dead ones removed first,
+    /// since both hide that a value is used only once.
+    fn round(function: &Function, tables: &mut Tables, weights: &Weights) -> Function {
+        let merged = match function.level {
+            Level::Atomic => merge_equal(function, tables).map(|(function, _)| function),
+            _ => None,
+        };
+        let function = merged.as_ref().unwrap_or(function);
+        let live = remove_dead(function).map(|(function, _)| function);
+        let function = live.as_ref().unwrap_or(function);
+        reassociate(function, tables, weights, Reach::Maximal, Shape::Earliest)
+    }
+}
+
 impl Pass for Balance {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
-        let new = reassociate(
-            function,
-            context.tables,
-            &weights,
-            Reach::Maximal,
-            Shape::Earliest,
-        );
-        let before = critical_path(function, context.machine).asap_cycle;
-        let after = critical_path(&new, context.machine).asap_cycle;
-        if after <= before {
-            *function = new;
+        let size = |function: &Function| {
+            let path = critical_path(function, context.machine).asap_cycle;
+            (path, function.nodes().len())
+        };
+        let before = size(function);
+        let mut best = before;
+        let rounds = if before.1 > LARGEST_REPEATED {
+            1
         } else {
-            context
-                .remarks
-                .push("nothing gained, left as it was".to_owned());
+            self.rounds
+        };
+        for _ in 0..rounds {
+            let new = Self::round(function, context.tables, &weights);
+            let reached = size(&new);
+            if reached >= best {
+                break;
+            }
+            best = reached;
+            *function = new;
         }
         context.statistics.push((
             "cycles taken off the longest path",
-            before.saturating_sub(after).into(),
+            (before.0 - best.0).into(),
         ));
+        let fewer = before.1.saturating_sub(best.1);
+        context.statistics.push(("operations saved", fewer as u64));
         Ok(())
     }
 }

@@ -3,9 +3,10 @@
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rewrite::Rewriter;
-use hashbrown::HashMap;
-use robovec_ir::{Function, Level, Node, Operand, Operation, SourceSet, Value};
+use hashbrown::HashTable;
+use robovec_ir::{Function, Node, Operand, Operation, SourceSet, Tables, Value};
 use rustc_hash::FxBuildHasher;
+use std::hash::BuildHasher;
 
 declare_pass! {
     /// Computes equal operations on equal operands once.
@@ -44,6 +45,49 @@ impl Key {
             operands,
         }
     }
+
+    fn of(node: &Node) -> Key {
+        Key::new(node.operation, node.operands)
+    }
+
+    fn hash(self) -> u64 {
+        FxBuildHasher.hash_one((
+            self.operation as u32,
+            u64::from(self.operands[0].bits()) << 32 | u64::from(self.operands[1].bits()),
+        ))
+    }
+}
+
+/// Finds the value of a function that computes a given operation.
+///
+/// Holds value numbers only and compares with the function's nodes, four
+/// bytes per operation.
+#[derive(Default)]
+pub struct KnownValues {
+    table: HashTable<Value>,
+}
+
+impl KnownValues {
+    /// An empty table with room for a number of values.
+    pub fn with_capacity(values: usize) -> KnownValues {
+        KnownValues {
+            table: HashTable::with_capacity(values),
+        }
+    }
+
+    /// The value of the function with this key, if it was inserted.
+    pub fn find(&self, function: &Function, key: Key) -> Option<Value> {
+        self.table
+            .find(key.hash(), |&value| Key::of(function.node(value)) == key)
+            .copied()
+    }
+
+    /// Adds a value of the function that is not in the table yet.
+    pub fn insert(&mut self, function: &Function, value: Value) {
+        let hash = Key::of(function.node(value)).hash();
+        self.table
+            .insert_unique(hash, value, |&other| Key::of(function.node(other)).hash());
+    }
 }
 
 /// Values whose source sets grow by those of values merged into them.
@@ -62,7 +106,7 @@ impl SourceMerges {
     }
 
     /// Gives every value the union of its sources.
-    pub fn apply(mut self, function: &mut Function, tables: &mut robovec_ir::Tables) {
+    pub fn apply(mut self, function: &mut Function, tables: &mut Tables) {
         self.merges.sort_by_key(|(value, _)| *value);
         for group in self.merges.chunk_by(|a, b| a.0 == b.0) {
             let value = group[0].0;
@@ -73,28 +117,41 @@ impl SourceMerges {
     }
 }
 
+/// The function with equal operations merged, and how many were; `None` when
+/// there is nothing to merge.
+pub fn merge_equal(function: &Function, tables: &mut Tables) -> Option<(Function, u64)> {
+    let mut rewriter = Rewriter::new(function, function.level);
+    let mut known = KnownValues::with_capacity(function.nodes().len());
+    let mut merges = SourceMerges::default();
+    let mut merged = 0;
+    for node in function.nodes() {
+        let operands = rewriter.translate_operands(node);
+        let key = Key::new(node.operation, operands);
+        if let Some(same) = known.find(&rewriter.new, key) {
+            merges.add(same, node.sources);
+            rewriter.record(same.into());
+            merged += 1;
+        } else {
+            let value = rewriter.keep(Node { operands, ..*node });
+            known.insert(&rewriter.new, value);
+        }
+    }
+    if merged == 0 {
+        return None;
+    }
+    let mut new = rewriter.finish();
+    merges.apply(&mut new, tables);
+    Some((new, merged))
+}
+
 impl Pass for Cse {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
-        let mut rewriter = Rewriter::new(function, Level::Atomic);
-        let mut known: HashMap<Key, Value, FxBuildHasher> =
-            HashMap::with_capacity_and_hasher(function.nodes().len(), FxBuildHasher);
-        let mut merges = SourceMerges::default();
-        let mut merged = 0;
-        for node in function.nodes() {
-            let operands = rewriter.translate_operands(node);
-            let key = Key::new(node.operation, operands);
-            if let Some(&same) = known.get(&key) {
-                merges.add(same, node.sources);
-                rewriter.record(same.into());
-                merged += 1;
-            } else {
-                let value = rewriter.keep(Node { operands, ..*node });
-                known.insert(key, value);
-            }
+        let mut count = 0;
+        if let Some((new, merged)) = merge_equal(function, context.tables) {
+            *function = new;
+            count = merged;
         }
-        *function = rewriter.finish();
-        merges.apply(function, context.tables);
-        context.statistics.push(("operations merged", merged));
+        context.statistics.push(("operations merged", count));
         Ok(())
     }
 }

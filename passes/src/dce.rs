@@ -3,7 +3,7 @@
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rewrite::Rewriter;
-use robovec_ir::{Function, Operand};
+use robovec_ir::{Function, Node, Operand};
 
 declare_pass! {
     /// Removes operations that no output depends on.
@@ -34,23 +34,34 @@ pub fn live(function: &Function) -> Vec<bool> {
     live
 }
 
+/// The function without the operations no output depends on, and how many
+/// there were; `None` when there are none.
+pub fn remove_dead(function: &Function) -> Option<(Function, u64)> {
+    let live = live(function);
+    let dead = live.iter().filter(|&&live| !live).count();
+    if dead == 0 {
+        return None;
+    }
+    let mut rewriter = Rewriter::new(function, function.level);
+    for (value, node) in function.values() {
+        if live[value.index()] {
+            let operands = rewriter.translate_operands(node);
+            rewriter.keep(Node { operands, ..*node });
+        } else {
+            rewriter.record(Operand::NONE);
+        }
+    }
+    Some((rewriter.finish(), dead as u64))
+}
+
 impl Pass for Dce {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
-        let live = live(function);
-        let dead = live.iter().filter(|&&live| !live).count();
-        if dead > 0 {
-            let mut rewriter = Rewriter::new(function, function.level);
-            for (value, node) in function.values() {
-                if live[value.index()] {
-                    let operands = rewriter.translate_operands(node);
-                    rewriter.keep(robovec_ir::Node { operands, ..*node });
-                } else {
-                    rewriter.record(Operand::NONE);
-                }
-            }
-            *function = rewriter.finish();
+        let mut count = 0;
+        if let Some((new, dead)) = remove_dead(function) {
+            *function = new;
+            count = dead;
         }
-        context.statistics.push(("operations removed", dead as u64));
+        context.statistics.push(("operations removed", count));
         Ok(())
     }
 }

@@ -1,10 +1,10 @@
 //! Writing the groups anew.
 
-use super::gather::{Family, Groups, Leaf, Reach};
+use super::gather::{Family, Group, Groups, Leaf, Reach};
 use super::share::PairCounts;
 use super::signs::Wishes;
 use crate::analysis::critical_path::{Weights, tails};
-use crate::cse::{Key, SourceMerges};
+use crate::cse::{Key, KnownValues, SourceMerges};
 use crate::rewrite::{lay_out, output_symbol, owners};
 use hashbrown::HashMap;
 use robovec_ir::{
@@ -34,14 +34,14 @@ pub(crate) fn reassociate(
     shape: Shape,
 ) -> Function {
     let plan = Plan::new(function, tables, reach);
-    let first = Builder::new(&plan, tables, *weights, shape, None).run(tables);
+    let first = Builder::new(&plan, *weights, shape, None).run(tables);
     if shape != Shape::Earliest {
         return first.finish(tables);
     }
     // The first round tells how late each group may be without lengthening
     // the longest path; the second uses that freedom to share more pairs.
     let deadlines = first.deadlines();
-    Builder::new(&plan, tables, *weights, shape, Some(deadlines))
+    Builder::new(&plan, *weights, shape, Some(deadlines))
         .run(tables)
         .finish(tables)
 }
@@ -104,7 +104,10 @@ pub(super) struct Builder<'p> {
     pub(super) shape: Shape,
     pub(super) deadlines: Option<Deadlines>,
     pub(super) out: Function,
-    pub(super) known: HashMap<Key, Value, FxBuildHasher>,
+    pub(super) known: KnownValues,
+    /// The result is thrown away after its times are known: names, sources
+    /// and sharing do not matter.
+    pub(super) draft: bool,
     negated: HashMap<Operand, Operand, FxBuildHasher>,
     pub(super) arrivals: Vec<u32>,
     map: Vec<Signed>,
@@ -126,7 +129,6 @@ pub(super) struct Naming {
 impl<'p> Builder<'p> {
     fn new(
         plan: &'p Plan<'p>,
-        _tables: &Tables,
         weights: Weights,
         shape: Shape,
         deadlines: Option<Deadlines>,
@@ -134,14 +136,20 @@ impl<'p> Builder<'p> {
         let count = plan.function.nodes().len();
         let mut out = plan.function.skeleton(plan.function.level);
         out.reserve(count);
-        let capacity = if shape == Shape::Earliest { count } else { 0 };
+        let draft = shape == Shape::Earliest && deadlines.is_none();
+        let capacity = if shape == Shape::Earliest && !draft {
+            count
+        } else {
+            0
+        };
         Builder {
             plan,
             weights,
             shape,
             deadlines,
             out,
-            known: HashMap::with_capacity_and_hasher(capacity, FxBuildHasher),
+            known: KnownValues::with_capacity(capacity),
+            draft,
             negated: HashMap::default(),
             arrivals: Vec::with_capacity(count),
             map: Vec::with_capacity(count),
@@ -153,7 +161,7 @@ impl<'p> Builder<'p> {
 
     fn run(mut self, tables: &mut Tables) -> Builder<'p> {
         let function = self.plan.function;
-        let (mut leaves, mut inner) = (Vec::new(), Vec::new());
+        let mut group = Group::default();
         for (root, node) in function.values() {
             if self.plan.groups.is_absorbed(root) {
                 // Never read: its one user is in the same group.
@@ -166,11 +174,9 @@ impl<'p> Builder<'p> {
             let result = match Family::of(node.operation) {
                 None => self.other(root, node),
                 Some(family) => {
-                    self.plan
-                        .groups
-                        .collect(function, root, &mut leaves, &mut inner);
-                    let mut naming = self.naming(root, node, &inner, tables);
-                    self.group(family, root, &leaves, &mut naming)
+                    self.plan.groups.collect(function, root, &mut group);
+                    let mut naming = self.naming(root, node, &group.inner, tables);
+                    self.group(family, root, &group.leaves, &mut naming)
                 }
             };
             self.map.push(result);
@@ -181,24 +187,28 @@ impl<'p> Builder<'p> {
 
     fn naming(&self, root: Value, node: &Node, inner: &[Value], tables: &mut Tables) -> Naming {
         let function = self.plan.function;
+        let mut naming = Naming {
+            root: node.name,
+            spare: Vec::new(),
+            owner: self.plan.owners[root.index()],
+            sources: node.sources,
+        };
+        if self.draft || inner.is_empty() {
+            return naming;
+        }
         let mut sets: Vec<SourceSet> = vec![node.sources];
-        let mut spare = Vec::new();
         for &value in inner {
             let absorbed = function.node(value);
             if !sets.contains(&absorbed.sources) || sets.len() > 8 {
                 sets.push(absorbed.sources);
             }
             if !absorbed.name.is_none() && absorbed.name.suffix > 0 {
-                spare.push(absorbed.name);
+                naming.spare.push(absorbed.name);
             }
         }
-        spare.sort_unstable_by_key(|&name| Reverse(name));
-        Naming {
-            root: node.name,
-            spare,
-            owner: self.plan.owners[root.index()],
-            sources: tables.sources.union(&sets),
-        }
+        naming.spare.sort_unstable_by_key(|&name| Reverse(name));
+        naming.sources = tables.sources.union(&sets);
+        naming
     }
 
     fn signed(&mut self, operand: Operand) -> Signed {
@@ -253,10 +263,8 @@ impl<'p> Builder<'p> {
         name: Name,
         naming: &mut Naming,
     ) -> Operand {
-        let key = Key::new(operation, operands);
-        if self.shape == Shape::Earliest
-            && let Some(&same) = self.known.get(&key)
-        {
+        let sharing = self.shape == Shape::Earliest && !self.draft;
+        if sharing && let Some(same) = self.known.find(&self.out, Key::new(operation, operands)) {
             self.merges.add(same, naming.sources);
             return same.into();
         }
@@ -268,8 +276,8 @@ impl<'p> Builder<'p> {
             operation,
         });
         self.arrivals.push(ready + self.weights.of(operation));
-        if self.shape == Shape::Earliest {
-            self.known.insert(key, value);
+        if sharing {
+            self.known.insert(&self.out, value);
         }
         value.into()
     }
@@ -298,7 +306,7 @@ impl<'p> Builder<'p> {
     }
 
     pub(super) fn inner_name(&mut self, naming: &mut Naming) -> Name {
-        if self.out.level == Level::Equations {
+        if self.draft || self.out.level == Level::Equations {
             return Name::NONE;
         }
         match naming.spare.pop() {
@@ -388,18 +396,16 @@ impl<'p> Builder<'p> {
                 None => 0,
             })
             .collect();
-        let mut pairs = PairCounts::default();
         let function = self.plan.function;
-        let (mut leaves, mut inner) = (Vec::new(), Vec::new());
+        let mut pairs = PairCounts::with_capacity(function.nodes().len());
+        let mut group = Group::default();
         for (root, node) in function.values() {
             if self.plan.groups.is_absorbed(root) {
                 continue;
             }
             if let Some(family) = Family::of(node.operation) {
-                self.plan
-                    .groups
-                    .collect(function, root, &mut leaves, &mut inner);
-                pairs.add(family, &leaves);
+                self.plan.groups.collect(function, root, &mut group);
+                pairs.add(family, &group.leaves);
             }
         }
         Deadlines {

@@ -44,6 +44,16 @@ pub(super) struct Leaf {
     pub(super) negative: bool,
 }
 
+/// One group, taken apart; kept to be filled again and again.
+#[derive(Default)]
+pub(super) struct Group {
+    /// Terms or factors, left to right, without the zeros of a sum.
+    pub(super) leaves: Vec<Leaf>,
+    /// Values absorbed into it.
+    pub(super) inner: Vec<Value>,
+    open: Vec<Leaf>,
+}
+
 /// The groups of a function: which values are part of the group of their one
 /// user.
 pub(super) struct Groups {
@@ -79,22 +89,20 @@ impl Groups {
         self.absorbed[value.index()]
     }
 
-    /// Collects the leaves of the group of a value, left to right, and the
-    /// values absorbed into it. Zeros of a sum are left out.
-    pub(super) fn collect(
-        &self,
-        function: &Function,
-        root: Value,
-        leaves: &mut Vec<Leaf>,
-        inner: &mut Vec<Value>,
-    ) {
+    /// Takes the group of a value apart.
+    pub(super) fn collect(&self, function: &Function, root: Value, group: &mut Group) {
+        let Group {
+            leaves,
+            inner,
+            open,
+        } = group;
         leaves.clear();
         inner.clear();
         let sum = Family::of(function.node(root).operation) == Some(Family::Sum);
-        let mut open = vec![Leaf {
+        open.push(Leaf {
             operand: root.into(),
             negative: false,
-        }];
+        });
         while let Some(leaf) = open.pop() {
             let expanded = leaf
                 .operand

@@ -3,43 +3,33 @@
 //! Two terms that several sums have in common are worth adding once. The
 //! count of a pair says in how many groups it occurs; groups with many leaves
 //! are left out, so that the number of pairs stays linear.
+//!
+//! Counts are kept without their pairs, one byte per slot of a table four
+//! times as large as the number of pairs: pairs that meet in a slot are
+//! counted together. That can only make a pair look more wanted than it is,
+//! which costs nothing, and the same function always gives the same counts.
 
 use super::gather::{Family, Leaf};
-use hashbrown::HashMap;
-use robovec_ir::Operand;
 use rustc_hash::FxBuildHasher;
+use std::hash::BuildHasher;
 
 /// The largest group whose pairs are considered.
 pub(super) const LARGEST_GROUP: usize = 16;
 
-/// Two leaves of a group, up to order and common sign.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-struct Pair {
-    first: Operand,
-    second: Operand,
-    /// 0 for factors, 1 for terms of equal sign, 2 for opposite signs.
-    relation: u8,
-}
-
-fn pair(family: Family, a: Leaf, b: Leaf) -> Pair {
-    let relation = match family {
-        Family::Product => 0,
-        Family::Sum => 1 + u8::from(a.negative != b.negative),
-    };
-    Pair {
-        first: a.operand.min(b.operand),
-        second: a.operand.max(b.operand),
-        relation,
-    }
-}
-
 /// In how many groups each pair occurs.
-#[derive(Default)]
 pub(super) struct PairCounts {
-    counts: HashMap<Pair, u32, FxBuildHasher>,
+    slots: Vec<u8>,
 }
 
 impl PairCounts {
+    /// An empty table for about so many pairs.
+    pub(super) fn with_capacity(pairs: usize) -> PairCounts {
+        let slots = (4 * pairs).next_power_of_two().clamp(1 << 10, 1 << 26);
+        PairCounts {
+            slots: vec![0; slots],
+        }
+    }
+
     /// Counts the pairs of one group, each once.
     pub(super) fn add(&mut self, family: Family, leaves: &[Leaf]) {
         if leaves.len() > LARGEST_GROUP {
@@ -47,12 +37,25 @@ impl PairCounts {
         }
         for (index, &a) in leaves.iter().enumerate() {
             for &b in &leaves[index + 1..] {
-                *self.counts.entry(pair(family, a, b)).or_insert(0) += 1;
+                let slot = self.slot(family, a, b);
+                self.slots[slot] = self.slots[slot].saturating_add(1);
             }
         }
     }
 
     pub(super) fn of(&self, family: Family, a: Leaf, b: Leaf) -> u32 {
-        self.counts.get(&pair(family, a, b)).copied().unwrap_or(0)
+        u32::from(self.slots[self.slot(family, a, b)])
+    }
+
+    /// The slot of two leaves, whatever their order and common sign.
+    fn slot(&self, family: Family, a: Leaf, b: Leaf) -> usize {
+        let relation = match family {
+            Family::Product => 0,
+            Family::Sum => 1 + u32::from(a.negative != b.negative),
+        };
+        let low = a.operand.min(b.operand).bits();
+        let high = a.operand.max(b.operand).bits();
+        let hash = FxBuildHasher.hash_one((relation, u64::from(low) << 32 | u64::from(high)));
+        (hash >> 20) as usize & (self.slots.len() - 1)
     }
 }

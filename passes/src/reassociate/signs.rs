@@ -7,7 +7,7 @@
 //! arranged costs a `0 - x` at the output later; the signs themselves are
 //! tracked exactly while building, so a bad choice here is never wrong.
 
-use super::gather::{Family, Groups, Leaf};
+use super::gather::{Family, Group, Groups, Leaf};
 use robovec_ir::{Function, Operand, Operation, Value};
 
 /// For each group root the sign it is asked to be stored with: true for
@@ -28,7 +28,7 @@ impl Wishes {
                 wishes.0[value.index()] = Some(false);
             }
         }
-        let (mut leaves, mut inner) = (Vec::new(), Vec::new());
+        let mut group = Group::default();
         for (root, node) in function.values().rev() {
             let Some(wish) = wishes.of(root) else {
                 continue;
@@ -39,15 +39,9 @@ impl Wishes {
             if natural.negative[root.index()] == wish || !natural.flippable[root.index()] {
                 continue;
             }
-            leaves_of(
-                function,
-                groups,
-                root,
-                node.operation,
-                &mut leaves,
-                &mut inner,
-            );
-            wishes.ask_one(&natural, &leaves);
+            leaves_of(function, groups, root, node.operation, &mut group);
+            let leaves = &group.leaves;
+            wishes.ask_one(&natural, leaves);
         }
         wishes
     }
@@ -82,19 +76,13 @@ impl Natural {
             flippable: vec![false; count],
             flippable_alone: vec![false; count],
         };
-        let (mut leaves, mut inner) = (Vec::new(), Vec::new());
+        let mut group = Group::default();
         for (root, node) in function.values() {
             if groups.is_absorbed(root) {
                 continue;
             }
-            leaves_of(
-                function,
-                groups,
-                root,
-                node.operation,
-                &mut leaves,
-                &mut inner,
-            );
+            leaves_of(function, groups, root, node.operation, &mut group);
+            let leaves = &group.leaves;
             let signs = || {
                 leaves
                     .iter()
@@ -137,16 +125,17 @@ fn leaves_of(
     groups: &Groups,
     root: Value,
     operation: Operation,
-    leaves: &mut Vec<Leaf>,
-    inner: &mut Vec<Value>,
+    group: &mut Group,
 ) {
     if Family::of(operation).is_some() {
-        groups.collect(function, root, leaves, inner);
+        groups.collect(function, root, group);
     } else {
-        leaves.clear();
-        leaves.extend(function.node(root).operands().iter().map(|&operand| Leaf {
-            operand,
-            negative: false,
-        }));
+        group.leaves.clear();
+        group
+            .leaves
+            .extend(function.node(root).operands().iter().map(|&operand| Leaf {
+                operand,
+                negative: false,
+            }));
     }
 }

@@ -63,6 +63,10 @@ impl Builder<'_> {
         }
     }
 
+    fn find(&self, operation: Operation, operands: [Operand; 2]) -> Option<Value> {
+        self.known.find(&self.out, Key::new(operation, operands))
+    }
+
     fn group_weight(&self, family: Family) -> u32 {
         match family {
             Family::Sum => self.weights.of(Operation::Add),
@@ -96,13 +100,12 @@ impl Builder<'_> {
         // An equal difference may be stored the other way round.
         let (mut operation, mut operands, mut negative) =
             Self::join(family, a.value, b.value, flip && last);
-        let key = Key::new(operation, operands);
         if operation == Operation::Sub
             && self.shape == Shape::Earliest
-            && !self.known.contains_key(&key)
+            && self.find(operation, operands).is_none()
         {
             let other = Self::join(family, a.value, b.value, !(flip && last));
-            if self.known.contains_key(&Key::new(other.0, other.1)) {
+            if self.find(other.0, other.1).is_some() {
                 (operation, operands, negative) = other;
             }
         }
@@ -160,7 +163,10 @@ impl Builder<'_> {
         if terms.is_empty() {
             return self.empty(family);
         }
-        if terms.len() > 2 && terms.len() <= LARGEST_GROUP {
+        if let [a, b] = terms[..] {
+            return self.merge(family, a, b, true, flip, naming).value;
+        }
+        if !self.draft && terms.len() > 2 && terms.len() <= LARGEST_GROUP {
             self.share(family, root, &mut terms, naming);
         }
         let mut heap: BinaryHeap<Reverse<(u32, u32, u32)>> = BinaryHeap::new();
@@ -241,14 +247,20 @@ impl Builder<'_> {
     /// How much sharing a pair is worth, and when it is ready; `None` when
     /// nobody else wants it.
     fn worth(&self, family: Family, a: &Term, b: &Term, weight: u32) -> Option<(u32, u32)> {
+        // Two leaves that no other group has cannot have been combined yet.
+        let count = match (a.leaf, b.leaf) {
+            (Some(a), Some(b)) => match self.deadlines.as_ref()?.pairs.of(family, a, b) {
+                1 => return None,
+                count => count,
+            },
+            (_, _) => 0,
+        };
         for flip in [false, true] {
             let (operation, operands, _) = Self::join(family, a.value, b.value, flip);
-            if let Some(&value) = self.known.get(&Key::new(operation, operands)) {
+            if let Some(value) = self.find(operation, operands) {
                 return Some((u32::MAX, self.arrivals[value.index()]));
             }
         }
-        let deadlines = self.deadlines.as_ref()?;
-        let count = deadlines.pairs.of(family, a.leaf?, b.leaf?);
         (count > 1).then(|| (count, a.arrival.max(b.arrival) + weight))
     }
 }
