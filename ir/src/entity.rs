@@ -26,6 +26,7 @@ pub struct Constant(pub u32);
 
 impl Value {
     /// The place of the node in program order, counted from 0.
+    #[inline]
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -33,6 +34,7 @@ impl Value {
 
 impl Input {
     /// The place in the flattened inputs, counted from 0.
+    #[inline]
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -40,6 +42,7 @@ impl Input {
 
 impl Output {
     /// The place in the flattened outputs, counted from 0.
+    #[inline]
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -47,6 +50,7 @@ impl Output {
 
 impl Constant {
     /// The place in the table of constants, counted from 0.
+    #[inline]
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -81,6 +85,7 @@ impl Operand {
     pub const NONE: Operand = Operand(u32::MAX);
 
     /// The operand taken apart.
+    #[inline]
     pub fn kind(self) -> OperandKind {
         match self.0 >> KIND_SHIFT {
             0 => OperandKind::Value(Value(self.0)),
@@ -91,6 +96,7 @@ impl Operand {
     }
 
     /// The value, when the operand is one.
+    #[inline]
     pub fn value(self) -> Option<Value> {
         match self.kind() {
             OperandKind::Value(value) => Some(value),
@@ -99,6 +105,7 @@ impl Operand {
     }
 
     /// The constant, when the operand is one.
+    #[inline]
     pub fn constant(self) -> Option<Constant> {
         match self.kind() {
             OperandKind::Constant(constant) => Some(constant),
@@ -107,6 +114,7 @@ impl Operand {
     }
 
     /// The input element, when the operand is one.
+    #[inline]
     pub fn input(self) -> Option<Input> {
         match self.kind() {
             OperandKind::Input(input) => Some(input),
@@ -115,6 +123,7 @@ impl Operand {
     }
 
     /// True for [`Operand::NONE`].
+    #[inline]
     pub fn is_none(self) -> bool {
         self == Operand::NONE
     }
@@ -130,12 +139,14 @@ impl Operand {
     }
 
     /// The packed bits: a dense, order-preserving key for tables.
+    #[inline]
     pub fn bits(self) -> u32 {
         self.0
     }
 }
 
 impl From<Value> for Operand {
+    #[inline]
     fn from(value: Value) -> Operand {
         debug_assert!(value.0 <= INDEX_MASK);
         Operand(value.0)
@@ -143,12 +154,14 @@ impl From<Value> for Operand {
 }
 
 impl From<Input> for Operand {
+    #[inline]
     fn from(input: Input) -> Operand {
         Operand(1 << KIND_SHIFT | input.0)
     }
 }
 
 impl From<Constant> for Operand {
+    #[inline]
     fn from(constant: Constant) -> Operand {
         Operand(2 << KIND_SHIFT | constant.0)
     }

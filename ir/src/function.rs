@@ -69,6 +69,7 @@ pub struct Node {
 
 impl Node {
     /// The operands that are present.
+    #[inline]
     pub fn operands(&self) -> &[Operand] {
         &self.operands[..self.operation.arity()]
     }
@@ -287,17 +288,20 @@ impl Function {
     }
 
     /// The nodes, in program order.
+    #[inline]
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
     }
 
     /// The node of a value.
+    #[inline]
     pub fn node(&self, value: Value) -> &Node {
         &self.nodes[value.index()]
     }
 
     /// The node of a value, to be changed in place; its operands must stay
     /// earlier nodes.
+    #[inline]
     pub fn node_mut(&mut self, value: Value) -> &mut Node {
         &mut self.nodes[value.index()]
     }
@@ -311,6 +315,7 @@ impl Function {
     }
 
     /// Appends a node whose operands are earlier nodes.
+    #[inline]
     pub fn push(&mut self, node: Node) -> Value {
         let value = Value(self.nodes.len() as u32);
         self.nodes.push(node);
@@ -333,16 +338,19 @@ impl Function {
     }
 
     /// The table of constants.
+    #[inline]
     pub fn constants(&self) -> &[f64] {
         &self.constants
     }
 
     /// The number of a constant.
+    #[inline]
     pub fn constant_number(&self, constant: Constant) -> f64 {
         self.constants[constant.index()]
     }
 
     /// The number an operand stands for, when it is a constant.
+    #[inline]
     pub fn number(&self, operand: Operand) -> Option<f64> {
         operand
             .constant()

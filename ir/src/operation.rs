@@ -39,6 +39,7 @@ impl Operation {
     ];
 
     /// How many operands the operation takes: 1 or 2.
+    #[inline]
     pub fn arity(self) -> usize {
         match self {
             Operation::Add | Operation::Sub | Operation::Mul | Operation::Div => 2,
@@ -51,17 +52,20 @@ impl Operation {
     }
 
     /// True when the operands may be exchanged without changing a bit.
+    #[inline]
     pub fn is_commutative(self) -> bool {
         matches!(self, Operation::Add | Operation::Mul)
     }
 
     /// True for sine and cosine, which the thesis' machine takes from the
     /// host and never counts.
+    #[inline]
     pub fn is_trigonometric(self) -> bool {
         matches!(self, Operation::Sin | Operation::Cos)
     }
 
     /// The operation's name in machine files and statistics.
+    #[inline]
     pub fn name(self) -> &'static str {
         match self {
             Operation::Copy => "copy",

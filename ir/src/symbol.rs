@@ -15,6 +15,7 @@ pub struct Symbol(pub u32);
 
 impl Symbol {
     /// The place in the interner, counted from 0.
+    #[inline]
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -64,6 +65,7 @@ impl Symbols {
     }
 
     /// The string of a symbol.
+    #[inline]
     pub fn text(&self, symbol: Symbol) -> &str {
         slice(&self.text, &self.ends, symbol.0)
     }
@@ -113,11 +115,13 @@ impl Name {
     };
 
     /// The name that is a symbol and nothing more.
+    #[inline]
     pub fn plain(base: Symbol) -> Name {
         Name { base, suffix: 0 }
     }
 
     /// True for [`Name::NONE`].
+    #[inline]
     pub fn is_none(self) -> bool {
         self.base == Name::NONE.base
     }
@@ -179,6 +183,7 @@ impl FreshNames {
 
     /// A new name derived from a symbol: the symbol itself when no value
     /// bears it, else the symbol with the next free number.
+    #[inline]
     pub fn fresh(&mut self, base: Symbol) -> Name {
         let index = base.index();
         if index >= self.next.len() {

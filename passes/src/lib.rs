@@ -14,6 +14,7 @@ pub mod cse;
 pub mod dce;
 pub mod fold;
 pub mod manager;
+pub mod manual;
 pub mod options;
 pub mod pass;
 pub mod pipeline;

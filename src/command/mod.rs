@@ -13,6 +13,7 @@ pub mod opt;
 mod output;
 mod simulation;
 mod tables;
+pub mod tool;
 
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
 

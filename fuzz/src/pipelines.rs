@@ -1,0 +1,97 @@
+//! Random pipelines over random programs.
+
+use crate::generate::{Kind, module};
+use arbitrary::{Result, Unstructured};
+use robovec_ir::{Level, Machine, Module, parse, print};
+use robovec_passes::manager::{self, Config, PassFilter};
+use robovec_passes::{pipeline, registry};
+
+/// Runs a random pipeline over a random module under the verifier and the
+/// semantic check.
+///
+/// # Panics
+///
+/// When a pass breaks an invariant or changes the function, or when the text
+/// of the result reads back as something else.
+pub fn random_pipeline(data: &[u8]) {
+    // Bytes that run out make a smaller case, never a failure.
+    let _ = run(&mut Unstructured::new(data));
+}
+
+fn run(bytes: &mut Unstructured<'_>) -> Result<()> {
+    let names: Vec<&str> = registry::PASSES
+        .iter()
+        .filter(|info| {
+            info.takes.contains(&Level::Atomic) && info.name != "codegen" && info.name != "place"
+        })
+        .map(|info| info.name)
+        .collect();
+    let mut text = "atomise".to_owned();
+    for _ in 0..bytes.int_in_range(0..=6)? {
+        text += ",";
+        text += bytes.choose(&names)?;
+    }
+    if bytes.arbitrary()? {
+        let count = bytes.int_in_range(1..=4)?;
+        let choice = bytes.choose(&["first", "preferential"])?;
+        text += &format!(",place{{n_add={count} n_multi={count} choice={choice}}}");
+    }
+    let machine = bytes.choose(&["thesis", "side-split", "ideal"])?;
+    let mut module = module(bytes, Kind::Tame)?;
+    execute(&mut module, &text, machine);
+    Ok(())
+}
+
+fn execute(module: &mut Module, text: &str, machine: &str) {
+    let pipeline = pipeline::parse(text).expect("made of known passes");
+    assert_eq!(
+        pipeline::parse(&pipeline.to_string()).expect("printed pipelines read back"),
+        pipeline
+    );
+    let machine = Machine::built_in(machine).expect("it ships");
+    let mut log = Vec::new();
+    let result = manager::run(
+        module,
+        &pipeline,
+        Config {
+            machine: &machine,
+            verify_each: true,
+            check_each: Some(2),
+            seed: 7,
+            print_before: PassFilter::None,
+            print_after: PassFilter::None,
+            print_changed: None,
+            dump: None,
+            log: &mut log,
+            progress: None,
+        },
+    );
+    match result {
+        Ok(_) => {}
+        // A machine without a divider refuses a division: that is an answer.
+        Err(manager::RunError::Pass { .. }) => return,
+        Err(error) => panic!("{text}: {error}"),
+    }
+    let printed = print::print_module(module);
+    let again = parse::parse_module("printed", &printed).expect("printed text reads back");
+    assert!(again == *module, "{text}: the printed text says something else");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn random_pipelines_keep_random_programs() {
+        let mut ran = 0;
+        arbtest::arbtest(|bytes| {
+            run(bytes)?;
+            ran += 1;
+            Ok(())
+        })
+        .size_min(200)
+        .size_max(3000)
+        .budget_ms(3000);
+        assert!(ran > 10, "only {ran} programs were long enough to test");
+    }
+}

@@ -1,0 +1,17 @@
+//! The manual in `docs/` says what the registry says.
+
+use std::path::Path;
+
+#[test]
+fn the_manual_of_passes_is_up_to_date() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/passes.md");
+    let manual = robovec_passes::manual::manual();
+    if std::env::var_os("INSTA_UPDATE").is_some_and(|value| value == "always") {
+        std::fs::write(&path, &manual).expect("a writable folder");
+    }
+    let written = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        written == manual,
+        "docs/passes.md is not up to date; INSTA_UPDATE=always cargo test --test docs writes it"
+    );
+}
