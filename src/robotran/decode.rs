@@ -28,21 +28,21 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
 }
 
 fn reject_binary(text: Cow<'_, str>) -> Result<Cow<'_, str>, Diagnostic> {
-    let control = |c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t' | '\u{c}' | '\u{b}');
-    // C1 controls occur in mangled Latin-1 headers, the others in no text.
-    let binary = |c: char| control(c) && c < '\u{7f}';
-    match text.char_indices().find(|&(_, c)| binary(c)) {
-        None => Ok(text),
-        Some((at, character)) => {
-            let line = text[..at].matches('\n').count() + 1;
-            Err(Diagnostic::error()
-                .with_message("the file is not text")
-                .with_note(format!(
-                    "line {line} holds the byte {:#04x}; a Robotran file is plain text in C, Matlab or Python",
-                    u32::from(character)
-                )))
-        }
+    // Only control characters of ASCII: C1 controls occur in mangled Latin-1
+    // headers.
+    let binary = |&byte: &u8| byte < b' ' && !matches!(byte, b'\n' | b'\r' | b'\t' | 0xb | 0xc);
+    let bytes = text.as_bytes();
+    if !bytes.iter().any(|byte| binary(byte)) {
+        return Ok(text);
     }
+    let at = bytes.iter().position(|byte| binary(byte)).unwrap_or(0);
+    let line = text[..at].matches('\n').count() + 1;
+    Err(Diagnostic::error()
+        .with_message("the file is not text")
+        .with_note(format!(
+            "line {line} holds the byte {:#04x}; a Robotran file is plain text in C, Matlab or Python",
+            bytes[at]
+        )))
 }
 
 /// The language of a text: what the text shows beyond doubt, else what the

@@ -27,6 +27,9 @@ pub(super) fn explain_missing(
     block: &Block<'_>,
     text: &str,
 ) -> Vec<Diagnostic> {
+    if missing.is_empty() {
+        return Vec::new();
+    }
     let definitions = definitions(syntax, block);
     let cycles = if missing
         .iter()
