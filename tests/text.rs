@@ -7,6 +7,7 @@ use robovec_ir::print::print_module;
 use robovec_ir::verify::verify_placement;
 use robovec_ir::{Level, Machine, Module, View};
 use std::fs;
+use std::time::{Duration, Instant};
 
 fn parse(name: &str, text: &str) -> Module {
     match parse_module(name, text) {
@@ -74,4 +75,112 @@ fn errors_point_at_their_place() {
             }
         }
     });
+}
+
+/// Reads a text that is no module, within a time that only something worse
+/// than linear would need; the messages as they are shown.
+fn refused(text: &str) -> String {
+    let start = Instant::now();
+    let Err(diagnostics) = parse_module("hostile", text) else {
+        panic!("{} bytes are read without complaint", text.len());
+    };
+    let shown = Report::of("hostile", text, diagnostics).render_plain();
+    assert!(
+        start.elapsed() < Duration::from_secs(20),
+        "this takes too long"
+    );
+    assert!(shown.len() < 50_000, "{} bytes of messages", shown.len());
+    shown
+}
+
+#[test]
+fn hostile_text_is_refused_quickly_and_briefly() {
+    let inside = |body: &str| format!("function f equations {{\n  in q\n  out M\n{body}\n}}\n");
+    let shown = refused(&"(".repeat(1 << 20));
+    assert!(shown.contains("'(' is not expected here"), "{shown}");
+    let shown = refused(&inside(&format!("  M = {}", "(".repeat(1 << 20))));
+    assert!(shown.contains("error"), "{shown}");
+    let shown = refused(&inside(&format!("  M = {}", "-".repeat(1 << 20))));
+    assert!(
+        shown.contains("is a minus") || shown.contains("error"),
+        "{shown}"
+    );
+    refused(&"function f equations {\n".repeat(100_000));
+    refused(&"}\n".repeat(1 << 20));
+    refused(&inside(&"  in q[1..3]\n".repeat(100_000)));
+    refused(&inside(&"  %x = %y + %z\n".repeat(100_000)));
+    refused(&inside(&format!(
+        "  %x = {}",
+        "%unknown + ".repeat(100_000)
+    )));
+    refused(&inside(&format!("  meta a \"{}", "x".repeat(10 << 20))));
+    refused(&"\u{0}\u{1}\u{7f}\u{80}é".repeat(100_000));
+    refused(&"%".repeat(10 << 20));
+    refused(&inside(&format!("  %{} = q", "x.".repeat(1 << 20))));
+    let binary: Vec<u8> = (0..1u32 << 20)
+        .map(|byte| (byte * byte >> 7) as u8)
+        .collect();
+    refused(&String::from_utf8_lossy(&binary));
+}
+
+#[test]
+fn a_late_misspelling_in_a_large_function_is_found_quickly() {
+    let mut text = String::from("function f equations {\n  in q\n  out M\n  %AF0 = q\n");
+    for index in 1..200_000 {
+        text.push_str(&format!("  %AF{index} = %AF{}*q\n", index - 1));
+    }
+    for index in 0..30 {
+        text.push_str(&format!("  %E{index} = %FA{index}77\n"));
+    }
+    text.push_str("  M = %E0\n}\n");
+    let shown = refused(&text);
+    assert!(shown.contains("did you mean"), "{shown}");
+}
+
+#[test]
+fn a_circle_through_a_large_function_is_shown_in_part() {
+    let count = 100_000;
+    let mut text = String::from("function f equations {\n  in q\n  out M\n");
+    for index in 0..count {
+        text.push_str(&format!("  %x{index} = %x{}*q\n", (index + 1) % count));
+    }
+    text.push_str("  M = %x0\n}\n");
+    let shown = refused(&text);
+    assert!(shown.contains("go in a circle"), "{shown}");
+    assert!(shown.contains("99994 more"), "{shown}");
+}
+
+#[test]
+fn deep_and_wide_expressions_are_read_and_printed() {
+    let function = |expression: &str| {
+        format!(
+            "// robovec 1\n\nfunction f equations {{\n  in q\n  out M\n\n  M = {expression}\n}}\n"
+        )
+    };
+    let deep = function(&format!("{}q{}", "(".repeat(100_000), ")".repeat(100_000)));
+    assert_eq!(print_module(&parse("deep", &deep)), function("q"));
+    for expression in [
+        format!("{}q{}", "sin(".repeat(100_000), ")".repeat(100_000)),
+        format!("{}q{}", "-(".repeat(100_000), ")".repeat(100_000)).replace("-(q)", "-q"),
+        format!("{}q{}", "q - (".repeat(100_000), ")".repeat(100_000)).replace("(q)", "q"),
+        format!("q{}", " + q*q".repeat(1_000_000)),
+    ] {
+        let text = function(&expression);
+        assert!(print_module(&parse("deep", &text)) == text);
+    }
+}
+
+#[test]
+fn layout_is_free() {
+    let loose = "\u{feff}// a comment\r\nfunction f equations\r\n{\n\n in q [ 1 .. 2 ] // why\n\
+        out M[1..2]\n// robovec 7\n\tM[2]=q[1]+   // goes on\n  q[2]\n   * 3 // and on\n\
+        %x=-q[1]*2 places !0\n}";
+    assert!(
+        parse_module("loose", loose).is_err(),
+        "an attribute is no statement"
+    );
+    let loose = loose.replace(" places !0", "\nM [1] = (\n%x\n)");
+    let tight = "// robovec 1\n\nfunction f equations {\n  in q[1..2]\n  out M[1..2]\n\n  \
+        %x = -q[1]*2.0\n\n  M[1] = %x\n  M[2] = q[1] + q[2]*3.0\n}\n";
+    assert_eq!(print_module(&parse("loose", &loose)), tight);
 }

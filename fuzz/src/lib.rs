@@ -1,8 +1,11 @@
 //! The bodies of the fuzz targets: plain functions of bytes, which the ordinary
 //! tests run briefly and cargo-fuzz runs at length.
 
+pub mod generate;
 pub mod images;
 pub mod mutants;
+pub mod text;
 
 pub use images::simulate_garbage;
 pub use mutants::check_catches_mutants;
+pub use text::{parse_text, round_trip};

@@ -11,10 +11,15 @@ use crate::verify::{Subject, Violation, verify};
 impl<'t> Builder<'t> {
     /// Ends the function being read and adds it to the module if it is sound.
     pub(super) fn close_function(&mut self) {
-        let Some(head) = self.open.head else {
-            self.open = Open::new("", Level::Equations, None);
-            return;
-        };
+        if let Some(head) = self.open.head {
+            self.finish_function(head);
+        }
+        self.open = Open::new("", Level::Equations, None);
+        self.names.clear();
+        self.recent.clear();
+    }
+
+    fn finish_function(&mut self, head: Span) {
         self.report_undefined();
         let preload_spans = self.finish_preloads();
         let level = self.open.function.level;

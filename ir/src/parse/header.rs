@@ -36,8 +36,8 @@ impl Builder<'_> {
                     .with_label(also(head, "this function has not ended"))
                     .with_note("help: a function ends with '}' on a line of its own"),
             );
-            self.close_function();
         }
+        self.close_function();
         let text = self.slice(name);
         if let Some(first) = self.functions.insert(text, name) {
             let message = format!("there are two functions '{}'", clip(text));
@@ -55,8 +55,6 @@ impl Builder<'_> {
         });
         self.open = Open::new(text, level, Some(name));
         self.open.problems_before = self.problems.len();
-        self.names.clear();
-        self.recent.clear();
         self.next_statement();
     }
 

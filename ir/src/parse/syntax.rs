@@ -98,8 +98,6 @@ impl Builder<'_> {
             (Some((_, Token::Function, _)), Some((start, _, end))) => {
                 self.close_function();
                 self.open = Open::new("", Level::Equations, Some(Span::new(start, end)));
-                self.names.clear();
-                self.recent.clear();
             }
             _ => {}
         }

@@ -1,0 +1,236 @@
+//! The laws of the text form.
+
+use crate::generate::{self, Kind};
+use arbitrary::{Result, Unstructured};
+use robovec_ir::diagnostic::Report;
+use robovec_ir::machine::BUILT_IN;
+use robovec_ir::parse::parse_module;
+use robovec_ir::print::print_module;
+use robovec_ir::verify::verify;
+use robovec_ir::{Function, Level, Machine, Module, View};
+use robovec_passes::manager::{Config, RunError, run};
+use robovec_passes::pipeline;
+use std::io;
+
+/// Pipelines whose results have a text form at every level.
+const PIPELINES: [&str; 6] = [
+    "atomise",
+    "atomise,zero-removal,balance,cse,dce,asap-alap",
+    "atomise,fold,cse,dce",
+    "atomise,place",
+    "atomise,asap-alap,place{priority=mobility}",
+    "atomise,fold,zero-removal,balance,cse,dce,place{choice=first},asap-alap",
+];
+
+/// Any bytes: reading neither panics nor hangs, complains with places inside
+/// the text, and what it accepts prints and reads the same.
+///
+/// # Panics
+///
+/// When a law is broken.
+pub fn parse_text(data: &[u8]) {
+    let text = String::from_utf8_lossy(data);
+    match parse_module("fuzz", &text) {
+        Ok(module) => {
+            for function in &module.functions {
+                let tables = &module.tables;
+                assert_eq!(verify(View { tables, function }), []);
+            }
+            check_round_trip(&module);
+        }
+        Err(diagnostics) => {
+            assert!(!diagnostics.is_empty(), "a refusal gives a reason");
+            for label in diagnostics.iter().flat_map(|error| &error.labels) {
+                assert!(label.range.start <= label.range.end && label.range.end <= text.len());
+            }
+            let shown = Report::of("fuzz", text, diagnostics).render_plain();
+            assert!(shown.len() < 200_000, "{} bytes of messages", shown.len());
+        }
+    }
+}
+
+/// A random module: it reads as it was printed, and so it does at the lower
+/// levels, after random passes for a random machine.
+///
+/// # Panics
+///
+/// When a law is broken, or a pass makes what the verifier refuses.
+pub fn round_trip(data: &[u8]) {
+    // Too few bytes are no finding.
+    let _ = check_random(&mut Unstructured::new(data));
+}
+
+/// Tells whether the module was placed in the end.
+fn check_random(bytes: &mut Unstructured<'_>) -> Result<bool> {
+    let kind = *bytes.choose(&[Kind::Placeable, Kind::Tame, Kind::Wild])?;
+    let pipeline = *bytes.choose(&PIPELINES)?;
+    let (machine, _) = bytes.choose(&BUILT_IN)?;
+    let mut module = generate::module(bytes, kind)?;
+    check_round_trip(&module);
+    if !lower(&mut module, pipeline, machine) {
+        return Ok(false);
+    }
+    check_round_trip(&module);
+    let placed = |function: &Function| function.level == Level::Placed;
+    Ok(module.functions.iter().any(placed))
+}
+
+/// Runs a pipeline; false when the machine cannot do what the module needs.
+fn lower(module: &mut Module, pipeline: &str, machine: &str) -> bool {
+    let pipeline = match pipeline::parse(pipeline) {
+        Ok(pipeline) => pipeline,
+        Err(error) => panic!("{error:?}"),
+    };
+    let machine = Machine::built_in(machine).expect("it ships");
+    let outcome = run(
+        module,
+        &pipeline,
+        Config {
+            machine: &machine,
+            verify_each: true,
+            check_each: None,
+            seed: 1,
+            print_before: Default::default(),
+            print_after: Default::default(),
+            print_changed: None,
+            dump: None,
+            log: &mut io::sink(),
+            progress: None,
+        },
+    );
+    match outcome {
+        Ok(_) => true,
+        Err(RunError::Pass { .. }) => false,
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn check_round_trip(module: &Module) {
+    let text = print_module(module);
+    let read = match parse_module("printed", &text) {
+        Ok(read) => read,
+        Err(diagnostics) => panic!(
+            "printed text is refused:\n{}",
+            Report::of("printed", text, diagnostics).render_plain()
+        ),
+    };
+    assert!(read == *module, "this reads otherwise:\n{text}");
+    assert_eq!(print_module(&read), text, "this prints otherwise");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn random_modules_round_trip_at_every_level() {
+        let (mut cases, mut placed) = (0, 0);
+        arbtest::arbtest(|bytes| {
+            cases += 1;
+            placed += u32::from(check_random(bytes)?);
+            Ok(())
+        })
+        .size_min(1 << 10)
+        .budget_ms(3000);
+        assert!(cases > 100, "only {cases} cases");
+        assert!(placed > 10, "only {placed} of {cases} cases are placed");
+    }
+
+    #[test]
+    fn any_bytes_are_read_or_refused() {
+        arbtest::arbtest(|bytes| {
+            let length = bytes.len();
+            parse_text(bytes.bytes(length)?);
+            Ok(())
+        })
+        .budget_ms(1000);
+    }
+
+    /// Damage to sound text finds more than noise does.
+    #[test]
+    fn damaged_text_is_read_or_refused() {
+        arbtest::arbtest(|bytes| {
+            let module = generate::module(bytes, Kind::Tame)?;
+            let mut text = print_module(&module).into_bytes();
+            for _ in 0..bytes.int_in_range(1..=4)? {
+                let place = bytes.choose_index(text.len())?;
+                match bytes.int_in_range(0..=3)? {
+                    0 => text.truncate(place.max(1)),
+                    1 => text[place] = bytes.arbitrary()?,
+                    2 => {
+                        text.remove(place);
+                    }
+                    _ => {
+                        let end = (place + 40).min(text.len());
+                        let piece = text[place..end].to_vec();
+                        let at = bytes.choose_index(text.len())?;
+                        text.splice(at..at, piece);
+                    }
+                }
+                if text.is_empty() {
+                    break;
+                }
+            }
+            parse_text(&text);
+            Ok(())
+        })
+        .size_min(1 << 9)
+        .budget_ms(3000);
+    }
+
+    #[test]
+    fn words_of_the_language_in_any_order_are_read_or_refused() {
+        const WORDS: [&str; 40] = [
+            "function",
+            "f",
+            "equations",
+            "atomic",
+            "placed",
+            "{",
+            "}",
+            "\n",
+            "\n",
+            "%x",
+            "%y",
+            "=",
+            "=",
+            "q",
+            "M",
+            "in",
+            "out",
+            "[",
+            "]",
+            "1",
+            "..",
+            "2",
+            ",",
+            "+",
+            "*",
+            "-",
+            "/",
+            "(",
+            ")",
+            "sin",
+            "@1:2-3",
+            "@!0",
+            "places",
+            "!0",
+            "on",
+            "add0",
+            "at",
+            "\"a\"",
+            "source",
+            "1.5",
+        ];
+        arbtest::arbtest(|bytes| {
+            let mut text = String::from("function f equations {\nin q\nout M\n");
+            for _ in 0..bytes.int_in_range(1..=60)? {
+                text.push_str(bytes.choose(&WORDS)?);
+                text.push(' ');
+            }
+            parse_text(text.as_bytes());
+            Ok(())
+        })
+        .budget_ms(2000);
+    }
+}
