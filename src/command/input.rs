@@ -9,7 +9,7 @@ use robovec_ir::{Machine, Module, parse};
 use robovec_passes::pipeline::{self, Pipeline};
 use std::fs;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Equations as read, with the text messages point into.
 pub(crate) struct Input {
@@ -17,8 +17,8 @@ pub(crate) struct Input {
     pub(crate) module: Module,
     /// Name of the file.
     pub(crate) name: String,
-    /// Its text, empty when it is not needed for messages.
-    pub(crate) text: String,
+    /// Where its text can be read again for a message.
+    pub(crate) path: PathBuf,
     /// What the reader remarked.
     pub(crate) warnings: Report,
 }
@@ -59,6 +59,19 @@ fn display_name(path: &Path) -> String {
     }
 }
 
+impl Input {
+    /// The text of the file once more, for a message that points into it;
+    /// keeping it from the start would double the memory of a large file.
+    /// `None` when it cannot be had again.
+    pub(crate) fn text(&self) -> Option<String> {
+        if self.path == Path::new("-") {
+            return None;
+        }
+        let bytes = fs::read(&self.path).ok()?;
+        Some(String::from_utf8_lossy(&bytes).into_owned())
+    }
+}
+
 /// Reads equations in any language.
 pub(crate) fn equations(path: &Path, language: Option<InputLanguage>) -> Result<Input, Failure> {
     let bytes = read_bytes(path)?;
@@ -68,7 +81,7 @@ pub(crate) fn equations(path: &Path, language: Option<InputLanguage>) -> Result<
         None => name.ends_with(".rvir") || bytes.starts_with(b"// robovec "),
     };
     if is_own {
-        return own_text(name, bytes);
+        return own_text(path, name, bytes);
     }
     let language = match language {
         Some(InputLanguage::C) => Some(Language::C),
@@ -80,12 +93,12 @@ pub(crate) fn equations(path: &Path, language: Option<InputLanguage>) -> Result<
     Ok(Input {
         module: read.module,
         name,
-        text: String::from_utf8_lossy(&bytes).into_owned(),
+        path: path.to_owned(),
         warnings: read.warnings,
     })
 }
 
-fn own_text(name: String, bytes: Vec<u8>) -> Result<Input, Failure> {
+fn own_text(path: &Path, name: String, bytes: Vec<u8>) -> Result<Input, Failure> {
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         Failure::advised(
@@ -100,7 +113,7 @@ fn own_text(name: String, bytes: Vec<u8>) -> Result<Input, Failure> {
         Ok(module) => Ok(Input {
             module,
             name,
-            text: String::new(),
+            path: path.to_owned(),
             warnings: Report::new(),
         }),
         Err(diagnostics) => Err(Failure(Report::of(&name, text, diagnostics))),

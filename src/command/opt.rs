@@ -8,8 +8,9 @@ use super::{Failure, listing, output, simulation};
 use crate::report;
 use clap::{CommandFactory, Parser};
 use clap_complete::env::{CompleteEnv, Shells};
+use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, termcolor::ColorChoice};
-use robovec_ir::{Machine, Module, SourceSet, print};
+use robovec_ir::{Function, Machine, Module, SourceSet, print};
 use robovec_passes::manager::{self, Config, Outcome, PassFilter, PrintChanged, RunError, usage};
 use robovec_passes::pipeline::Pipeline;
 use std::ffi::OsString;
@@ -59,13 +60,14 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(name) = &arguments.function {
         select(&mut input.module, name)?;
     }
+    let read: Vec<ReadCounts> = input.module.functions.iter().map(ReadCounts::of).collect();
     let outcome = transform(arguments, &pipeline, &machine, &mut input)?;
     let simulated = match arguments.simulate {
         Some(states) => simulation::simulate(&input.module, &machine, states, arguments.seed)?,
         None => String::new(),
     };
     let report = match &arguments.report {
-        Some(path) => write_report(path, arguments, &input.module, &machine, &outcome)?,
+        Some(path) => write_report(path, arguments, &input.module, &read, &machine, &outcome)?,
         None => String::new(),
     };
     let start = usage().0;
@@ -236,8 +238,10 @@ fn located(message: String, sources: SourceSet, help: Option<String>, input: &In
     diagnostic.notes.extend(help);
     if let Some(place) = input.module.tables.sources.first(sources) {
         let file = &input.module.tables.sources.files[place.file as usize];
-        if *file == input.name && !input.text.is_empty() {
-            let id = report.add_file(&input.name, input.text.clone());
+        if *file == input.name
+            && let Some(text) = input.text()
+        {
+            let id = report.add_file(&input.name, text);
             diagnostic
                 .labels
                 .push(Label::primary(id, report.range_of(id, place)));
@@ -251,12 +255,30 @@ fn located(message: String, sources: SourceSet, help: Option<String>, input: &In
     Failure(report)
 }
 
+/// What a report says of a function as it was read: passes take equations
+/// apart, and their number is that of the user's file.
+struct ReadCounts {
+    equations: usize,
+    vectors: usize,
+}
+
+impl ReadCounts {
+    fn of(function: &Function) -> ReadCounts {
+        let counts = Counts::of(function);
+        ReadCounts {
+            equations: counts.equations,
+            vectors: counts.vectors,
+        }
+    }
+}
+
 /// Writes the report to its file; returns it instead when it is for the
 /// standard error.
 fn write_report(
     path: &Path,
     arguments: &Arguments,
     module: &Module,
+    read: &[ReadCounts],
     machine: &Machine,
     outcome: &Outcome,
 ) -> Result<String, Failure> {
@@ -277,7 +299,11 @@ fn write_report(
         seed: arguments.seed,
         ..report::ReportOptions::default()
     };
-    let report = report::Report::collect(module, machine, &records, options);
+    let mut report = report::Report::collect(module, machine, &records, options);
+    for (function, read) in report.functions.iter_mut().zip(read) {
+        function.equations = read.equations;
+        function.vectors = read.vectors;
+    }
     if path == Path::new("-") {
         return Ok(report.to_text());
     }

@@ -255,8 +255,6 @@ impl Run<'_> {
         measure::forget_stale_properties(step.info, function);
         (record.cpu_s, record.peak_mb) = meter.stop();
         record.changed = measure::fingerprint(function) != fingerprint;
-        (record.operations, record.asap_cycle) =
-            measure::size(function, self.instruments.config.machine);
         for remark in remarks {
             writeln!(
                 self.instruments.config.log,
@@ -265,6 +263,9 @@ impl Run<'_> {
             )?;
         }
         self.verify(step.info, &name, tables, function)?;
+        // Only what the verifier has accepted can be measured.
+        (record.operations, record.asap_cycle) =
+            measure::size(function, self.instruments.config.machine);
         if let (Some(points), Some(before)) = (self.instruments.config.check_each, &before) {
             record.check = Some(self.check(step.info, &name, points, tables, before, function)?);
         }
@@ -343,3 +344,6 @@ impl Run<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;
