@@ -53,6 +53,9 @@ pub struct ElementReport {
     pub ulps: SpreadReport,
     /// The state with the largest relative error, counted from 0.
     pub worst_state: u32,
+    /// In how many states the element is zero but for rounding and was not
+    /// computed as zero; these have no relative error.
+    pub vanishing: u32,
 }
 
 /// Median and worst case over the states.
@@ -93,6 +96,7 @@ impl FormatReport {
             relative: element.relative.into(),
             ulps: element.ulps.into(),
             worst_state: element.worst_state,
+            vanishing: element.vanishing,
         };
         let mut arrays: Vec<ArrayReport> = Vec::new();
         for array in &accuracy.arrays {

@@ -145,7 +145,14 @@ fn passes(function: &FunctionReport, text: &mut String) {
         "check",
         "error in binary32",
     ];
-    section("Passes", &table(&head, &rows, &[1, 2, 3, 4]), text);
+    let checked = function.passes.iter().find_map(|pass| pass.check.as_ref());
+    let title = checked.map_or("Passes".to_owned(), |check| {
+        format!(
+            "Passes, each checked at {} points from seed {}",
+            check.points, check.seed
+        )
+    });
+    section(&title, &table(&head, &rows, &[1, 2, 3, 4]), text);
     for pass in &function.passes {
         let failure = pass.check.as_ref().and_then(|check| check.failure.as_ref());
         if let Some(failure) = failure {
@@ -157,7 +164,7 @@ fn passes(function: &FunctionReport, text: &mut String) {
 fn pass_row(pass: &PassReport) -> Vec<String> {
     let check = |check: &CheckReport| match (check.result, check.deviation) {
         ("measured", Some(deviation)) => format!("moved by {}", scientific(deviation)),
-        (result, _) => format!("{result}, {} points", check.points),
+        (result, _) => result.to_owned(),
     };
     let change = |errors: &CheckErrors| {
         let (before, after) = (errors.before.worst_normwise, errors.after.worst_normwise);
@@ -323,6 +330,7 @@ fn errors(format: &str, report: &FormatReport, text: &mut String) {
     let head = [
         "output",
         "elements",
+        "vanish",
         "normwise",
         "worst",
         "relative",
@@ -332,12 +340,17 @@ fn errors(format: &str, report: &FormatReport, text: &mut String) {
         "worst elements",
     ];
     let title = format!("Error of each output in {format} (medians and worst cases)");
-    section(&title, &table(&head, &rows, &[1, 2, 3, 4, 5, 6, 7]), text);
+    section(
+        &title,
+        &table(&head, &rows, &[1, 2, 3, 4, 5, 6, 7, 8]),
+        text,
+    );
 }
 
 fn array_row(array: &ArrayReport) -> Vec<String> {
     let median = |pick: fn(&ElementReport) -> f64| {
-        let mut numbers: Vec<f64> = array.elements.iter().map(pick).collect();
+        let numbers = array.elements.iter().map(pick);
+        let mut numbers: Vec<f64> = numbers.filter(|number| !number.is_nan()).collect();
         numbers.sort_unstable_by(f64::total_cmp);
         numbers
             .get(numbers.len().saturating_sub(1) / 2)
@@ -349,6 +362,15 @@ fn array_row(array: &ArrayReport) -> Vec<String> {
     vec![
         array.name.clone(),
         array.elements.len().to_string(),
+        match array
+            .elements
+            .iter()
+            .filter(|element| element.vanishing > 0)
+            .count()
+        {
+            0 => "-".to_owned(),
+            count => count.to_string(),
+        },
         scientific(array.normwise.median),
         scientific(array.normwise.worst),
         scientific(median(|element| element.relative.median)),

@@ -10,8 +10,11 @@
 //!   in the format computed with;
 //! - *normwise*: the largest error of an array over its largest element.
 //!
-//! A computed number that is not finite where the exact one is, or not zero
-//! where the exact one is, has an infinite error. States in which the exact
+//! An element that is below 2⁻⁷⁰ of the largest of its array is zero but for
+//! the reference's own rounding (an entry of a mass matrix that vanishes by
+//! symmetry): it has no relative error and *vanishes* in that state, and only
+//! the normwise measure sees it. A computed number that is not finite where
+//! the exact one is has an infinite error. States in which the exact
 //! value is itself not finite say nothing and are left out; an output without
 //! any other state has the error NaN. Inputs are representable in binary32
 //! ([`States`]), so what is measured is the rounding of the program, not of
@@ -46,6 +49,8 @@ pub struct ElementError {
     /// The number of the state with the largest relative error, as
     /// [`States::draw`] counts.
     pub worst_state: u32,
+    /// In how many states it vanishes without being computed as zero.
+    pub vanishing: u32,
 }
 
 /// The error of one output array.
@@ -95,7 +100,8 @@ pub struct Summary {
 impl FormatAccuracy {
     /// The whole function in a few numbers; all 0 for one without outputs.
     pub fn summary(&self) -> Summary {
-        let mut medians: Vec<f64> = self.elements.iter().map(|e| e.relative.median).collect();
+        let medians = self.elements.iter().map(|element| element.relative.median);
+        let mut medians: Vec<f64> = medians.filter(|median| !median.is_nan()).collect();
         let worst = self
             .elements
             .iter()
@@ -161,6 +167,14 @@ pub fn evaluate_at<A: Arithmetic>(
     evaluate(view.function, arithmetic, &inputs)
 }
 
+/// Elements smaller than this part of their array's largest are zero but for
+/// rounding: 2⁻⁷⁰, far above the rounding of double-double and far below that
+/// of binary64.
+const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
+
+/// Marks an element that vanishes: no error is negative.
+const VANISHED: (f64, f64) = (-1.0, -1.0);
+
 /// States evaluated at a time.
 const LANES: usize = 4;
 
@@ -210,22 +224,28 @@ impl Samples {
     }
 
     fn add(&mut self, view: View<'_>, exact: &[Double], computed: impl Iterator<Item = f64>) {
-        let mut errors = Vec::with_capacity(exact.len());
         let mut norms = vec![(0.0f64, 0.0f64); view.function.outputs().len()];
+        let mut distances = Vec::with_capacity(exact.len());
         for ((&exact, computed), &array) in exact.iter().zip(computed).zip(&self.arrays) {
-            if !exact.high.is_finite() {
-                errors.push((f64::NAN, f64::NAN));
-                continue;
-            }
-            let error = if computed.is_finite() {
-                exact.distance(computed)
-            } else {
-                f64::INFINITY
+            let distance = match (exact.high.is_finite(), computed.is_finite()) {
+                (false, _) => f64::NAN,
+                (true, false) => f64::INFINITY,
+                (true, true) => exact.distance(computed),
             };
+            distances.push(distance);
+            if !distance.is_nan() {
+                let norm = &mut norms[array];
+                *norm = (norm.0.max(distance), norm.1.max(exact.high.abs()));
+            }
+        }
+        let mut errors = Vec::with_capacity(exact.len());
+        for ((&exact, &distance), &array) in exact.iter().zip(&distances).zip(&self.arrays) {
             let size = exact.high.abs();
-            errors.push((quotient(error, size), error / self.ulp(size)));
-            let norm = &mut norms[array];
-            *norm = (norm.0.max(error), norm.1.max(size));
+            errors.push(if distance > 0.0 && size <= norms[array].1 * VANISHING {
+                VANISHED
+            } else {
+                (quotient(distance, size), distance / self.ulp(size))
+            });
         }
         self.states.push(errors);
         self.norms.push(norms);
@@ -249,7 +269,7 @@ impl Samples {
         let column = |pick: &dyn Fn(usize) -> f64| -> Vec<f64> {
             (0..self.states.len())
                 .map(pick)
-                .filter(|error| !error.is_nan())
+                .filter(|error| *error >= 0.0)
                 .collect()
         };
         let element = |index: usize, output: Output| {
@@ -262,6 +282,11 @@ impl Samples {
                 relative,
                 ulps: spread(&mut ulps).unwrap_or(nowhere),
                 worst_state: self.states.iter().position(worst).unwrap_or(0) as u32,
+                vanishing: self
+                    .states
+                    .iter()
+                    .filter(|errors| errors[index] == VANISHED)
+                    .count() as u32,
             }
         };
         let array = |array: usize| {
@@ -312,10 +337,13 @@ mod tests {
         Tables,
     };
 
-    fn function(tables: &mut Tables) -> Function {
+    /// Inputs `x[1..2]`, outputs `y[1..length]` and the scalars `z` and `w`.
+    fn function(tables: &mut Tables, length: u32) -> Function {
         let mut function = Function::new("sample", Level::Atomic);
         function.add_input(tables.symbols.intern("x"), Shape::Vector(2));
-        function.add_output(tables.symbols.intern("y"), Shape::Vector(4));
+        function.add_output(tables.symbols.intern("y"), Shape::Vector(length));
+        function.add_output(tables.symbols.intern("z"), Shape::Scalar);
+        function.add_output(tables.symbols.intern("w"), Shape::Scalar);
         function
     }
 
@@ -340,7 +368,7 @@ mod tests {
     #[test]
     fn one_rounding_costs_at_most_half_an_ulp_and_a_copy_nothing() {
         let mut tables = Tables::default();
-        let mut function = function(&mut tables);
+        let mut function = function(&mut tables, 2);
         let (a, b) = (Operand::from(Input(0)), Operand::from(Input(1)));
         let product = push(&mut function, Operation::Mul, a, b);
         assign(&mut function, product);
@@ -365,7 +393,7 @@ mod tests {
     #[test]
     fn cancellation_overflow_and_undefined_values_show() {
         let mut tables = Tables::default();
-        let mut function = function(&mut tables);
+        let mut function = function(&mut tables, 1);
         let (a, b) = (Operand::from(Input(0)), Operand::from(Input(1)));
         let large = Operand::from(function.constant(1e30));
         let zero = Operand::from(function.constant(0.0));
@@ -394,5 +422,30 @@ mod tests {
             Some(Output(0)),
             "an undefined output is not the worst"
         );
+    }
+
+    #[test]
+    fn an_element_that_vanishes_has_no_relative_error() {
+        let mut tables = Tables::default();
+        let mut function = function(&mut tables, 2);
+        let (a, b) = (Operand::from(Input(0)), Operand::from(Input(1)));
+        // (a*b)/b - a is zero, but neither binary32 nor double-double know.
+        let third = Operand::from(function.constant(3.0));
+        let thirds = push(&mut function, Operation::Div, a, third);
+        let product = push(&mut function, Operation::Mul, thirds, b);
+        let quotient = push(&mut function, Operation::Div, product, b);
+        let nothing = push(&mut function, Operation::Sub, quotient, thirds);
+        assign(&mut function, nothing);
+        assign(&mut function, a);
+        let view = View {
+            tables: &tables,
+            function: &function,
+        };
+        let accuracy = accuracy(view, 40, 3).binary32;
+        let element = accuracy.elements[0];
+        assert!(element.vanishing > 0 && element.vanishing < 40);
+        assert_eq!(element.relative.worst, 0.0, "the other states are exact");
+        assert!(accuracy.arrays[0].normwise.worst > 1e-9);
+        assert_eq!(accuracy.elements[1].vanishing, 0);
     }
 }
