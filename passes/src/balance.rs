@@ -1,6 +1,6 @@
 //! Tree balancing (thesis 2.4.3).
 
-use crate::analysis::critical_path::{Weights, critical_path};
+use crate::analysis::critical_path::{Weights, arrivals};
 use crate::cse::merge_equal;
 use crate::dce::remove_dead;
 use crate::declare_pass;
@@ -54,7 +54,7 @@ impl Pass for Balance {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
         let size = |function: &Function| {
-            let path = critical_path(function, context.machine).asap_cycle;
+            let path = arrivals(function, &weights).into_iter().max().unwrap_or(0);
             (path, function.nodes().len())
         };
         let before = size(function);

@@ -1,6 +1,6 @@
 //! What the manager measures around a pass: time, memory, size, change.
 
-use crate::analysis::critical_path::critical_path;
+use crate::analysis::critical_path::{Weights, arrivals};
 use crate::pass::{PassInfo, Property};
 use robovec_ir::{Function, Machine, Operation};
 use rustc_hash::FxHasher;
@@ -96,10 +96,8 @@ pub(super) fn size(function: &Function, machine: &Machine) -> (u64, u32) {
         .iter()
         .filter(|node| !node.operation.is_trigonometric() && node.operation != Operation::Copy)
         .count();
-    (
-        operations as u64,
-        critical_path(function, machine).asap_cycle,
-    )
+    let arrivals = arrivals(function, &Weights::cycles(machine));
+    (operations as u64, arrivals.into_iter().max().unwrap_or(0))
 }
 
 /// Removes attributes that a pass has made untrue.

@@ -143,11 +143,13 @@ pub fn run(
         instruments: Instruments::new(config),
         outcome: Outcome::default(),
         ordinal: 0,
+        fingerprint: 0,
         total: pipeline.passes().count() * module.functions.len(),
     };
     let tables = &mut module.tables;
     for function in &mut module.functions {
         run.instruments.start(tables, function)?;
+        run.fingerprint = measure::fingerprint(function);
         run.steps(pipeline, tables, function)?;
     }
     Ok(run.outcome)
@@ -158,6 +160,8 @@ struct Run<'a> {
     outcome: Outcome,
     ordinal: usize,
     total: usize,
+    /// That of the function as it is now.
+    fingerprint: u64,
 }
 
 /// A group that is being repeated.
@@ -184,16 +188,15 @@ impl Run<'_> {
                 Step::Open { max } => rounds.push(Round {
                     first: next,
                     left: *max,
-                    fingerprint: measure::fingerprint(function),
+                    fingerprint: self.fingerprint,
                 }),
                 Step::Close => {
                     let Some(round) = rounds.last_mut() else {
                         continue;
                     };
-                    let fingerprint = measure::fingerprint(function);
                     round.left -= 1;
-                    if round.left > 0 && fingerprint != round.fingerprint {
-                        round.fingerprint = fingerprint;
+                    if round.left > 0 && self.fingerprint != round.fingerprint {
+                        round.fingerprint = self.fingerprint;
                         next = round.first;
                     } else {
                         rounds.pop();
@@ -223,7 +226,7 @@ impl Run<'_> {
         })?;
         self.instruments.before(step, tables, function)?;
         let before = self.instruments.keeps_before().then(|| function.clone());
-        let fingerprint = measure::fingerprint(function);
+        let fingerprint = self.fingerprint;
         let meter = Meter::start();
         let mut record = PassRecord {
             function: function.name.clone(),
@@ -254,7 +257,8 @@ impl Run<'_> {
         })?;
         measure::forget_stale_properties(step.info, function);
         (record.cpu_s, record.peak_mb) = meter.stop();
-        record.changed = measure::fingerprint(function) != fingerprint;
+        self.fingerprint = measure::fingerprint(function);
+        record.changed = self.fingerprint != fingerprint;
         for remark in remarks {
             writeln!(
                 self.instruments.config.log,

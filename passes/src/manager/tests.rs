@@ -1,3 +1,5 @@
+#![allow(unreachable_pub, reason = "the macro declares public passes")]
+
 use super::*;
 use crate::pass::{Gives, Pass};
 use crate::pipeline;

@@ -1,6 +1,6 @@
 //! Writing the groups anew.
 
-use super::gather::{Family, Group, Groups, Leaf, Reach};
+use super::gather::{Family, Groups, Leaf, Reach};
 use super::share::PairCounts;
 use super::signs::Wishes;
 use crate::analysis::critical_path::{Weights, tails};
@@ -161,9 +161,9 @@ impl<'p> Builder<'p> {
 
     fn run(mut self, tables: &mut Tables) -> Builder<'p> {
         let function = self.plan.function;
-        let mut group = Group::default();
+        let groups = &self.plan.groups;
         for (root, node) in function.values() {
-            if self.plan.groups.is_absorbed(root) {
+            if groups.is_absorbed(root) {
                 // Never read: its one user is in the same group.
                 self.map.push(Signed {
                     operand: Operand::NONE,
@@ -174,9 +174,8 @@ impl<'p> Builder<'p> {
             let result = match Family::of(node.operation) {
                 None => self.other(root, node),
                 Some(family) => {
-                    self.plan.groups.collect(function, root, &mut group);
-                    let mut naming = self.naming(root, node, &group.inner, tables);
-                    self.group(family, root, &group.leaves, &mut naming)
+                    let mut naming = self.naming(root, node, groups.inner(root), tables);
+                    self.group(family, root, groups.leaves(root), &mut naming)
                 }
             };
             self.map.push(result);
@@ -398,14 +397,9 @@ impl<'p> Builder<'p> {
             .collect();
         let function = self.plan.function;
         let mut pairs = PairCounts::with_capacity(function.nodes().len());
-        let mut group = Group::default();
         for (root, node) in function.values() {
-            if self.plan.groups.is_absorbed(root) {
-                continue;
-            }
             if let Some(family) = Family::of(node.operation) {
-                self.plan.groups.collect(function, root, &mut group);
-                pairs.add(family, &group.leaves);
+                pairs.add(family, self.plan.groups.leaves(root));
             }
         }
         Deadlines {

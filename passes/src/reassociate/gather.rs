@@ -44,60 +44,63 @@ pub(super) struct Leaf {
     pub(super) negative: bool,
 }
 
-/// One group, taken apart; kept to be filled again and again.
-#[derive(Default)]
-pub(super) struct Group {
-    /// Terms or factors, left to right, without the zeros of a sum.
-    pub(super) leaves: Vec<Leaf>,
-    /// Values absorbed into it.
-    pub(super) inner: Vec<Value>,
-    open: Vec<Leaf>,
-}
-
-/// The groups of a function: which values are part of the group of their one
-/// user.
+/// The groups of a function, taken apart once.
+///
+/// Leaves and absorbed values of all groups lie in two vectors, in order of
+/// the groups' results.
 pub(super) struct Groups {
     absorbed: Vec<bool>,
+    leaves: Vec<Leaf>,
+    inner: Vec<Value>,
+    /// For each value where its leaves and absorbed values start; those of
+    /// the next value end them. Empty for all but the results of groups.
+    starts: Vec<(u32, u32)>,
 }
 
 impl Groups {
     pub(super) fn find(function: &Function, reach: Reach) -> Groups {
-        let mut absorbed = vec![false; function.nodes().len()];
-        if reach == Reach::Operation {
-            return Groups { absorbed };
-        }
-        let uses = function.use_counts();
-        for (_, node) in function.values() {
-            let Some(family) = Family::of(node.operation) else {
-                continue;
-            };
-            let minus = is_minus(function, node.operation, node.operands[0]);
-            for (side, operand) in node.operands().iter().enumerate() {
-                let Some(value) = operand.value() else {
-                    continue;
-                };
-                let only_use = uses[value.index()] == 1;
-                let same = Family::of(function.node(value).operation) == Some(family);
-                let reached = reach == Reach::Maximal || side == 0 || minus;
-                absorbed[value.index()] = only_use && same && reached;
+        let count = function.nodes().len();
+        let mut groups = Groups {
+            absorbed: absorbed(function, reach),
+            leaves: Vec::with_capacity(count),
+            inner: Vec::new(),
+            starts: Vec::with_capacity(count + 1),
+        };
+        let mut open = Vec::new();
+        for (value, node) in function.values() {
+            groups.starts.push(groups.ends());
+            if Family::of(node.operation).is_some() && !groups.is_absorbed(value) {
+                groups.collect(function, value, &mut open);
             }
         }
-        Groups { absorbed }
+        groups.starts.push(groups.ends());
+        groups
     }
 
+    fn ends(&self) -> (u32, u32) {
+        (self.leaves.len() as u32, self.inner.len() as u32)
+    }
+
+    /// True when the value is part of the group of its one user.
     pub(super) fn is_absorbed(&self, value: Value) -> bool {
         self.absorbed[value.index()]
     }
 
+    /// Terms or factors of the group of a value, left to right, without the
+    /// zeros of a sum.
+    pub(super) fn leaves(&self, root: Value) -> &[Leaf] {
+        let (start, end) = (self.starts[root.index()].0, self.starts[root.index() + 1].0);
+        &self.leaves[start as usize..end as usize]
+    }
+
+    /// The values absorbed into the group of a value.
+    pub(super) fn inner(&self, root: Value) -> &[Value] {
+        let (start, end) = (self.starts[root.index()].1, self.starts[root.index() + 1].1);
+        &self.inner[start as usize..end as usize]
+    }
+
     /// Takes the group of a value apart.
-    pub(super) fn collect(&self, function: &Function, root: Value, group: &mut Group) {
-        let Group {
-            leaves,
-            inner,
-            open,
-        } = group;
-        leaves.clear();
-        inner.clear();
+    fn collect(&mut self, function: &Function, root: Value, open: &mut Vec<Leaf>) {
         let sum = Family::of(function.node(root).operation) == Some(Family::Sum);
         open.push(Leaf {
             operand: root.into(),
@@ -110,12 +113,12 @@ impl Groups {
                 .filter(|&value| value == root || self.is_absorbed(value));
             let Some(value) = expanded else {
                 if !(sum && function.number(leaf.operand) == Some(0.0)) {
-                    leaves.push(leaf);
+                    self.leaves.push(leaf);
                 }
                 continue;
             };
             if value != root {
-                inner.push(value);
+                self.inner.push(value);
             }
             let node = function.node(value);
             for (side, &operand) in node.operands().iter().enumerate().rev() {
@@ -131,6 +134,31 @@ impl Groups {
             }
         }
     }
+}
+
+/// Which values are part of the group of their one user.
+fn absorbed(function: &Function, reach: Reach) -> Vec<bool> {
+    let mut absorbed = vec![false; function.nodes().len()];
+    if reach == Reach::Operation {
+        return absorbed;
+    }
+    let uses = function.use_counts();
+    for node in function.nodes() {
+        let Some(family) = Family::of(node.operation) else {
+            continue;
+        };
+        let minus = is_minus(function, node.operation, node.operands[0]);
+        for (side, operand) in node.operands().iter().enumerate() {
+            let Some(value) = operand.value() else {
+                continue;
+            };
+            let only_use = uses[value.index()] == 1;
+            let same = Family::of(function.node(value).operation) == Some(family);
+            let reached = reach == Reach::Maximal || side == 0 || minus;
+            absorbed[value.index()] = only_use && same && reached;
+        }
+    }
+    absorbed
 }
 
 /// True for `0 - x` and `-x`.

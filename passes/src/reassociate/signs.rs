@@ -7,7 +7,7 @@
 //! arranged costs a `0 - x` at the output later; the signs themselves are
 //! tracked exactly while building, so a bad choice here is never wrong.
 
-use super::gather::{Family, Group, Groups, Leaf};
+use super::gather::{Family, Groups, Leaf};
 use robovec_ir::{Function, Operand, Operation, Value};
 
 /// For each group root the sign it is asked to be stored with: true for
@@ -28,7 +28,7 @@ impl Wishes {
                 wishes.0[value.index()] = Some(false);
             }
         }
-        let mut group = Group::default();
+        let mut operands = Vec::new();
         for (root, node) in function.values().rev() {
             let Some(wish) = wishes.of(root) else {
                 continue;
@@ -39,8 +39,7 @@ impl Wishes {
             if natural.negative[root.index()] == wish || !natural.flippable[root.index()] {
                 continue;
             }
-            leaves_of(function, groups, root, node.operation, &mut group);
-            let leaves = &group.leaves;
+            let leaves = leaves_of(function, groups, root, node.operation, &mut operands);
             wishes.ask_one(&natural, leaves);
         }
         wishes
@@ -76,13 +75,12 @@ impl Natural {
             flippable: vec![false; count],
             flippable_alone: vec![false; count],
         };
-        let mut group = Group::default();
+        let mut operands = Vec::new();
         for (root, node) in function.values() {
             if groups.is_absorbed(root) {
                 continue;
             }
-            leaves_of(function, groups, root, node.operation, &mut group);
-            let leaves = &group.leaves;
+            let leaves = leaves_of(function, groups, root, node.operation, &mut operands);
             let signs = || {
                 leaves
                     .iter()
@@ -120,22 +118,20 @@ impl Natural {
 }
 
 /// The leaves of a group, or the operands of any other operation.
-fn leaves_of(
+fn leaves_of<'a>(
     function: &Function,
-    groups: &Groups,
+    groups: &'a Groups,
     root: Value,
     operation: Operation,
-    group: &mut Group,
-) {
+    operands: &'a mut Vec<Leaf>,
+) -> &'a [Leaf] {
     if Family::of(operation).is_some() {
-        groups.collect(function, root, group);
-    } else {
-        group.leaves.clear();
-        group
-            .leaves
-            .extend(function.node(root).operands().iter().map(|&operand| Leaf {
-                operand,
-                negative: false,
-            }));
+        return groups.leaves(root);
     }
+    operands.clear();
+    operands.extend(function.node(root).operands().iter().map(|&operand| Leaf {
+        operand,
+        negative: false,
+    }));
+    operands
 }
