@@ -8,8 +8,8 @@ use naive::Random;
 use robovec_ir::arithmetic::{Binary32, Binary64};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{
-    Assignment, Constant, Function, Input, Level, Module, Name, Node, Operand, Operation, Output,
-    Shape, SourceSet, View,
+    Array, Assignment, Constant, Function, Input, Level, Module, Name, Node, Operand, Operation,
+    Output, Shape, SourceSet, View,
 };
 use robovec_passes::codegen::c::{Real, c_files};
 use std::fmt::Write as _;
@@ -19,7 +19,6 @@ use std::process::Command;
 /// Reads numbers as bits from the arguments, calls the function, and prints
 /// the outputs' bits. Scalars, vectors and matrices are laid out from 1.
 fn harness(function: &Function, module: &Module, name: &str, real: Real) -> String {
-    let symbols = &module.tables.symbols;
     let (bits, read) = match real {
         Real::Double => ("unsigned long long", "strtoull(argv[next++], 0, 16)"),
         Real::Float => ("unsigned int", "(unsigned int)strtoul(argv[next++], 0, 16)"),
@@ -33,7 +32,7 @@ fn harness(function: &Function, module: &Module, name: &str, real: Real) -> Stri
     for (array, is_input) in (function.inputs().iter().map(|array| (array, true)))
         .chain(function.outputs().iter().map(|array| (array, false)))
     {
-        let name = symbols.text(array.name);
+        let name = storage(module, array, is_input);
         let (extent, count) = match array.shape {
             Shape::Scalar => ("[1]".to_owned(), 1),
             Shape::Vector(length) => (format!("[{}]", length + 1), length),
@@ -43,25 +42,31 @@ fn harness(function: &Function, module: &Module, name: &str, real: Real) -> Stri
         };
         writeln!(text, " static {real} {name}{extent};").expect("a string");
         for offset in (0..count).filter(|_| is_input) {
-            let place = place(name, array.shape, offset);
+            let place = place(&name, array.shape, offset);
             writeln!(text, " b = {read}; memcpy(&{place}, &b, sizeof b);").expect("a string");
         }
         let scalar_input = is_input && array.shape == Shape::Scalar;
         arguments.push(if scalar_input {
             format!("{name}[0]")
         } else {
-            name.to_owned()
+            name
         });
     }
     writeln!(text, " {name}({});", arguments.join(", ")).expect("a string");
     for assignment in &function.assignments {
         let (array, _, _) = function.output_element(assignment.output);
         let offset = assignment.output.0 - array.offset;
-        let place = place(symbols.text(array.name), array.shape, offset);
+        let place = place(&storage(module, array, false), array.shape, offset);
         writeln!(text, " memcpy(&b, &{place}, sizeof b);").expect("a string");
         writeln!(text, " printf(\"%llx\\n\", (unsigned long long)b);").expect("a string");
     }
     text + " return 0;\n}\n"
+}
+
+/// An input and an output may bear one name.
+fn storage(module: &Module, array: &Array, is_input: bool) -> String {
+    let name = module.tables.symbols.text(array.name);
+    format!("{}_{name}", if is_input { "in" } else { "out" }).replace('.', "_")
 }
 
 fn place(name: &str, shape: Shape, offset: u32) -> String {
@@ -103,7 +108,7 @@ fn compile_and_run(directory: &Path, module: &Module, real: Real, words: &[u64])
         .output()
         .expect("gcc is there");
     let messages = String::from_utf8_lossy(&compiled.stderr);
-    assert!(compiled.status.success(), "{messages}\n{}", files[0].1);
+    assert!(compiled.status.success(), "{messages}");
     let inputs = words.iter().map(|word| format!("{word:x}"));
     let output = Command::new(&program)
         .args(inputs)
