@@ -1,6 +1,7 @@
 //! File tests of passes: `tests/passes/PASS/*.rvir`.
 //!
-//! The first line of a file says what to run: `// RUN: PIPELINE [MACHINE]`.
+//! The first line of a file says what to run: `// RUN: PIPELINE [MACHINE]`; the
+//! machine is the last word, if it is the name of one that ships.
 //! Every pass runs under the verifier and the semantic check; the expected
 //! text is the function after the pipeline, or the message when it must fail.
 
@@ -17,10 +18,11 @@ fn main() -> ExitCode {
 }
 
 fn produce(path: &Path, text: &str) -> String {
-    let mut words = support::directive(text).split_whitespace();
-    let pipeline = words.next().expect("a pipeline");
-    let machine = words.next().unwrap_or("thesis");
-    let machine = Machine::built_in(machine).expect("a machine that ships");
+    let directive = support::directive(text).trim();
+    let last = directive.rsplit_once(' ');
+    let named = last.and_then(|(first, name)| Some((first, Machine::built_in(name)?)));
+    let thesis = || Machine::built_in("thesis").expect("it ships");
+    let (pipeline, machine) = named.unwrap_or_else(|| (directive, thesis()));
     let pipeline = match pipeline::parse(pipeline) {
         Ok(pipeline) => pipeline,
         Err(error) => return error.to_string(),

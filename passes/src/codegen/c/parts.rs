@@ -1,7 +1,7 @@
 //! What becomes a statement, which statements form a part, and which values
 //! cross from part to part.
 
-use robovec_ir::{Function, Operand, Value};
+use robovec_ir::{Array, Function, Operand, Value};
 
 /// Operations per part.
 const PART: u32 = 500;
@@ -133,6 +133,12 @@ impl Plan {
 
     /// The variables that a statement's expression reads.
     fn reads_of(&self, function: &Function, statement: Statement, reads: &mut Vec<Value>) {
+        self.leaves(function, statement, |operand| reads.extend(operand.value()));
+    }
+
+    /// Calls for every variable, input and constant in a statement's
+    /// expression.
+    fn leaves(&self, function: &Function, statement: Statement, mut call: impl FnMut(Operand)) {
         let mut open: Vec<Operand> = match statement {
             Statement::Define(value) => function.node(value).operands().to_vec(),
             Statement::Assign(index) => vec![function.assignments[index as usize].operand],
@@ -142,10 +148,35 @@ impl Plan {
                 Some(value) if self.is_inlined(value) => {
                     open.extend(function.node(value).operands());
                 }
-                Some(value) => reads.push(value),
-                None => {}
+                Some(_) | None => call(operand),
             }
         }
+    }
+
+    /// For each input and then each output array whether a part touches it.
+    pub(super) fn used_arrays(&self, function: &Function, part: &Part) -> Vec<bool> {
+        let place = |arrays: &[Array], array: &Array| {
+            arrays.iter().position(|known| known.name == array.name)
+        };
+        let inputs = function.inputs().len();
+        let mut used = vec![false; inputs + function.outputs().len()];
+        for &statement in &part.statements {
+            if let Statement::Assign(index) = statement {
+                let output = function.assignments[index as usize].output;
+                let (array, _, _) = function.output_element(output);
+                if let Some(place) = place(function.outputs(), array) {
+                    used[inputs + place] = true;
+                }
+            }
+            self.leaves(function, statement, |operand| {
+                let input = operand.input();
+                let array = input.map(|input| function.input_element(input).0);
+                if let Some(place) = array.and_then(|array| place(function.inputs(), array)) {
+                    used[place] = true;
+                }
+            });
+        }
+        used
     }
 }
 

@@ -81,13 +81,8 @@ impl<'a> Writer<'a> {
         let mut text = self.comment();
         text.push_str("#include <math.h>\n");
         if let [part] = self.plan.parts.as_slice() {
-            let _ = write!(
-                text,
-                "\nvoid {}({})\n{{\n",
-                self.name,
-                self.parameters(false)
-            );
-            self.ignored(&mut text);
+            let parameters = self.parameters(false);
+            let _ = write!(text, "\nvoid {}({parameters})\n{{\n", self.name);
             self.body(&mut text, part);
             text.push_str("}\n");
             return text;
@@ -95,29 +90,15 @@ impl<'a> Writer<'a> {
         for (part, name) in self.plan.parts.iter().zip(&self.parts) {
             let parameters = self.parameters(true);
             let _ = write!(text, "\nstatic void {name}({parameters})\n{{\n");
-            self.ignored(&mut text);
-            let _ = writeln!(text, "    (void){};", self.work);
             self.body(&mut text, part);
             text.push_str("}\n");
         }
-        let _ = write!(
-            text,
-            "\nvoid {}({})\n{{\n",
-            self.name,
-            self.parameters(false)
-        );
-        self.ignored(&mut text);
-        if !self.parts.is_empty() {
-            let words = self.plan.work.max(1);
-            let _ = writeln!(text, "    {} {}[{words}];", self.real.name(), self.work);
-        }
-        let arguments: Vec<&str> = self
-            .inputs
-            .iter()
-            .chain(&self.outputs)
-            .chain([&self.work])
-            .map(String::as_str)
-            .collect();
+        let parameters = self.parameters(false);
+        let _ = write!(text, "\nvoid {}({parameters})\n{{\n", self.name);
+        let words = self.plan.work.max(1);
+        let _ = writeln!(text, "    {} {}[{words}];", self.real.name(), self.work);
+        let names = self.inputs.iter().chain(&self.outputs).chain([&self.work]);
+        let arguments: Vec<&str> = names.map(String::as_str).collect();
         for name in &self.parts {
             let _ = writeln!(text, "    {name}({});", arguments.join(", "));
         }
@@ -174,15 +155,32 @@ impl<'a> Writer<'a> {
         list.join(", ")
     }
 
-    /// Marks all parameters as used, for strict compilers.
-    fn ignored(&self, text: &mut String) {
-        for name in self.inputs.iter().chain(&self.outputs) {
+    /// Marks the parameters that a part leaves alone as used, for strict
+    /// compilers.
+    fn ignore_unused(&self, text: &mut String, part: &Part) {
+        let used = self.plan.used_arrays(self.function, part);
+        let arrays = self.inputs.iter().chain(&self.outputs);
+        let mut unused: Vec<&str> = arrays
+            .zip(used)
+            .filter(|(_, used)| !used)
+            .map(|(name, _)| name.as_str())
+            .collect();
+        let crosses = |statement: &Statement| match statement {
+            Statement::Define(value) => self.plan.word(*value).is_some(),
+            Statement::Assign(_) => false,
+        };
+        let alone = self.plan.parts.len() == 1;
+        if !alone && part.loads.is_empty() && !part.statements.iter().any(crosses) {
+            unused.push(&self.work);
+        }
+        for name in unused {
             let _ = writeln!(text, "    (void){name};");
         }
     }
 
     fn body(&self, text: &mut String, part: &Part) {
         let real = self.real.name();
+        self.ignore_unused(text, part);
         for &value in &part.loads {
             if let Some(word) = self.plan.word(value) {
                 let name = &self.values[value.index()];
@@ -193,7 +191,7 @@ impl<'a> Writer<'a> {
             match statement {
                 Statement::Define(value) => {
                     let name = &self.values[value.index()];
-                    let expression = self.expression(value);
+                    let (expression, _) = self.expression(value);
                     let _ = writeln!(text, "    const {real} {name} = {expression};");
                     if let Some(word) = self.plan.word(value) {
                         let _ = writeln!(text, "    {}[{word}] = {name};", self.work);
@@ -202,70 +200,86 @@ impl<'a> Writer<'a> {
                 Statement::Assign(index) => {
                     let assignment = &self.function.assignments[index as usize];
                     let (array, indices, rank) = self.function.output_element(assignment.output);
-                    let place = self
-                        .function
-                        .outputs()
-                        .iter()
-                        .position(|a| a.name == array.name);
-                    let name = place.map_or("", |place| &self.outputs[place]);
+                    let name = &self.outputs[place(self.function.outputs(), array)];
                     let target = match rank {
                         0 => format!("*{name}"),
                         _ => element(name, &indices[..rank]),
                     };
-                    let operand = self.operand(assignment.operand);
+                    let operand = self.operand(assignment.operand, 0);
                     let _ = writeln!(text, "    {target} = {operand};");
                 }
             }
         }
     }
 
-    /// The expression of a node. Inlined trees are at most
-    /// [`super::parts`]' limit deep, so the recursion is bounded.
-    fn expression(&self, value: Value) -> String {
+    /// The expression of a node, and how tightly it binds. Inlined trees are
+    /// at most [`super::parts`]' limit deep, so the recursion is bounded.
+    fn expression(&self, value: Value) -> (String, u8) {
         let node = self.function.node(value);
-        let a = self.operand(node.operands[0]);
+        let [left, right] = node.operands;
+        let binary = |sign: &str, binding: u8| {
+            let (a, b) = (
+                self.operand(left, binding),
+                self.operand(right, binding + 1),
+            );
+            (format!("{a} {sign} {b}"), binding)
+        };
+        let call = |function: &str| (format!("{function}({})", self.operand(left, 0)), PRIMARY);
         let double = self.real == Real::Double;
-        let binary = |sign: &str| format!("{a} {sign} {}", self.operand(node.operands[1]));
         match node.operation {
-            Operation::Copy => a,
-            Operation::Neg => format!("-{a}"),
-            Operation::Add => binary("+"),
-            Operation::Sub => binary("-"),
-            Operation::Mul => binary("*"),
-            Operation::Div => binary("/"),
+            Operation::Copy => (self.operand(left, PRIMARY), PRIMARY),
+            Operation::Neg => (format!("-{}", self.operand(left, PRIMARY)), UNARY),
+            Operation::Add => binary("+", SUM),
+            Operation::Sub => binary("-", SUM),
+            Operation::Mul => binary("*", PRODUCT),
+            Operation::Div => binary("/", PRODUCT),
             Operation::Sin | Operation::Cos if !double => {
-                format!("(float){}((double){a})", node.operation.name())
+                let (name, argument) = (node.operation.name(), self.operand(left, UNARY));
+                (format!("(float){name}((double){argument})"), UNARY)
             }
-            Operation::Sqrt if !double => format!("sqrtf({a})"),
-            Operation::Sin | Operation::Cos | Operation::Sqrt => {
-                format!("{}({a})", node.operation.name())
-            }
+            Operation::Sqrt if !double => call("sqrtf"),
+            Operation::Sin | Operation::Cos | Operation::Sqrt => call(node.operation.name()),
         }
     }
 
-    /// An operand, in parentheses where it is more than a name.
-    fn operand(&self, operand: Operand) -> String {
-        match operand.kind() {
-            OperandKind::Value(value) if self.plan.is_inlined(value) => {
-                format!("({})", self.expression(value))
-            }
-            OperandKind::Value(value) => self.values[value.index()].clone(),
+    /// An operand, in parentheses where it binds less tightly than it must.
+    fn operand(&self, operand: Operand, binding: u8) -> String {
+        let (text, own) = match operand.kind() {
+            OperandKind::Value(value) if self.plan.is_inlined(value) => self.expression(value),
+            OperandKind::Value(value) => (self.values[value.index()].clone(), PRIMARY),
             OperandKind::Input(input) => {
                 let (array, indices, rank) = self.function.input_element(input);
-                let place = self
-                    .function
-                    .inputs()
-                    .iter()
-                    .position(|a| a.name == array.name);
-                let name = place.map_or("", |place| &self.inputs[place]);
-                element(name, &indices[..rank])
+                let name = &self.inputs[place(self.function.inputs(), array)];
+                (element(name, &indices[..rank]), PRIMARY)
             }
             OperandKind::Constant(constant) => {
-                literal(self.function.constant_number(constant), self.real)
+                let text = literal(self.function.constant_number(constant), self.real);
+                let own = if text.starts_with('-') {
+                    UNARY
+                } else {
+                    PRIMARY
+                };
+                (text, own)
             }
-            OperandKind::None => "0".to_owned(),
+            OperandKind::None => ("0".to_owned(), PRIMARY),
+        };
+        if own < binding {
+            format!("({text})")
+        } else {
+            text
         }
     }
+}
+
+const SUM: u8 = 1;
+const PRODUCT: u8 = 2;
+const UNARY: u8 = 3;
+const PRIMARY: u8 = 4;
+
+/// Which of the arrays one is.
+fn place(arrays: &[Array], array: &Array) -> usize {
+    let found = arrays.iter().position(|known| known.name == array.name);
+    found.expect("an element belongs to one of the arrays")
 }
 
 fn element(name: &str, indices: &[u32]) -> String {
@@ -289,7 +303,7 @@ fn literal(number: f64, real: Real) -> String {
         (false, false) => "INFINITY".to_owned(),
     };
     if number.is_sign_negative() {
-        format!("(-{text})")
+        format!("-{text}")
     } else {
         text
     }
@@ -303,9 +317,9 @@ mod tests {
     fn literals_keep_every_bit_and_their_sign() {
         let double = |number| literal(number, Real::Double);
         assert_eq!(double(0.1), "0.1");
-        assert_eq!(double(-0.0), "(-0.0)");
+        assert_eq!(double(-0.0), "-0.0");
         assert_eq!(double(1e300), "1e300");
-        assert_eq!(double(f64::NEG_INFINITY), "(-INFINITY)");
+        assert_eq!(double(f64::NEG_INFINITY), "-INFINITY");
         assert_eq!(literal(1e300, Real::Float), "INFINITY");
         assert_eq!(literal(0.1, Real::Float), "0.1f");
         assert_eq!(literal(3.0, Real::Float), "3.0f");
