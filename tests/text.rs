@@ -118,7 +118,7 @@ fn hostile_text_is_refused_quickly_and_briefly() {
     refused(&"%".repeat(10 << 20));
     refused(&inside(&format!("  %{} = q", "x.".repeat(1 << 20))));
     let binary: Vec<u8> = (0..1u32 << 20)
-        .map(|byte| (byte * byte >> 7) as u8)
+        .map(|byte| (byte.wrapping_mul(byte) >> 7) as u8)
         .collect();
     refused(&String::from_utf8_lossy(&binary));
 }
@@ -183,4 +183,6 @@ fn layout_is_free() {
     let tight = "// robovec 1\n\nfunction f equations {\n  in q[1..2]\n  out M[1..2]\n\n  \
         %x = -q[1]*2.0\n\n  M[1] = %x\n  M[2] = q[1] + q[2]*3.0\n}\n";
     assert_eq!(print_module(&parse("loose", &loose)), tight);
+}
+    text.chars().take(70).collect::<String>().replace("\n", " ")
 }

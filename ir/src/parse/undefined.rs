@@ -54,10 +54,14 @@ impl Builder<'_> {
         }
         let mut seen: FastMap<&str, ()> = FastMap::default();
         let mut forward: Vec<Forward> = Vec::new();
+        let roots = self.next_definitions();
         for (span, node) in uses {
             let text = self.slice(span);
             let first = seen.insert(text, ()).is_none();
-            match (self.find_name(text), self.definition_around(span, node)) {
+            match (
+                self.find_name(text),
+                self.definition_around(span, roots.get(node as usize)),
+            ) {
                 (None, _) if first => self.report_unknown(span),
                 (None, _) => {}
                 (Some(used), Some(user)) => forward.push(Forward { user, used, span }),
@@ -76,12 +80,26 @@ impl Builder<'_> {
         self.names.get(Name { base, suffix })
     }
 
-    /// The definition whose expression holds a use; `None` in an assignment.
-    fn definition_around(&self, span: Span, node: u32) -> Option<Value> {
-        let nodes = self.open.function.nodes();
-        let root = (node..nodes.len() as u32)
-            .map(Value)
-            .find(|value| !nodes[value.index()].name.is_none())?;
+    /// For every node the first definition at or behind it, if any.
+    fn next_definitions(&self) -> Vec<Option<Value>> {
+        let mut next = None;
+        let nodes = self.open.function.values().rev();
+        let mut roots: Vec<Option<Value>> = nodes
+            .map(|(value, node)| {
+                if !node.name.is_none() {
+                    next = Some(value);
+                }
+                next
+            })
+            .collect();
+        roots.reverse();
+        roots
+    }
+
+    /// The definition whose expression holds a use, given the next one behind
+    /// it; `None` in an assignment.
+    fn definition_around(&self, span: Span, root: Option<&Option<Value>>) -> Option<Value> {
+        let root = (*root?)?;
         let around = self.open.spans[root.index()];
         (around.start <= span.start && span.end <= around.end).then_some(root)
     }
