@@ -184,5 +184,3 @@ fn layout_is_free() {
         %x = -q[1]*2.0\n\n  M[1] = %x\n  M[2] = q[1] + q[2]*3.0\n}\n";
     assert_eq!(print_module(&parse("loose", &loose)), tight);
 }
-    text.chars().take(70).collect::<String>().replace("\n", " ")
-}
