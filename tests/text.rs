@@ -184,3 +184,31 @@ fn layout_is_free() {
         %x = -q[1]*2.0\n\n  M[1] = %x\n  M[2] = q[1] + q[2]*3.0\n}\n";
     assert_eq!(print_module(&parse("loose", &loose)), tight);
 }
+
+#[test]
+fn the_examples_of_the_documentation_are_read() {
+    let document = include_str!("../docs/text-format.md");
+    let examples: Vec<&str> = document
+        .split("```text\n")
+        .skip(1)
+        .filter_map(|rest| rest.split("```").next())
+        .collect();
+    assert_eq!(examples.len(), 3);
+    for example in examples {
+        let module = match example.contains("source 0") {
+            true => parse("text-format.md", example),
+            false => parse("text-format.md", &format!("source 0 \"a.m\"\n{example}")),
+        };
+        for function in module.functions.iter().filter(|f| f.level == Level::Placed) {
+            let machine = Machine::built_in("thesis").expect("it ships");
+            let view = View {
+                tables: &module.tables,
+                function,
+            };
+            assert_eq!(verify_placement(view, &machine), []);
+        }
+        if example.contains("source 0") {
+            assert_eq!(print_module(&module), example);
+        }
+    }
+}
