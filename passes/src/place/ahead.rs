@@ -213,12 +213,12 @@ impl Sweep<'_> {
         }
         let sources = self.graph.data[node].map(|datum| self.source(datum));
         self.mark(sources);
-        let kind = self.graph.kinds[self.graph.kind[node] as usize];
-        let plan = (kind.first as usize..(kind.first + kind.count) as usize)
-            .filter(|&element| self.busy[element] != cycle + 1)
-            .filter(|&element| seat.is_none_or(|seat| seat.element == element))
-            .flat_map(|element| self.sides(node, element))
-            .filter(|at| seat.is_none_or(|seat| seat.swapped == at.swapped))
+        let plan = self
+            .places(node)
+            .filter(|at| self.busy[at.element] != cycle + 1)
+            .filter(|at| {
+                seat.is_none_or(|seat| seat.element == at.element && seat.swapped == at.swapped)
+            })
             .find_map(|at| self.plain(sources, at));
         let Some(plan) = plan else {
             return Outcome::Failed;

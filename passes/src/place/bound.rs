@@ -29,8 +29,11 @@ pub(super) fn lower_bound(graph: &Graph, by_tail: &Order) -> u32 {
 
 fn kind_bound(graph: &Graph, by_tail: &Order, kind: usize) -> u32 {
     let ranked = &by_tail.nodes[kind];
-    let mut released = ranked.clone();
-    released.sort_unstable_by_key(|&node| graph.head[node as usize]);
+    let mut released: Vec<(u32, u32)> = ranked
+        .iter()
+        .map(|&node| (graph.head[node as usize], node))
+        .collect();
+    released.sort_unstable();
     let mut released = released.into_iter().peekable();
     let mut waiting = RankSet::new(ranked.len());
     let mut cycle = 0;
@@ -38,11 +41,11 @@ fn kind_bound(graph: &Graph, by_tail: &Order, kind: usize) -> u32 {
     loop {
         if waiting.is_empty() {
             match released.peek() {
-                Some(&next) => cycle = cycle.max(graph.head[next as usize]),
+                Some(&(head, _)) => cycle = cycle.max(head),
                 None => return bound,
             }
         }
-        while let Some(node) = released.next_if(|&node| graph.head[node as usize] <= cycle) {
+        while let Some((_, node)) = released.next_if(|&(head, _)| head <= cycle) {
             waiting.insert(by_tail.rank[node as usize]);
         }
         for _ in 0..graph.kinds[kind].count {

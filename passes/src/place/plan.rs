@@ -23,6 +23,10 @@ pub(super) struct Plan {
     pub(super) routes: [Option<Route>; 2],
 }
 
+/// What [`Choice::Preferential`] minimises: the rank, the cycles results stay
+/// in buffers, new words of initial data, live words.
+type Cost = (u8, u32, u8, u32);
+
 /// What can be done with an operation in a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Verdict {
@@ -64,34 +68,46 @@ impl Sweep<'_> {
     pub(super) fn consider(&mut self, node: usize, cycle: u32) -> Verdict {
         let sources = self.graph.data[node].map(|datum| self.source(datum));
         self.mark(sources);
-        let kind = self.graph.kinds[self.graph.kind[node] as usize];
-        let elements = kind.first as usize..(kind.first + kind.count) as usize;
-        let is_free = |element: &usize| self.busy[*element] != cycle + 1;
-        let free = elements.clone().filter(is_free);
-        let places = free.flat_map(|element| self.sides(node, element));
+        let is_free = |at: &Plan| self.busy[at.element] != cycle + 1;
         let plan = match self.choice {
-            Choice::First => places.into_iter().find_map(|at| {
+            Choice::First => self.places(node).filter(is_free).find_map(|at| {
                 self.plain(sources, at)
                     .or_else(|| self.indirect(sources, at, cycle))
             }),
             Choice::Preferential => {
-                let plain = places.clone().filter_map(|at| self.plain(sources, at));
-                let best = plain.min_by_key(|plan| self.cost(sources, plan));
+                let free = || self.places(node).filter(is_free);
+                let best = self.cheapest(sources, free(), |at| self.plain(sources, at));
                 if best.is_none() && self.can_wait(node, cycle) {
-                    let later = elements.filter(|element| !is_free(element));
-                    let mut later = later.flat_map(|element| self.sides(node, element));
+                    let mut later = self.places(node).filter(|at| !is_free(at));
                     if later.any(|at| self.plain(sources, at).is_some()) {
                         return Verdict::Wait;
                     }
                 }
                 best.or_else(|| {
-                    places
-                        .filter_map(|at| self.indirect(sources, at, cycle))
-                        .min_by_key(|plan| self.cost(sources, plan))
+                    self.cheapest(sources, free(), |at| self.indirect(sources, at, cycle))
                 })
             }
         };
         plan.map_or(Verdict::Fail, Verdict::Issue)
+    }
+
+    /// The plan of least cost, the first of equals.
+    fn cheapest(
+        &self,
+        sources: [Option<Source>; 2],
+        places: impl Iterator<Item = Plan>,
+        plan: impl Fn(Plan) -> Option<Plan>,
+    ) -> Option<Plan> {
+        let mut best: Option<(Cost, Plan)> = None;
+        for at in places {
+            if let Some(plan) = plan(at) {
+                let cost = self.cost(sources, &plan);
+                if best.is_none_or(|(least, _)| cost < least) {
+                    best = Some((cost, plan));
+                }
+            }
+        }
+        best.map(|(_, plan)| plan)
     }
 
     /// True when issuing the node a cycle later need not lengthen the
@@ -100,30 +116,30 @@ impl Sweep<'_> {
         self.picky && cycle + self.graph.tail[node] + MARGIN < self.target
     }
 
-    /// The ways to feed a node's operands to an element: the second with
-    /// sides exchanged, where that is possible and makes a difference.
-    pub(super) fn sides(
-        &self,
-        node: usize,
-        element: usize,
-    ) -> impl Iterator<Item = Plan> + Clone + use<> {
-        let first = element * self.banks;
-        let last = first + self.banks - 1;
-        let straight = Plan {
-            element,
-            swapped: false,
-            memories: [first, last],
-            routes: [None; 2],
-        };
-        let exchanged = Plan {
-            swapped: true,
-            memories: [last, first],
-            ..straight
-        };
+    /// The elements that perform a node, and on each the ways to feed it its
+    /// operands: as written and, where that is possible and makes a
+    /// difference, with sides exchanged.
+    pub(super) fn places(&self, node: usize) -> impl Iterator<Item = Plan> + use<> {
+        let kind = self.graph.kinds[self.graph.kind[node] as usize];
         let [left, right] = self.graph.data[node];
-        let operation = self.function.nodes()[node].operation;
-        let both = self.banks > 1 && operation.is_commutative() && left != right;
-        std::iter::once(straight).chain(both.then_some(exchanged))
+        let banks = self.banks;
+        let exchanges =
+            banks > 1 && left != right && self.function.nodes()[node].operation.is_commutative();
+        let sides = 1 + usize::from(exchanges);
+        let (first, count) = (kind.first as usize, kind.count as usize);
+        (first * sides..(first + count) * sides).map(move |place| {
+            let (element, swapped) = match sides {
+                1 => (place, false),
+                _ => (place >> 1, place & 1 == 1),
+            };
+            let (near, far) = (element * banks, (element + 1) * banks - 1);
+            Plan {
+                element,
+                swapped,
+                memories: if swapped { [far, near] } else { [near, far] },
+                routes: [None; 2],
+            }
+        })
     }
 
     /// The plan without buffers.
@@ -200,9 +216,7 @@ impl Sweep<'_> {
         Some(Planned::new(source, at.memories[operand], route))
     }
 
-    /// What [`Choice::Preferential`] minimises: the rank, the cycles results
-    /// stay in buffers, new words of initial data, live words.
-    fn cost(&self, sources: [Option<Source>; 2], plan: &Plan) -> (u8, u32, u8, u32) {
+    fn cost(&self, sources: [Option<Source>; 2], plan: &Plan) -> Cost {
         let status = |side: usize| {
             // Exchanged, the first operand is the one on the right.
             plan.routes[side ^ usize::from(plan.swapped)].map_or(0, Route::status)
@@ -235,14 +249,11 @@ impl Sweep<'_> {
     pub(super) fn can_ever(&mut self, node: usize, cycle: u32) -> bool {
         let sources = self.graph.data[node].map(|datum| self.source(datum));
         self.mark(sources);
-        let kind = self.graph.kinds[self.graph.kind[node] as usize];
-        (kind.first as usize..(kind.first + kind.count) as usize)
-            .flat_map(|element| self.sides(node, element))
-            .any(|at| {
-                self.plain(sources, at).is_some()
-                    || self.indirect(sources, at, cycle).is_some()
-                    || self.may_wait(sources, at, cycle)
-            })
+        self.places(node).any(|at| {
+            self.plain(sources, at).is_some()
+                || self.indirect(sources, at, cycle).is_some()
+                || self.may_wait(sources, at, cycle)
+        })
     }
 
     /// True when every operand is there, can go directly, or can stay in its

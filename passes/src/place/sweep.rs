@@ -94,6 +94,17 @@ pub(super) fn sweep(task: Task<'_>, order: &Order, manner: Manner) -> Result<Dra
     Ok(sweep.draft)
 }
 
+/// What a node that is not issued waits for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Waiting {
+    /// When the operands issued so far can all be read.
+    pub(super) ready: u32,
+    /// Operands still to be issued.
+    pub(super) operands: u8,
+    /// Tries that failed.
+    pub(super) failures: u8,
+}
+
 /// The state of a sweep.
 pub(super) struct Sweep<'a> {
     pub(super) function: &'a Function,
@@ -104,9 +115,8 @@ pub(super) struct Sweep<'a> {
     pub(super) draft: Draft,
     pub(super) calendar: Calendar,
     pub(super) ready: Vec<RankSet>,
-    /// Operands still to be computed, per node.
-    pub(super) pending: Vec<u8>,
-    pub(super) failures: Vec<u8>,
+    /// What each node waits for.
+    pub(super) waiting: Vec<Waiting>,
     /// The last cycle each element issued in, plus one.
     pub(super) busy: Vec<u32>,
     /// Per operand and memory: the stamp of the last look, and the entry.
@@ -156,8 +166,15 @@ impl<'a> Sweep<'a> {
                 .iter()
                 .map(|nodes| RankSet::new(nodes.len()))
                 .collect(),
-            pending: graph.computed_operands.clone(),
-            failures: vec![0; nodes],
+            waiting: graph
+                .computed_operands
+                .iter()
+                .map(|&operands| Waiting {
+                    ready: 0,
+                    operands,
+                    failures: 0,
+                })
+                .collect(),
             busy: vec![0; elements],
             marks: [
                 vec![(0, 0); elements * banks],
@@ -175,7 +192,7 @@ impl<'a> Sweep<'a> {
 
     fn run(&mut self) -> Result<(), Stuck> {
         for node in 0..self.graph.kind.len() {
-            if self.graph.kind[node] != HOST && self.pending[node] == 0 {
+            if self.graph.kind[node] != HOST && self.waiting[node].operands == 0 {
                 self.calendar.enter(0, node as u32);
             }
         }
@@ -262,12 +279,12 @@ impl<'a> Sweep<'a> {
             self.calendar.enter(cycle + 1, node as u32);
             return Ok(());
         }
-        let failures = self.failures[node];
+        let failures = self.waiting[node].failures;
         let ports = &self.draft.ports;
         if (!ports.has_buffer() || ports.buffers_are_limited()) && !self.can_ever(node, cycle) {
             return Err(Stuck);
         }
-        self.failures[node] = failures.saturating_add(1);
+        self.waiting[node].failures = failures.saturating_add(1);
         // One cycle for the first tries, then 2, 4, … 64.
         let pause = (1 << (failures / 4).min(6)).min(LONGEST_PAUSE);
         self.calendar.enter(cycle + pause, node as u32);
@@ -343,16 +360,11 @@ impl<'a> Sweep<'a> {
         let ready = cycle + self.graph.weight(node);
         self.draft.cycles = self.draft.cycles.max(ready);
         for &user in self.graph.users_of(node) {
-            let pending = &mut self.pending[user as usize];
-            *pending -= 1;
-            if *pending == 0 {
-                let from = self.graph.data[user as usize]
-                    .into_iter()
-                    .filter_map(|datum| self.source(datum)?.result)
-                    .map(|(back, _)| back + 1)
-                    .max()
-                    .unwrap_or(ready);
-                self.calendar.enter(from, user);
+            let waiting = &mut self.waiting[user as usize];
+            waiting.ready = waiting.ready.max(ready);
+            waiting.operands -= 1;
+            if waiting.operands == 0 {
+                self.calendar.enter(waiting.ready, user);
             }
         }
     }
