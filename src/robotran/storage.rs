@@ -52,6 +52,8 @@ pub(super) struct Storage {
     aliases: HashMap<Name, Name, FxBuildHasher>,
     /// Matlab's `frc = s.frc`: the copy and the original.
     copies: Vec<(Name, Name)>,
+    /// Matlab's `frc` beside `s.frc`, copied or not.
+    namesakes: Vec<(Name, Name)>,
     joined: bool,
 }
 
@@ -211,8 +213,10 @@ impl StorageBuilder<'_> {
             }
         }
         self.add_results(storage, &mut uses);
+        self.pair_namesakes(storage);
         // A copy and its original have one shape, and both exist.
-        for (copy, original) in storage.copies.clone() {
+        let pairs = [storage.namesakes.clone(), storage.copies.clone()];
+        for (copy, original) in pairs.into_iter().flatten() {
             let Some(copy) = storage.find(copy) else {
                 continue;
             };
@@ -227,6 +231,21 @@ impl StorageBuilder<'_> {
             uses[original as usize] = joint;
         }
         uses
+    }
+
+    /// A Matlab function may read `s.frc` and a parameter `frc`: both begin
+    /// as the same input.
+    fn pair_namesakes(&self, storage: &mut Storage) {
+        for name in storage.names.clone() {
+            let local = Name::local(name.symbol());
+            if name.is_of_data() && storage.find(local).is_some() {
+                storage.namesakes.push((local, name));
+            }
+        }
+        // In C and Python the two are one array.
+        if storage.joined {
+            storage.namesakes.clear();
+        }
     }
 
     /// The result of an external force has nine numbers.
@@ -325,6 +344,8 @@ impl StorageBuilder<'_> {
         for number in 0..storage.arrays.len() {
             storage.arrays[number].initial = Initial::Input(number as u32);
         }
+        let namesakes = std::mem::take(&mut storage.namesakes);
+        storage.set_originals(&namesakes);
         for statement in &self.syntax.statements[self.statements.clone()] {
             if let Kind::Extent(extent) = statement.kind
                 && let extent = self.syntax.extents[extent as usize]
@@ -339,20 +360,18 @@ impl StorageBuilder<'_> {
                 };
             }
         }
-        if self.language == Language::Matlab
-            && let Some(head) = self.head
-            && !head.outputs.is_empty()
-        {
+        if self.language == Language::Matlab {
+            // The structure `s` is a copy of the caller's; what is written to
+            // it is lost at the end.
             for number in 0..storage.arrays.len() {
                 let name = storage.arrays[number].name;
-                storage.arrays[number].local = !name.is_of_data() && !self.is_visible(name);
+                let returned = self.head.is_none_or(|head| head.outputs.is_empty());
+                let visible = returned || self.is_visible(name);
+                storage.arrays[number].local = name.is_of_data() || !visible;
             }
         }
-        for (copy, original) in storage.copies.clone() {
-            if let (Some(copy), Some(original)) = (storage.find(copy), storage.find(original)) {
-                storage.arrays[copy as usize].initial = Initial::Input(original);
-            }
-        }
+        let copies = std::mem::take(&mut storage.copies);
+        storage.set_originals(&copies);
     }
 
     /// True for an array the caller sees: a parameter or a result.
@@ -401,6 +420,15 @@ impl StorageBuilder<'_> {
 }
 
 impl Storage {
+    /// Makes copies begin as their originals.
+    fn set_originals(&mut self, pairs: &[(Name, Name)]) {
+        for &(copy, original) in pairs {
+            if let (Some(copy), Some(original)) = (self.find(copy), self.find(original)) {
+                self.arrays[copy as usize].initial = Initial::Input(original);
+            }
+        }
+    }
+
     fn number(&mut self, name: Name, uses: &mut Vec<Use>) -> u32 {
         let name = self.canonical(name);
         let next = uses.len() as u32;

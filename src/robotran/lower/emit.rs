@@ -14,8 +14,8 @@ use crate::robotran::token::{Name as SyntaxName, Span};
 use hashbrown::HashSet;
 use robovec_ir::diagnostic::{Diagnostic, Label};
 use robovec_ir::{
-    Array, Assignment, Boundary, Function, Input, Name, Node, Operand, Operation, Output, Shape,
-    SourceSet, Symbol, Tables, Value,
+    Array, Assignment, Function, Input, Name, Node, Operand, Operation, Output, Shape, SourceSet,
+    Symbol, Tables, Value,
 };
 use rustc_hash::FxBuildHasher;
 use std::ops::Range;
@@ -40,32 +40,46 @@ pub(super) struct Shared<'a, 't> {
     pub(super) definitions: Vec<Operand>,
 }
 
+/// Where the values of [`Later`] start to count, within each expression; no
+/// function has as many nodes.
+const LATER: u32 = 1 << 29;
+
+/// The expressions of plain outputs. They are resolved where they stand in the
+/// file but appended behind all definitions, where the representation wants
+/// them.
+#[derive(Default, Debug)]
+pub(super) struct Later {
+    nodes: Vec<Node>,
+    trees: Vec<(Output, Range<usize>)>,
+}
+
 /// Writes one function.
 pub(super) struct Emitter<'e, 'a, 't> {
-    shared: &'e mut Shared<'a, 't>,
-    storage: &'e Storage,
-    scan: &'e Scan,
-    parameters: &'e [SyntaxName],
-    counters: &'e SymbolSet,
+    pub(super) shared: &'e mut Shared<'a, 't>,
+    pub(super) storage: &'e Storage,
+    pub(super) scan: &'e Scan,
+    pub(super) parameters: &'e [SyntaxName],
+    pub(super) counters: &'e SymbolSet,
     /// `None` for a whole function.
-    crossing: Option<&'e Crossing>,
-    function: Function,
-    names: Names,
+    pub(super) crossing: Option<&'e Crossing>,
+    pub(super) function: Function,
+    pub(super) later: Later,
+    pub(super) names: Names,
     /// The input and output array of every stored array.
-    inputs: Vec<Option<Array>>,
-    outputs: Vec<Option<Array>>,
+    pub(super) inputs: Vec<Option<Array>>,
+    pub(super) outputs: Vec<Option<Array>>,
     /// The value of every element, [`Operand::NONE`] before it is written.
-    elements: Vec<Operand>,
+    pub(super) elements: Vec<Operand>,
     /// The elements that became named values, in order of first writing.
-    named_elements: Vec<u32>,
-    defined: Vec<Symbol>,
-    passed_scalars: SymbolSet,
+    pub(super) named_elements: Vec<u32>,
+    pub(super) defined: Vec<Symbol>,
+    pub(super) passed_scalars: SymbolSet,
     /// Scalars read without a definition, with the statement.
     pub(super) missing: Vec<(Symbol, usize)>,
-    missing_known: SymbolSet,
+    pub(super) missing_known: SymbolSet,
     pub(super) errors: Vec<Diagnostic>,
     pub(super) warnings: Vec<Diagnostic>,
-    statement: usize,
+    pub(super) statement: usize,
 }
 
 /// The inputs in the order in which the field lists them.
@@ -92,6 +106,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
             counters,
             crossing,
             function,
+            later: Later::default(),
             names: Names::new(known),
             inputs: vec![None; arrays],
             outputs: vec![None; arrays],
@@ -187,7 +202,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         }
     }
 
-    fn sources(&mut self, span: Span) -> SourceSet {
+    pub(super) fn sources(&mut self, span: Span) -> SourceSet {
         let place = self.shared.places.place(span);
         self.shared.tables.sources.single(place)
     }
@@ -199,23 +214,45 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
             return;
         }
         let sources = self.sources(span);
-        let base = self.function.nodes().len() as u32;
         let syntax = self.shared.syntax;
+        let fresh = matches!(root.kind(), LeafKind::Node(_));
+        let output = match target.kind() {
+            LeafKind::Element(element) if fresh => {
+                self.plain_output(syntax.elements[element as usize].row)
+            }
+            _ => None,
+        };
+        let base = match output {
+            Some(_) => LATER,
+            None => self.function.nodes().len() as u32,
+        };
+        let start = self.later.nodes.len();
         for node in &syntax.nodes[run.start as usize..run.end as usize] {
             let left = self.operand(node.operands[0], base, run.start);
             let right = match node.operation.arity() {
                 2 => self.operand(node.operands[1], base, run.start),
                 _ => Operand::NONE,
             };
-            self.function.push(Node {
+            let node = Node {
                 name: Name::NONE,
                 sources,
                 operands: [left, right],
                 operation: node.operation,
-            });
+            };
+            match output {
+                Some(_) => self.later.nodes.push(node),
+                None => {
+                    self.function.push(node);
+                }
+            }
+        }
+        if let Some(output) = output {
+            self.later
+                .trees
+                .push((output, start..self.later.nodes.len()));
+            return;
         }
         let operand = self.operand(root, base, run.start);
-        let fresh = matches!(root.kind(), LeafKind::Node(_));
         match target.kind() {
             LeafKind::Scalar(name) => self.define(name, operand, fresh, sources),
             LeafKind::Element(element) => {
@@ -282,11 +319,25 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         Operand::from(self.function.constant(0.0))
     }
 
-    fn scalar_input(&mut self, symbol: Symbol) -> Operand {
+    pub(super) fn scalar_input(&mut self, symbol: Symbol) -> Operand {
+        let known = self.function.inputs();
+        if known.iter().any(|array| array.name == symbol) {
+            self.both_scalar_and_array(symbol);
+        }
         let array = self.function.add_input(symbol, Shape::Scalar);
         let operand = Operand::from(Input(array.offset));
         self.set_definition(symbol, operand);
         operand
+    }
+
+    pub(super) fn both_scalar_and_array(&mut self, symbol: Symbol) {
+        let text = self.shared.tables.symbols.text(symbol).to_owned();
+        self.errors.push(refusal(
+            &format!("`{text}` is used as a number and as an array"),
+            self.shared.syntax.statements[self.statement].span,
+            "as a number here",
+            "write the index, or give one of the two another name",
+        ));
     }
 
     fn set_definition(&mut self, symbol: Symbol, operand: Operand) {
@@ -333,7 +384,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         }))
     }
 
-    fn defined_twice(&mut self, symbol: Symbol) {
+    pub(super) fn defined_twice(&mut self, symbol: Symbol) {
         let text = self.shared.tables.symbols.text(symbol).to_owned();
         let again = self.shared.syntax.statements[self.statement].span;
         let first = self.first_definition(symbol).unwrap_or(again);
@@ -358,21 +409,24 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         found.map(|statement| statement.span)
     }
 
-    fn write(&mut self, slot: u32, operand: Operand, fresh: bool, sources: SourceSet) {
-        let flags = self.scan.flags[slot as usize];
-        let (array, indices, rank) = self.storage.element(slot);
-        let number = self.storage.find(array.name).unwrap_or(0) as usize;
-        let output = self.outputs[number];
-        if flags & (REWRITTEN | READ_BACK) == 0
-            && let Some(output) = output
-        {
+    /// The output element of a slot that is written once and never read back.
+    fn plain_output(&self, slot: u32) -> Option<Output> {
+        let (array, _, _) = self.storage.element(slot);
+        let output = self.outputs[self.storage.find(array.name)? as usize]?;
+        let plain = self.scan.flags[slot as usize] & (REWRITTEN | READ_BACK) == 0;
+        plain.then_some(Output(output.offset + (slot - array.offset)))
+    }
+
+    pub(super) fn write(&mut self, slot: u32, operand: Operand, fresh: bool, sources: SourceSet) {
+        if let Some(output) = self.plain_output(slot) {
             self.function.assignments.push(Assignment {
-                output: Output(output.offset + (slot - array.offset)),
+                output,
                 operand,
                 sources,
             });
             return;
         }
+        let (array, indices, rank) = self.storage.element(slot);
         let symbols = &mut self.shared.tables.symbols;
         let name = self
             .names
@@ -384,130 +438,31 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         self.elements[slot as usize] = value;
     }
 
-    fn call(&mut self, call: u32, span: Span) {
-        let syntax = self.shared.syntax;
-        let call = syntax.calls[call as usize];
-        let callee = self
-            .shared
-            .tables
-            .symbols
-            .text(call.callee.symbol())
-            .to_owned();
-        if !callee.starts_with("user_") && !callee.starts_with("usrfun.") {
-            self.unknown_call(&callee, call.target.is_some(), span);
-            if let Some(LeafKind::Scalar(name)) = call.target.map(Leaf::kind) {
-                // One message about it is enough.
-                self.missing_known.insert(name.symbol());
+    /// Appends the expressions that stand behind all definitions, in order of
+    /// the outputs they give.
+    fn append_trees(&mut self) {
+        let Later { nodes, mut trees } = std::mem::take(&mut self.later);
+        trees.sort_by_key(|&(output, _)| output);
+        for (output, run) in trees {
+            let base = self.function.nodes().len() as u32;
+            let moved = |operand: Operand| match operand.value() {
+                Some(Value(index)) if index >= LATER => Operand::from(Value(base + index - LATER)),
+                Some(_) | None => operand,
+            };
+            let mut root = None;
+            for node in &nodes[run] {
+                root = Some(self.function.push(Node {
+                    operands: node.operands.map(moved),
+                    ..*node
+                }));
             }
-            return;
-        }
-        let sources = self.sources(span);
-        let (first, last) = call.arguments;
-        let mut arguments = Vec::new();
-        for argument in &syntax.arguments[first as usize..last as usize] {
-            let text = &self.shared.text[argument.span.range()];
-            arguments.push(text.split_whitespace().collect::<Vec<_>>().join(" "));
-            if argument.leaf != Leaf::NONE {
-                self.argument(argument.leaf, argument.span);
+            if let Some(root) = root {
+                self.function.assignments.push(Assignment {
+                    output,
+                    operand: Operand::from(root),
+                    sources: self.function.node(root).sources,
+                });
             }
-        }
-        let result = call.target.map(|target| self.result(target, sources));
-        self.function.boundaries.push(Boundary {
-            callee,
-            arguments,
-            result,
-            sources,
-        });
-    }
-
-    fn argument(&mut self, leaf: Leaf, span: Span) {
-        match leaf.kind() {
-            LeafKind::Scalar(name) => {
-                let value = self.shared.definitions[name.symbol().index()];
-                if self.storage.find(name).is_none()
-                    && let Some(node) = value.value()
-                    && self.passed_scalars.insert(name.symbol())
-                {
-                    let sources = self.function.node(node).sources;
-                    self.scalar_output(name.symbol(), value, sources);
-                }
-            }
-            LeafKind::Node(_) => self.errors.push(refusal(
-                "a user function is called with an expression",
-                span,
-                "has no name under which it could be handed over",
-                "assign it to a name first and pass that",
-            )),
-            LeafKind::Element(_) | LeafKind::Number(_) => {}
-        }
-    }
-
-    fn scalar_output(&mut self, symbol: Symbol, operand: Operand, sources: SourceSet) {
-        let array = self.function.add_output(symbol, Shape::Scalar);
-        self.function.assignments.push(Assignment {
-            output: Output(array.offset),
-            operand,
-            sources,
-        });
-    }
-
-    /// The input that holds the result of a call.
-    fn result(&mut self, target: Leaf, sources: SourceSet) -> String {
-        match target.kind() {
-            LeafKind::Element(element) => {
-                let slot = self.shared.syntax.elements[element as usize].row;
-                let (array, indices, rank) = self.storage.element(slot);
-                let symbols = &mut self.shared.tables.symbols;
-                let name = self
-                    .names
-                    .element(symbols, array.name.symbol(), &indices[..rank]);
-                let operand = self.scalar_input(name.base);
-                self.write(slot, operand, false, sources);
-                self.shared.tables.symbols.text(name.base).to_owned()
-            }
-            LeafKind::Scalar(name) => {
-                let symbol = name.symbol();
-                if self.storage.find(name).is_none() {
-                    if self.names.is_defined(symbol) && self.crossing.is_none() {
-                        self.defined_twice(symbol);
-                    } else {
-                        let _ = self.names.scalar(symbol);
-                        self.scalar_input(symbol);
-                    }
-                }
-                self.shared.tables.symbols.text(symbol).to_owned()
-            }
-            LeafKind::Node(_) | LeafKind::Number(_) => String::new(),
-        }
-    }
-
-    fn unknown_call(&mut self, callee: &str, has_target: bool, span: Span) {
-        let message = matches!(
-            callee,
-            "mbs_msg"
-                | "mbs_warning_msg"
-                | "mbs_error_msg"
-                | "printf"
-                | "fprintf"
-                | "print"
-                | "disp"
-                | "warning"
-                | "error"
-        );
-        if has_target {
-            self.errors.push(refusal(
-                &format!("`{callee}` is not a function that can be compiled"),
-                span,
-                "called here",
-                "known are sin, cos and sqrt, and user functions whose names start with `user_` or `usrfun.`",
-            ));
-        } else if !message {
-            self.warnings.push(
-                Diagnostic::warning()
-                    .with_message(format!("the call of `{callee}` is left out"))
-                    .with_labels(vec![Label::primary(0, span.range())])
-                    .with_note("it has no result that an equation could read"),
-            );
         }
     }
 
@@ -540,6 +495,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
                 }
             }
         }
+        self.append_trees();
         self.function.sort_assignments();
         for symbol in self.defined {
             self.shared.definitions[symbol.index()] = Operand::NONE;

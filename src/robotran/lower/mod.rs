@@ -1,5 +1,6 @@
 //! From statements to functions of the representation.
 
+mod calls;
 mod check;
 mod emit;
 mod names;

@@ -1,0 +1,156 @@
+//! The reader must read or refuse any text: never panic, never hang, and what
+//! it reads must be a sound module.
+
+use arbitrary::{Result, Unstructured};
+use robovec::robotran::{Language, read};
+use robovec_ir::View;
+use robovec_ir::parse::parse_module;
+use robovec_ir::print::print_module;
+use robovec_ir::verify::verify;
+
+/// Pieces that bytes alone would take long to find.
+const PIECES: [&str; 72] = [
+    "void mbs_dirdyna(double **M, double *c, MbsData *s, double tsim)\n{\n",
+    "void mbs_sensor(MbsSensor *sens, MbsData *s, int isens)\n{\n",
+    "int mbs_accelred(MbsData *s, double tsim)\n{\n",
+    "function [M,c] = dirdyna(s,tsim,usrfun)\n",
+    "function [sens] = sensor(s,tsim,usrfun,isens)\n",
+    "def link(frc, trq, Flink, Z, Zd, s, tsim):\n",
+    "def sensor(sens, s, isens):\n",
+    "#define q s->q\n",
+    "#ifdef A\n",
+    "#else\n",
+    "#endif\n",
+    "switch(isens)\n{\n",
+    "switch isens\n",
+    "case 1:\n",
+    "case 2,\n",
+    "default:\n",
+    "otherwise\n",
+    "break;\n",
+    "end\n",
+    "    if (isens == 1):\n",
+    "    elif(isens==2):\n",
+    "    else:\n",
+    "if (A1 > A2)\n",
+    "while (A1 > A2) {\n",
+    "return 0;\n",
+    "return\n",
+    "double P1[4];\n",
+    "double A1 = 2.0;\n",
+    "int A1 = 0;\n",
+    "P1 = zeros(4)\n",
+    "M = zeros(3,3);\n",
+    "q = s->q;\n",
+    "frc = s.frc;\n",
+    "Qq = phi\n",
+    "SWr1 = user_ExtForces(P1,s,tsim,1);\n",
+    "SWr1 = usrfun.fext(P1,A1,s,tsim,1);\n",
+    "Flink1 = s.user_LinkForces(A1,A2,s,tsim,1)\n",
+    "A3 = user_LinkForces(A1,A1,s,tsim,1);\n",
+    "M[1][2] = M[2][1] = ",
+    "s->frc[1][2] = ",
+    "s.frc(1,2) = ",
+    "frc[1,2] = ",
+    "P1[1] = ",
+    "P1(1) = ",
+    "sens->P[1] = ",
+    "qdd[1] = ",
+    "q[2] = q[2]-A1;\n",
+    "    ",
+    "A1 = ",
+    "A2 = ",
+    "A3 = ",
+    "A1",
+    "A2",
+    "A3",
+    "q[1]",
+    "q(1)",
+    "s->dpt[3][1]",
+    "s.dpt(3,1)",
+    "s.dpt[3,1]",
+    "SWr1[9]",
+    "sin(",
+    "sqrt(",
+    "(1.0)",
+    "0",
+    "+",
+    "-",
+    "*",
+    "/",
+    "(",
+    ")",
+    ";\n",
+    "\n",
+];
+
+/// Reads the bytes as they are, and as a choice of pieces, in the language the
+/// first byte names.
+///
+/// # Panics
+///
+/// When the reader gives a module that the verifier refuses or whose text
+/// does not read back; the reader itself must not.
+pub fn read_robotran(data: &[u8]) {
+    let Some((&first, rest)) = data.split_first() else {
+        return;
+    };
+    let language = Language::ALL.get(usize::from(first & 3)).copied();
+    read_bytes(rest, language);
+    // Too few bytes for a choice are no finding.
+    if let Ok(text) = text_of_pieces(&mut Unstructured::new(rest)) {
+        read_bytes(text.as_bytes(), language);
+    }
+}
+
+/// A text of pieces and, now and then, any character.
+fn text_of_pieces(bytes: &mut Unstructured<'_>) -> Result<String> {
+    let mut text = String::new();
+    while !bytes.is_empty() {
+        let choice = usize::from(bytes.arbitrary::<u8>()?);
+        match PIECES.get(choice % (PIECES.len() + 1)) {
+            Some(piece) => text.push_str(piece),
+            None => text.push(bytes.arbitrary()?),
+        }
+    }
+    Ok(text)
+}
+
+fn read_bytes(bytes: &[u8], language: Option<Language>) {
+    let module = match read("fuzz", bytes, language) {
+        Ok(read) => read.module,
+        Err(error) => {
+            assert!(error.report.has_errors());
+            assert!(!error.report.render_plain().is_empty());
+            return;
+        }
+    };
+    for function in &module.functions {
+        let view = View {
+            tables: &module.tables,
+            function,
+        };
+        let violations = verify(view);
+        assert!(violations.is_empty(), "{violations:?}");
+    }
+    let text = print_module(&module);
+    let again = parse_module("fuzz", &text).expect("printed text can be parsed");
+    assert_eq!(print_module(&again), text);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arbtest::arbtest;
+
+    #[test]
+    fn anything_is_read_or_refused() {
+        arbtest(|bytes| {
+            read_robotran(bytes.bytes(bytes.len())?);
+            Ok(())
+        })
+        .size_max(3_000)
+        .budget_ms(4_000)
+        .run();
+    }
+}
