@@ -4,8 +4,10 @@
 pub mod generate;
 pub mod images;
 pub mod mutants;
+pub mod robotran;
 pub mod text;
 
 pub use images::simulate_garbage;
 pub use mutants::check_catches_mutants;
+pub use robotran::read_robotran;
 pub use text::{parse_text, round_trip};

@@ -253,12 +253,15 @@ fn build(
     let header = Header::read(text);
     let mut errors = Vec::new();
     if blocks.is_empty() {
+        let note = if name.ends_with(".h") {
+            "a header only declares the temporaries; give the .c file beside it".to_owned()
+        } else {
+            format!("it was read as {language}; is it one of Robotran's files?")
+        };
         errors.push(
             Diagnostic::error()
                 .with_message("there is no function and no equation in the file")
-                .with_note(format!(
-                    "it was read as {language}; is it one of Robotran's files?"
-                )),
+                .with_note(note),
         );
     }
     let has_equations = !syntax.nodes.is_empty();

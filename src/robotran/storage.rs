@@ -6,7 +6,7 @@
 
 use super::Language;
 use super::explain::refusal;
-use super::syntax::{Head, Kind, LeafKind, Syntax};
+use super::syntax::{Head, Kind, Leaf, LeafKind, Syntax};
 use super::token::{Name, Span};
 use hashbrown::HashMap;
 use robovec_ir::diagnostic::Diagnostic;
@@ -249,18 +249,19 @@ impl StorageBuilder<'_> {
     }
 
     /// The result of an external force has nine numbers.
-    fn add_results(&mut self, storage: &mut Storage, uses: &mut [Use]) {
+    fn add_results(&mut self, storage: &mut Storage, uses: &mut Vec<Use>) {
         for statement in self.statements.clone() {
             if let Kind::Call(call) = self.syntax.statements[statement].kind
                 && let call = self.syntax.calls[call as usize]
-                && let Some(LeafKind::Scalar(target)) = call.target.map(super::syntax::Leaf::kind)
-                && let Some(number) = storage.find(target)
+                && let Some(LeafKind::Scalar(target)) = call.target.map(Leaf::kind)
                 && matches!(
                     self.symbols.text(call.callee.symbol()),
                     "user_ExtForces" | "user_call_ExtForces" | "usrfun.fext"
                 )
             {
+                let number = storage.number(target, uses);
                 let used = &mut uses[number as usize];
+                used.rank = used.rank.max(1);
                 used.rows = used.rows.max(9);
             }
         }
