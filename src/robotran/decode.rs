@@ -32,10 +32,10 @@ fn reject_binary(text: Cow<'_, str>) -> Result<Cow<'_, str>, Diagnostic> {
     // headers.
     let binary = |&byte: &u8| byte < b' ' && !matches!(byte, b'\n' | b'\r' | b'\t' | 0xb | 0xc);
     let bytes = text.as_bytes();
-    if !bytes.iter().any(|byte| binary(byte)) {
+    if !bytes.iter().any(binary) {
         return Ok(text);
     }
-    let at = bytes.iter().position(|byte| binary(byte)).unwrap_or(0);
+    let at = bytes.iter().position(binary).unwrap_or(0);
     let line = text[..at].matches('\n').count() + 1;
     Err(Diagnostic::error()
         .with_message("the file is not text")
