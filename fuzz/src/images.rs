@@ -2,6 +2,7 @@
 
 use arbitrary::{Result, Unstructured};
 use robovec::simulate::Program;
+use robovec::simulate::mif::Image;
 use robovec_ir::{
     Assignment, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation, Output,
     Shape, SourceSet, View,
@@ -20,6 +21,8 @@ const INPUTS: u32 = 3;
 /// When placement refuses the function or the undamaged images do not run;
 /// the simulator itself must not.
 pub fn simulate_garbage(data: &[u8]) {
+    // The bytes as they are, too: an image of nobody's making.
+    let _ = Image::parse(&String::from_utf8_lossy(data));
     // Too few bytes for a function and its damage are no finding.
     let _ = damage_and_run(&mut Unstructured::new(data));
 }
