@@ -6,7 +6,7 @@ use super::view;
 use robovec::simulate::mif::Image;
 use robovec_ir::machine::BufferDescription;
 use robovec_ir::placement::{Bank, Placement, Preload, Schedule, Write};
-use robovec_ir::{Function, Input, Level, Machine, Operand, Operation, Value};
+use robovec_ir::{Function, Input, Level, Machine, Operand, Operation, Shape, Value};
 use robovec_passes::codegen::manifest::Manifest;
 use robovec_passes::codegen::{ImageError, images};
 
@@ -196,6 +196,15 @@ fn initial_data_that_is_none() {
         placement(function).preloads.push(Preload { word, operand });
     });
     assert!(matches!(error, ImageError::Number(_)));
+}
+
+#[test]
+fn inputs_without_number() {
+    let error = refused(|function, _| {
+        let name = function.inputs()[0].name;
+        function.add_input(name, Shape::Matrix(1 << 15, 1 << 14));
+    });
+    assert!(matches!(error, ImageError::TooManyInputs { .. }));
 }
 
 #[test]

@@ -12,6 +12,9 @@ use robovec_ir::placement::{Preload, Word};
 use robovec_ir::print::{print_operand, print_output};
 use robovec_ir::{Constant, Input, Operand, OperandKind, Value};
 
+/// Input elements a manifest can list.
+const MOST_INPUTS: usize = 1 << 22;
+
 /// The values known before the run and the words they are loaded into.
 pub(super) struct Binding<'a> {
     traffic: &'a Traffic<'a>,
@@ -27,6 +30,12 @@ impl<'a> Binding<'a> {
     /// Collects the initial data.
     pub(super) fn new(traffic: &'a Traffic<'a>) -> Result<Binding<'a>, ImageError> {
         let function = traffic.view.function;
+        if function.input_len() > MOST_INPUTS {
+            return Err(ImageError::TooManyInputs {
+                count: function.input_len(),
+                most: MOST_INPUTS,
+            });
+        }
         let mut by_operand = traffic.placement.preloads.clone();
         by_operand.sort_by_key(|load| (load.operand, load.word));
         let host: Vec<Value> = function

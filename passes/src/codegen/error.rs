@@ -127,6 +127,14 @@ pub enum ImageError {
     /// written in yet.
     #[error("{0}")]
     Number(String),
+    /// More inputs than a manifest, which names each of them, can list.
+    #[error("the function has {count} input elements; a manifest lists at most {most}")]
+    TooManyInputs {
+        /// Of the function.
+        count: usize,
+        /// In a manifest.
+        most: usize,
+    },
     /// As many inputs as the function has elements are needed.
     #[error("the data images need {expected} input values, {given} are given")]
     InputCount {

@@ -1,6 +1,6 @@
 //! Names that C accepts, each for one thing only.
 
-use hashbrown::HashSet;
+use hashbrown::{HashMap, HashSet};
 use rustc_hash::FxBuildHasher;
 
 /// Words that C reserves, and functions that generated code calls or the
@@ -16,12 +16,15 @@ const RESERVED: [&str; 45] = [
 /// The names in use.
 pub(super) struct Names {
     taken: HashSet<String, FxBuildHasher>,
+    /// For names asked for again the number that was tried last.
+    numbers: HashMap<String, u32, FxBuildHasher>,
 }
 
 impl Names {
     pub(super) fn new() -> Names {
         Names {
             taken: RESERVED.iter().map(|&word| word.to_owned()).collect(),
+            numbers: HashMap::default(),
         }
     }
 
@@ -37,8 +40,16 @@ impl Names {
         if !name.starts_with(|first: char| first.is_ascii_alphabetic()) {
             name.insert(0, 'v');
         }
-        while self.taken.contains(&name) {
-            name.push('_');
+        if self.taken.contains(&name) {
+            let number = self.numbers.entry(name.clone()).or_default();
+            loop {
+                *number += 1;
+                let numbered = format!("{name}_{number}");
+                if !self.taken.contains(&numbered) {
+                    name = numbered;
+                    break;
+                }
+            }
         }
         self.taken.insert(name.clone());
         name
@@ -55,7 +66,9 @@ mod tests {
         let taken = ["OM16.1", "OM16_1", "OM16_1", "int", "1a", "été", ""].map(|n| names.take(n));
         assert_eq!(
             taken,
-            ["OM16_1", "OM16_1_", "OM16_1__", "int_", "v1a", "v_t_", "v"]
+            [
+                "OM16_1", "OM16_1_1", "OM16_1_2", "int_1", "v1a", "v_t_", "v"
+            ]
         );
     }
 }

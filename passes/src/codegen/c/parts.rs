@@ -155,29 +155,29 @@ impl Plan {
 
     /// For each input and then each output array whether a part touches it.
     pub(super) fn used_arrays(&self, function: &Function, part: &Part) -> Vec<bool> {
-        let place = |arrays: &[Array], array: &Array| {
-            arrays.iter().position(|known| known.name == array.name)
-        };
         let inputs = function.inputs().len();
         let mut used = vec![false; inputs + function.outputs().len()];
         for &statement in &part.statements {
             if let Statement::Assign(index) = statement {
                 let output = function.assignments[index as usize].output;
                 let (array, _, _) = function.output_element(output);
-                if let Some(place) = place(function.outputs(), array) {
-                    used[inputs + place] = true;
-                }
+                used[inputs + place(function.outputs(), array)] = true;
             }
             self.leaves(function, statement, |operand| {
-                let input = operand.input();
-                let array = input.map(|input| function.input_element(input).0);
-                if let Some(place) = array.and_then(|array| place(function.inputs(), array)) {
-                    used[place] = true;
+                if let Some(input) = operand.input() {
+                    let (array, _, _) = function.input_element(input);
+                    used[place(function.inputs(), array)] = true;
                 }
             });
         }
         used
     }
+}
+
+/// Which of the arrays one with elements is: the last that starts where it
+/// does, since those before it at the same offset are empty.
+pub(super) fn place(arrays: &[Array], array: &Array) -> usize {
+    arrays.partition_point(|known| known.offset <= array.offset) - 1
 }
 
 /// The nodes that an output needs.

@@ -2,7 +2,7 @@
 
 use super::Real;
 use super::names::Names;
-use super::parts::{Part, Plan, Statement};
+use super::parts::{Part, Plan, Statement, place};
 use robovec_ir::{Array, Function, Operand, OperandKind, Operation, Shape, Value, View};
 use std::fmt::Write;
 
@@ -275,12 +275,6 @@ const SUM: u8 = 1;
 const PRODUCT: u8 = 2;
 const UNARY: u8 = 3;
 const PRIMARY: u8 = 4;
-
-/// Which of the arrays one is.
-fn place(arrays: &[Array], array: &Array) -> usize {
-    let found = arrays.iter().position(|known| known.name == array.name);
-    found.expect("an element belongs to one of the arrays")
-}
 
 fn element(name: &str, indices: &[u32]) -> String {
     let mut text = name.to_owned();
