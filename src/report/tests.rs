@@ -183,3 +183,48 @@ fn occupation_sums_to_the_operations() {
 fn the_text_form_is_aligned() {
     insta::assert_snapshot!(report().to_text());
 }
+
+/// All names in a JSON value, those of objects keyed by kind left out.
+fn names(value: &serde_json::Value, found: &mut std::collections::BTreeSet<String>) {
+    match value {
+        serde_json::Value::Object(object) => {
+            for (name, value) in object {
+                found.insert(name.clone());
+                names(value, found);
+            }
+        }
+        serde_json::Value::Array(list) => list.iter().for_each(|value| names(value, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_name_of_the_json_form_is_documented() {
+    let json = serde_json::from_str(&report().to_json()).expect("it is JSON");
+    let mut found = std::collections::BTreeSet::new();
+    names(&json, &mut found);
+    let manual = include_str!("../../docs/report.md");
+    for name in found {
+        // The kinds of elements are the user's own names.
+        if name != "add" && name != "multi" {
+            assert!(
+                manual.contains(&format!("`{name}`")),
+                "{name} is not documented"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_not_finite_is_null() {
+    let mut report = report();
+    report.functions[0].error.binary32.summary.worst_ulps = f64::INFINITY;
+    report.functions[0].error.binary64.summary.median_relative = f64::NAN;
+    let json: serde_json::Value = serde_json::from_str(&report.to_json()).expect("it is JSON");
+    let error = &json["functions"][0]["error"];
+    assert_eq!(error["binary32"]["worst_ulps"], serde_json::Value::Null);
+    assert_eq!(
+        error["binary64"]["median_relative"],
+        serde_json::Value::Null
+    );
+}
