@@ -5,6 +5,7 @@ pub mod generate;
 pub mod images;
 pub mod mutants;
 pub mod robotran;
+pub mod pipelines;
 pub mod text;
 
 pub use images::simulate_garbage;

@@ -49,6 +49,7 @@ fn execute(module: &mut Module, text: &str, machine: &str) {
         pipeline
     );
     let machine = Machine::built_in(machine).expect("it ships");
+    let before = print::print_module(module);
     let mut log = Vec::new();
     let result = manager::run(
         module,
@@ -70,11 +71,14 @@ fn execute(module: &mut Module, text: &str, machine: &str) {
         Ok(_) => {}
         // A machine without a divider refuses a division: that is an answer.
         Err(manager::RunError::Pass { .. }) => return,
-        Err(error) => panic!("{text}: {error}"),
+        Err(error) => panic!("{text}: {error}\non {before}"),
     }
     let printed = print::print_module(module);
     let again = parse::parse_module("printed", &printed).expect("printed text reads back");
-    assert!(again == *module, "{text}: the printed text says something else");
+    assert!(
+        again == *module,
+        "{text}: the printed text says something else"
+    );
 }
 
 #[cfg(test)]

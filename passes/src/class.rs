@@ -8,7 +8,8 @@ use std::fmt;
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum NumericClass {
     /// Every output is bit-identical under IEEE arithmetic, save the sign of
-    /// a zero (a minus becomes `0 - x`).
+    /// a zero (a minus becomes `0 - x`) and outputs on whose way
+    /// something is infinite or NaN (`0*x` becomes 0).
     Exact,
     /// Equal over the real numbers (reassociation, distribution), with `sin`
     /// and `cos` as unknown functions.

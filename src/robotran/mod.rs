@@ -139,7 +139,11 @@ pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read
     let fail = |text: &str, errors: Vec<Diagnostic>| ReadError {
         report: Report::of(name, text, errors),
     };
-    let text = decode::decode(bytes).map_err(|error| fail("", vec![error]))?;
+    let text = decode::decode(bytes).map_err(|mut error| {
+        // There is no text to point into, so the message names the file.
+        error.message = format!("{name}: {}", error.message);
+        fail("", vec![error])
+    })?;
     let Some(language) = language.or_else(|| decode::detect(name, &text)) else {
         let error = Diagnostic::error()
             .with_message("the language of the file is not apparent")

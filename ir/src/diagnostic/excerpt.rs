@@ -124,7 +124,11 @@ impl Excerpt {
             let on_line = |style: LabelStyle| {
                 labels
                     .iter()
-                    .filter(|label| label.style == style && line.contains(&label.range.start))
+                    .filter(|label| {
+                        // The end of the line counts: something may be missing there.
+                        let at = label.range.start;
+                        label.style == style && line.start <= at && at <= line.end
+                    })
                     .map(|label| label.range.start)
                     .min()
             };

@@ -10,7 +10,7 @@ use std::array;
 /// How the comparison ended.
 pub(super) enum Comparison {
     /// Equal at every point; these pairs (indices into [`Pairs::list`]) were
-    /// undefined everywhere, on both sides.
+    /// undefined everywhere before the pass.
     Equal { undefined: Vec<usize> },
     /// An output differs.
     Different {
@@ -88,15 +88,15 @@ impl Tally {
     }
 }
 
-/// An output that could never be compared is undefined on both sides, or
-/// different when it is defined on one.
+/// An output that could never be compared was undefined to begin with (then
+/// anything may follow), or has become so, which is a difference.
 fn judge_undefined(pairs: &Pairs<'_>, tallies: &[Tally], circle: bool, seed: u64) -> Comparison {
     let mut undefined = Vec::new();
     for (index, (pair, tally)) in pairs.list.iter().zip(tallies).enumerate() {
         if tally.both > 0 {
             continue;
         }
-        if tally.before == 0 && tally.after == 0 {
+        if tally.before == 0 {
             undefined.push(index);
             continue;
         }

@@ -14,7 +14,7 @@
 //!   in double-double instead, with a tolerance;
 //! - *exact*: all outputs are also bit-equal in binary64 and binary32 at
 //!   random states, save that zeros of either sign are equal (a minus becomes
-//!   `0 - x`) and so are all NaNs;
+//!   `0 - x`) and that outputs on whose way something was infinite or NaN may become anything;
 //! - *approximating*: nothing is demanded, but the distance between the
 //!   versions is measured in double-double.
 //!

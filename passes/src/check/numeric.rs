@@ -3,10 +3,11 @@
 use super::pairing::Pairs;
 use super::{Deviation, FailureKind};
 use crate::analysis::accuracy::evaluate_at;
-use robovec_ir::Output;
-use robovec_ir::arithmetic::{Binary32, Binary64};
+use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_ir::double_double::DoubleDouble;
+use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::states::States;
+use robovec_ir::{Output, View};
 
 /// The first output that is not bit-equal in binary64 or binary32.
 pub(super) fn first_bit_difference(
@@ -17,29 +18,67 @@ pub(super) fn first_bit_difference(
     let source = States::new(seed);
     (0..states).find_map(|state| {
         let inputs = source.draw(pairs.before, state);
-        let wide = [pairs.before, pairs.after].map(|view| evaluate_at(view, &Binary64, &inputs));
-        let narrow = [pairs.before, pairs.after].map(|view| {
-            let outputs = evaluate_at(view, &Binary32, &inputs);
-            outputs.into_iter().map(f64::from).collect::<Vec<f64>>()
-        });
-        [("binary64", wide), ("binary32", narrow)]
-            .into_iter()
-            .find_map(|(format, [before, after])| {
-                pairs.list.iter().find_map(|pair| {
-                    let (before, after) = (before[pair.before], after[pair.after]);
-                    // Comparing numbers makes zeros of either sign equal, and
-                    // a conversion from binary32 loses no bit of a number.
-                    let equal = before == after || before.is_nan() && after.is_nan();
-                    let kind = FailureKind::Bits {
-                        format,
-                        state,
-                        before,
-                        after,
-                    };
-                    (!equal).then_some((pair.output, kind))
-                })
-            })
+        compare_bits(pairs, &Binary64, &inputs, ("binary64", state))
+            .or_else(|| compare_bits(pairs, &Binary32, &inputs, ("binary32", state)))
     })
+}
+
+fn compare_bits<A>(
+    pairs: &Pairs<'_>,
+    arithmetic: &A,
+    inputs: &[f64],
+    (format, state): (&'static str, u32),
+) -> Option<(Output, FailureKind)>
+where
+    A: Arithmetic<Number: Into<f64>>,
+{
+    let before = finite_outputs(pairs.before, arithmetic, inputs);
+    let after = evaluate_at(pairs.after, arithmetic, inputs);
+    pairs.list.iter().find_map(|pair| {
+        // The promise is about numbers: where the function as it was
+        // overflows or divides by zero on the way, anything may follow.
+        let before: f64 = before[pair.before]?;
+        let after: f64 = after[pair.after].into();
+        let kind = FailureKind::Bits {
+            format,
+            state,
+            before,
+            after,
+        };
+        // Comparing numbers makes zeros of either sign equal, and a
+        // conversion from binary32 loses no bit of a number.
+        (before != after).then_some((pair.output, kind))
+    })
+}
+
+/// The outputs of a function; `None` where a value that is not finite was met
+/// on the way.
+fn finite_outputs<A>(view: View<'_>, arithmetic: &A, inputs: &[f64]) -> Vec<Option<f64>>
+where
+    A: Arithmetic<Number: Into<f64>>,
+{
+    let function = view.function;
+    let literals: Vec<A::Number> = inputs
+        .iter()
+        .map(|&number| arithmetic.literal(number))
+        .collect();
+    let values = evaluate_nodes(function, arithmetic, &literals);
+    let mut finite: Vec<bool> = Vec::with_capacity(values.len());
+    for (node, &value) in function.nodes().iter().zip(&values) {
+        let mut operands = node.operands().iter().filter_map(|operand| operand.value());
+        let known = operands.all(|operand| finite[operand.index()]);
+        let value: f64 = value.into();
+        finite.push(known && value.is_finite());
+    }
+    evaluate_at(view, arithmetic, inputs)
+        .into_iter()
+        .zip(&function.assignments)
+        .map(|(number, assignment)| {
+            let reached = assignment.operand.value();
+            let finite = reached.is_none_or(|value| finite[value.index()]);
+            finite.then_some(number.into())
+        })
+        .collect()
 }
 
 /// The first of the given outputs that is a number in double-double before

@@ -1,0 +1,410 @@
+//! The programs as a user meets them: exit codes, messages, outputs that are
+//! whole or absent, the same bytes every time.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("examples")
+        .join(name)
+}
+
+fn opt() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_robovec-opt"))
+}
+
+fn run(command: &mut Command) -> Output {
+    command.output().expect("the program starts")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+const SUSPENSION: &str = "suspension/mbs_dirdyna_suspension.m";
+const PIPELINE: &str = "-passes=atomise,zero-removal,balance,cse,dce,place";
+
+/// Runs on an input that is wrong: the exit code is 1, the message holds the
+/// words, and nothing is written.
+fn refused(input: &[u8], name: &str, arguments: &[&str], words: &[&str]) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join(name);
+    fs::write(&path, input).expect("room for the input");
+    let result = folder.path().join("result.rvir");
+    let output = run(opt().arg(&path).args(arguments).arg("-o").arg(&result));
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{name}: {message}");
+    for word in words {
+        assert!(message.contains(word), "{name}: no '{word}' in\n{message}");
+    }
+    assert!(!message.contains("panicked"), "{message}");
+    assert!(
+        message.len() < 100_000,
+        "{name}: a message of {} bytes",
+        message.len()
+    );
+    assert!(output.stdout.is_empty());
+    let left: Vec<_> = fs::read_dir(folder.path()).expect("the folder").collect();
+    assert_eq!(left.len(), 1, "{name}: something half-written was left");
+}
+
+#[test]
+fn the_main_job_prints_a_placed_program_and_a_report() {
+    let output = run(opt()
+        .arg(example(SUSPENSION))
+        .args([PIPELINE, "--report", "-"]));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let program = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(program.contains(" placed {"), "{program}");
+    assert!(stderr(&output).contains("cycles"));
+    let module = robovec_ir::parse::parse_module("stdout", &program).expect("it reads back");
+    assert_eq!(robovec_ir::print::print_module(&module), program);
+}
+
+#[test]
+fn results_do_not_depend_on_where_and_when() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut results = Vec::new();
+    for directory in [Path::new(env!("CARGO_MANIFEST_DIR")), folder.path()] {
+        for _ in 0..2 {
+            let images = folder.path().join(format!("images{}", results.len()));
+            let mut command = opt();
+            command.current_dir(directory).arg(example(SUSPENSION));
+            command
+                .arg(format!("{PIPELINE},codegen"))
+                .arg("-o")
+                .arg(&images);
+            let output = run(&mut command);
+            assert!(output.status.success(), "{}", stderr(&output));
+            let mut files: Vec<(String, Vec<u8>)> = fs::read_dir(&images)
+                .expect("the images")
+                .map(|entry| {
+                    let entry = entry.expect("a readable folder");
+                    let content = fs::read(entry.path()).expect("an image");
+                    (entry.file_name().to_string_lossy().into_owned(), content)
+                })
+                .collect();
+            files.sort();
+            results.push(files);
+        }
+    }
+    assert!(results[0].len() > 8);
+    assert!(results.iter().all(|result| *result == results[0]));
+}
+
+#[test]
+fn every_level_reads_back_and_goes_on_alike() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let stages = [
+        "atomise",
+        "zero-removal",
+        "balance",
+        "cse,dce",
+        "asap-alap",
+        "place",
+        "asap-alap",
+    ];
+    let mut input = example(SUSPENSION);
+    for (index, stage) in stages.iter().enumerate() {
+        let result = folder.path().join(format!("{index}.rvir"));
+        let output = run(opt()
+            .arg(&input)
+            .arg(format!("-passes={stage}"))
+            .arg("-o")
+            .arg(&result));
+        assert!(output.status.success(), "{stage}: {}", stderr(&output));
+        let again = run(opt().arg(&result));
+        assert_eq!(
+            again.stdout,
+            fs::read(&result).expect("a result"),
+            "{stage}"
+        );
+        input = result;
+    }
+    let whole = run(opt()
+        .arg(example(SUSPENSION))
+        .arg(format!("-passes={}", stages.join(","))));
+    assert_eq!(
+        whole.stdout,
+        fs::read(input).expect("a result"),
+        "pass by pass through files gives the same as in one go"
+    );
+}
+
+#[test]
+fn every_pass_is_checked_and_the_images_are_simulated() {
+    for machine in ["thesis", "side-split", "ideal", "de10-nano"] {
+        for count in [1, 4] {
+            let output = run(opt().arg(example(SUSPENSION)).args([
+                &format!("{PIPELINE}{{n_add={count} n_multi={count}}}"),
+                "--check-each",
+                "--simulate=3",
+                "--machine",
+                machine,
+            ]));
+            let message = stderr(&output);
+            assert!(output.status.success(), "{machine}: {message}");
+            assert!(message.contains("bit for bit"), "{machine}: {message}");
+        }
+    }
+}
+
+#[test]
+fn instruments_write_where_they_should() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let dumps = folder.path().join("dumps");
+    let report = folder.path().join("report.json");
+    let output = run(opt()
+        .arg(example(SUSPENSION))
+        .args([
+            PIPELINE,
+            "--print-changed=diff",
+            "--time-passes",
+            "--stats=json",
+            "--report",
+        ])
+        .arg(&report)
+        .arg("--dump-dir")
+        .arg(&dumps));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let index: serde_json::Value =
+        serde_json::from_slice(&fs::read(dumps.join("index.json")).expect("an index"))
+            .expect("JSON");
+    let entries = index.as_array().expect("a list");
+    assert_eq!(entries.len(), 7, "the start and six passes");
+    for entry in entries {
+        let file = dumps.join(entry["file"].as_str().expect("a name"));
+        let text = fs::read_to_string(file).expect("a dump");
+        assert!(robovec_ir::parse::parse_module("dump", &text).is_ok());
+    }
+    let report: serde_json::Value =
+        serde_json::from_slice(&fs::read(&report).expect("a report")).expect("JSON");
+    let function = &report["functions"][0];
+    for name in [
+        "name",
+        "model",
+        "level",
+        "equations",
+        "operations",
+        "add_sub",
+        "mul",
+        "div",
+        "sqrt",
+        "sin_cos",
+        "negations",
+        "vectors",
+        "asap",
+        "asap_cycle",
+        "number_y",
+        "passes",
+        "schedule",
+        "error",
+    ] {
+        assert!(function.get(name).is_some(), "the report has no '{name}'");
+    }
+    for name in [
+        "machine",
+        "n_add",
+        "n_multi",
+        "cycles",
+        "lower_bound",
+        "time_us",
+        "parallelisation_rate",
+        "memory",
+        "buffer",
+    ] {
+        assert!(
+            function["schedule"].get(name).is_some(),
+            "the schedule has no '{name}'"
+        );
+    }
+    assert!(
+        stderr(&output).contains("%"),
+        "times and differences are on the standard error"
+    );
+}
+
+#[test]
+fn bad_text_is_refused_with_a_caret() {
+    let header = "function f atomic {\n  in x\n  out o\n";
+    let body = |lines: &str| format!("{header}{lines}}}\n").into_bytes();
+    let at_line_4 = ["a.rvir:4:", "^"];
+    refused(
+        &body("  %a = x + %b\n  o = %a\n"),
+        "a.rvir",
+        &[],
+        &at_line_4,
+    );
+    refused(
+        &body("  %a = x\n  %a = x + x\n  o = %a\n"),
+        "a.rvir",
+        &[],
+        &["^"],
+    );
+    refused(
+        &body("  %a = x*%b\n  %b = %a + x\n  o = %b\n"),
+        "a.rvir",
+        &[],
+        &at_line_4,
+    );
+    refused(
+        &body("  %a = x + NaN\n  o = %a\n"),
+        "a.rvir",
+        &[],
+        &at_line_4,
+    );
+    refused(
+        &body("  %a = x + 1e999\n  o = %a\n"),
+        "a.rvir",
+        &[],
+        &at_line_4,
+    );
+    refused(
+        &body("  %a = x + x\n"),
+        "a.rvir",
+        &[],
+        &["is ever set", "^"],
+    );
+    refused(
+        b"function f atomic {\n  in x\n",
+        "a.rvir",
+        &[],
+        &["a.rvir", "^"],
+    );
+    refused(
+        &[0, 159, 146, 150, 255, 254, 0, 1],
+        "a.rvir",
+        &[],
+        &["UTF-8"],
+    );
+    refused(&[b'('; 1 << 20], "a.rvir", &[], &["a.rvir:1:"]);
+    let deep = format!("  o = {}x{}\n", "(".repeat(100_000), ")".repeat(99_999));
+    refused(&body(&deep), "a.rvir", &[], &["a.rvir:", "^"]);
+}
+
+#[test]
+fn bad_robotran_files_are_refused_with_a_caret() {
+    let good = fs::read(example(SUSPENSION)).expect("the example");
+    refused(&good[..good.len() / 2], "a.m", &[], &["a.m:"]);
+    refused(&[0u8; 4096], "a.c", &[], &["a.c"]);
+    refused(&[b'('; 1 << 20], "a.c", &[], &["a.c:1:"]);
+    let text = String::from_utf8(good).expect("ASCII");
+    let line = text
+        .lines()
+        .find(|line| line.contains("sin("))
+        .expect("a sine")
+        .to_owned();
+    let unknown = text.replacen(&line, &format!("{line}\n  X1 = Y1*Y2;"), 1);
+    refused(unknown.as_bytes(), "a.m", &[], &["a.m:", "^", "Y1"]);
+    let twice = text.replacen(&line, &format!("{line}\n{line}"), 1);
+    refused(twice.as_bytes(), "a.m", &[], &["a.m:", "^"]);
+    let nan = text.replacen(&line, &format!("{line}\n  X1 = NaN;"), 1);
+    refused(nan.as_bytes(), "a.m", &[], &["a.m:", "^"]);
+    let deep = format!(
+        "{line}\n  X1 = {}q(1){};",
+        "(".repeat(100_000),
+        ")".repeat(99_999)
+    );
+    refused(
+        text.replacen(&line, &deep, 1).as_bytes(),
+        "a.m",
+        &[],
+        &["a.m:", "^"],
+    );
+}
+
+#[test]
+fn bad_pipelines_and_machines_are_refused_with_a_caret() {
+    let input = fs::read(example(SUSPENSION)).expect("the example");
+    let cases: [(&str, &[&str]); 6] = [
+        (
+            "-passes=atomize",
+            &["<-passes>:1:1", "^", "did you mean 'atomise'?"],
+        ),
+        (
+            "-passes=atomise,place{n_mul=4}",
+            &["<-passes>:1:15", "^", "n_multi"],
+        ),
+        ("-passes=atomise,(", &["<-passes>:1:9", "^"]),
+        ("-passes=cse", &["<-passes>:1:1", "^", "'atomise'"]),
+        ("-passes=@nowhere", &["cannot read nowhere"]),
+        ("--machine=thesiss", &["did you mean 'thesis'?"]),
+    ];
+    for (argument, words) in cases {
+        refused(&input, "mbs_dirdyna_suspension.m", &[argument], words);
+    }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (text, words) in [
+        ("name = \"x\"\nclock_mhz = fast\n", ["bad.toml:2:", "^"]),
+        (
+            "name = \"x\"\nclock_mhz = 1.0\nelement = []\n[memory]\nstyle = \"unified\"\n",
+            ["bad.toml", "at least one"],
+        ),
+    ] {
+        let machine = folder.path().join("bad.toml");
+        fs::write(&machine, text).expect("room");
+        let argument = format!("--machine={}", machine.display());
+        refused(&input, "mbs_dirdyna_suspension.m", &[&argument], &words);
+    }
+    refused(
+        &input,
+        "mbs_dirdyna_suspension.m",
+        &["--machine=absent.toml"],
+        &["cannot read absent.toml"],
+    );
+}
+
+#[test]
+fn a_million_terms_in_one_sum_are_balanced() {
+    let terms: Vec<String> = (0..1_000_000)
+        .map(|term| format!("x[{}]", 1 + term % 100))
+        .collect();
+    let text = format!(
+        "function f equations {{\n  in x[1..100]\n  out o\n\n  o = {}\n}}\n",
+        terms.join(" + ")
+    );
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("sum.rvir");
+    fs::write(&path, text).expect("room for the input");
+    let result = folder.path().join("result.rvir");
+    let output = run(opt()
+        .arg(&path)
+        .args(["-passes=atomise,balance,asap-alap", "-o"])
+        .arg(&result));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let result = fs::read_to_string(&result).expect("a result");
+    assert!(
+        result.contains("{asap 20 "),
+        "a tree of a million leaves is 20 deep"
+    );
+}
+
+#[test]
+fn help_lists_what_there_is() {
+    let passes = run(opt().arg("--list-passes"));
+    let text = String::from_utf8_lossy(&passes.stdout).into_owned();
+    for info in robovec_passes::registry::PASSES {
+        assert!(text.contains(info.name), "{} is not listed", info.name);
+        let page = run(opt().args(["--help-pass", info.name]));
+        assert!(page.status.success());
+        assert!(!info.summary().is_empty());
+    }
+    assert_eq!(
+        run(opt().args(["--help-pass", "balanse"])).status.code(),
+        Some(1)
+    );
+    let script = run(opt().args(["--completion", "bash"]));
+    assert!(String::from_utf8_lossy(&script.stdout).contains("robovec-opt"));
+    let completed = run(opt()
+        .env("COMPLETE", "bash")
+        .env("_CLAP_COMPLETE_INDEX", "2")
+        .env("_CLAP_IFS", "\n")
+        .args(["--", "robovec-opt", "--passes", ""]));
+    assert!(
+        String::from_utf8_lossy(&completed.stdout).contains("balance"),
+        "pass names are completed: {}",
+        String::from_utf8_lossy(&completed.stdout)
+    );
+}
