@@ -4,8 +4,8 @@
 pub mod generate;
 pub mod images;
 pub mod mutants;
-pub mod robotran;
 pub mod pipelines;
+pub mod robotran;
 pub mod text;
 
 pub use images::simulate_garbage;
