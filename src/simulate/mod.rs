@@ -17,6 +17,7 @@
 
 mod decode;
 mod error;
+mod fit;
 mod load;
 pub mod mif;
 mod number;

@@ -21,6 +21,8 @@ pub mod manifest;
 mod mif;
 mod number;
 mod pass;
+mod ports;
+mod shape;
 mod traffic;
 mod words;
 

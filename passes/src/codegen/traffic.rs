@@ -7,12 +7,9 @@
 //! operation.
 
 use super::ImageError;
-use robovec_ir::machine::MemoryStyle;
+use super::shape::{check_shape, element_kinds, value_name};
 use robovec_ir::placement::{Bank, Placement, Schedule, Slot, Word, Write};
 use robovec_ir::{Machine, Value, View};
-
-/// The most elements of a kind, as in a machine file.
-const MOST_ELEMENTS: u32 = 4096;
 
 /// What the program uses of the machine.
 #[derive(Clone, Copy, Default, Debug)]
@@ -106,7 +103,7 @@ impl<'a> Traffic<'a> {
             });
         }
         let kinds = element_kinds(schedule, machine)?;
-        check_shape(view, machine, schedule, placement, kinds.len() as u32)?;
+        check_shape(view, machine, schedule, placement, &kinds)?;
         let elements = kinds.len() as u32;
         let slots = &schedule.slots;
         let on_elements = |&(element, _): &(u32, u32)| element != Slot::HOST;
@@ -181,11 +178,7 @@ impl<'a> Traffic<'a> {
 
     /// A value's name, without the percent sign.
     pub(super) fn value_name(&self, value: u32) -> String {
-        let name = self.view.function.node(Value(value)).name;
-        if name.is_none() {
-            return format!("node {value}");
-        }
-        name.display(&self.view.tables.symbols)
+        value_name(self.view, Value(value))
     }
 
     /// Every write must be direct or come from a buffer; the latter are
@@ -265,93 +258,6 @@ impl<'a> Traffic<'a> {
         }
     }
 
-    /// Declared sizes must hold what is used.
-    fn check_addresses(&self) -> Result<(), ImageError> {
-        let fits = |used: u32, declared: Option<u32>| declared.is_none_or(|words| used <= words);
-        let memory = self.machine.memory;
-        if !fits(self.usage.words, memory.words) {
-            return Err(ImageError::AddressRange {
-                memory: "an operand memory".to_owned(),
-                address: self.usage.words - 1,
-                words: memory.words.unwrap_or(0),
-            });
-        }
-        let words = self.machine.buffer.and_then(|buffer| buffer.words);
-        if !fits(self.usage.buffer_words, words) {
-            return Err(ImageError::AddressRange {
-                memory: "a buffer".to_owned(),
-                address: self.usage.buffer_words - 1,
-                words: words.unwrap_or(0),
-            });
-        }
-        Ok(())
-    }
-
-    /// An element starts one operation per cycle, and what enters a buffer
-    /// does so before the end.
-    fn check_issues(&self) -> Result<(), ImageError> {
-        for element in 0..self.usage.elements {
-            let mut last = None;
-            for &value in self.issues.of(element) {
-                let cycle = self.schedule.slots[value as usize].cycle;
-                if last.replace(cycle) == Some(cycle) {
-                    return Err(ImageError::IssueTwice {
-                        element: self.element_name(element),
-                        cycle,
-                    });
-                }
-                if self.placement.buffers[value as usize] == Placement::NONE {
-                    continue;
-                }
-                if self.machine.buffer.is_none() {
-                    return Err(ImageError::NotBuffered {
-                        value: self.value_name(value),
-                        element: self.element_name(element),
-                        cycle,
-                    });
-                }
-                let ready = self.ready(value);
-                if ready >= u64::from(self.schedule.cycles) {
-                    return Err(ImageError::AfterEnd {
-                        value: self.value_name(value),
-                        cycle: ready,
-                        cycles: self.schedule.cycles,
-                    });
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// No more transfers in a cycle than the machine declares ports.
-    fn check_ports(&self) -> Result<(), ImageError> {
-        let ports = self.machine.memory.writes.unwrap_or(u32::MAX);
-        if self.usage.write_ports > ports {
-            for element in 0..self.usage.elements {
-                let mut groups = self.write_groups(element);
-                if let Some(group) = groups.find(|group| group.len() > ports as usize) {
-                    let write = self.placement.writes[group[0] as usize];
-                    return Err(ImageError::WritePorts {
-                        memory: self.memory_name(element, write.word.bank),
-                        ports,
-                        cycle: write.cycle,
-                    });
-                }
-            }
-        }
-        let reads = self.machine.buffer.and_then(|buffer| buffer.reads);
-        let ports = reads.unwrap_or(u32::MAX);
-        let mut groups = self.buffer_reads.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
-        if let Some(group) = groups.find(|group| group.len() > ports as usize) {
-            return Err(ImageError::BufferPorts {
-                element: self.element_name(group[0].0),
-                ports,
-                cycle: group[0].1,
-            });
-        }
-        Ok(())
-    }
-
     /// The writes into an element's memories, those of one memory and cycle
     /// together, in order of cycle.
     pub(super) fn write_groups(&self, element: u32) -> impl Iterator<Item = &[u32]> {
@@ -386,125 +292,9 @@ impl<'a> Traffic<'a> {
     }
 }
 
-fn malformed(view: View<'_>, what: String) -> ImageError {
+pub(super) fn malformed(view: View<'_>, what: String) -> ImageError {
     ImageError::Malformed {
         function: view.function.name.clone(),
         what,
     }
-}
-
-/// For each element of the schedule its kind's place in the machine file.
-fn element_kinds(schedule: &Schedule, machine: &Machine) -> Result<Vec<usize>, ImageError> {
-    let mut kinds = Vec::new();
-    for kind in &schedule.kinds {
-        let place = machine
-            .elements
-            .iter()
-            .position(|element| element.kind == kind.name);
-        let Some(place) = place.filter(|_| kind.count <= MOST_ELEMENTS) else {
-            return Err(ImageError::UnknownKind {
-                kind: kind.name.clone(),
-            });
-        };
-        kinds.extend((0..kind.count).map(|_| place));
-    }
-    Ok(kinds)
-}
-
-/// Everything that later code indexes with must be in range.
-fn check_shape(
-    view: View<'_>,
-    machine: &Machine,
-    schedule: &Schedule,
-    placement: &Placement,
-    elements: u32,
-) -> Result<(), ImageError> {
-    let count = view.function.nodes().len();
-    let starts = &placement.write_starts;
-    let whole = schedule.slots.len() == count
-        && placement.reads.len() == count
-        && placement.buffers.len() == count
-        && starts.len() == count + 1
-        && starts.first() == Some(&0)
-        && starts.last().copied().map(|end| end as usize) == Some(placement.writes.len())
-        && starts.is_sorted()
-        && placement.homes.len() == view.function.assignments.len();
-    if !whole {
-        return Err(malformed(
-            view,
-            "its parts do not have one entry per value and output".to_owned(),
-        ));
-    }
-    let split = machine.memory.style == MemoryStyle::SideSplit;
-    let words = (placement.writes.iter().map(|write| write.word))
-        .chain(placement.preloads.iter().map(|load| load.word))
-        .chain(placement.homes.iter().flatten().copied());
-    for word in words {
-        let bank_exists = (word.bank != Bank::Unified) == split;
-        if word.element >= elements || !bank_exists || word.address == Placement::NONE {
-            return Err(malformed(view, format!("there is no memory word {word:?}")));
-        }
-    }
-    check_issues(view, machine, schedule, placement, elements)
-}
-
-fn check_issues(
-    view: View<'_>,
-    machine: &Machine,
-    schedule: &Schedule,
-    placement: &Placement,
-    elements: u32,
-) -> Result<(), ImageError> {
-    for (slot, reads) in schedule.slots.iter().zip(&placement.reads) {
-        if !slot.is_host() && slot.element >= elements {
-            return Err(malformed(
-                view,
-                format!("there is no element {}", slot.element),
-            ));
-        }
-        if !slot.is_host() && reads[0] == Placement::NONE {
-            return Err(malformed(
-                view,
-                format!(
-                    "the operation issued in cycle {} has no read address",
-                    slot.cycle
-                ),
-            ));
-        }
-    }
-    for (value, node) in view.function.values() {
-        let slot = schedule.slots[value.index()];
-        if slot.is_host() {
-            continue;
-        }
-        let binary = node.operation.arity() == 2;
-        if binary
-            && (node.operands[1].is_none() || placement.reads[value.index()][1] == Placement::NONE)
-        {
-            return Err(malformed(
-                view,
-                "an operation of two operands reads one".to_owned(),
-            ));
-        }
-        let (kind, number) = schedule.element_name(slot.element);
-        let performs = machine
-            .elements
-            .iter()
-            .any(|element| element.kind == kind && element.performs(node.operation));
-        if !performs {
-            return Err(ImageError::CannotPerform {
-                element: format!("{kind}{number}"),
-                operation: node.operation.name(),
-                value: node.name.display(&view.tables.symbols),
-            });
-        }
-        if slot.cycle >= schedule.cycles {
-            return Err(ImageError::AfterEnd {
-                value: node.name.display(&view.tables.symbols),
-                cycle: u64::from(slot.cycle),
-                cycles: schedule.cycles,
-            });
-        }
-    }
-    Ok(())
 }

@@ -1,0 +1,94 @@
+//! Whether the machine has the ports and words that the traffic needs.
+
+use super::ImageError;
+use super::traffic::Traffic;
+use robovec_ir::placement::Placement;
+
+impl Traffic<'_> {
+    /// Declared sizes must hold what is used.
+    pub(super) fn check_addresses(&self) -> Result<(), ImageError> {
+        let fits = |used: u32, declared: Option<u32>| declared.is_none_or(|words| used <= words);
+        let memory = self.machine.memory;
+        if !fits(self.usage.words, memory.words) {
+            return Err(ImageError::AddressRange {
+                memory: "an operand memory".to_owned(),
+                address: self.usage.words - 1,
+                words: memory.words.unwrap_or(0),
+            });
+        }
+        let words = self.machine.buffer.and_then(|buffer| buffer.words);
+        if !fits(self.usage.buffer_words, words) {
+            return Err(ImageError::AddressRange {
+                memory: "a buffer".to_owned(),
+                address: self.usage.buffer_words - 1,
+                words: words.unwrap_or(0),
+            });
+        }
+        Ok(())
+    }
+
+    /// An element starts one operation per cycle, and what enters a buffer
+    /// does so before the end.
+    pub(super) fn check_issues(&self) -> Result<(), ImageError> {
+        for element in 0..self.usage.elements {
+            let mut last = None;
+            for &value in self.issues.of(element) {
+                let cycle = self.schedule.slots[value as usize].cycle;
+                if last.replace(cycle) == Some(cycle) {
+                    return Err(ImageError::IssueTwice {
+                        element: self.element_name(element),
+                        cycle,
+                    });
+                }
+                if self.placement.buffers[value as usize] == Placement::NONE {
+                    continue;
+                }
+                if self.machine.buffer.is_none() {
+                    return Err(ImageError::NotBuffered {
+                        value: self.value_name(value),
+                        element: self.element_name(element),
+                        cycle,
+                    });
+                }
+                let ready = self.ready(value);
+                if ready >= u64::from(self.schedule.cycles) {
+                    return Err(ImageError::AfterEnd {
+                        value: self.value_name(value),
+                        cycle: ready,
+                        cycles: self.schedule.cycles,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// No more transfers in a cycle than the machine declares ports.
+    pub(super) fn check_ports(&self) -> Result<(), ImageError> {
+        let ports = self.machine.memory.writes.unwrap_or(u32::MAX);
+        if self.usage.write_ports > ports {
+            for element in 0..self.usage.elements {
+                let mut groups = self.write_groups(element);
+                if let Some(group) = groups.find(|group| group.len() > ports as usize) {
+                    let write = self.placement.writes[group[0] as usize];
+                    return Err(ImageError::WritePorts {
+                        memory: self.memory_name(element, write.word.bank),
+                        ports,
+                        cycle: write.cycle,
+                    });
+                }
+            }
+        }
+        let reads = self.machine.buffer.and_then(|buffer| buffer.reads);
+        let ports = reads.unwrap_or(u32::MAX);
+        let mut groups = self.buffer_reads.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
+        if let Some(group) = groups.find(|group| group.len() > ports as usize) {
+            return Err(ImageError::BufferPorts {
+                element: self.element_name(group[0].0),
+                ports,
+                cycle: group[0].1,
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,192 @@
+//! Whether images fit the machine they are loaded into.
+
+use super::error::LoadError;
+use super::load::Loader;
+use robovec_ir::machine::MemoryStyle;
+use robovec_passes::codegen::manifest;
+
+/// Most elements.
+const MOST_ELEMENTS: usize = 1 << 14;
+
+impl Loader<'_> {
+    /// The manifest must describe a part of the machine.
+    pub(super) fn check_machine(&self) -> Result<(), LoadError> {
+        let (manifest, machine) = (&self.manifest, self.machine);
+        let format = manifest.number;
+        if !matches!((format.exponent, format.mantissa), (8, 23) | (11, 52)) {
+            return Err(LoadError::UnsupportedNumber {
+                exponent: format.exponent,
+                mantissa: format.mantissa,
+            });
+        }
+        if format != machine.number {
+            return Err(LoadError::Machine(
+                "it has another number format".to_owned(),
+            ));
+        }
+        if manifest.elements.len() > MOST_ELEMENTS {
+            let count = manifest.elements.len();
+            return Err(LoadError::TooLarge(format!("{count} elements")));
+        }
+        for element in &manifest.elements {
+            self.check_element(element)?;
+        }
+        self.check_sources()
+    }
+
+    fn check_element(&self, element: &manifest::Element) -> Result<(), LoadError> {
+        let machine = self.machine;
+        let fail = |message: String| Err(LoadError::Machine(message));
+        let kind = machine
+            .elements
+            .iter()
+            .find(|kind| kind.kind == element.kind);
+        let Some(kind) = kind else {
+            return fail(format!("it has no elements of kind '{}'", element.kind));
+        };
+        let foreign = |name: &&String| !kind.operations.contains(name);
+        if let Some(name) = element.operations.iter().find(foreign) {
+            return fail(format!("its '{}' does not perform '{name}'", element.kind));
+        }
+        let sides = match machine.memory.style {
+            MemoryStyle::Unified => 1,
+            MemoryStyle::SideSplit => 2,
+        };
+        if element.memories.len() != sides {
+            return fail(format!(
+                "it has {sides} memories per element, {} has {}",
+                element.name,
+                element.memories.len()
+            ));
+        }
+        for memory in &element.memories {
+            let allowed = machine.memory.writes.unwrap_or(u32::MAX);
+            if memory.write_ports > allowed {
+                return Err(LoadError::WritePorts {
+                    memory: memory.name.clone(),
+                    ports: memory.write_ports,
+                    allowed,
+                });
+            }
+            check_words(&memory.name, memory.words, machine.memory.words)?;
+        }
+        let Some(buffer) = &element.buffer else {
+            return Ok(());
+        };
+        let Some(described) = machine.buffer else {
+            return fail(format!("it has no buffers, {} has one", element.name));
+        };
+        let allowed = described.reads.unwrap_or(u32::MAX);
+        if buffer.read_ports > allowed {
+            return Err(LoadError::BufferPorts {
+                element: element.name.clone(),
+                ports: buffer.read_ports,
+                allowed,
+            });
+        }
+        let name = format!("the buffer of {}", element.name);
+        check_words(&name, buffer.words, described.words)
+    }
+
+    /// The crossbar's inputs: all results, then port by port all buffers.
+    fn check_sources(&self) -> Result<(), LoadError> {
+        let elements = &self.manifest.elements;
+        let ports = self.buffer_reads();
+        let ports_of = |element: &manifest::Element| {
+            element
+                .buffer
+                .as_ref()
+                .map_or(0, |buffer| buffer.read_ports)
+        };
+        let expected = elements.len() as u64 * (1 + u64::from(ports));
+        let sources = &self.manifest.sources;
+        if elements.iter().any(|element| ports_of(element) != ports)
+            || sources.len() as u64 != expected
+        {
+            return Err(LoadError::Sources);
+        }
+        for (code, source) in sources.iter().enumerate() {
+            let name = &elements[code % elements.len()].name;
+            let port = code / elements.len();
+            let suffix = match (port, ports) {
+                (0, _) => String::new(),
+                (_, 1) => ".buffer".to_owned(),
+                (port, _) => format!(".buffer.{}", port - 1),
+            };
+            if source.strip_prefix(name.as_str()) != Some(suffix.as_str()) {
+                return Err(LoadError::Sources);
+            }
+        }
+        Ok(())
+    }
+
+    /// Machine and instruction images must be those the manifest was written
+    /// for.
+    pub(super) fn check_hashes(&self) -> Result<(), LoadError> {
+        let mut found = Hash::new();
+        for element in &self.manifest.elements {
+            let text = self.files.get(element.instructions.file.as_str());
+            found.update(text.copied().unwrap_or("").as_bytes());
+        }
+        if found.text() != self.manifest.schedule_hash {
+            return Err(LoadError::OtherSchedule {
+                found: found.text(),
+                expected: self.manifest.schedule_hash.clone(),
+            });
+        }
+        let mut elements = self.machine.elements.clone();
+        for element in &mut elements {
+            element.count = 1;
+        }
+        let machine = self.machine;
+        let essence = (
+            machine.number,
+            elements,
+            machine.memory,
+            machine.buffer,
+            machine.interconnect,
+        );
+        let text =
+            serde_json::to_vec(&essence).map_err(|error| LoadError::Machine(error.to_string()))?;
+        let mut hash = Hash::new();
+        hash.update(&text);
+        if hash.text() != self.manifest.machine.hash {
+            return Err(LoadError::OtherMachine {
+                images: self.manifest.machine.hash.clone(),
+                machine: hash.text(),
+            });
+        }
+        Ok(())
+    }
+}
+
+fn check_words(name: &str, words: u32, allowed: Option<u32>) -> Result<(), LoadError> {
+    let allowed = allowed.unwrap_or(u32::MAX);
+    if words > allowed {
+        return Err(LoadError::Words {
+            memory: name.to_owned(),
+            words,
+            allowed,
+        });
+    }
+    Ok(())
+}
+
+/// 64-bit FNV-1a.
+struct Hash(u64);
+
+impl Hash {
+    fn new() -> Hash {
+        Hash(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn update(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+
+    fn text(&self) -> String {
+        format!("{:016x}", self.0)
+    }
+}
