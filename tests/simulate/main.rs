@@ -103,3 +103,32 @@ fn placed_programs_give_the_evaluators_bits() {
     }
     assert!(buffered > 0, "buffers were in use");
 }
+
+/// A machine without subnormal numbers holds none: inputs and products that
+/// small become zeros of their sign.
+#[test]
+fn machines_without_subnormal_numbers_flush() {
+    let mut machine = Machine::built_in("thesis").expect("it ships");
+    let module = hand::module();
+    let run = |machine: &Machine, inputs: &[f64]| {
+        let files = images(view(&module), machine, None).expect("it has images");
+        let program = Program::load(&files, machine).expect("they can be loaded");
+        program.run(inputs).expect("no hazard").values
+    };
+    // (a + b)*b is 2e-40, below the least normal binary32 number.
+    let inputs = [1e-20, -2e-20];
+    assert_eq!(
+        run(&machine, &inputs)[1],
+        f64::from(-1e-20_f32 * -2e-20_f32)
+    );
+    assert!(run(&machine, &inputs)[1] > 0.0);
+    machine.number.subnormals = false;
+    let flushed = run(&machine, &inputs);
+    assert_eq!(flushed[1], 0.0);
+    assert_eq!(flushed[0], f64::from(1e-20_f32 - 2e-20_f32));
+    // A subnormal input is a zero: the sum is b itself.
+    let sum = |machine: &Machine| run(machine, &[1e-39, 2e-38])[0];
+    assert_eq!(sum(&machine), f64::from(2e-38_f32));
+    machine.number.subnormals = true;
+    assert!(sum(&machine) > f64::from(2e-38_f32));
+}
