@@ -71,6 +71,7 @@ mod header;
 mod names;
 mod placed;
 mod placement;
+mod replay;
 mod schedule;
 mod timing;
 

@@ -6,8 +6,8 @@
 //! `t + L + 1`; a word written in cycle `w` can be read from `w + 1` on; a
 //! write later than the result comes from the buffer of the element.
 
-use super::{Collector, Subject, Violation, describe, describe_operand, verify};
-use crate::entity::{Operand, OperandKind, Value};
+use super::{Collector, Subject, Violation, replay, verify};
+use crate::entity::Value;
 use crate::machine::{Machine, MemoryStyle};
 use crate::module::View;
 use crate::placement::{Bank, Placement, Schedule, Slot, Word};
@@ -52,9 +52,7 @@ pub fn verify_placement(view: View<'_>, machine: &Machine) -> Vec<Violation> {
     check.performers(&mut collector);
     check.words(&mut collector);
     check.write_cycles(&mut collector);
-    check.contents(&mut collector);
-    check.write_ports(&mut collector);
-    check.buffers(&mut collector);
+    replay::check(&check, &mut collector);
     collector.finish()
 }
 
@@ -86,59 +84,33 @@ fn stages(
     Some(stages)
 }
 
-struct Check<'a> {
-    view: View<'a>,
-    machine: &'a Machine,
-    schedule: &'a Schedule,
-    placement: &'a Placement,
+pub(super) struct Check<'a> {
+    pub(super) view: View<'a>,
+    pub(super) machine: &'a Machine,
+    pub(super) schedule: &'a Schedule,
+    pub(super) placement: &'a Placement,
     stages: Vec<u32>,
 }
 
-/// Something that happens to a memory word; in order of word and cycle, what
-/// is in the word by a cycle before what is read in it.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Event {
-    word: Word,
-    /// The first cycle in which the content can be read, or that of a read.
-    cycle: u64,
-    /// `false` for a content, `true` for a read.
-    is_read: bool,
-    /// What the word holds from now on, or what should be read.
-    operand: Operand,
-    /// The reading operation, or an assignment by its index plus the number
-    /// of nodes.
-    reader: u32,
-}
-
-/// A stay in a buffer.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Stay {
-    element: u32,
-    word: u32,
-    from: u64,
-    to: u64,
-    value: Value,
-}
-
 impl Check<'_> {
-    fn slot(&self, value: Value) -> Slot {
+    pub(super) fn slot(&self, value: Value) -> Slot {
         self.schedule.slots[value.index()]
     }
 
     /// The cycle in which the result is on the crossbar.
-    fn write_back(&self, value: Value) -> u64 {
+    pub(super) fn write_back(&self, value: Value) -> u64 {
         let slot = self.slot(value);
         u64::from(slot.cycle) + u64::from(self.stages[slot.element as usize]) + 1
     }
 
-    fn placed_values(&self) -> impl Iterator<Item = Value> + '_ {
+    pub(super) fn placed_values(&self) -> impl Iterator<Item = Value> + '_ {
         let count = self.view.function.nodes().len() as u32;
         (0..count)
             .map(Value)
             .filter(|&value| !self.slot(value).is_host())
     }
 
-    fn name(&self, word: Word) -> String {
+    pub(super) fn name(&self, word: Word) -> String {
         let (kind, number) = self.schedule.element_name(word.element);
         let bank = match word.bank {
             Bank::Unified => "",
@@ -173,7 +145,7 @@ impl Check<'_> {
     }
 
     /// The word an operand is read from.
-    fn read_word(&self, value: Value, side: usize) -> Word {
+    pub(super) fn read_word(&self, value: Value, side: usize) -> Word {
         let bank = match (self.machine.memory.style, side) {
             (MemoryStyle::Unified, _) => Bank::Unified,
             (MemoryStyle::SideSplit, 0) => Bank::Left,
@@ -228,6 +200,7 @@ impl Check<'_> {
                     });
                 }
             }
+            self.buffer_word(collector, value);
             if buffered && writes.iter().all(|write| u64::from(write.cycle) <= back) {
                 collector.value(value, || {
                     "is in a buffer that nothing reads it from".to_owned()
@@ -236,217 +209,16 @@ impl Check<'_> {
         }
     }
 
-    /// What every word holds when it is read.
-    fn contents(&self, collector: &mut Collector<'_>) {
-        let mut events = self.events();
-        events.sort_unstable();
-        let mut held: Option<(Word, Operand)> = None;
-        for event in &events {
-            let content = held.filter(|(word, _)| *word == event.word);
-            if !event.is_read {
-                held = Some((event.word, event.operand));
-            } else if content.map(|(_, operand)| operand) != Some(event.operand) {
-                self.wrong(collector, event, content.map(|(_, operand)| operand));
-            }
-        }
-    }
-
-    fn events(&self) -> Vec<Event> {
-        let function = self.view.function;
-        let nodes = function.nodes().len() as u32;
-        let mut events = Vec::with_capacity(self.placement.writes.len() + 2 * nodes as usize);
-        let content = |word, cycle, operand| Event {
-            word,
-            cycle,
-            is_read: false,
-            operand,
-            reader: 0,
-        };
-        for preload in &self.placement.preloads {
-            events.push(content(preload.word, 0, preload.operand));
-        }
-        for value in self.placed_values() {
-            for write in self.placement.writes_of(value) {
-                events.push(content(
-                    write.word,
-                    u64::from(write.cycle) + 1,
-                    value.into(),
-                ));
-            }
-            for (side, &operand) in function.node(value).operands().iter().enumerate() {
-                events.push(Event {
-                    word: self.read_word(value, side),
-                    cycle: u64::from(self.slot(value).cycle),
-                    is_read: true,
-                    operand,
-                    reader: value.0,
-                });
-            }
-        }
-        for (index, assignment) in function.assignments.iter().enumerate() {
-            if let Some(word) = self.placement.homes[index] {
-                events.push(Event {
-                    word,
-                    cycle: u64::MAX,
-                    is_read: true,
-                    operand: assignment.operand,
-                    reader: nodes + index as u32,
-                });
-            }
-        }
-        events
-    }
-
-    fn wrong(&self, collector: &mut Collector<'_>, event: &Event, content: Option<Operand>) {
-        let nodes = self.view.function.nodes().len() as u32;
-        let view = self.view;
-        let word = self.name(event.word);
-        let held = || match content.map(Operand::kind) {
-            None | Some(OperandKind::None) => "holds nothing yet".to_owned(),
-            Some(_) => {
-                let operand = content.unwrap_or(Operand::NONE);
-                format!("holds {}", describe_operand(view, operand))
-            }
-        };
-        if event.reader < nodes {
-            let cycle = event.cycle;
-            collector.value(Value(event.reader), || {
-                let operand = describe_operand(view, event.operand);
-                format!(
-                    "reads {operand} at cycle {cycle} from {word}, which then {}",
-                    held()
-                )
+    fn buffer_word(&self, collector: &mut Collector<'_>, value: Value) {
+        let word = self.placement.buffers[value.index()];
+        let words = self.machine.buffer.map_or(Some(0), |buffer| buffer.words);
+        if word != Placement::NONE
+            && let Some(words) = words
+            && word >= words
+        {
+            collector.value(value, || {
+                format!("is in buffer word {word}, but the buffers have {words} words")
             });
-        } else {
-            let index = (event.reader - nodes) as usize;
-            collector.assignment(index, || {
-                let operand = describe_operand(view, event.operand);
-                format!(
-                    "({operand}) should stay in {word}, which at the end {}",
-                    held()
-                )
-            });
-        }
-    }
-
-    fn write_ports(&self, collector: &mut Collector<'_>) {
-        let mut writes: Vec<(u32, Bank, u32, u32, Value)> = Vec::new();
-        for value in self.placed_values() {
-            writes.extend(self.placement.writes_of(value).iter().map(|write| {
-                let word = write.word;
-                (word.element, word.bank, write.cycle, word.address, value)
-            }));
-        }
-        writes.sort_unstable();
-        let limit = self
-            .machine
-            .memory
-            .writes
-            .map_or(usize::MAX, |limit| limit as usize);
-        for group in writes.chunk_by(|a, b| (a.0, a.1, a.2) == (b.0, b.1, b.2)) {
-            let (element, bank, cycle, address, value) = group[0];
-            if group.len() > limit {
-                let word = Word {
-                    element,
-                    bank,
-                    address,
-                };
-                let name = self.name(word);
-                let memory = name.split('[').next().unwrap_or_default();
-                let count = group.len();
-                collector.value(value, || {
-                    format!("is one of {count} results written to {memory} at cycle {cycle}; it takes {limit}")
-                });
-            }
-            for pair in group.windows(2).filter(|pair| pair[0].3 == pair[1].3) {
-                let address = pair[0].3;
-                let name = self.name(Word {
-                    element,
-                    bank,
-                    address,
-                });
-                let other = describe(self.view, pair[0].4);
-                collector.value(pair[1].4, || {
-                    format!("is written to {name} at cycle {cycle}, and so is {other}")
-                });
-            }
-        }
-    }
-
-    fn buffers(&self, collector: &mut Collector<'_>) {
-        let mut stays: Vec<Stay> = Vec::new();
-        // Buffer reads: element, cycle, word.
-        let mut reads: Vec<(u32, u32, u32)> = Vec::new();
-        for value in self.placed_values() {
-            let word = self.placement.buffers[value.index()];
-            if word == Placement::NONE {
-                continue;
-            }
-            let element = self.slot(value).element;
-            let from = self.write_back(value);
-            let later = self.placement.writes_of(value).iter();
-            let later = later
-                .map(|write| write.cycle)
-                .filter(|&cycle| u64::from(cycle) > from);
-            let to = later.clone().max().map_or(from, u64::from);
-            reads.extend(later.map(|cycle| (element, cycle, word)));
-            stays.push(Stay {
-                element,
-                word,
-                from,
-                to,
-                value,
-            });
-        }
-        stays.sort_unstable();
-        self.stays(collector, &stays);
-        reads.sort_unstable();
-        reads.dedup();
-        self.buffer_reads(collector, &reads);
-    }
-
-    fn stays(&self, collector: &mut Collector<'_>, stays: &[Stay]) {
-        let words = match self.machine.buffer {
-            None => Some(0),
-            Some(buffer) => buffer.words,
-        };
-        for stay in stays {
-            if words.is_some_and(|words| stay.word >= words) {
-                collector.value(stay.value, || {
-                    let word = stay.word;
-                    format!(
-                        "is in buffer word {word}, but the buffers have {} words",
-                        words.unwrap_or(0)
-                    )
-                });
-            }
-        }
-        for pair in stays.windows(2) {
-            let [first, second] = [pair[0], pair[1]];
-            let same = (first.element, first.word) == (second.element, second.word);
-            if same && second.from <= first.to {
-                let other = describe(self.view, first.value);
-                collector.value(second.value, || {
-                    let (word, from, to) = (second.word, second.from, first.to);
-                    format!("takes buffer word {word} at cycle {from}, but {other} stays there until {to}")
-                });
-            }
-        }
-    }
-
-    fn buffer_reads(&self, collector: &mut Collector<'_>, reads: &[(u32, u32, u32)]) {
-        let Some(limit) = self.machine.buffer.and_then(|buffer| buffer.reads) else {
-            return;
-        };
-        for group in reads.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-            let (element, cycle, _) = group[0];
-            if group.len() > limit as usize {
-                let (kind, number) = self.schedule.element_name(element);
-                let count = group.len();
-                collector.add(Subject::Schedule, || {
-                    format!("{count} words of the buffer of {kind}{number} are read at cycle {cycle}; it hands out {limit}")
-                });
-            }
         }
     }
 }

@@ -327,7 +327,7 @@ fn placements_are_checked_against_the_machine() {
             "is in buffer word 0, but the buffers have 0 words",
             |_, m| m.buffer = None,
         ),
-        ("; it takes 0", |_, m| m.memory.writes = Some(0)),
+        (", which takes 0", |_, m| m.memory.writes = Some(0)),
         ("is written to add0[2] at cycle 9, and so is %p", |f, _| {
             let writes = &mut placement(f).writes;
             writes[0].cycle = 9;
@@ -340,12 +340,15 @@ fn placements_are_checked_against_the_machine() {
         ("is for the machine 'thesis', not 'other'", |_, m| {
             m.name = "other".to_owned()
         }),
-        ("of the buffer of multi1 are read", |_, m| {
-            m.buffer = Some(crate::machine::BufferDescription {
-                words: None,
-                reads: Some(0),
-            });
-        }),
+        (
+            "more words of the buffer of multi1 are read at cycle 9 than the 0",
+            |_, m| {
+                m.buffer = Some(crate::machine::BufferDescription {
+                    words: None,
+                    reads: Some(0),
+                });
+            },
+        ),
     ];
     for (expected, change) in changes {
         let messages = placement_after(PLACED, change);

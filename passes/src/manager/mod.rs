@@ -289,18 +289,15 @@ impl Run<'_> {
         if !self.instruments.config.verify_each {
             return Ok(());
         }
-        let mut violations: Vec<String> = verify::verify(View { tables, function })
+        let view = View { tables, function };
+        let found = match function.level {
+            Level::Placed => verify::verify_placement(view, self.instruments.config.machine),
+            Level::Equations | Level::Atomic | Level::Scheduled => verify::verify(view),
+        };
+        let mut violations: Vec<String> = found
             .into_iter()
             .map(|violation| violation.message)
             .collect();
-        if function.level == Level::Placed {
-            let machine = self.instruments.config.machine;
-            violations.extend(
-                verify::verify_placement(View { tables, function }, machine)
-                    .into_iter()
-                    .map(|violation| violation.message),
-            );
-        }
         if let crate::pass::Gives::Level(level) = info.gives
             && function.level != level
         {

@@ -1,0 +1,337 @@
+//! A placement, replayed cycle by cycle.
+//!
+//! In every cycle first the operations that start read their operands, then
+//! the writes of the cycle happen. Each word keeps what it holds and when it
+//! was written, each port how often it was used in the cycle, so all rules
+//! about contents and ports are checked in one pass over the events in order
+//! of time.
+
+use super::placement::Check;
+use super::{Collector, Subject, describe, describe_operand};
+use crate::entity::{Operand, OperandKind, Value};
+use crate::placement::{Bank, Placement, Word};
+use hashbrown::HashMap;
+use rustc_hash::FxBuildHasher;
+
+/// Replays the run and reports every read of a wrong word, and every port or
+/// buffer word used more than it can be.
+pub(super) fn check(check: &Check<'_>, collector: &mut Collector<'_>) {
+    let elements = check.schedule.element_count() as usize;
+    let mut replay = Replay {
+        check,
+        collector,
+        memories: memories(check, elements),
+        memory_ports: vec![Port::default(); 3 * elements],
+        buffers: buffers(check, elements),
+        buffer_ports: vec![Port::default(); elements],
+    };
+    replay.preload();
+    replay.run();
+    replay.homes();
+}
+
+/// Words by address; far addresses go through a map, so that a few of them
+/// cost no memory.
+struct Words<Content> {
+    dense: Vec<Content>,
+    sparse: HashMap<u32, Content, FxBuildHasher>,
+}
+
+impl<Content: Copy + Default> Words<Content> {
+    /// Room for the words used, unless they lie far apart.
+    fn with(extent: Extent) -> Words<Content> {
+        let dense = match extent.words <= 8 * extent.uses + 64 {
+            true => extent.words as usize,
+            false => 0,
+        };
+        Words {
+            dense: vec![Content::default(); dense],
+            sparse: HashMap::default(),
+        }
+    }
+
+    fn get(&self, address: u32) -> Content {
+        match self.dense.get(address as usize) {
+            Some(content) => *content,
+            None => self.sparse.get(&address).copied().unwrap_or_default(),
+        }
+    }
+
+    fn at(&mut self, address: u32) -> &mut Content {
+        match self.dense.get_mut(address as usize) {
+            Some(content) => content,
+            None => self.sparse.entry(address).or_default(),
+        }
+    }
+}
+
+/// How much of a memory is used.
+#[derive(Clone, Copy, Default)]
+struct Extent {
+    /// The largest address and one.
+    words: u64,
+    uses: u64,
+}
+
+impl Extent {
+    fn add(&mut self, address: u32) {
+        self.words = self.words.max(u64::from(address) + 1);
+        self.uses += 1;
+    }
+}
+
+/// A word of a memory.
+#[derive(Clone, Copy)]
+struct Cell {
+    operand: Operand,
+    /// The cycle after the last write, 0 before the first.
+    readable: u64,
+}
+
+impl Default for Cell {
+    fn default() -> Cell {
+        Cell {
+            operand: Operand::NONE,
+            readable: 0,
+        }
+    }
+}
+
+/// A word of a buffer.
+#[derive(Clone, Copy, Default)]
+struct Stay {
+    /// The value it was last taken for, if `to` is not 0.
+    value: u32,
+    /// The last cycle in which the value is read from here.
+    to: u64,
+    /// The cycle after the last read.
+    read: u64,
+}
+
+/// Uses of a port in one cycle.
+#[derive(Clone, Copy, Default)]
+struct Port {
+    cycle: u64,
+    uses: u32,
+}
+
+impl Port {
+    /// Counts a use and returns how many there are in the cycle.
+    fn take(&mut self, cycle: u64) -> u32 {
+        if self.cycle != cycle {
+            *self = Port { cycle, uses: 0 };
+        }
+        self.uses = self.uses.saturating_add(1);
+        self.uses
+    }
+}
+
+struct Replay<'c, 'a, 'v> {
+    check: &'c Check<'a>,
+    collector: &'c mut Collector<'v>,
+    /// Three banks for every processing element.
+    memories: Vec<Words<Cell>>,
+    memory_ports: Vec<Port>,
+    buffers: Vec<Words<Stay>>,
+    buffer_ports: Vec<Port>,
+}
+
+fn memory(word: Word) -> usize {
+    let bank = match word.bank {
+        Bank::Unified => 0,
+        Bank::Left => 1,
+        Bank::Right => 2,
+    };
+    3 * word.element as usize + bank
+}
+
+fn memories(check: &Check<'_>, elements: usize) -> Vec<Words<Cell>> {
+    let mut extents = vec![Extent::default(); 3 * elements];
+    let preloads = check.placement.preloads.iter().map(|preload| preload.word);
+    let writes = check.placement.writes.iter().map(|write| write.word);
+    for word in preloads.chain(writes) {
+        extents[memory(word)].add(word.address);
+    }
+    extents.into_iter().map(Words::with).collect()
+}
+
+fn buffers(check: &Check<'_>, elements: usize) -> Vec<Words<Stay>> {
+    let mut extents = vec![Extent::default(); elements];
+    for value in check.placed_values() {
+        let word = check.placement.buffers[value.index()];
+        if word != Placement::NONE {
+            extents[check.slot(value).element as usize].add(word);
+        }
+    }
+    extents.into_iter().map(Words::with).collect()
+}
+
+impl Replay<'_, '_, '_> {
+    fn preload(&mut self) {
+        for preload in &self.check.placement.preloads {
+            let word = preload.word;
+            self.memories[memory(word)].at(word.address).operand = preload.operand;
+        }
+    }
+
+    fn run(&mut self) {
+        let check = self.check;
+        let key = |cycle: u32, index: usize| u64::from(cycle) << 32 | index as u64;
+        let starts = check.placed_values();
+        let mut starts: Vec<u64> = starts
+            .map(|value| key(check.slot(value).cycle, value.index()))
+            .collect();
+        starts.sort_unstable();
+        let writes = check.placement.writes.iter().enumerate();
+        let mut writes: Vec<u64> = writes
+            .map(|(index, write)| key(write.cycle, index))
+            .collect();
+        writes.sort_unstable();
+        let owners = self.owners();
+        let mut starts = starts.into_iter().peekable();
+        for write in writes {
+            let cycle = write >> 32;
+            // What starts in the cycle of a write does not see it.
+            while let Some(start) = starts.next_if(|start| start >> 32 <= cycle) {
+                self.start(Value(start as u32));
+            }
+            let index = write as u32 as usize;
+            self.write(cycle, index, Value(owners[index]));
+        }
+        for start in starts {
+            self.start(Value(start as u32));
+        }
+    }
+
+    /// The value of every write.
+    fn owners(&self) -> Vec<u32> {
+        let placement = self.check.placement;
+        let mut owners = Vec::with_capacity(placement.writes.len());
+        for (value, range) in (0..).zip(placement.write_starts.windows(2)) {
+            owners.resize(range[1] as usize, value);
+        }
+        owners
+    }
+
+    fn start(&mut self, value: Value) {
+        let check = self.check;
+        let operands = check.view.function.node(value).operands();
+        for (side, &operand) in operands.iter().enumerate() {
+            let word = check.read_word(value, side);
+            let held = self.memories[memory(word)].get(word.address).operand;
+            if held != operand {
+                let cycle = check.slot(value).cycle;
+                self.collector.value(value, || {
+                    let operand = describe_operand(check.view, operand);
+                    let (word, held) = (check.name(word), holds(check, held));
+                    format!("reads {operand} at cycle {cycle} from {word}, which then {held}")
+                });
+            }
+        }
+        self.enter_buffer(value);
+    }
+
+    /// A buffer word is taken by the values of its element in the order in
+    /// which they start, since all take as many stages.
+    fn enter_buffer(&mut self, value: Value) {
+        let check = self.check;
+        let word = check.placement.buffers[value.index()];
+        if word == Placement::NONE {
+            return;
+        }
+        let from = check.write_back(value);
+        let writes = check.placement.writes_of(value).iter();
+        let last = writes.map(|write| u64::from(write.cycle)).max();
+        let element = check.slot(value).element as usize;
+        let stay = self.buffers[element].at(word);
+        if stay.to >= from {
+            let (other, to) = (Value(stay.value), stay.to);
+            self.collector.value(value, || {
+                let other = describe(check.view, other);
+                format!(
+                    "takes buffer word {word} at cycle {from}, but {other} stays there until {to}"
+                )
+            });
+        }
+        stay.value = value.0;
+        stay.to = last.unwrap_or(from).max(from);
+    }
+
+    fn write(&mut self, cycle: u64, index: usize, value: Value) {
+        let check = self.check;
+        let word = check.placement.writes[index].word;
+        let limit = check.machine.memory.writes.unwrap_or(u32::MAX);
+        if self.memory_ports[memory(word)].take(cycle) == limit.saturating_add(1) {
+            let name = check.name(word);
+            let name = name.split('[').next().unwrap_or_default();
+            self.collector.value(value, || {
+                format!("is one word too many for {name} at cycle {cycle}, which takes {limit}")
+            });
+        }
+        let cell = self.memories[memory(word)].at(word.address);
+        if cell.readable == cycle + 1 {
+            let other = cell.operand;
+            self.collector.value(value, || {
+                let (name, other) = (check.name(word), describe_operand(check.view, other));
+                format!("is written to {name} at cycle {cycle}, and so is {other}")
+            });
+        }
+        *cell = Cell {
+            operand: value.into(),
+            readable: cycle + 1,
+        };
+        if cycle > check.write_back(value) {
+            self.read_buffer(cycle, value);
+        }
+    }
+
+    /// One word of a buffer reaches any number of memories in a cycle.
+    fn read_buffer(&mut self, cycle: u64, value: Value) {
+        let word = self.check.placement.buffers[value.index()];
+        let element = self.check.slot(value).element;
+        let buffer = self.check.machine.buffer;
+        let Some(limit) = buffer.and_then(|buffer| buffer.reads) else {
+            return;
+        };
+        if word == Placement::NONE {
+            return;
+        }
+        let stay = self.buffers[element as usize].at(word);
+        if stay.read == cycle + 1 {
+            return;
+        }
+        stay.read = cycle + 1;
+        if self.buffer_ports[element as usize].take(cycle) == limit.saturating_add(1) {
+            let (kind, number) = self.check.schedule.element_name(element);
+            self.collector.add(Subject::Schedule, || {
+                format!(
+                    "more words of the buffer of {kind}{number} are read at cycle {cycle} than the {limit} it hands out"
+                )
+            });
+        }
+    }
+
+    fn homes(&mut self) {
+        let check = self.check;
+        for (index, assignment) in check.view.function.assignments.iter().enumerate() {
+            let Some(word) = check.placement.homes[index] else {
+                continue;
+            };
+            let held = self.memories[memory(word)].get(word.address).operand;
+            if held != assignment.operand {
+                self.collector.assignment(index, || {
+                    let operand = describe_operand(check.view, assignment.operand);
+                    let (word, held) = (check.name(word), holds(check, held));
+                    format!("({operand}) should stay in {word}, which at the end {held}")
+                });
+            }
+        }
+    }
+}
+
+fn holds(check: &Check<'_>, held: Operand) -> String {
+    match held.kind() {
+        OperandKind::None => "holds nothing yet".to_owned(),
+        _ => format!("holds {}", describe_operand(check.view, held)),
+    }
+}
