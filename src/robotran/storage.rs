@@ -20,8 +20,9 @@ const LARGEST_STORAGE: u64 = 4_000_000;
 /// What an element holds before the function writes it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Initial {
-    /// What the caller put there: the input array of this number.
-    Input(u32),
+    /// What the caller put there: the same element of the input array of this
+    /// name.
+    Input(Symbol),
     /// Zero: `M = zeros(6,6)`.
     Zero,
     /// Nothing: a local array of C.
@@ -52,8 +53,9 @@ pub(super) struct Storage {
     aliases: HashMap<Name, Name, FxBuildHasher>,
     /// Matlab's `frc = s.frc`: the copy and the original.
     copies: Vec<(Name, Name)>,
-    /// Matlab's `frc` beside `s.frc`, copied or not.
-    namesakes: Vec<(Name, Name)>,
+    /// The extents of the input arrays; several arrays may begin as the same
+    /// one (Matlab's `frc` and `s.frc`).
+    input_shapes: HashMap<Symbol, Shape, FxBuildHasher>,
     joined: bool,
 }
 
@@ -126,7 +128,8 @@ struct Use {
 }
 
 impl StorageBuilder<'_> {
-    /// The storage; errors and warnings are left in the builder.
+    /// The storage, of use only without errors; these and the warnings are
+    /// left in the builder.
     pub(super) fn build(&mut self) -> Storage {
         let mut storage = Storage {
             joined: self.language != Language::Matlab,
@@ -135,8 +138,12 @@ impl StorageBuilder<'_> {
         self.find_aliases(&mut storage);
         let uses = self.collect_uses(&mut storage);
         self.lay_out(&mut storage, &uses);
+        if !self.errors.is_empty() {
+            return storage;
+        }
         self.replace_elements(&mut storage);
         self.find_initials(&mut storage);
+        self.find_input_shapes(&mut storage, &uses);
         storage
     }
 
@@ -193,7 +200,7 @@ impl StorageBuilder<'_> {
             let rank = if element.column == 0 { 1 } else { 2 };
             let used = &mut uses[number as usize];
             if used.rank != 0 && used.rank != rank {
-                self.wrong_rank(index);
+                self.wrong_rank(index, element.name);
                 continue;
             }
             used.rank = rank;
@@ -213,39 +220,7 @@ impl StorageBuilder<'_> {
             }
         }
         self.add_results(storage, &mut uses);
-        self.pair_namesakes(storage);
-        // A copy and its original have one shape, and both exist.
-        let pairs = [storage.namesakes.clone(), storage.copies.clone()];
-        for (copy, original) in pairs.into_iter().flatten() {
-            let Some(copy) = storage.find(copy) else {
-                continue;
-            };
-            let original = storage.number(original, &mut uses);
-            let (left, right) = (uses[copy as usize], uses[original as usize]);
-            let joint = Use {
-                rank: left.rank.max(right.rank),
-                rows: left.rows.max(right.rows),
-                columns: left.columns.max(right.columns),
-            };
-            uses[copy as usize] = joint;
-            uses[original as usize] = joint;
-        }
         uses
-    }
-
-    /// A Matlab function may read `s.frc` and a parameter `frc`: both begin
-    /// as the same input.
-    fn pair_namesakes(&self, storage: &mut Storage) {
-        for name in storage.names.clone() {
-            let local = Name::local(name.symbol());
-            if name.is_of_data() && storage.find(local).is_some() {
-                storage.namesakes.push((local, name));
-            }
-        }
-        // In C and Python the two are one array.
-        if storage.joined {
-            storage.namesakes.clear();
-        }
     }
 
     /// The result of an external force has nine numbers.
@@ -319,9 +294,6 @@ impl StorageBuilder<'_> {
     }
 
     fn replace_elements(&mut self, storage: &mut Storage) {
-        if storage.len == 0 {
-            return;
-        }
         let mut last = (Name::local(Symbol(u32::MAX >> 1)), 0);
         for index in self.elements.clone() {
             let element = self.syntax.elements[index];
@@ -342,11 +314,9 @@ impl StorageBuilder<'_> {
     }
 
     fn find_initials(&mut self, storage: &mut Storage) {
-        for number in 0..storage.arrays.len() {
-            storage.arrays[number].initial = Initial::Input(number as u32);
+        for array in &mut storage.arrays {
+            array.initial = Initial::Input(array.name.symbol());
         }
-        let namesakes = std::mem::take(&mut storage.namesakes);
-        storage.set_originals(&namesakes);
         for statement in &self.syntax.statements[self.statements.clone()] {
             if let Kind::Extent(extent) = statement.kind
                 && let extent = self.syntax.extents[extent as usize]
@@ -371,8 +341,35 @@ impl StorageBuilder<'_> {
                 storage.arrays[number].local = name.is_of_data() || !visible;
             }
         }
-        let copies = std::mem::take(&mut storage.copies);
-        storage.set_originals(&copies);
+        for (copy, original) in std::mem::take(&mut storage.copies) {
+            if let Some(copy) = storage.find(copy) {
+                storage.arrays[copy as usize].initial = Initial::Input(original.symbol());
+            }
+        }
+    }
+
+    fn find_input_shapes(&mut self, storage: &mut Storage, uses: &[Use]) {
+        for (number, used) in uses.iter().enumerate() {
+            let array = storage.arrays[number];
+            let Initial::Input(name) = array.initial else {
+                continue;
+            };
+            if used.rank == 0 {
+                continue;
+            }
+            let known = storage.input_shapes.entry(name).or_insert(array.shape);
+            *known = match (*known, array.shape) {
+                (Shape::Vector(a), Shape::Vector(b)) => Shape::Vector(a.max(b)),
+                (Shape::Matrix(a, b), Shape::Matrix(c, d)) => Shape::Matrix(a.max(c), b.max(d)),
+                _ => {
+                    let mut elements = self.elements.clone();
+                    let first =
+                        elements.find(|&index| self.syntax.elements[index].column == number as u32);
+                    self.wrong_rank(first.unwrap_or(0), array.name);
+                    return;
+                }
+            };
+        }
     }
 
     /// True for an array the caller sees: a parameter or a result.
@@ -406,11 +403,9 @@ impl StorageBuilder<'_> {
         ));
     }
 
-    fn wrong_rank(&mut self, element: usize) {
+    fn wrong_rank(&mut self, element: usize, name: Name) {
         let span = statement_of_element(self.syntax, self.statements.clone(), element as u32);
-        let name = self
-            .symbols
-            .text(self.syntax.elements[element].name.symbol());
+        let name = self.symbols.text(name.symbol());
         self.errors.push(refusal(
             &format!("`{name}` is used with one index and with two"),
             span,
@@ -421,13 +416,9 @@ impl StorageBuilder<'_> {
 }
 
 impl Storage {
-    /// Makes copies begin as their originals.
-    fn set_originals(&mut self, pairs: &[(Name, Name)]) {
-        for &(copy, original) in pairs {
-            if let (Some(copy), Some(original)) = (self.find(copy), self.find(original)) {
-                self.arrays[copy as usize].initial = Initial::Input(original);
-            }
-        }
+    /// The extent of an input array.
+    pub(super) fn input_shape(&self, name: Symbol) -> Option<Shape> {
+        self.input_shapes.get(&name).copied()
     }
 
     fn number(&mut self, name: Name, uses: &mut Vec<Use>) -> u32 {

@@ -490,9 +490,10 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
 
 /// True for `s->q` and plain words.
 fn is_reference(text: &str) -> bool {
-    let bare = text.replace("->", "_");
-    bare.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-        && bare.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+    text.split("->").all(|word| {
+        word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+            && word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+    })
 }
 
 /// `s->q` or `s.q` as structure and member.

@@ -72,8 +72,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     pub(super) fn scalar_output(&mut self, symbol: Symbol, operand: Operand, sources: SourceSet) {
-        let known = self.function.outputs();
-        if known.iter().any(|array| array.name == symbol) {
+        if !self.declared_outputs.insert(symbol) {
             self.both_scalar_and_array(symbol);
         }
         let array = self.function.add_output(symbol, Shape::Scalar);
@@ -101,7 +100,8 @@ impl Emitter<'_, '_, '_> {
             LeafKind::Scalar(name) => {
                 let symbol = name.symbol();
                 if let Some(array) = self.storage.find(name) {
-                    self.result_array(array);
+                    // A result that no equation reads is an input all the same.
+                    self.declare_input(array);
                 } else {
                     if self.names.is_defined(symbol) && self.crossing.is_none() {
                         self.defined_twice(symbol);
@@ -113,15 +113,6 @@ impl Emitter<'_, '_, '_> {
                 self.shared.tables.symbols.text(symbol).to_owned()
             }
             LeafKind::Node(_) | LeafKind::Number(_) => String::new(),
-        }
-    }
-
-    /// A result that no equation reads is an input all the same.
-    fn result_array(&mut self, number: u32) {
-        let array = self.storage.arrays[number as usize];
-        if self.inputs[number as usize].is_none() {
-            let input = self.function.add_input(array.name.symbol(), array.shape);
-            self.inputs[number as usize] = Some(input);
         }
     }
 

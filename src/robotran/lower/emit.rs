@@ -11,7 +11,7 @@ use crate::robotran::places::Places;
 use crate::robotran::storage::{Initial, Storage};
 use crate::robotran::syntax::{Kind, Leaf, LeafKind, Syntax};
 use crate::robotran::token::{Name as SyntaxName, Span};
-use hashbrown::HashSet;
+use hashbrown::{HashMap, HashSet};
 use robovec_ir::diagnostic::{Diagnostic, Label};
 use robovec_ir::{
     Array, Assignment, Function, Input, Name, Node, Operand, Operation, Output, Shape, SourceSet,
@@ -66,8 +66,10 @@ pub(super) struct Emitter<'e, 'a, 't> {
     pub(super) later: Later,
     pub(super) names: Names,
     /// The input and output array of every stored array.
+    pub(super) declared: HashMap<Symbol, Array, FxBuildHasher>,
     pub(super) inputs: Vec<Option<Array>>,
     pub(super) outputs: Vec<Option<Array>>,
+    pub(super) declared_outputs: SymbolSet,
     /// The value of every element, [`Operand::NONE`] before it is written.
     pub(super) elements: Vec<Operand>,
     /// The elements that became named values, in order of first writing.
@@ -108,8 +110,10 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
             function,
             later: Later::default(),
             names: Names::new(known),
+            declared: HashMap::default(),
             inputs: vec![None; arrays],
             outputs: vec![None; arrays],
+            declared_outputs: SymbolSet::default(),
             elements: vec![Operand::NONE; storage.len],
             named_elements: Vec::new(),
             defined: Vec::new(),
@@ -127,31 +131,37 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
     }
 
     fn declare_inputs(&mut self) {
-        let text = |array: u32| {
-            let name = self.storage.arrays[array as usize].name.symbol();
-            self.shared.tables.symbols.text(name)
-        };
         let rank = |array: u32| {
-            let known = INPUT_ORDER.iter().position(|&known| known == text(array));
+            let text = match self.storage.arrays[array as usize].initial {
+                Initial::Input(name) => self.shared.tables.symbols.text(name),
+                Initial::Zero | Initial::Nothing => "",
+            };
+            let known = INPUT_ORDER.iter().position(|&known| known == text);
             known.unwrap_or(INPUT_ORDER.len())
         };
         let mut read: Vec<u32> = (0..self.storage.arrays.len() as u32)
             .filter(|&array| self.scan.read[array as usize])
             .collect();
         read.sort_by_key(|&array| rank(array));
-        for number in read {
-            let array = self.storage.arrays[number as usize];
-            // A Matlab file may read both `s.frc` and a parameter `frc`.
-            let same = self
-                .function
-                .inputs()
-                .iter()
-                .find(|input| input.name == array.name.symbol() && input.shape == array.shape);
-            self.inputs[number as usize] = Some(match same {
-                Some(&input) => input,
-                None => self.function.add_input(array.name.symbol(), array.shape),
-            });
+        for array in read {
+            self.declare_input(array);
         }
+    }
+
+    /// Declares the input that an array begins as, unless another array
+    /// begins as the same.
+    pub(super) fn declare_input(&mut self, number: u32) {
+        let array = self.storage.arrays[number as usize];
+        let Initial::Input(name) = array.initial else {
+            return;
+        };
+        let known = self.declared.get(&name).copied();
+        let input = known.unwrap_or_else(|| {
+            let shape = self.storage.input_shape(name).unwrap_or(array.shape);
+            self.function.add_input(name, shape)
+        });
+        self.declared.insert(name, input);
+        self.inputs[number as usize] = Some(input);
     }
 
     /// Outputs in the order of the signature, then of first appearance.
@@ -177,6 +187,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         for number in written {
             let array = self.storage.arrays[number as usize];
             let output = self.function.add_output(array.name.symbol(), array.shape);
+            self.declared_outputs.insert(output.name);
             self.outputs[number as usize] = Some(output);
         }
     }
@@ -290,10 +301,19 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         }
         let stored = self.storage.arrays[array as usize];
         match stored.initial {
-            Initial::Input(home) => match self.inputs[home as usize] {
-                Some(input) => Operand::from(Input(input.offset + (slot - stored.offset))),
-                None => Operand::from(self.function.constant(0.0)),
-            },
+            Initial::Input(_) => {
+                let (indices, rank) = stored.shape.indices(slot - stored.offset);
+                let input = self.inputs[array as usize];
+                // The input is as large as all arrays that begin as it.
+                let place = input.and_then(|input| {
+                    let offset = input.shape.offset(&indices[..rank])?;
+                    Some(Input(input.offset + offset))
+                });
+                match place {
+                    Some(place) => Operand::from(place),
+                    None => Operand::from(self.function.constant(0.0)),
+                }
+            }
             // Reading nothing is an error that the scan has reported.
             Initial::Zero | Initial::Nothing => Operand::from(self.function.constant(0.0)),
         }
@@ -320,11 +340,13 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
     }
 
     pub(super) fn scalar_input(&mut self, symbol: Symbol) -> Operand {
-        let known = self.function.inputs();
-        if known.iter().any(|array| array.name == symbol) {
-            self.both_scalar_and_array(symbol);
+        match self.declared.get(&symbol).map(|array| array.shape) {
+            None => {}
+            Some(Shape::Scalar) => self.defined_twice(symbol),
+            Some(Shape::Vector(_) | Shape::Matrix(..)) => self.both_scalar_and_array(symbol),
         }
         let array = self.function.add_input(symbol, Shape::Scalar);
+        self.declared.insert(symbol, array);
         let operand = Operand::from(Input(array.offset));
         self.set_definition(symbol, operand);
         operand

@@ -126,7 +126,7 @@ impl Scanner<'_> {
             ));
         }
         match self.storage.arrays[array].initial {
-            Initial::Input(home) => self.scan.read[home as usize] = true,
+            Initial::Input(_) => self.scan.read[array] = true,
             Initial::Zero => {}
             Initial::Nothing => self.scan.errors.push(refusal(
                 "an element of a local array is read before it is written",

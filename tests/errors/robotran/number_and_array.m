@@ -1,0 +1,2 @@
+function [Qq] = invdyna(s,tsim,q)
+  Qq(1) = s.q(1)*q;
