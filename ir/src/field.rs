@@ -21,9 +21,9 @@
 //!   use, `sin(0) = 0`, `cos(0) = 1`, `sin(-x) = -sin(x)`, `cos(-x) = cos(x)`,
 //!   and on the circle also `sin² + cos² = 1`. The theorems for sums of
 //!   angles do not hold.
-//! - `sqrt` is drawn likewise, with `sqrt(0) = 0` and `sqrt(1) = 1` and no
-//!   other law: `sqrt(x)*sqrt(x)` is not `x` here, so the field may reject a
-//!   true identity of square roots, and never accepts a false one for it.
+//! - `sqrt` is drawn likewise and has no law but that the roots of squares of
+//!   short literals are right (`sqrt(2.25) = 1.5`): `sqrt(x)*sqrt(x)` is not
+//!   `x` here, so the field may reject a true identity of square roots.
 
 use crate::arithmetic::Arithmetic;
 
@@ -190,11 +190,10 @@ impl Arithmetic for PrimeField {
     }
 
     fn sqrt(&self, a: u64) -> u64 {
-        match a {
-            0 | 1 => a,
-            a if PrimeField::is_undefined(a) => PrimeField::UNDEFINED,
-            a => self.draw(a, Role::Root),
+        if PrimeField::is_undefined(a) {
+            return PrimeField::UNDEFINED;
         }
+        exact_root(a).unwrap_or_else(|| self.draw(a, Role::Root))
     }
 }
 
@@ -256,6 +255,18 @@ fn invert(a: u64) -> u64 {
     let ones57 = join(ones54, 3, ones3);
     let ones59 = join(ones57, 2, ones2);
     join(ones59, 2, a)
+}
+
+/// The root of an element that is the square of a short literal: of
+/// `m * 2ᵉ` with `m` below 2¹² and `e` from −15 to 15. One element in 2³²
+/// looks like one by accident.
+fn exact_root(a: u64) -> Option<u64> {
+    let power = |exponent: i32| 1u64 << exponent.rem_euclid(61);
+    (-15..=15).find_map(|exponent| {
+        let square = multiply(a, power(-2 * exponent));
+        let root = square.isqrt();
+        (root < 1 << 12 && root * root == square).then(|| multiply(root, power(exponent)))
+    })
 }
 
 /// A permutation of the 64-bit numbers in which every bit of the argument
@@ -362,6 +373,19 @@ mod tests {
             assert_eq!(FIELD.sin(a) == other.sin(a), a == 0);
         }
         assert_eq!((FIELD.cos(0), plane.cos(0), plane.sin(0)), (1, 1, 0));
+    }
+
+    #[test]
+    fn roots_of_short_literals_are_right() {
+        for root in [0.0, 1.0, 2.0, 3.0, 0.5, 1.5, 0.25, 4095.0, 40.0] {
+            let square = FIELD.literal(root * root);
+            assert_eq!(FIELD.sqrt(square), FIELD.literal(root), "{root}");
+        }
+        for number in [2.0, 3.0, 0.1, -1.0, -4.0] {
+            let root = FIELD.sqrt(FIELD.literal(number));
+            let other = PrimeField { seed: 8, ..FIELD };
+            assert_ne!(root, other.sqrt(FIELD.literal(number)), "{number}");
+        }
     }
 
     #[test]

@@ -14,7 +14,8 @@
 //!   in double-double instead, with a tolerance;
 //! - *exact*: all outputs are also bit-equal in binary64 and binary32 at
 //!   random states, save that zeros of either sign are equal (a minus becomes
-//!   `0 - x`) and that outputs on whose way something was infinite or NaN may become anything;
+//!   `0 - x`) and that outputs on whose way something was infinite or NaN may
+//!   become anything (`0*x` becomes `0`);
 //! - *approximating*: nothing is demanded, but the distance between the
 //!   versions is measured in double-double.
 //!
@@ -52,8 +53,8 @@ pub struct Verdict {
     pub seed: u64,
     /// The first output that breaks the claim; `None` when it holds.
     pub failure: Option<Failure>,
-    /// Outputs that divide by zero at every point, before and after: these
-    /// were compared in double-double only.
+    /// Outputs that divide by zero at every point before: these were compared
+    /// in double-double only, where that gives a number.
     pub undefined: u32,
     /// Rounding errors in binary32 and binary64; `None` after a failure,
     /// when comparing them means nothing.
