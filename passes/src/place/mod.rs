@@ -62,6 +62,9 @@ const WORK_BUDGET: usize = 300_000;
 /// cycle, in bytes.
 const LARGEST_TABLE: u64 = 1 << 30;
 
+/// The most orders tried for small programs.
+const MOST_TRIES: usize = 40;
+
 /// What a sweep visits an operation for, in units of a list schedule.
 const SWEEP_COST: usize = 4;
 
@@ -207,32 +210,77 @@ impl Search<'_> {
 
     /// See [`Priority::Best`].
     fn best(&mut self, fan_out: &Order) {
-        let Task {
-            function,
-            graph,
-            target,
-            ..
-        } = self.task;
         self.sweep("fan-out", fan_out);
-        let mut budget = WORK_BUDGET / graph.operations().max(1);
-        let mut name = "alap";
-        let mut next = Order::alap(graph);
-        while self.best_cycles() > target && budget > SWEEP_COST + 2 {
-            self.tries += 1;
-            budget -= 2;
-            let schedule = list::forward(graph, &next);
-            if schedule.cycles < self.best_cycles() {
-                budget -= SWEEP_COST;
-                self.sweep(name, &next);
+        if self.best_cycles() > self.task.target {
+            let graph = self.task.graph;
+            let budget = (WORK_BUDGET / graph.operations().max(1)).min(MOST_TRIES);
+            let trials = Trials::run(&self.task, budget.saturating_sub(SWEEP_COST));
+            self.tries += trials.tries;
+            if let Some((cycles, name, order)) = trials.best
+                && cycles < self.best_cycles()
+            {
+                self.sweep(name, &order);
             }
-            // What is late in a schedule from the end must be early here.
-            let mirrored = Order::by_key(graph, |node| u64::from(schedule.issue[node]));
-            let backward = list::backward(graph, function, &mirror(&mirrored, graph));
-            name = "backward";
-            next = Order::by_key(graph, |node| {
-                u64::from(backward.cycles - backward.issue[node])
-            });
         }
+    }
+}
+
+/// Orders tried without memories.
+struct Trials<'a> {
+    task: &'a Task<'a>,
+    budget: usize,
+    tries: u32,
+    best: Option<(u32, &'static str, Order)>,
+}
+
+impl<'a> Trials<'a> {
+    /// Tries orders, from the simple to the elaborate, until one reaches the
+    /// bound or `budget` schedules have been made.
+    fn run(task: &'a Task<'a>, budget: usize) -> Trials<'a> {
+        let mut trials = Trials {
+            task,
+            budget,
+            tries: 0,
+            best: None,
+        };
+        let graph = task.graph;
+        trials.schedule("alap", || Order::alap(graph));
+        for share in [32, 8, 64, 16, 128] {
+            trials.schedule("program", || Order::towards_program(graph, share));
+        }
+        let mut schedule = list::forward(graph, &Order::fan_out(graph));
+        while trials.budget > 0 {
+            // What is late in a schedule from the end must be early here.
+            let late = |node: usize| u64::from(u32::MAX - schedule.issue[node]);
+            let backward = list::backward(graph, task.function, &Order::by_key(graph, late));
+            trials.budget = trials.budget.saturating_sub(1);
+            let early = |node: usize| u64::from(backward.cycles - backward.issue[node]);
+            match trials.schedule("backward", || Order::by_key(graph, early)) {
+                Some(next) if next.issue != schedule.issue => schedule = next,
+                _ => break,
+            }
+        }
+        trials
+    }
+
+    fn schedule(
+        &mut self,
+        name: &'static str,
+        order: impl Fn() -> Order,
+    ) -> Option<list::ListSchedule> {
+        let least = self.best.as_ref().map_or(u32::MAX, |&(least, _, _)| least);
+        if self.budget == 0 || least <= self.task.target {
+            self.budget = 0;
+            return None;
+        }
+        self.budget -= 1;
+        self.tries += 1;
+        let order = order();
+        let schedule = list::forward(self.task.graph, &order);
+        if schedule.cycles < least {
+            self.best = Some((schedule.cycles, name, order));
+        }
+        Some(schedule)
     }
 }
 
@@ -263,9 +311,4 @@ impl Candidate {
             order,
         })
     }
-}
-
-/// The order with every rank turned round.
-fn mirror(order: &Order, graph: &Graph) -> Order {
-    Order::by_key(graph, |node| u64::from(u32::MAX - order.rank[node]))
 }

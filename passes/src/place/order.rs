@@ -7,10 +7,10 @@ option_words! {
     /// How list scheduling ranks the operations (thesis 2.2 and 2.3.1).
     #[derive(Default)]
     pub enum Priority {
-        /// Starts with [`Priority::FanOut`]; while the schedule is longer
-        /// than the bound and the work budget lasts, tries
-        /// [`Priority::Alap`] and the orders that schedules from the end
-        /// backwards suggest, and keeps the shortest.
+        /// [`Priority::FanOut`]; where its schedule is longer than the bound
+        /// and the program small enough, also [`Priority::Alap`], orders
+        /// between it and program order, and those that schedules from the
+        /// end backwards suggest: the shortest is kept.
         #[default]
         Best = "best",
         /// The thesis' "classical" order: ALAPCycle, then ASAPCycle.
@@ -73,6 +73,23 @@ impl Order {
         Order::by_key(graph, |node| {
             let readers = graph.users_of(node).len() as u32;
             pair(graph.path - graph.tail[node], u32::MAX - readers)
+        })
+    }
+}
+
+impl Order {
+    /// ALAPCycle plus `share / 64` of the place in program order, both on the
+    /// scale of the longest chain.
+    ///
+    /// Pure ALAPCycle does all of one stage before the next; where stages
+    /// consist of additions or of products mostly, the other elements idle.
+    /// The program as written goes through the stages of one body after the
+    /// other, so that leaning towards it mixes the kinds.
+    pub(super) fn towards_program(graph: &Graph, share: u64) -> Order {
+        let nodes = graph.kind.len().max(1) as u64;
+        Order::by_key(graph, |node| {
+            let place = node as u64 * u64::from(graph.path) / nodes;
+            u64::from(graph.path - graph.tail[node]) * 64 + place * share
         })
     }
 }
