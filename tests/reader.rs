@@ -124,6 +124,34 @@ fn a_million_parentheses_are_refused() {
     }
 }
 
+#[test]
+fn hostile_structures_take_no_more_than_linear_time() {
+    let head = "void mbs_sensor(MbsSensor *sens, MbsData *s, int isens)\n{\n";
+    let switch = format!("{head}A1 = q[1];\nswitch(isens)\n{{\n");
+    let repeated: [(&str, &str, &str); 9] = [
+        (head, "{a=1;", ""),
+        (head, "if(a){b=1;", ""),
+        (head, "if(a){b=q[1000];}", "}"),
+        (&switch, "case 1: case 2: P[1] = 1;\n", ""),
+        (head, "#ifdef A\n", ""),
+        (head, "#define AA s->b\n", "}"),
+        ("", "void f(){a=q[1];}\n", ""),
+        ("% \u{e9}\nfunction [c] = f(s)\n", "a = q(1);", "\n"),
+        ("function [c] = f(s)\n", "a = s.a;", "\n"),
+    ];
+    for (before, piece, after) in repeated {
+        let text = format!("{before}{}{after}", piece.repeat((1 << 20) / piece.len()));
+        let start = std::time::Instant::now();
+        let _ = read("hostile", text.as_bytes(), None);
+        let elapsed = start.elapsed();
+        assert!(elapsed.as_secs() < 20, "{piece}: {elapsed:?}");
+    }
+    let cases: String = (1..40_000)
+        .map(|case| format!("case {case}: P[1] = A1; break;\n"))
+        .collect();
+    assert!(read_text(&format!("{switch}{cases}}}}}\n"), Language::C).is_err());
+}
+
 fn example_files() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files: Vec<PathBuf> = ["examples/suspension", "examples/thesis", "tests/parse"]

@@ -45,7 +45,7 @@ use robovec_ir::diagnostic::{Diagnostic, Report};
 use robovec_ir::{Module, Symbols};
 use std::fmt;
 
-/// No more errors than this are reported for one file.
+/// No more errors, and no more warnings, than this are reported for one file.
 const ERROR_LIMIT: usize = 20;
 
 /// A language Robotran writes.
@@ -154,6 +154,8 @@ pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read
     let syntax = parse(&text, language, &mut module.tables.symbols)
         .map_err(|errors| fail(&text, limited(errors, Vec::new())))?;
     let (module, errors, warnings) = build(name, &text, language, module, syntax);
+    let mut warnings = warnings;
+    warnings.truncate(ERROR_LIMIT);
     if errors.is_empty() {
         let shown = if warnings.is_empty() { "" } else { &text };
         return Ok(Read {
@@ -291,6 +293,8 @@ fn build(
         module,
         errors,
         warnings: Vec::new(),
+        guard: None,
+        work: 0,
     };
     lowering.run(&blocks);
     (lowering.module, lowering.errors, lowering.warnings)

@@ -10,6 +10,9 @@ pub(super) struct Places<'t> {
     starts: Vec<u32>,
     /// The line found last, from 0.
     line: usize,
+    /// The byte whose column was counted last, and its column, from 0: a long
+    /// line is counted once.
+    counted: (u32, u32),
     ascii: bool,
     file: u32,
 }
@@ -25,6 +28,7 @@ impl<'t> Places<'t> {
             text,
             starts: std::iter::once(0).chain(after_breaks).collect(),
             line: 0,
+            counted: (0, 0),
             ascii: text.is_ascii(),
             file,
         }
@@ -50,8 +54,14 @@ impl<'t> Places<'t> {
         let column = if self.ascii {
             byte - start
         } else {
-            let before = self.text.get(start as usize..byte as usize);
-            before.map_or(0, |text| text.chars().count() as u32)
+            let (from, known) = match self.counted {
+                (from, known) if from >= start && from <= byte => (from, known),
+                _ => (start, 0),
+            };
+            let between = self.text.get(from as usize..byte as usize);
+            let column = known + between.map_or(0, |text| text.chars().count() as u32);
+            self.counted = (byte, column);
+            column
         };
         (self.line as u32 + 1, column + 1)
     }

@@ -67,6 +67,8 @@ enum Block {
     Switch {
         cases: Vec<u32>,
         dead: bool,
+        /// The current case has statements.
+        filled: bool,
     },
     SensorCase(u32),
     Control(Span),
@@ -80,6 +82,10 @@ struct Open {
     span: Span,
     /// True for the body of an `if` without braces.
     single: bool,
+    /// The place in the stack of the innermost block that is not plain.
+    meaning: usize,
+    /// Inside a switch or a sensor case; inside a loop or condition.
+    inside: (bool, bool),
 }
 
 /// Cuts a file into functions.
@@ -146,6 +152,7 @@ impl Cutter<'_> {
                 Block::Switch {
                     cases: Vec::new(),
                     dead: false,
+                    filled: false,
                 },
                 span,
                 column,
@@ -289,14 +296,8 @@ impl Cutter<'_> {
     }
 
     fn block(&mut self, block: Block, span: Span, column: u32, selector: Option<Name>) {
-        let nested = self
-            .stack
-            .iter()
-            .any(|open| matches!(open.block, Block::SensorCase(_) | Block::Switch { .. }));
-        let inside_control = self
-            .stack
-            .iter()
-            .any(|open| matches!(open.block, Block::Control(_)));
+        let outer = self.stack.last();
+        let (nested, inside_control) = outer.map_or((false, false), |open| open.inside);
         let sensor = matches!(block, Block::SensorCase(_) | Block::Switch { .. });
         if nested || (sensor && inside_control) {
             self.errors.push(refusal(
@@ -329,11 +330,21 @@ impl Cutter<'_> {
 
     fn open(&mut self, block: Block, column: u32, span: Span, single: bool) {
         self.end_run();
+        let outer = self.stack.last();
+        let (sensor, control) = outer.map_or((false, false), |open| open.inside);
+        let is_sensor = matches!(block, Block::SensorCase(_) | Block::Switch { .. });
+        let is_control = matches!(block, Block::Control(_));
+        let meaning = match (&block, outer) {
+            (Block::Plain, Some(outer)) => outer.meaning,
+            _ => self.stack.len(),
+        };
         self.stack.push(Open {
             block,
             column,
             span,
             single,
+            meaning,
+            inside: (sensor || is_sensor, control || is_control),
         });
     }
 
@@ -394,14 +405,28 @@ impl Cutter<'_> {
         let fresh = self.language == Language::Matlab;
         match self.stack.last_mut() {
             Some(Open {
-                block: Block::Switch { cases, dead },
+                block:
+                    Block::Switch {
+                        cases,
+                        dead,
+                        filled,
+                    },
                 ..
             }) => {
                 if fresh || *dead {
                     cases.clear();
+                } else if *filled {
+                    self.errors.push(refusal(
+                        "a case that runs into the next one",
+                        span,
+                        "the case before has no `break`",
+                        "end every case with `break;`",
+                    ));
+                    return;
                 }
                 cases.push(number);
                 *dead = false;
+                *filled = false;
             }
             _ => self.misplaced(span),
         }
@@ -411,7 +436,7 @@ impl Cutter<'_> {
         self.end_run();
         match self.stack.last_mut() {
             Some(Open {
-                block: Block::Switch { cases, dead },
+                block: Block::Switch { cases, dead, .. },
                 ..
             }) => {
                 cases.clear();
@@ -424,7 +449,7 @@ impl Cutter<'_> {
     fn leave(&mut self) {
         self.end_run();
         if let Some(Open {
-            block: Block::Switch { cases, dead },
+            block: Block::Switch { cases, dead, .. },
             ..
         }) = self.stack.last_mut()
         {
@@ -438,17 +463,15 @@ impl Cutter<'_> {
         if self.returned {
             return Region::Dead;
         }
-        for open in self.stack.iter().rev() {
-            match &open.block {
-                Block::Function | Block::Plain => {}
-                Block::Switch { cases, dead } if *dead || cases.is_empty() => return Region::Dead,
-                Block::Switch { cases, .. } => return Region::Cases(cases.clone()),
-                Block::SensorCase(number) => return Region::Cases(vec![*number]),
-                Block::Control(span) => return Region::Control(*span),
-                Block::Dead => return Region::Dead,
-            }
+        let innermost = self.stack.last().map(|open| open.meaning);
+        match innermost.map(|place| &self.stack[place].block) {
+            None | Some(Block::Function | Block::Plain) => Region::Common,
+            Some(Block::Switch { cases, dead, .. }) if *dead || cases.is_empty() => Region::Dead,
+            Some(Block::Switch { cases, .. }) => Region::Cases(cases.clone()),
+            Some(Block::SensorCase(number)) => Region::Cases(vec![*number]),
+            Some(Block::Control(span)) => Region::Control(*span),
+            Some(Block::Dead) => Region::Dead,
         }
-        Region::Common
     }
 
     fn plain(&mut self, index: usize, span: Span) {
@@ -476,6 +499,13 @@ impl Cutter<'_> {
                 ));
             }
             return;
+        }
+        if let Some(Open {
+            block: Block::Switch { filled, .. },
+            ..
+        }) = self.stack.last_mut()
+        {
+            *filled = true;
         }
         self.current = Some(Run {
             region: self.region(),

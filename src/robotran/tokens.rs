@@ -8,8 +8,10 @@
 use super::Language;
 use super::raw::{Raw, Surface};
 use super::token::{Element, Name, Span, Token};
+use hashbrown::{HashMap, HashSet};
 use logos::Lexer;
 use robovec_ir::{Operation, Symbol, Symbols};
+use rustc_hash::FxBuildHasher;
 
 /// The largest index of an array element; more is taken for a slip.
 pub(super) const LARGEST_INDEX: u32 = 1_000_000;
@@ -45,8 +47,10 @@ pub(super) struct Tokens<'s, 't, L: Surface<'s>> {
     recent: [Option<Spanned>; 2],
     /// For every `#if` that is open: whether its text counts.
     conditions: Vec<bool>,
-    macros: Vec<(Symbol, Symbol)>,
-    defined: Vec<&'s str>,
+    /// How many of them are false.
+    skipping: usize,
+    macros: HashMap<Symbol, Symbol, FxBuildHasher>,
+    defined: HashSet<&'s str, FxBuildHasher>,
     buffer: String,
 }
 
@@ -64,8 +68,9 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
             pending: Vec::new(),
             recent: [None; 2],
             conditions: Vec::new(),
-            macros: Vec::new(),
-            defined: Vec::new(),
+            skipping: 0,
+            macros: HashMap::default(),
+            defined: HashSet::default(),
             buffer: String::new(),
         }
     }
@@ -84,7 +89,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
                 return self.finish();
             };
             let span = self.span();
-            let skipped = self.conditions.contains(&false);
+            let skipped = self.skipping > 0;
             let token = match raw.map(Surface::raw) {
                 Ok(Raw::Preprocessor) => match self.preprocessor() {
                     Ok(()) => continue,
@@ -150,6 +155,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         }
         if !self.conditions.is_empty() {
             self.conditions.clear();
+            self.skipping = 0;
             return Some(Err(LexicalError {
                 span: Span { start: end, end },
                 message: "the file ends inside an `#if`",
@@ -237,8 +243,10 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
     }
 
     fn expanded(&self, symbol: Symbol) -> Symbol {
-        let found = self.macros.iter().find(|(name, _)| *name == symbol);
-        found.map_or(symbol, |&(_, replacement)| replacement)
+        if self.macros.is_empty() {
+            return symbol;
+        }
+        self.macros.get(&symbol).copied().unwrap_or(symbol)
     }
 
     fn keyword(&mut self, word: &str) -> Option<Result<Option<Token>, LexicalError>> {
@@ -435,12 +443,17 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         }
     }
 
+    fn begin_condition(&mut self, condition: bool) {
+        self.conditions.push(condition);
+        self.skipping += usize::from(!condition);
+    }
+
     /// Obeys a line of the C preprocessor.
     fn preprocessor(&mut self) -> Result<(), LexicalError> {
         let line = self.lexer.slice()[1..].trim();
         let line = line.split("//").next().unwrap_or_default();
         let mut words = line.split_whitespace();
-        let skipped = self.conditions.contains(&false);
+        let skipped = self.skipping > 0;
         let span = self.span();
         let refuse = |message| {
             Err(LexicalError {
@@ -451,30 +464,39 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         };
         match (words.next().unwrap_or_default(), words.next()) {
             ("include" | "pragma" | "undef" | "line" | "", _) => {}
-            ("ifdef", Some(name)) => self.conditions.push(self.defined.contains(&name)),
-            ("ifndef", Some(name)) => self.conditions.push(!self.defined.contains(&name)),
-            ("if", Some("0")) => self.conditions.push(false),
-            ("if", Some("1")) => self.conditions.push(true),
-            ("if", _) if skipped => self.conditions.push(false),
+            ("ifdef", Some(name)) => self.begin_condition(self.defined.contains(name)),
+            ("ifndef", Some(name)) => self.begin_condition(!self.defined.contains(name)),
+            ("if", Some("0")) => self.begin_condition(false),
+            ("if", Some("1")) => self.begin_condition(true),
+            ("if", _) if skipped => self.begin_condition(false),
             ("else", _) => match self.conditions.last_mut() {
-                Some(condition) => *condition = !*condition,
+                Some(condition) => {
+                    *condition = !*condition;
+                    let was_skipped = *condition;
+                    self.skipping = if was_skipped {
+                        self.skipping - 1
+                    } else {
+                        self.skipping + 1
+                    };
+                }
                 None => return refuse("`#else` without `#if`"),
             },
             ("endif", _) => {
-                if self.conditions.pop().is_none() {
+                let Some(condition) = self.conditions.pop() else {
                     return refuse("`#endif` without `#if`");
-                }
+                };
+                self.skipping -= usize::from(!condition);
             }
             _ if skipped => {}
             ("define", Some(name)) => {
-                self.defined.push(name);
+                self.defined.insert(name);
                 match (words.next(), words.next()) {
                     (None, _) => {}
                     (Some(text), None) if is_reference(text) => {
                         let target = text.rsplit("->").next().unwrap_or(text);
                         let pair = (self.symbols.intern(name), self.symbols.intern(target));
                         if pair.0 != pair.1 {
-                            self.macros.push(pair);
+                            self.macros.insert(pair.0, pair.1);
                         }
                     }
                     // Constants of the solver's loops; a use in an equation

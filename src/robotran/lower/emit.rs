@@ -58,7 +58,7 @@ pub(super) struct Emitter<'e, 'a, 't> {
     pub(super) shared: &'e mut Shared<'a, 't>,
     pub(super) storage: &'e Storage,
     pub(super) scan: &'e Scan,
-    pub(super) parameters: &'e [SyntaxName],
+    pub(super) parameters: HashMap<SyntaxName, usize, FxBuildHasher>,
     pub(super) counters: &'e SymbolSet,
     /// `None` for a whole function.
     pub(super) crossing: Option<&'e Crossing>,
@@ -104,7 +104,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
             shared,
             storage,
             scan,
-            parameters,
+            parameters: parameters.iter().copied().zip(0..).collect(),
             counters,
             crossing,
             function,
@@ -168,11 +168,8 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
     fn declare_outputs(&mut self) {
         let rank = |array: &u32| {
             let name = self.storage.arrays[*array as usize].name;
-            let place = self
-                .parameters
-                .iter()
-                .position(|&parameter| parameter == name);
-            place.unwrap_or(self.parameters.len())
+            let place = self.parameters.get(&name);
+            place.copied().unwrap_or(usize::MAX)
         };
         let mut written: Vec<u32> = (0..self.storage.arrays.len() as u32)
             .filter(|&array| {
@@ -326,7 +323,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
             return known;
         }
         let given = name.is_of_data()
-            || (self.parameters.contains(&name) && self.storage.find(name).is_none())
+            || (self.parameters.contains_key(&name) && self.storage.find(name).is_none())
             || self
                 .crossing
                 .is_some_and(|crossing| crossing.inputs.contains(&symbol));

@@ -21,8 +21,9 @@ use robovec_ir::diagnostic::{Diagnostic, Label};
 use robovec_ir::{Function, Level, Module, Operand, Symbol};
 use std::ops::Range;
 
-/// A file with many sensor cases repeats what is common to them in each; more
-/// work than this is refused.
+/// A file with many sensor cases repeats what is common to them in each, and
+/// every function needs tables as long as the file has names; more work than
+/// this is refused.
 const LARGEST_REPETITION: u64 = 200_000_000;
 
 /// Outputs without which a file says nothing.
@@ -47,6 +48,10 @@ pub(super) struct Lowering<'a, 't> {
     pub(super) module: Module,
     pub(super) errors: Vec<Diagnostic>,
     pub(super) warnings: Vec<Diagnostic>,
+    /// The file holds a message instead of equations, once it was asked for.
+    pub(super) guard: Option<bool>,
+    /// What functions have cost so far; see [`LARGEST_REPETITION`].
+    pub(super) work: u64,
 }
 
 impl Lowering<'_, '_> {
@@ -141,6 +146,9 @@ impl Lowering<'_, '_> {
         } else if !cases.is_empty() {
             self.cases(block, &storage, &plain, &parameters, &counters, &cases)
         } else {
+            if !self.afford(1, 0, &storage, block) {
+                return;
+            }
             let runs = live_runs(block, None);
             let whole = Block { runs, ..plain };
             let scan = scan::scan(&self.syntax, &storage, &whole.runs, false);
@@ -219,7 +227,13 @@ impl Lowering<'_, '_> {
     }
 
     fn report_empty(&mut self, whole: &Block<'_>, block: &FunctionBlock, scan: &Scan) {
-        let guard = self.text.contains("seem obsolete") || self.text.contains("flag_stop");
+        if scan.equations > 1 {
+            return;
+        }
+        let text = self.text;
+        let guard = *self
+            .guard
+            .get_or_insert_with(|| text.contains("seem obsolete") || text.contains("flag_stop"));
         let lowered = scan.equations > usize::from(guard);
         if lowered {
             return;
@@ -256,15 +270,8 @@ impl Lowering<'_, '_> {
             .iter()
             .map(ExactSizeIterator::len)
             .sum();
-        let symbols = self.module.tables.symbols.len();
-        let work = (common + storage.len + symbols) as u64 * cases.len() as u64;
-        if work > LARGEST_REPETITION {
-            self.errors.push(refusal(
-                "too many sensor cases for what they have in common",
-                block.span,
-                "each case repeats it",
-                "split the file",
-            ));
+        let each = common + block.runs.len();
+        if !self.afford(cases.len(), each, storage, block) {
             return vec![true; storage.arrays.len()];
         }
         for case in cases {
@@ -284,6 +291,33 @@ impl Lowering<'_, '_> {
         }
         // A sensor need not fill every field.
         vec![true; storage.arrays.len()]
+    }
+
+    /// True when there is room for more functions, each of which needs tables
+    /// as long as the file has names; an error otherwise.
+    fn afford(
+        &mut self,
+        functions: usize,
+        each: usize,
+        storage: &Storage,
+        block: &FunctionBlock,
+    ) -> bool {
+        let parameters = block.head.map_or(0, |head| {
+            let head = &self.syntax.heads[head as usize];
+            head.parameters.len() + head.outputs.len()
+        });
+        let each = each + parameters + storage.len + self.module.tables.symbols.len();
+        self.work = self.work.saturating_add(each as u64 * functions as u64);
+        let affordable = self.work <= LARGEST_REPETITION;
+        if !affordable {
+            self.errors.push(refusal(
+                "too many functions, sensor cases or parts for the size of the file",
+                block.span,
+                "from here on",
+                "split the file",
+            ));
+        }
+        affordable
     }
 
     fn emit(

@@ -32,6 +32,9 @@ impl Lowering<'_, '_> {
             .collect();
         let crossing = self.crossing(&live, &conditions(block), counters);
         let mut written = vec![false; storage.arrays.len()];
+        if !self.afford(live.len(), 0, storage, block) {
+            return written;
+        }
         for (index, run) in live.iter().enumerate() {
             let number = index + 1;
             let name = format!("{}_part_{number}", plain.name);
