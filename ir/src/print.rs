@@ -6,20 +6,21 @@
 //! of the standard library would cost more than all passes together on a
 //! function of 600,000 operations.
 
+mod text;
+
 use crate::entity::{Operand, OperandKind, Value};
 use crate::function::{Array, Assignment, Boundary, Level, Shape, Timing};
-use crate::module::{Module, Tables, View};
+use crate::module::{Module, View};
 use crate::operation::Operation;
 use crate::placement::{Bank, Placement, Schedule, Word};
 use crate::source::{Place, SourceSet};
 use hashbrown::HashMap;
 use rustc_hash::FxBuildHasher;
 use std::io;
+use text::Text;
 
 /// First line of every text; the number is the version of the format.
 pub const HEADER: &str = "// robovec 1";
-
-const FLUSH_AT: usize = 1 << 16;
 
 /// Writes a module in the text form.
 ///
@@ -101,97 +102,6 @@ pub fn print_operand(view: View<'_>, operand: Operand) -> String {
     FunctionPrinter::new(view).operand(&mut text, operand);
     text.finish().unwrap_or_default();
     String::from_utf8(bytes).unwrap_or_default()
-}
-
-struct Text<'w> {
-    buffer: String,
-    writer: &'w mut dyn io::Write,
-}
-
-impl<'w> Text<'w> {
-    fn new(writer: &'w mut dyn io::Write) -> Text<'w> {
-        Text {
-            buffer: String::with_capacity(FLUSH_AT + 4096),
-            writer,
-        }
-    }
-
-    fn file_header(&mut self, tables: &Tables) {
-        self.push(HEADER);
-        self.push("\n");
-        for (index, file) in tables.sources.files.iter().enumerate() {
-            self.push("source ");
-            self.integer(index as u32);
-            self.push(" ");
-            self.quoted(file);
-            self.push("\n");
-        }
-    }
-
-    fn push(&mut self, text: &str) {
-        self.buffer.push_str(text);
-    }
-
-    fn integer(&mut self, mut number: u32) {
-        let mut digits = [0u8; 10];
-        let mut start = digits.len();
-        loop {
-            start -= 1;
-            digits[start] = b'0' + (number % 10) as u8;
-            number /= 10;
-            if number == 0 {
-                break;
-            }
-        }
-        for &digit in &digits[start..] {
-            self.buffer.push(digit as char);
-        }
-    }
-
-    fn quoted(&mut self, text: &str) {
-        self.buffer.push('"');
-        for character in text.chars() {
-            match character {
-                '"' => self.buffer.push_str("\\\""),
-                '\\' => self.buffer.push_str("\\\\"),
-                '\n' => self.buffer.push_str("\\n"),
-                '\r' => self.buffer.push_str("\\r"),
-                '\t' => self.buffer.push_str("\\t"),
-                other => self.buffer.push(other),
-            }
-        }
-        self.buffer.push('"');
-    }
-
-    fn number(&mut self, number: f64) {
-        self.buffer.push_str(&format!("{number:?}"));
-    }
-
-    fn element(&mut self, tables: &Tables, array: &Array, indices: &[u32]) {
-        self.push(tables.symbols.text(array.name));
-        if let Some((first, rest)) = indices.split_first() {
-            self.push("[");
-            self.integer(*first);
-            for index in rest {
-                self.push(",");
-                self.integer(*index);
-            }
-            self.push("]");
-        }
-    }
-
-    fn end_line(&mut self) -> io::Result<()> {
-        self.buffer.push('\n');
-        if self.buffer.len() >= FLUSH_AT {
-            self.writer.write_all(self.buffer.as_bytes())?;
-            self.buffer.clear();
-        }
-        Ok(())
-    }
-
-    fn finish(self) -> io::Result<()> {
-        self.writer.write_all(self.buffer.as_bytes())
-    }
 }
 
 struct FunctionPrinter<'a> {
