@@ -1,7 +1,7 @@
 //! Writing the groups anew.
 
 use super::gather::{Family, Groups, Leaf, Reach};
-use super::share::PairCounts;
+use super::share::{self, PairCounts};
 use super::signs::Wishes;
 use crate::analysis::critical_path::{Weights, tails};
 use crate::cse::{Key, KnownValues, SourceMerges};
@@ -396,10 +396,15 @@ impl<'p> Builder<'p> {
             })
             .collect();
         let function = self.plan.function;
-        let mut pairs = PairCounts::with_capacity(function.nodes().len());
+        let groups = &self.plan.groups;
+        let count = function
+            .values()
+            .map(|(root, _)| share::pairs_of(groups.leaves(root).len()))
+            .sum();
+        let mut pairs = PairCounts::with_capacity(count);
         for (root, node) in function.values() {
             if let Some(family) = Family::of(node.operation) {
-                pairs.add(family, self.plan.groups.leaves(root));
+                pairs.add(family, groups.leaves(root));
             }
         }
         Deadlines {

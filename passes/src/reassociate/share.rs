@@ -16,6 +16,15 @@ use std::hash::BuildHasher;
 /// The largest group whose pairs are considered.
 pub(super) const LARGEST_GROUP: usize = 16;
 
+/// How many pairs of a group are counted.
+pub(super) fn pairs_of(leaves: usize) -> usize {
+    if leaves > LARGEST_GROUP {
+        0
+    } else {
+        leaves * leaves.saturating_sub(1) / 2
+    }
+}
+
 /// In how many groups each pair occurs.
 pub(super) struct PairCounts {
     slots: Vec<u8>,
