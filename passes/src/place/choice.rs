@@ -16,9 +16,10 @@ option_words! {
     /// operation.
     #[derive(Default)]
     pub enum Choice {
-        /// The smallest rank of Table 2.1; among equals the element that
-        /// needs the fewest new words of initial data, then the one with the
-        /// fewest live words.
+        /// The smallest rank of Table 2.1; among equals the shortest stay in
+        /// buffers, the fewest new words of initial data, the fewest live
+        /// words. An operation that needs a buffer waits, while its chain
+        /// has time, for an element that does without.
         #[default]
         Preferential = "preferential",
         /// The naive scheme: the first free element that can.

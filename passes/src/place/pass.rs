@@ -19,9 +19,20 @@ declare_pass! {
     /// The bound printed beside the length is proved: no schedule of this
     /// function on this machine is shorter.
     ///
+    /// `priority` decides which operation goes first: `alap` and `mobility`
+    /// are the thesis' orders (2.3.1), `fan-out` breaks the ties of `alap` by
+    /// the number of readers, `best` tries more where that falls short of the
+    /// bound.
+    ///
     /// `choice` decides among the free elements: `first` takes the first one
     /// the operands can reach, `preferential` follows Table 2.1 of the thesis
-    /// and keeps memories and buffers small and alike.
+    /// and keeps memories and buffers small and alike: an operation with time
+    /// to spare waits for an element that needs no buffer, and where there
+    /// are only one or two elements of a kind, results are not computed
+    /// before the write ports they need are free.
+    ///
+    /// A machine without buffers is served too, by binding operations to
+    /// elements before their operands are computed.
     pub struct Place("place") {
         /// Adders; the machine file says how many otherwise.
         pub n_add: Option<u32> = None,

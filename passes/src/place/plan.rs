@@ -10,6 +10,11 @@ use super::sweep::Sweep;
 /// this many cycles before the target.
 const MARGIN: u32 = 4;
 
+/// Plans compared for one operation: more than any machine that can be built
+/// has elements of a kind, so that only machines of thousands of elements,
+/// asked for what the longest chain allows, are searched in part.
+const MOST_COMPARED: usize = 128;
+
 /// How one operation is carried out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
@@ -91,7 +96,8 @@ impl Sweep<'_> {
         plan.map_or(Verdict::Fail, Verdict::Issue)
     }
 
-    /// The plan of least cost, the first of equals.
+    /// The plan of least cost among the first [`MOST_COMPARED`], the first of
+    /// equals.
     fn cheapest(
         &self,
         sources: [Option<Source>; 2],
@@ -99,11 +105,16 @@ impl Sweep<'_> {
         plan: impl Fn(Plan) -> Option<Plan>,
     ) -> Option<Plan> {
         let mut best: Option<(Cost, Plan)> = None;
+        let mut compared = 0;
         for at in places {
             if let Some(plan) = plan(at) {
+                compared += 1;
                 let cost = self.cost(sources, &plan);
                 if best.is_none_or(|(least, _)| cost < least) {
                     best = Some((cost, plan));
+                }
+                if compared == MOST_COMPARED {
+                    break;
                 }
             }
         }

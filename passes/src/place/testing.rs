@@ -103,6 +103,36 @@ pub(super) fn random_function(operations: usize, near: usize, seed: u64) -> Func
     builder.function
 }
 
+/// A random program with quotients and roots as well.
+pub(super) fn random_function_with_roots(operations: usize, seed: u64) -> Function {
+    let mut random = Random(seed);
+    let mut builder = Builder::new(3, 2);
+    let mut values: Vec<Operand> = (0..3).map(|input| builder.input(input)).collect();
+    for _ in 0..operations {
+        let pick =
+            |random: &mut Random| values[values.len() - 1 - random.below(values.len().min(25))];
+        let (left, right) = (pick(&mut random), pick(&mut random));
+        let operations = [
+            Operation::Add,
+            Operation::Sub,
+            Operation::Mul,
+            Operation::Mul,
+            Operation::Div,
+            Operation::Sqrt,
+        ];
+        let operation = operations[random.below(operations.len())];
+        let right = if operation.arity() == 1 {
+            Operand::NONE
+        } else {
+            right
+        };
+        values.push(builder.push(operation, left, right));
+    }
+    builder.output(0, values[values.len() - 1]);
+    builder.output(1, values[values.len() / 2]);
+    builder.function
+}
+
 /// A shipped machine with other numbers of elements.
 pub(super) fn machine(name: &str, adders: u32, multipliers: u32) -> Machine {
     let mut machine = Machine::built_in(name).expect("it ships");

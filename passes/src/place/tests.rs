@@ -1,6 +1,6 @@
 //! Placement on random programs and at the edges of the machine's rules.
 
-use super::testing::{machine, random_function, replay};
+use super::testing::{machine, random_function, random_function_with_roots, replay};
 use super::{Choice, PlaceOptions, Priority, place};
 use robovec_ir::Machine;
 
@@ -61,6 +61,32 @@ fn random_programs_obey_the_shipped_machines() {
                 let options = PlaceOptions { priority, choice };
                 let machine = machine(name, adders, multipliers);
                 check(name, &machine, 300, 40, options);
+            }
+        }
+    }
+}
+
+#[test]
+fn any_kinds_of_elements_will_do() {
+    for name in ["thesis", "side-split"] {
+        for buffer in [true, false] {
+            let mut machine = machine(name, 2, 3);
+            for (kind, stages) in [("div", 14), ("root", 20)] {
+                let mut element = machine.elements[0].clone();
+                element.kind = kind.to_owned();
+                element.operations = vec![if kind == "div" { "div" } else { "sqrt" }.to_owned()];
+                (element.count, element.stages) = (1, stages);
+                machine.elements.push(element);
+            }
+            if !buffer {
+                machine.buffer = None;
+            }
+            for choice in CHOICES {
+                let mut function = random_function_with_roots(300, 5);
+                let priority = Priority::Best;
+                let options = PlaceOptions { priority, choice };
+                place(&mut function, &machine, options).expect("it fits");
+                assert_eq!(replay(&function, &machine), Ok(()), "{name} {choice:?}");
             }
         }
     }

@@ -1,0 +1,186 @@
+//! Which placement is kept: orders and manners are tried while the work is
+//! in proportion, and the best result wins.
+
+use super::choice::Choice;
+use super::locations::NO_ENTRY;
+use super::order::Order;
+use super::sweep::{Draft, Manner, Stuck, Task, sweep};
+use super::{addresses, homes, list};
+
+/// How many visits of an operation [`Priority::Best`] may spend beyond its
+/// first sweep: a few more tries for a model of 30,000 operations, none for
+/// one of 600,000, whose first schedule is within a fraction of a per cent.
+const WORK_BUDGET: usize = 300_000;
+
+/// The most orders tried for small programs.
+const MOST_TRIES: usize = 40;
+
+/// What a sweep visits an operation for, in units of a list schedule.
+const SWEEP_COST: usize = 4;
+
+/// Tries orders and keeps the best placement.
+pub(super) struct Search<'a> {
+    /// What is to be placed.
+    pub(super) task: Task<'a>,
+    /// The best placement so far.
+    pub(super) best: Option<Candidate>,
+    /// Orders tried.
+    pub(super) tries: u32,
+}
+
+impl Search<'_> {
+    /// Places in an order, in the manners that suit the machine, and keeps
+    /// the result if it is better than what there is.
+    pub(super) fn sweep(&mut self, name: &'static str, order: &Order) {
+        self.tries += 1;
+        let Task {
+            graph,
+            machine,
+            choice,
+            target,
+            ..
+        } = self.task;
+        let widest = graph.kinds.iter().map(|kind| kind.count).max().unwrap_or(0);
+        // With one or two elements of a kind there is hardly a choice at
+        // issue, and what keeps the buffers small is not to let results
+        // appear together; with more of them, booking only ties hands.
+        let books = choice == Choice::Preferential
+            && machine.buffer.is_some()
+            && widest <= 2
+            && graph.operations() * SWEEP_COST <= WORK_BUDGET;
+        if books {
+            self.consider(name, sweep(self.task, order, Manner::Booked));
+        }
+        if self.best_cycles() > target {
+            self.consider(name, sweep(self.task, order, Manner::AtIssue));
+        }
+        if self.best.is_none() {
+            self.consider(name, sweep(self.task, order, Manner::Ahead));
+        }
+    }
+
+    fn consider(&mut self, name: &'static str, draft: Result<Draft, Stuck>) {
+        if let Ok(candidate) = draft.and_then(|draft| Candidate::new(&self.task, name, draft))
+            && self
+                .best
+                .as_ref()
+                .is_none_or(|best| candidate.cost < best.cost)
+        {
+            self.best = Some(candidate);
+        }
+    }
+
+    fn best_cycles(&self) -> u32 {
+        self.best
+            .as_ref()
+            .map_or(u32::MAX, |best| best.draft.cycles)
+    }
+
+    /// See [`Priority::Best`].
+    pub(super) fn best(&mut self, fan_out: &Order) {
+        self.sweep("fan-out", fan_out);
+        if self.best_cycles() > self.task.target {
+            let graph = self.task.graph;
+            let budget = (WORK_BUDGET / graph.operations().max(1)).min(MOST_TRIES);
+            let trials = Trials::run(&self.task, budget.saturating_sub(SWEEP_COST));
+            self.tries += trials.tries;
+            if let Some((cycles, name, order)) = trials.best
+                && cycles < self.best_cycles()
+            {
+                self.sweep(name, &order);
+            }
+        }
+    }
+}
+
+/// Orders tried without memories.
+struct Trials<'a> {
+    task: &'a Task<'a>,
+    budget: usize,
+    tries: u32,
+    best: Option<(u32, &'static str, Order)>,
+}
+
+impl<'a> Trials<'a> {
+    /// Tries orders, from the simple to the elaborate, until one reaches the
+    /// bound or `budget` schedules have been made.
+    fn run(task: &'a Task<'a>, budget: usize) -> Trials<'a> {
+        let mut trials = Trials {
+            task,
+            budget,
+            tries: 0,
+            best: None,
+        };
+        let graph = task.graph;
+        trials.schedule("alap", || Order::alap(graph));
+        for share in [32, 8, 64, 16, 128] {
+            trials.schedule("program", || Order::towards_program(graph, share));
+        }
+        let mut schedule = list::forward(graph, &Order::fan_out(graph));
+        while trials.budget > 0 {
+            // What is late in a schedule from the end must be early here.
+            let late = |node: usize| u64::from(u32::MAX - schedule.issue[node]);
+            let backward = list::backward(graph, task.function, &Order::by_key(graph, late));
+            trials.budget = trials.budget.saturating_sub(1);
+            let early = |node: usize| u64::from(backward.cycles - backward.issue[node]);
+            match trials.schedule("backward", || Order::by_key(graph, early)) {
+                Some(next) if next.issue != schedule.issue => schedule = next,
+                _ => break,
+            }
+        }
+        trials
+    }
+
+    fn schedule(
+        &mut self,
+        name: &'static str,
+        order: impl Fn() -> Order,
+    ) -> Option<list::ListSchedule> {
+        let least = self.best.as_ref().map_or(u32::MAX, |&(least, _, _)| least);
+        if self.budget == 0 || least <= self.task.target {
+            self.budget = 0;
+            return None;
+        }
+        self.budget -= 1;
+        self.tries += 1;
+        let order = order();
+        let schedule = list::forward(self.task.graph, &order);
+        if schedule.cycles < least {
+            self.best = Some((schedule.cycles, name, order));
+        }
+        Some(schedule)
+    }
+}
+
+/// A complete placement, but for addresses.
+pub(super) struct Candidate {
+    /// Cycles, elements and transfers.
+    pub(super) draft: Draft,
+    /// The entry that keeps each assignment.
+    pub(super) homes: Vec<u32>,
+    /// The buffer word of each node.
+    pub(super) buffers: Vec<u32>,
+    /// The order it comes from.
+    pub(super) order: &'static str,
+    /// Smaller is better: cycles above the bound, in steps of 1/4096 of it;
+    /// the deepest buffer; cycles.
+    cost: (u32, u32, u32),
+}
+
+impl Candidate {
+    fn new(task: &Task<'_>, order: &'static str, mut draft: Draft) -> Result<Candidate, Stuck> {
+        let homes = homes::settle_homes(task.function, task.graph, &mut draft)?;
+        draft.locations.drop_unread();
+        let buffers = addresses::allocate_buffers(task.graph, &draft);
+        let used = buffers.iter().filter(|&&word| word != NO_ENTRY);
+        let depth = used.map(|word| word + 1).max().unwrap_or(0);
+        let above = draft.cycles - task.target;
+        Ok(Candidate {
+            cost: (above / (task.target / 4096 + 1), depth, above),
+            draft,
+            homes,
+            buffers,
+            order,
+        })
+    }
+}
