@@ -94,6 +94,29 @@ fn results_do_not_depend_on_where_and_when() {
     assert!(results.iter().all(|result| *result == results[0]));
 }
 
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_written_into_and_not_replaced() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let pipe = folder.path().join("pipe");
+    let made = Command::new("mkfifo").arg(&pipe).status();
+    assert!(
+        made.is_ok_and(|status| status.success()),
+        "mkfifo is part of every unix"
+    );
+    let reader = std::thread::spawn({
+        let pipe = pipe.clone();
+        move || fs::read(pipe)
+    });
+    let output = run(opt().arg(example(SUSPENSION)).arg("-o").arg(&pipe));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = reader.join().expect("no panic").expect("a readable pipe");
+    assert!(text.starts_with(b"// robovec 1"));
+    let kind = fs::metadata(&pipe).expect("still there").file_type();
+    assert!(kind.is_fifo(), "the pipe is still a pipe");
+}
+
 #[test]
 fn every_level_reads_back_and_goes_on_alike() {
     let folder = tempfile::tempdir().expect("a temporary folder");

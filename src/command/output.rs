@@ -7,12 +7,19 @@ use std::path::Path;
 use tempfile::NamedTempFile;
 
 /// Writes a file through a temporary one beside it, which takes its name only
-/// when all is written.
+/// when all is written. What is there and is no ordinary file (a device such
+/// as `/dev/null`, a pipe) is written into as it is: taking its name would
+/// remove it.
 pub(crate) fn write_file(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
     let attempt = || -> io::Result<()> {
+        if fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+            let mut special = fs::OpenOptions::new().write(true).open(path)?;
+            write(&mut special)?;
+            return special.flush();
+        }
         let folder = path
             .parent()
             .filter(|folder| !folder.as_os_str().is_empty());
