@@ -2,7 +2,7 @@
 //!
 //! A [`Module`] holds [`Function`]s; a function is a straight-line list of SSA
 //! nodes between named input and output arrays. It has a text form
-//! ([`print`]), a verifier, an evaluator generic over the kind of number
+//! ([`mod@print`]), a verifier, an evaluator generic over the kind of number
 //! ([`evaluate`]), and the description of the machine it is compiled for.
 //! This crate holds no pass and no front end, and touches no file.
 
