@@ -15,6 +15,9 @@ const WORK_BUDGET: usize = 300_000;
 /// The most orders tried for small programs.
 const MOST_TRIES: usize = 40;
 
+/// A buffer of this many words is not worth another try.
+const SHALLOW: u32 = 2;
+
 /// What a sweep visits an operation for, in units of a list schedule.
 const SWEEP_COST: usize = 4;
 
@@ -33,30 +36,27 @@ impl Search<'_> {
     /// the result if it is better than what there is.
     pub(super) fn sweep(&mut self, name: &'static str, order: &Order) {
         self.tries += 1;
-        let Task {
-            graph,
-            machine,
-            choice,
-            target,
-            ..
-        } = self.task;
-        let widest = graph.kinds.iter().map(|kind| kind.count).max().unwrap_or(0);
-        // With one or two elements of a kind there is hardly a choice at
-        // issue, and what keeps the buffers small is not to let results
-        // appear together; with more of them, booking only ties hands.
-        let books = choice == Choice::Preferential
-            && machine.buffer.is_some()
-            && widest <= 2
-            && graph.operations() * SWEEP_COST <= WORK_BUDGET;
-        if books {
+        if self.books() {
             self.consider(name, sweep(self.task, order, Manner::Booked));
         }
-        if self.best_cycles() > target {
+        if self.best_cycles() > self.task.target {
             self.consider(name, sweep(self.task, order, Manner::AtIssue));
         }
         if self.best.is_none() {
             self.consider(name, sweep(self.task, order, Manner::Ahead));
         }
+    }
+
+    /// True when ports are booked before operations are issued. With one or
+    /// two elements of a kind there is hardly a choice at issue, and what
+    /// keeps the buffers small is not to let results appear together; with
+    /// more of them, booking only ties hands.
+    fn books(&self) -> bool {
+        let graph = self.task.graph;
+        self.task.choice == Choice::Preferential
+            && self.task.machine.buffer.is_some()
+            && graph.kinds.iter().all(|kind| kind.count <= 2)
+            && graph.operations() * SWEEP_COST <= WORK_BUDGET
     }
 
     fn consider(&mut self, name: &'static str, draft: Result<Draft, Stuck>) {
@@ -79,6 +79,9 @@ impl Search<'_> {
     /// See [`Priority::Best`].
     pub(super) fn best(&mut self, fan_out: &Order) {
         self.sweep("fan-out", fan_out);
+        if self.books() && self.best.as_ref().is_some_and(|best| best.cost.1 > SHALLOW) {
+            self.sweep("alap", &Order::alap(self.task.graph));
+        }
         if self.best_cycles() > self.task.target {
             let graph = self.task.graph;
             let budget = (WORK_BUDGET / graph.operations().max(1)).min(MOST_TRIES);
