@@ -6,7 +6,7 @@
 #
 # The header of the temporaries (mbs_dirdyna_NAME.h) must lie beside the file.
 # User functions are replaced by ones that return the numbers the states give
-# to their results. EVALUATE may name another program that takes FILE STATES.
+# to their results. ROBOVEC may name a built `robovec`.
 set -euo pipefail
 
 if [ $# -lt 1 ]; then
@@ -20,10 +20,11 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 evaluate() {
-    if [ -n "${EVALUATE:-}" ]; then
-        "$EVALUATE" "$@"
+    if [ -n "${ROBOVEC:-}" ]; then
+        "$ROBOVEC" eval "$1" --states "$2"
     else
-        cargo run --quiet --manifest-path "$here/Cargo.toml" --example evaluate -- "$@"
+        cargo run --quiet --release --manifest-path "$here/Cargo.toml" --bin robovec -- \
+            eval "$1" --states "$2"
     fi
 }
 
