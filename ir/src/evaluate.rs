@@ -66,6 +66,20 @@ pub fn evaluate<A: Arithmetic>(
     inputs: &[A::Number],
 ) -> Vec<A::Number> {
     let values = evaluate_nodes(function, arithmetic, inputs);
+    outputs(function, arithmetic, inputs, &values)
+}
+
+/// The value of every assignment, given those of all nodes.
+///
+/// # Panics
+///
+/// When `values` is not what [`evaluate_nodes`] gives for these inputs.
+pub fn outputs<A: Arithmetic>(
+    function: &Function,
+    arithmetic: &A,
+    inputs: &[A::Number],
+    values: &[A::Number],
+) -> Vec<A::Number> {
     function
         .assignments
         .iter()

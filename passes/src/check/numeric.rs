@@ -5,7 +5,7 @@ use super::{Deviation, FailureKind};
 use crate::analysis::accuracy::evaluate_at;
 use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_ir::double_double::DoubleDouble;
-use robovec_ir::evaluate::evaluate_nodes;
+use robovec_ir::evaluate::{evaluate_nodes, outputs};
 use robovec_ir::states::States;
 use robovec_ir::{Output, View};
 
@@ -70,7 +70,7 @@ where
         let value: f64 = value.into();
         finite.push(known && value.is_finite());
     }
-    evaluate_at(view, arithmetic, inputs)
+    outputs(function, arithmetic, &literals, &values)
         .into_iter()
         .zip(&function.assignments)
         .map(|(number, assignment)| {
