@@ -8,7 +8,7 @@
 mod support;
 
 use robovec_ir::{Machine, parse, print};
-use robovec_passes::manager::{self, Config, PassFilter};
+use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline;
 use std::path::Path;
 use std::process::ExitCode;
@@ -34,16 +34,8 @@ fn produce(path: &Path, text: &str) -> String {
         &mut module,
         &pipeline,
         Config {
-            machine: &machine,
-            verify_each: true,
             check_each: Some(4),
-            seed: 1,
-            print_before: PassFilter::None,
-            print_after: PassFilter::None,
-            print_changed: None,
-            dump: None,
-            log: &mut log,
-            progress: None,
+            ..Config::new(&machine, &mut log)
         },
     );
     match result {

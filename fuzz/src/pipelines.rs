@@ -3,7 +3,7 @@
 use crate::generate::{Kind, module};
 use arbitrary::{Result, Unstructured};
 use robovec_ir::{Level, Machine, Module, parse, print};
-use robovec_passes::manager::{self, Config, PassFilter};
+use robovec_passes::manager::{self, Config};
 use robovec_passes::{pipeline, registry};
 
 /// Runs a random pipeline over a random module under the verifier and the
@@ -55,16 +55,9 @@ fn execute(module: &mut Module, text: &str, machine: &str) {
         module,
         &pipeline,
         Config {
-            machine: &machine,
-            verify_each: true,
             check_each: Some(2),
             seed: 7,
-            print_before: PassFilter::None,
-            print_after: PassFilter::None,
-            print_changed: None,
-            dump: None,
-            log: &mut log,
-            progress: None,
+            ..Config::new(&machine, &mut log)
         },
     );
     match result {

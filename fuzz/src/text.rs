@@ -82,22 +82,7 @@ fn lower(module: &mut Module, pipeline: &str, machine: &str) -> bool {
         Err(error) => panic!("{error:?}"),
     };
     let machine = Machine::built_in(machine).expect("it ships");
-    let outcome = run(
-        module,
-        &pipeline,
-        Config {
-            machine: &machine,
-            verify_each: true,
-            check_each: None,
-            seed: 1,
-            print_before: Default::default(),
-            print_after: Default::default(),
-            print_changed: None,
-            dump: None,
-            log: &mut io::sink(),
-            progress: None,
-        },
-    );
+    let outcome = run(module, &pipeline, Config::new(&machine, &mut io::sink()));
     match outcome {
         Ok(_) => true,
         Err(RunError::Pass { .. }) => false,

@@ -49,6 +49,24 @@ pub struct Config<'a> {
     pub progress: Option<&'a mut Progress<'a>>,
 }
 
+impl<'a> Config<'a> {
+    /// The verifier after every pass, and no other instrument.
+    pub fn new(machine: &'a Machine, log: &'a mut dyn io::Write) -> Config<'a> {
+        Config {
+            machine,
+            verify_each: true,
+            check_each: None,
+            seed: 1,
+            print_before: PassFilter::None,
+            print_after: PassFilter::None,
+            print_changed: None,
+            dump: None,
+            log,
+            progress: None,
+        }
+    }
+}
+
 /// What one pass did to one function.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PassRecord {

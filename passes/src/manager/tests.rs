@@ -83,16 +83,9 @@ fn run_steps(steps: Vec<Step>, check_each: Option<u32>) -> Result<(Module, Outco
     let machine = Machine::built_in("thesis").expect("it ships");
     let mut log = Vec::new();
     let config = Config {
-        machine: &machine,
-        verify_each: true,
         check_each,
         seed: 3,
-        print_before: PassFilter::None,
-        print_after: PassFilter::None,
-        print_changed: None,
-        dump: None,
-        log: &mut log,
-        progress: None,
+        ..Config::new(&machine, &mut log)
     };
     let outcome = run(&mut module, &Pipeline { steps }, config)?;
     Ok((module, outcome))
