@@ -3,6 +3,7 @@
 pub mod command;
 pub mod evaluate_command;
 pub mod hexadecimal;
+pub mod model;
 pub mod report;
 pub mod robotran;
 pub mod simulate;
