@@ -2,6 +2,7 @@
 
 pub mod command;
 pub mod evaluate_command;
+pub mod generate;
 pub mod hexadecimal;
 pub mod model;
 pub mod report;

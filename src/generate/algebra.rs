@@ -1,0 +1,164 @@
+//! Sums of products: what an equation is made of while it is written.
+//!
+//! A [`Scalar`] is nothing, one, or a named quantity, with a sign. Because the
+//! sign belongs to the scalar, a quantity and its negative share one equation,
+//! and a minus is paid for only where it survives into an output.
+
+use smallvec::SmallVec;
+use std::ops::Neg;
+
+/// A quantity with a sign: zero, one, a number, an input element or the result
+/// of an equation. The lowest bit is the sign, the others name the atom.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+pub(super) struct Scalar(u32);
+
+impl Scalar {
+    pub(super) const ZERO: Scalar = Scalar(0);
+    pub(super) const ONE: Scalar = Scalar(2);
+    /// The first atom that is neither zero nor one.
+    pub(super) const FIRST_ATOM: u32 = 2;
+
+    pub(super) fn of_atom(atom: u32) -> Scalar {
+        Scalar(atom << 1)
+    }
+
+    pub(super) fn atom(self) -> u32 {
+        self.0 >> 1
+    }
+
+    pub(super) fn is_zero(self) -> bool {
+        self == Scalar::ZERO
+    }
+
+    pub(super) fn is_negative(self) -> bool {
+        self.0 & 1 == 1
+    }
+
+    /// The scalar without its sign.
+    pub(super) fn magnitude(self) -> Scalar {
+        Scalar(self.0 & !1)
+    }
+
+    /// The negative when `negate` is true.
+    pub(super) fn negated_if(self, negate: bool) -> Scalar {
+        if negate { -self } else { self }
+    }
+}
+
+impl Neg for Scalar {
+    type Output = Scalar;
+
+    fn neg(self) -> Scalar {
+        if self.is_zero() {
+            self
+        } else {
+            Scalar(self.0 ^ 1)
+        }
+    }
+}
+
+/// A factor of a product: an atom, or a sum in parentheses.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+pub(super) enum Factor {
+    /// A quantity without its sign.
+    Atom(u32),
+    /// A group of the arena of equations.
+    Group(u32),
+}
+
+/// A product of factors with a sign.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Term {
+    pub(super) negative: bool,
+    pub(super) factors: SmallVec<[Factor; 4]>,
+}
+
+impl Term {
+    /// The product of scalars; `None` when it is zero.
+    pub(super) fn product(scalars: &[Scalar]) -> Option<Term> {
+        let mut term = Term {
+            negative: false,
+            factors: SmallVec::new(),
+        };
+        for &scalar in scalars {
+            if scalar.is_zero() {
+                return None;
+            }
+            term.negative ^= scalar.is_negative();
+            if scalar.magnitude() != Scalar::ONE {
+                term.factors.push(Factor::Atom(scalar.atom()));
+            }
+        }
+        Some(term)
+    }
+
+    /// The product of the term and scalars; `None` when it is zero.
+    pub(super) fn times(&self, scalars: &[Scalar]) -> Option<Term> {
+        let mut product = Term::product(scalars)?;
+        product.negative ^= self.negative;
+        product.factors.extend_from_slice(&self.factors);
+        Some(product)
+    }
+}
+
+/// A sum of products, in the order in which it will be written.
+#[derive(Clone, Default, PartialEq, Eq, Debug)]
+pub(super) struct Sum {
+    pub(super) terms: SmallVec<[Term; 8]>,
+}
+
+impl Sum {
+    pub(super) fn new() -> Sum {
+        Sum::default()
+    }
+
+    /// A sum of one scalar.
+    pub(super) fn of(scalar: Scalar) -> Sum {
+        let mut sum = Sum::new();
+        sum.add(&[scalar]);
+        sum
+    }
+
+    /// Adds the product of scalars.
+    pub(super) fn add(&mut self, scalars: &[Scalar]) -> &mut Sum {
+        self.terms.extend(Term::product(scalars));
+        self
+    }
+
+    /// Subtracts the product of scalars.
+    pub(super) fn subtract(&mut self, scalars: &[Scalar]) -> &mut Sum {
+        if let Some(mut term) = Term::product(scalars) {
+            term.negative ^= true;
+            self.terms.push(term);
+        }
+        self
+    }
+
+    /// Adds a term.
+    pub(super) fn add_term(&mut self, term: Option<Term>) -> &mut Sum {
+        self.terms.extend(term);
+        self
+    }
+
+    /// Adds all terms of another sum, each multiplied by scalars.
+    pub(super) fn add_scaled(&mut self, scalars: &[Scalar], other: &Sum) -> &mut Sum {
+        let scaled = other.terms.iter().filter_map(|term| term.times(scalars));
+        self.terms.extend(scaled);
+        self
+    }
+
+    /// Adds all terms of another sum.
+    pub(super) fn add_sum(&mut self, other: &Sum) -> &mut Sum {
+        self.terms.extend(other.terms.iter().cloned());
+        self
+    }
+
+    /// Subtracts all terms of another sum.
+    pub(super) fn subtract_sum(&mut self, other: &Sum) -> &mut Sum {
+        self.add_scaled(&[-Scalar::ONE], other)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.terms.is_empty()
+    }
+}

@@ -1,0 +1,431 @@
+//! The equations of a function while they are generated.
+//!
+//! Every right-hand side is kept once: an equation that equals an earlier one,
+//! or its negative, in any order of terms and factors, is that earlier one
+//! (hash-consing). Terms that cancel, zeros and ones disappear on the way. So
+//! structural zeros of a model, like a centre of mass on the joint's axis,
+//! cost nothing.
+
+use super::algebra::{Factor, Scalar, Sum, Term};
+use hashbrown::HashTable;
+use rustc_hash::FxBuildHasher;
+use smallvec::SmallVec;
+use std::hash::BuildHasher;
+
+/// The name of a quantity in Robotran's manner: prefix, component, joint and
+/// column (`CM213_1`). It becomes text only for equations that are needed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Label {
+    pub(super) prefix: &'static str,
+    /// Component, counted from 1; 0 for none.
+    pub(super) component: u8,
+    /// Joint, counted from 1.
+    pub(super) joint: u32,
+    /// Behind the underscore, counted from 1; 0 for none.
+    pub(super) column: u32,
+}
+
+impl Label {
+    pub(super) fn new(prefix: &'static str, component: usize, joint: usize) -> Label {
+        Label {
+            prefix,
+            component: component as u8,
+            joint: joint as u32,
+            column: 0,
+        }
+    }
+
+    pub(super) fn column(self, column: usize) -> Label {
+        Label {
+            column: column as u32,
+            ..self
+        }
+    }
+
+    /// The name as text.
+    pub(super) fn text(self) -> String {
+        let Label {
+            prefix,
+            component,
+            joint,
+            column,
+        } = self;
+        let mut text = prefix.to_owned();
+        for (separator, number) in [("", u32::from(component)), ("", joint), ("_", column)] {
+            if number > 0 {
+                text.push_str(separator);
+                text.push_str(&number.to_string());
+            }
+        }
+        text
+    }
+}
+
+/// What an atom stands for.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum Atom {
+    Zero,
+    One,
+    Number(f64),
+    /// An element of an input array; indices count from 1, 0 for none.
+    Input {
+        array: u32,
+        indices: [u32; 2],
+    },
+    /// The result of an equation.
+    Equation(u32),
+}
+
+/// A right-hand side.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) enum Body {
+    Sum(Sum),
+    Sin(Scalar),
+    Cos(Scalar),
+    Sqrt(Scalar),
+    /// A numerator over a denominator.
+    Quotient(Scalar, Scalar),
+}
+
+/// An equation.
+#[derive(Clone, Debug)]
+pub(super) struct Equation {
+    pub(super) label: Label,
+    pub(super) body: Body,
+}
+
+/// How signs and equal equations are treated.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Style {
+    /// Keep the terms in the order of the recursion even when the first is
+    /// negative, and print that minus, as generator 8.1 does. Otherwise a
+    /// positive term goes first, and an equation of negative terms is kept as
+    /// its negative.
+    pub(super) leading_signs: bool,
+}
+
+/// All equations of a function, in an order in which they can be evaluated.
+#[derive(Debug)]
+pub(super) struct Equations {
+    pub(super) style: Style,
+    pub(super) atoms: Vec<Atom>,
+    pub(super) equations: Vec<Equation>,
+    pub(super) groups: Vec<Sum>,
+    /// Names of the input arrays and how many indices each takes.
+    pub(super) arrays: Vec<(String, usize)>,
+    /// Name, indices and value of each output element.
+    pub(super) outputs: Vec<(&'static str, [u32; 2], Scalar)>,
+    inputs: hashbrown::HashMap<(u32, [u32; 2]), u32, FxBuildHasher>,
+    numbers: hashbrown::HashMap<u64, u32, FxBuildHasher>,
+    /// Hash, atom (with the sign that belongs to the key's) of every equation.
+    known: HashTable<(u64, Scalar)>,
+    keys: Vec<(u32, u32)>,
+    known_groups: HashTable<(u64, u32)>,
+    group_keys: Vec<(u32, u32)>,
+    key_words: Vec<u32>,
+    scratch: Vec<u32>,
+}
+
+/// A key starts with its kind, so that a sum is no sine.
+const SUM: u32 = 0;
+
+impl Equations {
+    pub(super) fn new(style: Style) -> Equations {
+        Equations {
+            style,
+            atoms: vec![Atom::Zero, Atom::One],
+            equations: Vec::new(),
+            groups: Vec::new(),
+            arrays: Vec::new(),
+            outputs: Vec::new(),
+            inputs: hashbrown::HashMap::default(),
+            numbers: hashbrown::HashMap::default(),
+            known: HashTable::new(),
+            keys: vec![(0, 0); Scalar::FIRST_ATOM as usize],
+            known_groups: HashTable::new(),
+            group_keys: Vec::new(),
+            key_words: Vec::new(),
+            scratch: Vec::new(),
+        }
+    }
+
+    fn atom(&mut self, atom: Atom) -> u32 {
+        self.atoms.push(atom);
+        self.keys.push((0, 0));
+        self.atoms.len() as u32 - 1
+    }
+
+    /// An element of an input array; indices count from 1.
+    pub(super) fn input(&mut self, array: &str, indices: &[usize]) -> Scalar {
+        let found = self.arrays.iter().position(|(name, _)| name == array);
+        let number = found.unwrap_or_else(|| {
+            self.arrays.push((array.to_owned(), indices.len()));
+            self.arrays.len() - 1
+        }) as u32;
+        let mut padded = [0; 2];
+        for (place, &index) in padded.iter_mut().zip(indices) {
+            *place = index as u32;
+        }
+        if let Some(&atom) = self.inputs.get(&(number, padded)) {
+            return Scalar::of_atom(atom);
+        }
+        let atom = self.atom(Atom::Input {
+            array: number,
+            indices: padded,
+        });
+        self.inputs.insert((number, padded), atom);
+        Scalar::of_atom(atom)
+    }
+
+    /// A number.
+    pub(super) fn number(&mut self, number: f64) -> Scalar {
+        let magnitude = number.abs();
+        if magnitude == 0.0 {
+            return Scalar::ZERO;
+        }
+        if magnitude == 1.0 {
+            return Scalar::ONE.negated_if(number < 0.0);
+        }
+        let atom = match self.numbers.get(&magnitude.to_bits()) {
+            Some(&atom) => atom,
+            None => {
+                let atom = self.atom(Atom::Number(magnitude));
+                self.numbers.insert(magnitude.to_bits(), atom);
+                atom
+            }
+        };
+        Scalar::of_atom(atom).negated_if(number < 0.0)
+    }
+
+    /// Sets an output element; zeros are left to the caller of the function.
+    pub(super) fn output(&mut self, array: &'static str, indices: &[usize], value: Scalar) {
+        let mut padded = [0; 2];
+        for (place, &index) in padded.iter_mut().zip(indices) {
+            *place = index as u32;
+        }
+        self.outputs.push((array, padded, value));
+    }
+
+    /// The value of a sum: a new equation, an earlier one or a scalar.
+    pub(super) fn define(&mut self, label: Label, mut sum: Sum) -> Scalar {
+        cancel(&mut sum);
+        if let Some(scalar) = trivial(&sum) {
+            return scalar;
+        }
+        let negated = self.write_key(&sum);
+        let (hash, start) = (self.hash_scratch(), self.key_words.len() as u32);
+        let found = self.known.find(hash, |&(other, scalar)| {
+            other == hash && self.key(self.keys[scalar.atom() as usize]) == self.scratch
+        });
+        if let Some(&(_, scalar)) = found {
+            return scalar.negated_if(negated);
+        }
+        self.key_words.extend_from_slice(&self.scratch);
+        let key = (start, self.key_words.len() as u32);
+        let flipped = self.order_signs(&mut sum);
+        let scalar = self.push(label, Body::Sum(sum), key);
+        self.known.insert_unique(
+            hash,
+            (hash, scalar.negated_if(negated ^ flipped)),
+            |&(hash, _)| hash,
+        );
+        scalar.negated_if(flipped)
+    }
+
+    /// The sum in parentheses, as a term that can be multiplied further;
+    /// `None` when it is zero.
+    pub(super) fn group(&mut self, mut sum: Sum) -> Option<Term> {
+        cancel(&mut sum);
+        if sum.terms.len() <= 1 {
+            return sum.terms.pop();
+        }
+        let negated = self.write_key(&sum);
+        let hash = self.hash_scratch();
+        let found = self.known_groups.find(hash, |&(other, group)| {
+            other == hash && self.key(self.group_keys[group as usize >> 1]) == self.scratch
+        });
+        let (group, negative) = match found {
+            Some(&(_, found)) => (found >> 1, negated ^ (found & 1 == 1)),
+            None => {
+                let start = self.key_words.len() as u32;
+                self.key_words.extend_from_slice(&self.scratch);
+                let group = self.groups.len() as u32;
+                let flipped = self.order_signs(&mut sum);
+                self.groups.push(sum);
+                self.group_keys.push((start, self.key_words.len() as u32));
+                let sign = u32::from(negated ^ flipped);
+                self.known_groups
+                    .insert_unique(hash, (hash, group << 1 | sign), |&(hash, _)| hash);
+                (group, flipped)
+            }
+        };
+        Some(Term {
+            negative,
+            factors: SmallVec::from_slice(&[Factor::Group(group)]),
+        })
+    }
+
+    /// The sine of a scalar.
+    pub(super) fn sin(&mut self, label: Label, angle: Scalar) -> Scalar {
+        let negative = angle.is_negative();
+        self.function(label, 1, Body::Sin(angle.magnitude()))
+            .negated_if(negative)
+    }
+
+    /// The cosine of a scalar.
+    pub(super) fn cos(&mut self, label: Label, angle: Scalar) -> Scalar {
+        self.function(label, 2, Body::Cos(angle.magnitude()))
+    }
+
+    /// The square root of a scalar.
+    pub(super) fn sqrt(&mut self, label: Label, radicand: Scalar) -> Scalar {
+        self.function(label, 3, Body::Sqrt(radicand))
+    }
+
+    /// A numerator over a denominator that is not zero.
+    pub(super) fn quotient(&mut self, label: Label, above: Scalar, below: Scalar) -> Scalar {
+        let negative = above.is_negative() ^ below.is_negative();
+        if above.is_zero() {
+            return Scalar::ZERO;
+        }
+        if below.magnitude() == Scalar::ONE {
+            return above.magnitude().negated_if(negative);
+        }
+        self.function(
+            label,
+            4,
+            Body::Quotient(above.magnitude(), below.magnitude()),
+        )
+        .negated_if(negative)
+    }
+
+    fn function(&mut self, label: Label, kind: u32, body: Body) -> Scalar {
+        self.scratch.clear();
+        self.scratch.push(kind);
+        match body {
+            Body::Sin(a) | Body::Cos(a) | Body::Sqrt(a) => self.scratch.push(a.atom()),
+            Body::Quotient(a, b) => self.scratch.extend([a.atom(), b.atom()]),
+            Body::Sum(_) => {}
+        }
+        let hash = self.hash_scratch();
+        let found = self.known.find(hash, |&(other, scalar)| {
+            other == hash && self.key(self.keys[scalar.atom() as usize]) == self.scratch
+        });
+        if let Some(&(_, scalar)) = found {
+            return scalar;
+        }
+        let start = self.key_words.len() as u32;
+        self.key_words.extend_from_slice(&self.scratch);
+        let key = (start, self.key_words.len() as u32);
+        let scalar = self.push(label, body, key);
+        self.known
+            .insert_unique(hash, (hash, scalar), |&(hash, _)| hash);
+        scalar
+    }
+
+    fn push(&mut self, label: Label, body: Body, key: (u32, u32)) -> Scalar {
+        let number = self.equations.len() as u32;
+        self.equations.push(Equation { label, body });
+        let atom = self.atom(Atom::Equation(number));
+        self.keys[atom as usize] = key;
+        Scalar::of_atom(atom)
+    }
+
+    fn key(&self, (start, end): (u32, u32)) -> &[u32] {
+        &self.key_words[start as usize..end as usize]
+    }
+
+    fn hash_scratch(&self) -> u64 {
+        FxBuildHasher.hash_one(&self.scratch)
+    }
+
+    /// Puts a positive term first; a sum without one is negated. True when it
+    /// was.
+    fn order_signs(&self, sum: &mut Sum) -> bool {
+        if self.style.leading_signs {
+            return false;
+        }
+        match sum.terms.iter().position(|term| !term.negative) {
+            Some(first) => {
+                sum.terms[..=first].rotate_right(1);
+                false
+            }
+            None => {
+                for term in &mut sum.terms {
+                    term.negative = false;
+                }
+                true
+            }
+        }
+    }
+
+    /// Writes the canonical key of a sum into the scratch space: factors and
+    /// terms in order, the first term positive. True when the sum's signs are
+    /// the opposite of the key's.
+    fn write_key(&mut self, sum: &Sum) -> bool {
+        let mut terms: SmallVec<[(SmallVec<[Factor; 4]>, bool); 8]> = sum
+            .terms
+            .iter()
+            .map(|term| {
+                let mut factors = term.factors.clone();
+                factors.sort_unstable();
+                (factors, term.negative)
+            })
+            .collect();
+        terms.sort_unstable();
+        let negated = terms[0].1;
+        self.scratch.clear();
+        self.scratch.push(SUM);
+        for (factors, negative) in &terms {
+            let sign = u32::from(negative ^ negated);
+            self.scratch.push((factors.len() as u32) << 1 | sign);
+            self.scratch
+                .extend(factors.iter().map(|&factor| match factor {
+                    Factor::Atom(atom) => atom << 1,
+                    Factor::Group(group) => group << 1 | 1,
+                }));
+        }
+        negated
+    }
+}
+
+/// The scalar that a sum is, when it is one.
+fn trivial(sum: &Sum) -> Option<Scalar> {
+    match sum.terms.as_slice() {
+        [] => Some(Scalar::ZERO),
+        [term] => match term.factors.as_slice() {
+            [] => Some(Scalar::ONE.negated_if(term.negative)),
+            [Factor::Atom(atom)] => Some(Scalar::of_atom(*atom).negated_if(term.negative)),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Removes pairs of terms that are each other's negative.
+fn cancel(sum: &mut Sum) {
+    let mut index = 0;
+    while index < sum.terms.len() {
+        let term = &sum.terms[index];
+        let opposite = sum.terms[index + 1..]
+            .iter()
+            .position(|other| other.negative != term.negative && same_factors(term, other));
+        match opposite {
+            Some(distance) => {
+                sum.terms.remove(index + 1 + distance);
+                sum.terms.remove(index);
+            }
+            None => index += 1,
+        }
+    }
+}
+
+fn same_factors(left: &Term, right: &Term) -> bool {
+    left.factors.len() == right.factors.len()
+        && (left.factors == right.factors || {
+            let (mut a, mut b) = (left.factors.clone(), right.factors.clone());
+            a.sort_unstable();
+            b.sort_unstable();
+            a == b
+        })
+}

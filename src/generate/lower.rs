@@ -1,0 +1,336 @@
+//! From generated equations to a function of the representation.
+//!
+//! Only what the outputs need is written: a backward sweep marks it, a forward
+//! sweep appends the trees. Arrays get the extents and the order that the
+//! reader of Robotran's files gives them, so that a function does not change
+//! on its way through a file.
+
+use super::algebra::{Factor, Scalar, Sum, Term};
+use super::equations::{Atom, Body, Equations};
+use robovec_ir::{
+    Array, Assignment, Function, Input, Module, Name, Node, Operand, Operation, Output, Shape,
+    SourceSet, Symbol, Tables,
+};
+
+/// Inputs first, in the order of Robotran's structure, then what user functions
+/// return.
+const INPUT_ORDER: [&str; 11] = [
+    "q", "qd", "qdd", "dpt", "l", "m", "In", "g", "frc", "trq", "lrod",
+];
+
+/// The extents of arrays.
+pub(super) struct Extents {
+    pub(super) joints: u32,
+    pub(super) points: u32,
+}
+
+impl Extents {
+    /// The full extents of an array of Robotran's; zero where it depends on
+    /// the elements used.
+    fn of(&self, array: &str) -> (u32, u32) {
+        let joints = self.joints;
+        match array {
+            "q" | "qd" | "qdd" | "Qq" | "c" | "m" => (joints, 0),
+            "l" | "frc" | "trq" => (3, joints),
+            "In" => (9, joints),
+            "M" => (joints, joints),
+            "Jac" => (0, joints),
+            "dpt" => (3, self.points),
+            "g" | "sens.P" | "sens.V" | "sens.OM" | "sens.A" | "sens.OMP" => (3, 0),
+            "sens.R" => (3, 3),
+            "sens.J" => (6, joints),
+            _ => (0, 0),
+        }
+    }
+
+    fn shape(&self, array: &str, indices: usize, used: (u32, u32)) -> Shape {
+        let (rows, columns) = self.of(array);
+        match indices {
+            0 => Shape::Scalar,
+            1 => Shape::Vector(rows.max(used.0)),
+            _ => Shape::Matrix(rows.max(used.0), columns.max(used.1)),
+        }
+    }
+}
+
+/// Appends the function to the module.
+pub(super) fn lower(
+    equations: &Equations,
+    extents: &Extents,
+    mut function: Function,
+    module: &mut Module,
+) {
+    let needed = needed(equations);
+    let inputs = declare_inputs(
+        equations,
+        extents,
+        &needed,
+        &mut function,
+        &mut module.tables,
+    );
+    let outputs = declare_outputs(equations, extents, &mut function, &mut module.tables);
+    let mut writer = Writer {
+        equations,
+        function,
+        tables: &mut module.tables,
+        operands: vec![Operand::NONE; equations.atoms.len()],
+        names: hashbrown::HashSet::new(),
+    };
+    for (index, atom) in equations.atoms.iter().enumerate() {
+        writer.atom(index, *atom, &needed, &inputs);
+    }
+    // Outputs may have trees of their own (a sign); they stand behind all
+    // definitions.
+    for (number, &(_, indices, value)) in equations.outputs.iter().enumerate() {
+        writer.output(outputs[number], indices, value);
+    }
+    writer.function.sort_assignments();
+    module.functions.push(writer.function);
+}
+
+/// Which atoms the outputs need.
+fn needed(equations: &Equations) -> Vec<bool> {
+    let mut needed = vec![false; equations.atoms.len()];
+    let mut groups = vec![false; equations.groups.len()];
+    for &(_, _, value) in &equations.outputs {
+        needed[value.atom() as usize] = true;
+    }
+    // An equation reads only atoms before it, and a group only groups before it.
+    let mut pending: Vec<u32> = Vec::new();
+    for index in (0..equations.atoms.len()).rev() {
+        let Atom::Equation(equation) = equations.atoms[index] else {
+            continue;
+        };
+        if !needed[index] {
+            continue;
+        }
+        match &equations.equations[equation as usize].body {
+            Body::Sum(sum) => mark(sum, &mut needed, &mut pending),
+            Body::Sin(a) | Body::Cos(a) | Body::Sqrt(a) => needed[a.atom() as usize] = true,
+            Body::Quotient(a, b) => {
+                needed[a.atom() as usize] = true;
+                needed[b.atom() as usize] = true;
+            }
+        }
+        while let Some(group) = pending.pop() {
+            if !std::mem::replace(&mut groups[group as usize], true) {
+                mark(&equations.groups[group as usize], &mut needed, &mut pending);
+            }
+        }
+    }
+    needed
+}
+
+fn mark(sum: &Sum, needed: &mut [bool], pending: &mut Vec<u32>) {
+    for factor in sum.terms.iter().flat_map(|term| &term.factors) {
+        match *factor {
+            Factor::Atom(atom) => needed[atom as usize] = true,
+            Factor::Group(group) => pending.push(group),
+        }
+    }
+}
+
+/// Declares the arrays of which elements are read; the flattened input of every
+/// atom that is one.
+fn declare_inputs(
+    equations: &Equations,
+    extents: &Extents,
+    needed: &[bool],
+    function: &mut Function,
+    tables: &mut Tables,
+) -> Vec<Option<Input>> {
+    let mut used: Vec<Option<(u32, u32)>> = vec![None; equations.arrays.len()];
+    for (index, atom) in equations.atoms.iter().enumerate() {
+        if let (Atom::Input { array, indices }, true) = (*atom, needed[index]) {
+            let most = used[array as usize].get_or_insert((0, 0));
+            most.0 = most.0.max(indices[0]);
+            most.1 = most.1.max(indices[1]);
+        }
+    }
+    let mut order: Vec<usize> = (0..equations.arrays.len()).collect();
+    order.sort_by_key(|&array| {
+        let name = &equations.arrays[array].0;
+        let known = INPUT_ORDER.iter().position(|known| known == name);
+        known.unwrap_or(INPUT_ORDER.len())
+    });
+    let mut declared: Vec<Option<Array>> = vec![None; equations.arrays.len()];
+    for array in order {
+        let (name, indices) = &equations.arrays[array];
+        if let Some(used) = used[array] {
+            let shape = extents.shape(name, *indices, used);
+            declared[array] = Some(function.add_input(tables.symbols.intern(name), shape));
+        }
+    }
+    let element = |atom: &Atom| match *atom {
+        Atom::Input { array, indices } => {
+            let declared = declared[array as usize]?;
+            let rank = equations.arrays[array as usize].1;
+            let offset = declared.shape.offset(&indices[..rank])?;
+            Some(Input(declared.offset + offset))
+        }
+        _ => None,
+    };
+    equations.atoms.iter().map(element).collect()
+}
+
+/// Declares the output arrays in order of appearance; the array of every output
+/// element.
+fn declare_outputs(
+    equations: &Equations,
+    extents: &Extents,
+    function: &mut Function,
+    tables: &mut Tables,
+) -> Vec<Array> {
+    let mut used: Vec<(&str, (u32, u32))> = Vec::new();
+    let mut numbers = Vec::with_capacity(equations.outputs.len());
+    for &(name, indices, _) in &equations.outputs {
+        let number = used.iter().position(|(known, _)| *known == name);
+        let number = number.unwrap_or_else(|| {
+            used.push((name, (0, 0)));
+            used.len() - 1
+        });
+        let most = &mut used[number].1;
+        most.0 = most.0.max(indices[0]);
+        most.1 = most.1.max(indices[1]);
+        numbers.push(number);
+    }
+    let arrays: Vec<Array> = used
+        .iter()
+        .map(|&(name, most)| {
+            let rank = usize::from(most.0 > 0) + usize::from(most.1 > 0);
+            let shape = extents.shape(name, rank, most);
+            function.add_output(tables.symbols.intern(name), shape)
+        })
+        .collect();
+    numbers.into_iter().map(|number| arrays[number]).collect()
+}
+
+struct Writer<'a> {
+    equations: &'a Equations,
+    function: Function,
+    tables: &'a mut Tables,
+    /// The operand of every atom that was written.
+    operands: Vec<Operand>,
+    names: hashbrown::HashSet<Symbol>,
+}
+
+impl Writer<'_> {
+    fn atom(&mut self, index: usize, atom: Atom, needed: &[bool], inputs: &[Option<Input>]) {
+        self.operands[index] = match atom {
+            _ if !needed[index] => Operand::NONE,
+            Atom::Zero => self.function.constant(0.0).into(),
+            Atom::One => self.function.constant(1.0).into(),
+            Atom::Number(number) => self.function.constant(number).into(),
+            Atom::Input { .. } => inputs[index].map_or(Operand::NONE, Operand::from),
+            Atom::Equation(equation) => self.equation(equation),
+        };
+    }
+
+    fn equation(&mut self, number: u32) -> Operand {
+        let equation = &self.equations.equations[number as usize];
+        let operand = match &equation.body {
+            Body::Sum(sum) => self.sum(sum),
+            Body::Sin(a) => self.unary(Operation::Sin, *a),
+            Body::Cos(a) => self.unary(Operation::Cos, *a),
+            Body::Sqrt(a) => self.unary(Operation::Sqrt, *a),
+            Body::Quotient(a, b) => {
+                let operands = [self.operand(*a), self.operand(*b)];
+                self.node(Operation::Div, operands)
+            }
+        };
+        let mut symbol = self.tables.symbols.intern(&equation.label.text());
+        // Labels differ by construction; should two formulations ever share
+        // one, the later gets a number.
+        let mut number = 1;
+        while !self.names.insert(symbol) {
+            let text = format!("{}_{number}", equation.label.text());
+            symbol = self.tables.symbols.intern(&text);
+            number += 1;
+        }
+        if let Some(value) = operand.value() {
+            self.function.node_mut(value).name = Name::plain(symbol);
+        }
+        operand
+    }
+
+    fn unary(&mut self, operation: Operation, scalar: Scalar) -> Operand {
+        let operand = self.signed(scalar);
+        self.node(operation, [operand, Operand::NONE])
+    }
+
+    fn operand(&self, scalar: Scalar) -> Operand {
+        self.operands[scalar.atom() as usize]
+    }
+
+    fn signed(&mut self, scalar: Scalar) -> Operand {
+        let operand = self.operand(scalar);
+        if scalar.is_negative() {
+            self.node(Operation::Neg, [operand, Operand::NONE])
+        } else {
+            operand
+        }
+    }
+
+    fn node(&mut self, operation: Operation, operands: [Operand; 2]) -> Operand {
+        self.function
+            .push(Node {
+                name: Name::NONE,
+                sources: SourceSet::EMPTY,
+                operands,
+                operation,
+            })
+            .into()
+    }
+
+    /// A sum, from left to right. Groups nest as deep as a formulation writes
+    /// parentheses, which is a small constant.
+    fn sum(&mut self, sum: &Sum) -> Operand {
+        let mut total = Operand::NONE;
+        for term in &sum.terms {
+            let product = self.term(term);
+            total = match (total.is_none(), term.negative) {
+                (true, false) => product,
+                (true, true) => self.node(Operation::Neg, [product, Operand::NONE]),
+                (false, false) => self.node(Operation::Add, [total, product]),
+                (false, true) => self.node(Operation::Sub, [total, product]),
+            };
+        }
+        total
+    }
+
+    fn term(&mut self, term: &Term) -> Operand {
+        let mut product = Operand::NONE;
+        for factor in &term.factors {
+            let operand = match *factor {
+                Factor::Atom(atom) => self.operands[atom as usize],
+                Factor::Group(group) => {
+                    let equations = self.equations;
+                    self.sum(&equations.groups[group as usize])
+                }
+            };
+            product = if product.is_none() {
+                operand
+            } else {
+                self.node(Operation::Mul, [product, operand])
+            };
+        }
+        if product.is_none() {
+            self.function.constant(1.0).into()
+        } else {
+            product
+        }
+    }
+
+    fn output(&mut self, array: Array, indices: [u32; 2], value: Scalar) {
+        let rank = usize::from(indices[0] > 0) + usize::from(indices[1] > 0);
+        let Some(offset) = array.shape.offset(&indices[..rank]) else {
+            return;
+        };
+        let operand = self.signed(value);
+        self.function.assignments.push(Assignment {
+            output: Output(array.offset + offset),
+            operand,
+            sources: SourceSet::EMPTY,
+        });
+    }
+}

@@ -1,0 +1,206 @@
+//! The generator: from a model to its equations.
+//!
+//! A *formulation* is a recursion over the tree of joints. It is carried out
+//! with symbols: every component it computes becomes an equation, unless it is
+//! zero, a copy or known already ([`equations`]). What the outputs do not need
+//! is dropped at the end ([`lower`]). All conventions are Robotran's: names of
+//! arrays, indices from 1, `M qdd + c = Qq`, forces and torques of a body at
+//! its centre of mass and in its frame.
+
+#[allow(dead_code)]
+mod algebra;
+#[allow(dead_code)]
+mod equations;
+mod lower;
+#[allow(dead_code)]
+mod parameters;
+#[allow(dead_code)]
+mod recursive;
+#[allow(dead_code)]
+mod vector;
+
+use self::equations::{Equations, Style};
+use self::lower::Extents;
+use self::parameters::Parameters;
+use crate::model::Model;
+use robovec_ir::{Function, Level, Module};
+use thiserror::Error;
+
+/// What is generated: Robotran's functions.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+pub enum FunctionKind {
+    /// `M` and `c` of `M qdd + c = Qq` (F1).
+    Dirdyna,
+    /// `Qq` for given accelerations (F2).
+    Invdyna,
+}
+
+impl FunctionKind {
+    /// All functions.
+    pub const ALL: [FunctionKind; 2] = [FunctionKind::Dirdyna, FunctionKind::Invdyna];
+
+    /// Robotran's name, without `mbs_`.
+    pub fn name(self) -> &'static str {
+        match self {
+            FunctionKind::Dirdyna => "dirdyna",
+            FunctionKind::Invdyna => "invdyna",
+        }
+    }
+
+    /// Robotran's number.
+    pub fn number(self) -> &'static str {
+        match self {
+            FunctionKind::Dirdyna => "F1",
+            FunctionKind::Invdyna => "F2",
+        }
+    }
+
+    /// The function with this name.
+    pub fn from_name(name: &str) -> Option<FunctionKind> {
+        FunctionKind::ALL
+            .into_iter()
+            .find(|kind| kind.name() == name)
+    }
+}
+
+/// In which order the terms of a backward sum are written. It decides the
+/// critical path of the equations as printed, and nothing else.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum TermOrder {
+    /// The body's own terms, then what its children carry.
+    #[default]
+    OwnFirst,
+    /// What the children carry, then the body's own terms.
+    ChildFirst,
+}
+
+/// What a parameter of the model becomes.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Binding {
+    /// An element of an input array, to be given at run time.
+    #[default]
+    Symbols,
+    /// The number in the model.
+    Numbers,
+}
+
+/// A recursion.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Formulation {
+    /// Recursive Newton-Euler, column by column: what Robotran prints.
+    #[default]
+    Recursive,
+}
+
+/// How equations are generated.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Options {
+    /// The order of terms in backward sums.
+    pub order: TermOrder,
+    /// Keep parameters that are zero in the model, and external loads of
+    /// fictitious bodies ("All Parameter Symbols included").
+    pub all_parameters: bool,
+    /// What parameters become.
+    pub parameters: Binding,
+    /// Include the external forces `frc` and torques `trq` of bodies.
+    pub external_forces: bool,
+    /// Write sums as generator 8.1 does, a leading minus where the first term
+    /// is negative; otherwise signs are moved to where they cost nothing.
+    pub leading_signs: bool,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            order: TermOrder::default(),
+            all_parameters: false,
+            parameters: Binding::default(),
+            external_forces: true,
+            leading_signs: false,
+        }
+    }
+}
+
+/// What to generate, and how.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Request {
+    /// The function.
+    pub function: FunctionKind,
+    /// The recursion.
+    pub formulation: Formulation,
+    /// Everything else.
+    pub options: Options,
+}
+
+impl Request {
+    /// A function in the default formulation.
+    pub fn new(function: FunctionKind) -> Request {
+        Request {
+            function,
+            formulation: Formulation::default(),
+            options: Options::default(),
+        }
+    }
+}
+
+/// Why nothing was generated.
+#[derive(Clone, PartialEq, Eq, Error, Debug)]
+pub enum GenerateError {
+    /// The lists of the model do not fit together.
+    #[error("the model '{0}' is inconsistent")]
+    Inconsistent(String),
+}
+
+/// Generates a function of a model, at the equations level. Sensor functions
+/// come as one function for each sensor (`sensor_1`).
+///
+/// # Errors
+///
+/// See [`GenerateError`].
+pub fn generate(model: &Model, request: &Request) -> Result<Module, GenerateError> {
+    if !model.check() {
+        return Err(GenerateError::Inconsistent(model.name.clone()));
+    }
+    let options = &request.options;
+    let mut module = Module::new();
+    let mut equations = Equations::new(Style {
+        leading_signs: options.leading_signs,
+    });
+    let parameters = Parameters::new(model, options, &mut equations);
+    match request.function {
+        FunctionKind::Dirdyna => recursive::direct(&mut equations, &parameters, options),
+        FunctionKind::Invdyna => recursive::inverse(&mut equations, &parameters, options),
+    }
+    let extents = Extents {
+        joints: model.joints.len() as u32,
+        points: 0,
+    };
+    let mut function = Function::new(request.function.name(), Level::Equations);
+    function.metadata = metadata(model, request);
+    lower::lower(&equations, &extents, function, &mut module);
+    Ok(module)
+}
+
+/// What a reader of the equations wants to know of their origin.
+fn metadata(model: &Model, request: &Request) -> Vec<(String, String)> {
+    let mut metadata = vec![
+        ("model", model.name.clone()),
+        (
+            "generator",
+            concat!("robovec ", env!("CARGO_PKG_VERSION")).to_owned(),
+        ),
+        ("function", request.function.number().to_owned()),
+        ("kind", request.function.name().to_owned()),
+        ("joints", model.joints.len().to_string()),
+    ];
+    if request.options.all_parameters {
+        metadata.push(("all_parameter_symbols", "yes".to_owned()));
+    }
+    metadata
+        .into_iter()
+        .map(|(key, value)| (key.to_owned(), value))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,223 @@
+//! The symbols of a model: what its parameters and its state are called in the
+//! equations.
+//!
+//! A parameter that the model gives as zero is a structural zero: it never
+//! appears, unless all parameter symbols are asked for. A joint whose velocity
+//! has no symbol is at rest.
+
+use super::algebra::{Scalar, Sum};
+use super::equations::{Equations, Label};
+use super::vector::{Matrix, SumVector, Turn, Vector, ZERO, sums};
+use super::{Binding, Options};
+use crate::model::Model;
+
+/// Everything the recursions read, by joint index.
+pub(super) struct Parameters<'m> {
+    pub(super) model: &'m Model,
+    /// Gravity, m/s^2.
+    pub(super) gravity: Vector,
+    /// Where each joint is attached, in its parent's frame.
+    pub(super) attachments: Vec<Vector>,
+    /// Centre of mass in the body's frame, zero for fictitious bodies.
+    pub(super) centers: Vec<Vector>,
+    /// Mass, zero for fictitious bodies.
+    pub(super) masses: Vec<Scalar>,
+    /// Moments of inertia about the centre of mass.
+    pub(super) inertias: Vec<Matrix>,
+    /// Joint positions.
+    pub(super) q: Vec<Scalar>,
+    /// Joint velocities.
+    pub(super) qd: Vec<Scalar>,
+    /// External force on each body at its centre of mass, in its frame.
+    pub(super) forces: Vec<Vector>,
+    /// External torque on each body, in its frame.
+    pub(super) torques: Vec<Vector>,
+    /// The rotation of each joint.
+    pub(super) turns: Vec<Turn>,
+}
+
+impl<'m> Parameters<'m> {
+    /// Names the symbols of a model and writes its sines and cosines.
+    pub(super) fn new(model: &'m Model, options: &Options, equations: &mut Equations) -> Self {
+        let joints = 0..model.joints.len();
+        let mut source = Source { options, equations };
+        let gravity = [0, 1, 2].map(|i| source.parameter("g", &[i + 1], model.gravity[i]));
+        let real = |joint: usize| model.body_of(joint);
+        let masses = joints
+            .clone()
+            .map(|i| {
+                real(i).map_or(Scalar::ZERO, |body| {
+                    source.parameter("m", &[i + 1], body.mass)
+                })
+            })
+            .collect();
+        let centers = joints
+            .clone()
+            .map(|i| {
+                real(i).map_or(ZERO, |body| {
+                    [0, 1, 2].map(|k| source.parameter("l", &[k + 1, i + 1], body.center[k]))
+                })
+            })
+            .collect();
+        let inertias = joints
+            .clone()
+            .map(|i| match real(i) {
+                None => [ZERO; 3],
+                Some(body) => {
+                    let values = body.inertia_matrix();
+                    [0, 1, 2].map(|row| {
+                        // The matrix is symmetric: one symbol for each pair.
+                        [0, 1, 2].map(|column| {
+                            let entry = 3 * row.min(column) + row.max(column);
+                            source.parameter("In", &[entry + 1, i + 1], values[entry])
+                        })
+                    })
+                }
+            })
+            .collect();
+        let attachments = joints
+            .clone()
+            .map(|i| match model.joints[i].point {
+                None => ZERO,
+                Some(point) => source.point(model, point),
+            })
+            .collect();
+        let load = |equations: &mut Equations, name: &str, joint: usize| {
+            if options.external_forces && (real(joint).is_some() || options.all_parameters) {
+                [1, 2, 3].map(|k| equations.input(name, &[k, joint + 1]))
+            } else {
+                ZERO
+            }
+        };
+        let forces = joints.clone().map(|i| load(equations, "frc", i)).collect();
+        let torques = joints.clone().map(|i| load(equations, "trq", i)).collect();
+        let q: Vec<Scalar> = joints
+            .clone()
+            .map(|i| equations.input("q", &[i + 1]))
+            .collect();
+        let qd = joints
+            .clone()
+            .map(|i| {
+                if model.joints[i].has_velocity {
+                    equations.input("qd", &[i + 1])
+                } else {
+                    Scalar::ZERO
+                }
+            })
+            .collect();
+        let turns = joints
+            .clone()
+            .map(|i| {
+                let kind = model.joints[i].kind;
+                if kind.is_revolute() {
+                    Turn {
+                        axis: kind.axis().index(),
+                        cos: equations.cos(Label::new("C", 0, i + 1), q[i]),
+                        sin: equations.sin(Label::new("S", 0, i + 1), q[i]),
+                    }
+                } else {
+                    Turn::NONE
+                }
+            })
+            .collect();
+        Parameters {
+            model,
+            gravity,
+            attachments,
+            centers,
+            masses,
+            inertias,
+            q,
+            qd,
+            forces,
+            torques,
+            turns,
+        }
+    }
+
+    /// The number of joints.
+    pub(super) fn joints(&self) -> usize {
+        self.model.joints.len()
+    }
+
+    /// The joint before a joint.
+    pub(super) fn parent(&self, joint: usize) -> Option<usize> {
+        self.model.joints[joint].parent
+    }
+
+    /// The number of the axis of a joint, 0 to 2.
+    pub(super) fn axis(&self, joint: usize) -> usize {
+        self.model.joints[joint].kind.axis().index()
+    }
+
+    /// True for a rotation.
+    pub(super) fn is_revolute(&self, joint: usize) -> bool {
+        self.model.joints[joint].kind.is_revolute()
+    }
+
+    /// From the origin of the parent to the origin of the joint, in the
+    /// parent's frame: the attachment and the joint's own translation.
+    pub(super) fn offset(&self, joint: usize) -> SumVector {
+        let mut offset = sums();
+        for (component, &attachment) in offset.iter_mut().zip(&self.attachments[joint]) {
+            component.add(&[attachment]);
+        }
+        if !self.is_revolute(joint) {
+            offset[self.axis(joint)].add(&[self.q[joint]]);
+        }
+        offset
+    }
+
+    /// The offset with a name for each sum (`Dz`).
+    pub(super) fn named_offset(&self, equations: &mut Equations, joint: usize) -> Vector {
+        let offset = self.offset(joint);
+        let mut component = 0;
+        offset.map(|sum: Sum| {
+            component += 1;
+            equations.define(Label::new("Dz", 0, 10 * (joint + 1) + component), sum)
+        })
+    }
+
+    /// The joints of the direct children of every joint.
+    pub(super) fn children(&self) -> Vec<Vec<usize>> {
+        let mut children = vec![Vec::new(); self.joints()];
+        for joint in 0..self.joints() {
+            if let Some(parent) = self.parent(joint) {
+                children[parent].push(joint);
+            }
+        }
+        children
+    }
+
+    /// A joint and all joints between it and the base, from the base on.
+    pub(super) fn path(&self, joint: usize) -> Vec<usize> {
+        let mut path: Vec<usize> = self.model.path(Some(joint)).collect();
+        path.reverse();
+        path
+    }
+}
+
+/// Makes symbols or numbers of parameters.
+pub(super) struct Source<'a> {
+    pub(super) options: &'a Options,
+    pub(super) equations: &'a mut Equations,
+}
+
+impl Source<'_> {
+    /// A parameter of the model: a structural zero, a symbol or a number.
+    pub(super) fn parameter(&mut self, array: &str, indices: &[usize], value: f64) -> Scalar {
+        match self.options.parameters {
+            Binding::Symbols if value == 0.0 && !self.options.all_parameters => Scalar::ZERO,
+            Binding::Symbols => self.equations.input(array, indices),
+            Binding::Numbers => self.equations.number(value),
+        }
+    }
+
+    /// The coordinates of a point in its body's frame.
+    pub(super) fn point(&mut self, model: &Model, point: usize) -> Vector {
+        [0, 1, 2].map(|k| {
+            let value = model.points[point].coordinates[k];
+            self.parameter("dpt", &[k + 1, point + 1], value)
+        })
+    }
+}

@@ -1,0 +1,497 @@
+//! The recursive Newton-Euler family that Robotran prints: `M` and `c`, or
+//! `Qq`, in body frames.
+//!
+//! Forward from the base: angular velocity `OM`, angular acceleration without
+//! joint accelerations `OA`, `BE = ~OA + ~OM ~OM`, acceleration of the frame
+//! origin minus gravity `AF`, and for every ancestor k their derivatives with
+//! respect to its acceleration, `OB_k` and `AM_k`. Backward from the leaves:
+//! the force `FF` and the torque `CF` a joint carries, and their derivatives
+//! `FM_k` and `CM_k`. The joint's own component of these is `c` and a column of
+//! `M`. The number of operations grows with the sum of depths over all bodies.
+
+use super::algebra::{Scalar, Sum};
+use super::equations::{Equations, Label};
+use super::parameters::Parameters;
+use super::vector::{
+    Matrix, SumVector, Vector, ZERO, add_cross, add_cross_of_sums, add_matrix_product, cyclic,
+    define, sums, unit,
+};
+use super::{Options, TermOrder};
+
+/// The motion of a joint's frame, or its derivative.
+#[derive(Clone, Copy)]
+struct Motion {
+    /// Angular acceleration.
+    angular: Vector,
+    /// Acceleration of the origin.
+    linear: Vector,
+}
+
+/// What a joint carries.
+#[derive(Clone, Copy)]
+struct Load {
+    force: Vector,
+    torque: Vector,
+}
+
+/// The names of the quantities of a function.
+struct Names {
+    angular: &'static str,
+    linear: &'static str,
+    tilde: &'static str,
+    own: &'static str,
+    force: &'static str,
+    torque: &'static str,
+}
+
+const DIRECT: Names = Names {
+    angular: "OA",
+    linear: "AF",
+    tilde: "BEF",
+    own: "FA",
+    force: "FF",
+    torque: "CF",
+};
+
+const INVERSE: Names = Names {
+    angular: "OMp",
+    linear: "ALPHA",
+    tilde: "BETA",
+    own: "Fs",
+    force: "Fq",
+    torque: "Cq",
+};
+
+/// Writes `M` and `c`.
+pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
+    let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
+    recursion.forward(&[]);
+    let bias = recursion.backward();
+    recursion.columns();
+    for (joint, value) in bias.into_iter().enumerate() {
+        recursion.equations.output("c", &[joint + 1], value);
+    }
+}
+
+/// Writes the bias force `c` alone.
+pub(super) fn bias(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    options: &Options,
+) -> Vec<Scalar> {
+    let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
+    recursion.forward(&[]);
+    recursion.backward()
+}
+
+/// Writes `Qq`, the joint forces that cause the accelerations `qdd`.
+pub(super) fn inverse(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
+    let accelerations: Vec<Scalar> = (0..parameters.joints())
+        .map(|joint| {
+            if parameters.model.joints[joint].has_acceleration {
+                equations.input("qdd", &[joint + 1])
+            } else {
+                Scalar::ZERO
+            }
+        })
+        .collect();
+    let mut recursion = Recursion::new(equations, parameters, options, &INVERSE);
+    recursion.forward(&accelerations);
+    let forces = recursion.backward();
+    for (joint, value) in forces.into_iter().enumerate() {
+        recursion.equations.output("Qq", &[joint + 1], value);
+    }
+}
+
+struct Recursion<'e, 'p, 'm> {
+    equations: &'e mut Equations,
+    parameters: &'p Parameters<'m>,
+    names: &'p Names,
+    order: TermOrder,
+    children: Vec<Vec<usize>>,
+    offsets: Vec<Vector>,
+    velocities: Vec<Vector>,
+    motions: Vec<Motion>,
+    tildes: Vec<Matrix>,
+}
+
+impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
+    fn new(
+        equations: &'e mut Equations,
+        parameters: &'p Parameters<'m>,
+        options: &Options,
+        names: &'p Names,
+    ) -> Self {
+        let offsets = (0..parameters.joints())
+            .map(|joint| parameters.named_offset(equations, joint))
+            .collect();
+        Recursion {
+            equations,
+            parameters,
+            names,
+            order: options.order,
+            children: parameters.children(),
+            offsets,
+            velocities: Vec::new(),
+            motions: Vec::new(),
+            tildes: Vec::new(),
+        }
+    }
+
+    /// Velocities and accelerations from the base to the leaves; without
+    /// joint accelerations when the list is empty.
+    fn forward(&mut self, accelerations: &[Scalar]) {
+        for joint in 0..self.parameters.joints() {
+            let acceleration = accelerations.get(joint).copied().unwrap_or(Scalar::ZERO);
+            let velocity = self.velocity(joint);
+            let angular = self.angular(joint, &velocity, acceleration);
+            let linear = self.linear(joint, acceleration);
+            self.velocities.push(velocity);
+            self.motions.push(Motion { angular, linear });
+            let tilde = self.tilde(joint, &velocity, &angular);
+            self.tildes.push(tilde);
+        }
+    }
+
+    /// `OM_i = R OM_h + phi qd_i`.
+    fn velocity(&mut self, joint: usize) -> Vector {
+        let parameters = self.parameters;
+        let mut sum = match parameters.parent(joint) {
+            Some(parent) => parameters.turns[joint].down(&self.velocities[parent]),
+            None => sums(),
+        };
+        if parameters.is_revolute(joint) {
+            let axis = parameters.axis(joint);
+            sum[axis].add(&[parameters.qd[joint]]);
+        }
+        define(self.equations, "OM", joint, 0, sum)
+    }
+
+    /// `OA_i = R OA_h + OM_i x phi qd_i`, and `phi qdd_i` with accelerations.
+    fn angular(&mut self, joint: usize, velocity: &Vector, acceleration: Scalar) -> Vector {
+        let parameters = self.parameters;
+        let mut sum = match parameters.parent(joint) {
+            Some(parent) => parameters.turns[joint].down(&self.motions[parent].angular),
+            None => sums(),
+        };
+        if parameters.is_revolute(joint) {
+            let axis = parameters.axis(joint);
+            let (b, c) = cyclic(axis);
+            let rate = parameters.qd[joint];
+            sum[b].add(&[velocity[c], rate]);
+            sum[c].subtract(&[velocity[b], rate]);
+            sum[axis].add(&[acceleration]);
+        }
+        define(self.equations, self.names.angular, joint, 0, sum)
+    }
+
+    /// `AF_i = R (AF_h + BE_h d_i + 2 OM_h x psi qd_i)`, minus gravity at the
+    /// base, and `psi qdd_i` with accelerations.
+    fn linear(&mut self, joint: usize, acceleration: Scalar) -> Vector {
+        let parameters = self.parameters;
+        let mut before = sums();
+        match parameters.parent(joint) {
+            None => {
+                for (component, &gravity) in before.iter_mut().zip(&parameters.gravity) {
+                    component.subtract(&[gravity]);
+                }
+            }
+            Some(parent) => {
+                for (component, &value) in before.iter_mut().zip(&self.motions[parent].linear) {
+                    component.add(&[value]);
+                }
+                add_matrix_product(&mut before, &self.tildes[parent], &self.offsets[joint]);
+                if !parameters.is_revolute(joint) {
+                    let (b, c) = cyclic(parameters.axis(joint));
+                    let two = self.equations.number(2.0);
+                    let rate = parameters.qd[joint];
+                    let velocity = self.velocities[parent];
+                    before[b].add(&[two, velocity[c], rate]);
+                    before[c].subtract(&[two, velocity[b], rate]);
+                }
+            }
+        }
+        if !parameters.is_revolute(joint) {
+            before[parameters.axis(joint)].add(&[acceleration]);
+            return define(self.equations, self.names.linear, joint, 0, before);
+        }
+        // Each component is used twice by the rotation.
+        let before = define(self.equations, "AH", joint, 0, before);
+        let turned = parameters.turns[joint].down(&before);
+        define(self.equations, self.names.linear, joint, 0, turned)
+    }
+
+    /// `~OA + ~OM ~OM`, row by row.
+    fn tilde(&mut self, joint: usize, velocity: &Vector, angular: &Vector) -> Matrix {
+        let mut tilde = [ZERO; 3];
+        for row in 0..3 {
+            let (next, last) = cyclic(row);
+            let mut diagonal = Sum::new();
+            diagonal
+                .subtract(&[velocity[next], velocity[next]])
+                .subtract(&[velocity[last], velocity[last]]);
+            let label = |row: usize, column: usize| 3 * row + column + 1;
+            tilde[row][row] = self
+                .equations
+                .define(Label::new("BS", label(row, row), joint + 1), diagonal);
+            let mut product = Sum::new();
+            product.add(&[velocity[next], velocity[last]]);
+            let square = self.equations.define(
+                Label::new("BS", label(next.min(last), next.max(last)), joint + 1),
+                product,
+            );
+            for (r, c, sign) in [(next, last, true), (last, next, false)] {
+                let mut entry = Sum::of(square);
+                entry.add(&[angular[row].negated_if(sign)]);
+                tilde[r][c] = self
+                    .equations
+                    .define(Label::new(self.names.tilde, label(r, c), joint + 1), entry);
+            }
+        }
+        tilde
+    }
+
+    /// Forces and torques from the leaves to the base; the joints' own
+    /// components.
+    fn backward(&mut self) -> Vec<Scalar> {
+        let count = self.parameters.joints();
+        let mut loads = vec![
+            Load {
+                force: ZERO,
+                torque: ZERO
+            };
+            count
+        ];
+        for joint in (0..count).rev() {
+            let own = self.own_force(joint);
+            let inertia = self.own_torque(joint, &own);
+            loads[joint] = self.collect(joint, 0, &own, inertia, &loads);
+        }
+        loads
+            .iter()
+            .enumerate()
+            .map(|(joint, load)| self.component(joint, load))
+            .collect()
+    }
+
+    /// `FA_i = m (AF_i + BE_i l_i) - frc_i`.
+    fn own_force(&mut self, joint: usize) -> Vector {
+        let parameters = self.parameters;
+        let mut acceleration = self.motions[joint].linear.map(Sum::of);
+        add_matrix_product(
+            &mut acceleration,
+            &self.tildes[joint],
+            &parameters.centers[joint],
+        );
+        let mass = parameters.masses[joint];
+        let mut force = sums();
+        for ((component, acceleration), &external) in force
+            .iter_mut()
+            .zip(acceleration)
+            .zip(&parameters.forces[joint])
+        {
+            let group = self.equations.group(acceleration);
+            component.add_term(group.and_then(|group| group.times(&[mass])));
+            component.subtract(&[external]);
+        }
+        define(self.equations, self.names.own, joint, 0, force)
+    }
+
+    /// `l x FA + I OA + OM x (I OM) - trq`.
+    fn own_torque(&mut self, joint: usize, own: &Vector) -> SumVector {
+        let parameters = self.parameters;
+        let velocity = &self.velocities[joint];
+        let inertia = &parameters.inertias[joint];
+        let mut torque = sums();
+        for (component, &external) in torque.iter_mut().zip(&parameters.torques[joint]) {
+            component.subtract(&[external]);
+        }
+        add_cross(&mut torque, &parameters.centers[joint], own, false);
+        add_matrix_product(&mut torque, inertia, &self.motions[joint].angular);
+        for axis in 0..3 {
+            let (next, last) = cyclic(axis);
+            for k in 0..3 {
+                torque[axis].add(&[inertia[last][k], velocity[next], velocity[k]]);
+            }
+            for k in 0..3 {
+                torque[axis].subtract(&[inertia[next][k], velocity[last], velocity[k]]);
+            }
+        }
+        torque
+    }
+
+    /// What a joint carries: its own load and that of its children, turned
+    /// into its frame, with the lever arms multiplied out.
+    fn collect(
+        &mut self,
+        joint: usize,
+        column: usize,
+        own_force: &Vector,
+        own_torque: SumVector,
+        loads: &[Load],
+    ) -> Load {
+        let (force_name, torque_name) = if column > 0 {
+            ("FM", "CM")
+        } else {
+            (self.names.force, self.names.torque)
+        };
+        let (mut force, mut torque) = (sums(), sums());
+        for &child in &self.children[joint] {
+            let turn = &self.parameters.turns[child];
+            let up = turn.up(&loads[child].force);
+            for (component, up) in force.iter_mut().zip(&up) {
+                component.add_sum(up);
+            }
+            for (component, up) in torque.iter_mut().zip(&turn.up(&loads[child].torque)) {
+                component.add_sum(up);
+            }
+            add_cross_of_sums(&mut torque, &self.offsets[child], &up);
+        }
+        let own_force = own_force.map(Sum::of);
+        Load {
+            force: self.ordered(force_name, joint, column, own_force, force),
+            torque: self.ordered(torque_name, joint, column, own_torque, torque),
+        }
+    }
+
+    fn ordered(
+        &mut self,
+        name: &'static str,
+        joint: usize,
+        column: usize,
+        own: SumVector,
+        children: SumVector,
+    ) -> Vector {
+        let (mut first, second) = match self.order {
+            TermOrder::OwnFirst => (own, children),
+            TermOrder::ChildFirst => (children, own),
+        };
+        for (component, more) in first.iter_mut().zip(&second) {
+            component.add_sum(more);
+        }
+        define(self.equations, name, joint, column, first)
+    }
+
+    /// The component of a load along a joint's axis.
+    fn component(&self, joint: usize, load: &Load) -> Scalar {
+        let axis = self.parameters.axis(joint);
+        if self.parameters.is_revolute(joint) {
+            load.torque[axis]
+        } else {
+            load.force[axis]
+        }
+    }
+
+    /// `M`: column by column of the accelerations.
+    fn columns(&mut self) {
+        let count = self.parameters.joints();
+        // Forward: the derivatives with respect to every ancestor, the joint
+        // itself last.
+        let mut paths: Vec<Vec<usize>> = Vec::with_capacity(count);
+        let mut motions: Vec<Vec<Motion>> = Vec::with_capacity(count);
+        for joint in 0..count {
+            let (path, own) = match self.parameters.parent(joint) {
+                None => (Vec::new(), Vec::new()),
+                Some(parent) => {
+                    let path = paths[parent].clone();
+                    let turned = (0..path.len())
+                        .map(|place| self.derivative(joint, path[place], &motions[parent][place]))
+                        .collect();
+                    (path, turned)
+                }
+            };
+            let (mut path, mut own): (Vec<usize>, Vec<Motion>) = (path, own);
+            path.push(joint);
+            own.push(self.own_derivative(joint));
+            paths.push(path);
+            motions.push(own);
+        }
+        self.backward_columns(&paths, &motions);
+    }
+
+    /// `OB_i,i = phi`, `AM_i,i = psi`.
+    fn own_derivative(&self, joint: usize) -> Motion {
+        let axis = unit(self.parameters.axis(joint));
+        let (angular, linear) = if self.parameters.is_revolute(joint) {
+            (axis, ZERO)
+        } else {
+            (ZERO, axis)
+        };
+        Motion { angular, linear }
+    }
+
+    /// `OB_i,k = R OB_h,k` and `AM_i,k = R (AM_h,k + OB_h,k x d_i)`.
+    fn derivative(&mut self, joint: usize, ancestor: usize, before: &Motion) -> Motion {
+        let turn = &self.parameters.turns[joint];
+        let angular = define(
+            self.equations,
+            "OB",
+            joint,
+            ancestor + 1,
+            turn.down(&before.angular),
+        );
+        let mut moved = before.linear.map(Sum::of);
+        add_cross(&mut moved, &before.angular, &self.offsets[joint], false);
+        if !self.parameters.is_revolute(joint) {
+            let linear = define(self.equations, "AM", joint, ancestor + 1, moved);
+            return Motion { angular, linear };
+        }
+        let moved = define(self.equations, "AMH", joint, ancestor + 1, moved);
+        let linear = define(self.equations, "AM", joint, ancestor + 1, turn.down(&moved));
+        Motion { angular, linear }
+    }
+
+    /// `FM` and `CM` from the leaves to the base, and the entries of `M`.
+    fn backward_columns(&mut self, paths: &[Vec<usize>], motions: &[Vec<Motion>]) {
+        let count = self.parameters.joints();
+        // The loads of one column at a time, for every joint behind its ancestor.
+        for ancestor in 0..count {
+            let mut loads = vec![
+                Load {
+                    force: ZERO,
+                    torque: ZERO
+                };
+                count
+            ];
+            for joint in (ancestor..count).rev() {
+                let Ok(place) = paths[joint].binary_search(&ancestor) else {
+                    continue;
+                };
+                let own = self.own_column(joint, ancestor, &motions[joint][place]);
+                loads[joint] = self.collect(joint, ancestor + 1, &own.0, own.1, &loads);
+                let entry = self.component(joint, &loads[joint]);
+                self.equations
+                    .output("M", &[joint + 1, ancestor + 1], entry);
+                if joint != ancestor {
+                    self.equations
+                        .output("M", &[ancestor + 1, joint + 1], entry);
+                }
+            }
+        }
+    }
+
+    /// `FB_i,k = m (AM_i,k + OB_i,k x l)` and `l x FB_i,k + I OB_i,k`.
+    fn own_column(
+        &mut self,
+        joint: usize,
+        ancestor: usize,
+        motion: &Motion,
+    ) -> (Vector, SumVector) {
+        let parameters = self.parameters;
+        let center = &parameters.centers[joint];
+        let mut acceleration = motion.linear.map(Sum::of);
+        add_cross(&mut acceleration, &motion.angular, center, false);
+        let mass = parameters.masses[joint];
+        let force = acceleration.map(|sum| {
+            let mut force = Sum::new();
+            let group = self.equations.group(sum);
+            force.add_term(group.and_then(|group| group.times(&[mass])));
+            force
+        });
+        let force = define(self.equations, "FB", joint, ancestor + 1, force);
+        let mut torque = sums();
+        add_cross(&mut torque, center, &force, false);
+        add_matrix_product(&mut torque, &parameters.inertias[joint], &motion.angular);
+        (force, torque)
+    }
+}
