@@ -12,6 +12,8 @@
 //! at least one joint and its joints are consecutive; every index is in range;
 //! every number is finite.
 
+pub mod mbs;
+
 use std::ops::Range;
 
 /// A multibody system. Lengths are in metres, masses in kilograms, angles in
@@ -184,7 +186,8 @@ pub struct Joint {
     /// [`Body::point`] for its first joint, `None` for the others.
     pub point: Option<usize>,
     /// True when velocity `qd` is a symbol of the equations. A driven joint
-    /// whose file gives it no symbol has a structural zero instead.
+    /// whose file lists its symbols without this one has a structural zero
+    /// instead; all other joints have the symbol.
     pub has_velocity: bool,
     /// True when the acceleration `qdd` is a symbol of the equations; see
     /// [`Joint::has_velocity`].
@@ -290,6 +293,25 @@ pub struct Asks {
     pub jacobian: bool,
 }
 
+impl Asks {
+    /// Robotran's names, in the order of the fields.
+    pub const NAMES: [&str; 7] = ["Pos", "Rot", "Vit", "Om", "Acc", "Omp", "Jac"];
+
+    /// The field that Robotran calls so.
+    pub fn field(&mut self, name: &str) -> Option<&mut bool> {
+        Some(match name {
+            "Pos" => &mut self.position,
+            "Rot" => &mut self.rotation,
+            "Vit" => &mut self.velocity,
+            "Om" => &mut self.angular_velocity,
+            "Acc" => &mut self.acceleration,
+            "Omp" => &mut self.angular_acceleration,
+            "Jac" => &mut self.jacobian,
+            _ => return None,
+        })
+    }
+}
+
 /// A named group of parameters of the user's functions.
 #[derive(Clone, PartialEq, Debug)]
 pub struct UserModel {
@@ -379,6 +401,8 @@ impl Model {
                         (index.checked_sub(1), None)
                     };
                     body.joints.contains(&index)
+                        && (joint.nature == Nature::Driven
+                            || (joint.has_velocity && joint.has_acceleration))
                         && finite(&joint.initial)
                         && joint.parent == parent
                         && joint.point == point

@@ -16,18 +16,27 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
             .with_message("the file is larger than 1 GiB")
             .with_note("no generated file comes near this; check that it is the right one"));
     }
+    decode_text(
+        bytes,
+        "a Robotran file is plain text in C, Matlab or Python",
+    )
+}
+
+/// The text of bytes of any number, decoded as [`decode`] does; `kind` says
+/// what kind of text is expected, for the message about one that is none.
+pub(crate) fn decode_text<'a>(bytes: &'a [u8], kind: &str) -> Result<Cow<'a, str>, Diagnostic> {
     if let Some((encoding, mark)) = Encoding::for_bom(bytes) {
         let text = encoding.decode_without_bom_handling(&bytes[mark..]).0;
-        return reject_binary(text);
+        return reject_binary(text, kind);
     }
     let text = match std::str::from_utf8(bytes) {
         Ok(text) => Cow::Borrowed(text),
         Err(_) => WINDOWS_1252.decode_without_bom_handling(bytes).0,
     };
-    reject_binary(text)
+    reject_binary(text, kind)
 }
 
-fn reject_binary(text: Cow<'_, str>) -> Result<Cow<'_, str>, Diagnostic> {
+fn reject_binary<'a>(text: Cow<'a, str>, kind: &str) -> Result<Cow<'a, str>, Diagnostic> {
     // Only control characters of ASCII: C1 controls occur in mangled Latin-1
     // headers.
     let binary = |&byte: &u8| byte < b' ' && !matches!(byte, b'\n' | b'\r' | b'\t' | 0xb | 0xc);
@@ -40,7 +49,7 @@ fn reject_binary(text: Cow<'_, str>) -> Result<Cow<'_, str>, Diagnostic> {
     Err(Diagnostic::error()
         .with_message("the file is not text")
         .with_note(format!(
-            "line {line} holds the byte {:#04x}; a Robotran file is plain text in C, Matlab or Python",
+            "line {line} holds the byte {:#04x}; {kind}",
             bytes[at]
         )))
 }

@@ -33,6 +33,7 @@ lalrpop_util::lalrpop_mod!(
     "/robotran/grammar.rs"
 );
 
+pub(crate) use self::decode::decode_text;
 use self::explain::{explain, refusal};
 use self::header::Header;
 use self::lower::Lowering;

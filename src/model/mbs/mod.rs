@@ -1,0 +1,121 @@
+//! The reader and the writer of `.mbs` files, the XML in which Robotran's
+//! editor keeps a model.
+//!
+//! A file passes through [`document`] (bytes to a tree, with guards against
+//! hostile files), [`fields`] (what an element may hold, and messages about
+//! the rest), [`bodies`] (base, bodies, joints, points, sensors), [`ends`]
+//! (cuts and links) and [`user`] (user models). Drawings are passed over.
+//! [`write_mbs`] gives the canonical text.
+//!
+//! **Invariants.** A model that is returned upholds
+//! [`Model::check`](super::Model::check); a file with any error returns none.
+//! What the reader passes over without being told to gets a warning: an
+//! element spelt wrong would otherwise be a parameter that silently stays zero.
+
+mod bodies;
+mod document;
+mod ends;
+mod fields;
+mod number;
+mod physics;
+mod user;
+mod write;
+
+use super::Model;
+use robovec_ir::diagnostic::Report;
+use std::fmt;
+
+pub use write::write_mbs;
+
+/// The largest number of joints of a model. The largest public models have
+/// about a hundred, and the equations of a chain grow with the square.
+pub const JOINT_LIMIT: usize = 2000;
+
+/// A model that was read.
+#[derive(Debug)]
+pub struct ReadModel {
+    /// The model.
+    pub model: Model,
+    /// What the user should know, with the text it is about.
+    pub warnings: Report,
+}
+
+/// A file that could not be read: the reasons, and the text they point into.
+#[derive(Debug)]
+pub struct ModelError {
+    /// One to twenty errors, perhaps with warnings.
+    pub report: Report,
+}
+
+impl fmt::Display for ModelError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = self.report.files().first().map_or("", |file| file.name());
+        let count = self.report.error_count();
+        let plural = if count == 1 { "" } else { "s" };
+        write!(formatter, "{name}: {count} error{plural}")
+    }
+}
+
+impl std::error::Error for ModelError {}
+
+/// Reads a `.mbs` file. The name serves messages, and names a model that has
+/// no name of its own.
+///
+/// # Errors
+///
+/// Everything that keeps the file from being a model, each with its place and
+/// the body, joint and point it is about: text that is not XML or is cut
+/// short, document types and entities, unknown or repeated names, a parent
+/// that is declared later or on a cycle, numbers that are none, a body without
+/// joint or without the mass its inertia needs, more than [`JOINT_LIMIT`]
+/// joints.
+pub fn read_mbs(name: &str, bytes: &[u8]) -> Result<ReadModel, ModelError> {
+    let text = document::decode(bytes).map_err(|mut error| {
+        // There is no text to point into, so the message names the file.
+        error.message = format!("{name}: {}", error.message);
+        ModelError {
+            report: Report::of(name, "", vec![error]),
+        }
+    })?;
+    let mut messages = fields::Messages::default();
+    let model = document::parse(&text)
+        .map_err(|error| messages.push_error(error))
+        .ok()
+        .and_then(|document| read_document(name, &document, &mut messages));
+    match model {
+        Some(model) if !messages.has_errors() => {
+            let warnings = messages.into_diagnostics();
+            let shown = if warnings.is_empty() { "" } else { &text };
+            Ok(ReadModel {
+                model,
+                warnings: Report::of(name, shown, warnings),
+            })
+        }
+        _ => Err(ModelError {
+            report: Report::of(name, text.as_ref(), messages.into_diagnostics()),
+        }),
+    }
+}
+
+/// The model of a document; `None`, with errors among the messages, when
+/// there is none.
+fn read_document(
+    name: &str,
+    document: &roxmltree::Document<'_>,
+    messages: &mut fields::Messages,
+) -> Option<Model> {
+    let root = fields::Fields::of_root(document.root_element(), messages)?;
+    let mut model = Model::new(&fields::project_name(&root, name, messages));
+    let scope = bodies::read(&root, &mut model, messages)?;
+    ends::read(&root, &scope, &mut model, messages);
+    user::read(&root, &mut model, messages);
+    if messages.has_errors() {
+        return None;
+    }
+    physics::remark(&model, &scope, messages);
+    debug_assert!(model.check(), "the reader upholds the invariants");
+    Some(model)
+}
+
+#[cfg(test)]
+mod tests;

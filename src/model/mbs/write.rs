@@ -1,0 +1,239 @@
+//! The canonical text of a model.
+
+use super::bodies::{BASE, ORIGIN};
+use crate::model::{Anchor, Asks, Body, CutKind, Joint, Link, Model, Nature, Sensor};
+use std::fmt::Write;
+
+/// A model as compact `.mbs` text: no drawings, and nothing that is zero or
+/// false. [`read_mbs`](super::read_mbs) reads an equal model back, provided
+/// that names are not empty and hold neither line breaks nor blanks at their
+/// ends.
+pub fn write_mbs(model: &Model) -> String {
+    let mut writer = Writer {
+        text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(),
+        depth: 0,
+    };
+    writer.open("mbsDescR7");
+    writer.leaf("mbsname", &model.name);
+    writer.open("base");
+    writer.open("gravity");
+    writer.coordinates(model.gravity);
+    writer.close("gravity");
+    writer.points(model, None);
+    writer.close("base");
+    writer.open("bodytree");
+    for (index, body) in model.bodies.iter().enumerate() {
+        writer.body(model, index, body);
+    }
+    writer.close("bodytree");
+    writer.cuts(model);
+    if !(model.links.is_empty() && model.links3d.is_empty()) {
+        writer.open("links");
+        writer.links(model, "link", &model.links);
+        writer.links(model, "link3D", &model.links3d);
+        writer.close("links");
+    }
+    writer.user_models(model);
+    writer.close("mbsDescR7");
+    writer.text
+}
+
+struct Writer {
+    text: String,
+    depth: usize,
+}
+
+/// Text between tags or quotes.
+fn escaped(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => result.push_str("&amp;"),
+            '<' => result.push_str("&lt;"),
+            '>' => result.push_str("&gt;"),
+            '"' => result.push_str("&quot;"),
+            other => result.push(other),
+        }
+    }
+    result
+}
+
+impl Writer {
+    fn line(&mut self, line: &str) {
+        self.text.extend(std::iter::repeat_n("  ", self.depth));
+        self.text.push_str(line);
+        self.text.push('\n');
+    }
+
+    fn open(&mut self, name: &str) {
+        self.line(&format!("<{name}>"));
+        self.depth += 1;
+    }
+
+    fn close(&mut self, name: &str) {
+        self.depth -= 1;
+        self.line(&format!("</{name}>"));
+    }
+
+    fn leaf(&mut self, name: &str, content: &str) {
+        self.line(&format!("<{name}>{}</{name}>", escaped(content)));
+    }
+
+    fn coordinates(&mut self, [x, y, z]: [f64; 3]) {
+        self.line(&format!(
+            "<coordinates><x>{x:?}</x><y>{y:?}</y><z>{z:?}</z></coordinates>"
+        ));
+    }
+
+    /// The numbers that are not zero, on one line; nothing when all are.
+    fn numbers(&mut self, name: &str, names: &[&str], values: &[f64]) {
+        let mut inner = String::new();
+        for (name, value) in names.iter().zip(values).filter(|(_, value)| **value != 0.0) {
+            // Writing to a string cannot fail.
+            let _ = write!(inner, "<{name}>{value:?}</{name}>");
+        }
+        if !inner.is_empty() {
+            self.line(&format!("<{name}>{inner}</{name}>"));
+        }
+    }
+
+    fn anchor(&mut self, model: &Model, element: &str, anchor: Anchor) {
+        let body = anchor.body.map_or(BASE, |body| &model.bodies[body].name);
+        let point = anchor
+            .point
+            .map_or(ORIGIN, |point| &model.points[point].name);
+        self.line(&format!(
+            "<{element}><bodyname>{}</bodyname><pointname>{}</pointname></{element}>",
+            escaped(body),
+            escaped(point)
+        ));
+    }
+
+    fn body(&mut self, model: &Model, index: usize, body: &Body) {
+        self.open("body");
+        self.leaf("bodyname", &body.name);
+        let parent = Anchor {
+            body: body.parent,
+            point: body.point,
+        };
+        self.anchor(model, "parent", parent);
+        for joint in &model.joints[body.joints.clone()] {
+            self.joint(joint);
+        }
+        if body.mass != 0.0 || body.center != [0.0; 3] || body.inertia != [0.0; 6] {
+            self.leaf("mass", &format!("{:?}", body.mass));
+        }
+        if body.center != [0.0; 3] {
+            self.open("com");
+            self.coordinates(body.center);
+            self.close("com");
+        }
+        let names = ["Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"];
+        self.numbers("inertia", &names, &body.inertia);
+        self.points(model, Some(index));
+        self.close("body");
+    }
+
+    fn joint(&mut self, joint: &Joint) {
+        self.open("joint");
+        self.leaf("jointname", &joint.name);
+        self.leaf("type", joint.kind.name());
+        self.leaf("nature", joint.nature.name());
+        if joint.nature == Nature::Driven {
+            let velocity = if joint.has_velocity { "<qd/>" } else { "" };
+            let acceleration = if joint.has_acceleration { "<qdd/>" } else { "" };
+            self.line(&format!("<symbols><q/>{velocity}{acceleration}</symbols>"));
+        }
+        self.numbers("initialvalue", &["q", "qd", "qdd"], &joint.initial);
+        if joint.actuated {
+            self.line("<actuated/>");
+        }
+        self.close("joint");
+    }
+
+    fn points(&mut self, model: &Model, body: Option<usize>) {
+        let points = model.points.iter().enumerate();
+        for (index, point) in points.filter(|(_, point)| point.body == body) {
+            self.open("point");
+            self.leaf("pointname", &point.name);
+            self.coordinates(point.coordinates);
+            self.sensors("sensor", &model.sensors, index);
+            self.sensors("extforce", &model.forces, index);
+            self.close("point");
+        }
+    }
+
+    fn sensors(&mut self, element: &str, sensors: &[Sensor], point: usize) {
+        for sensor in sensors.iter().filter(|sensor| sensor.point == point) {
+            let mut asks = sensor.asks;
+            let mut line = format!("<{element} name=\"{}\"", escaped(&sensor.name));
+            for name in Asks::NAMES {
+                if asks.field(name).is_some_and(|asked| *asked) {
+                    // Writing to a string cannot fail.
+                    let _ = write!(line, " {name}=\"true\"");
+                }
+            }
+            self.line(&format!("{line}/>"));
+        }
+    }
+
+    fn cuts(&mut self, model: &Model) {
+        if model.cuts.is_empty() {
+            return;
+        }
+        self.open("cuts");
+        for cut in &model.cuts {
+            let kind = match cut.kind {
+                CutKind::Ball => "ball",
+                CutKind::Rod(_) => "rod",
+                CutKind::Solid => "solid",
+            };
+            self.open(kind);
+            self.leaf("name", &cut.name);
+            self.anchor(model, "endpoint1", cut.ends[0]);
+            self.anchor(model, "endpoint2", cut.ends[1]);
+            if let CutKind::Rod(length) = cut.kind {
+                self.leaf("length", &format!("{length:?}"));
+            }
+            if cut.ignore != [false; 3] {
+                let axes = ["<x/>", "<y/>", "<z/>"].into_iter().zip(cut.ignore);
+                let axes: String = axes.filter(|(_, set)| *set).map(|(axis, _)| axis).collect();
+                self.line(&format!("<ignore>{axes}</ignore>"));
+            }
+            self.close(kind);
+        }
+        self.close("cuts");
+    }
+
+    fn links(&mut self, model: &Model, element: &str, links: &[Link]) {
+        for link in links {
+            self.open(element);
+            self.leaf("name", &link.name);
+            self.anchor(model, "endpoint1", link.ends[0]);
+            self.anchor(model, "endpoint2", link.ends[1]);
+            self.close(element);
+        }
+    }
+
+    fn user_models(&mut self, model: &Model) {
+        if model.user_models.is_empty() {
+            return;
+        }
+        self.open("user_models");
+        for user_model in &model.user_models {
+            self.open("user_model");
+            self.leaf("name", &user_model.name);
+            for (name, kind, values) in &user_model.parameters {
+                self.open("parameter");
+                self.leaf("name", name);
+                self.leaf("type", kind);
+                for value in values {
+                    self.leaf("value", &format!("{value:?}"));
+                }
+                self.close("parameter");
+            }
+            self.close("user_model");
+        }
+        self.close("user_models");
+    }
+}
