@@ -1,0 +1,3 @@
+//! Generated equations against an independent account of the dynamics.
+
+mod reference;

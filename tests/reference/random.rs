@@ -1,0 +1,243 @@
+//! Random models and states, the same for the same seed.
+
+use super::State;
+use robovec::model::{
+    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, Nature, Point, Sensor,
+};
+
+/// A source of random numbers (SplitMix64).
+pub(crate) struct Random(pub(crate) u64);
+
+/// What a random model is made of.
+#[derive(Clone, Copy)]
+pub(crate) struct Recipe {
+    /// How many bodies.
+    pub(crate) bodies: usize,
+    /// How often a parameter is a structural zero, 0 to 1.
+    pub(crate) zeros: f64,
+    /// True when some inner bodies have no mass; the mass matrix may then be
+    /// singular.
+    pub(crate) massless: bool,
+    /// True when some joints are driven, with and without symbols for
+    /// velocity and acceleration.
+    pub(crate) driven: bool,
+    /// How many cuts of each kind.
+    pub(crate) cuts: usize,
+    /// How many sensors, external forces and links each.
+    pub(crate) devices: usize,
+}
+
+impl Random {
+    /// The next 64 bits.
+    pub(crate) fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    /// Uniform in -1 to 1.
+    pub(crate) fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// Uniform in a range.
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.unit() + 1.0) / 2.0
+    }
+
+    /// Uniform below a number.
+    pub(crate) fn below(&mut self, count: usize) -> usize {
+        (self.bits() % count.max(1) as u64) as usize
+    }
+
+    /// True with a probability.
+    pub(crate) fn chance(&mut self, probability: f64) -> bool {
+        self.unit() < 2.0 * probability - 1.0
+    }
+
+    /// Three numbers in -1 to 1, some of them zero.
+    pub(crate) fn vector(&mut self, zeros: f64) -> [f64; 3] {
+        [(); 3].map(|()| {
+            let number = self.unit();
+            if self.chance(zeros) { 0.0 } else { number }
+        })
+    }
+}
+
+/// Points on the base and on each body.
+const POINTS: usize = 2;
+
+/// A random model.
+pub(crate) fn model(random: &mut Random, recipe: &Recipe) -> Model {
+    let mut model = Model::new("random");
+    model.gravity = random.vector(recipe.zeros);
+    model.gravity[2] -= 9.81;
+    let owners = std::iter::once(None).chain((0..recipe.bodies).map(Some));
+    for body in owners {
+        for number in 0..POINTS {
+            model.points.push(Point {
+                name: format!("p{number}"),
+                body,
+                coordinates: random.vector(recipe.zeros),
+            });
+        }
+    }
+    for index in 0..recipe.bodies {
+        add_body(random, recipe, &mut model, index);
+    }
+    for index in 0..recipe.bodies {
+        let leaf = model.bodies.iter().all(|body| body.parent != Some(index));
+        if recipe.massless && !leaf && random.chance(0.3) {
+            model.bodies[index].mass = 0.0;
+            model.bodies[index].inertia = [0.0; 6];
+        }
+    }
+    add_devices(random, recipe, &mut model);
+    assert!(model.check(), "random models are well formed");
+    model
+}
+
+fn add_body(random: &mut Random, recipe: &Recipe, model: &mut Model, index: usize) {
+    // Half of the bodies continue the chain, so that depth grows too.
+    let parent = match random.below(index + 1) {
+        _ if index > 0 && random.chance(0.5) => Some(index - 1),
+        0 => None,
+        before => Some(before - 1),
+    };
+    let point = random
+        .chance(0.8)
+        .then(|| parent.map_or(0, |parent| POINTS * (parent + 1)) + random.below(POINTS));
+    let start = model.joints.len();
+    // Kinds are distinct within a body: two parallel slides in a row would
+    // make the mass matrix singular.
+    let mut kinds = JointKind::ALL.to_vec();
+    for place in 0..[1, 1, 1, 2, 3][random.below(5)] {
+        let driven = recipe.driven && random.chance(0.3);
+        let has_velocity = !driven || random.chance(0.5);
+        model.joints.push(Joint {
+            name: format!("j{}", start + place + 1),
+            kind: kinds.remove(random.below(kinds.len())),
+            nature: if driven {
+                Nature::Driven
+            } else {
+                Nature::Independent
+            },
+            body: index,
+            parent: match place {
+                0 => model.last_joint(parent),
+                _ => Some(start + place - 1),
+            },
+            point: if place == 0 { point } else { None },
+            has_velocity,
+            has_acceleration: has_velocity,
+            actuated: false,
+            initial: [0.0; 3],
+        });
+    }
+    let mut product = || {
+        let number = 0.2 * random.unit();
+        if random.chance(recipe.zeros) {
+            0.0
+        } else {
+            number
+        }
+    };
+    let [xy, xz, yz] = [product(), product(), product()];
+    let [xx, yy, zz] = [(); 3].map(|()| random.between(0.5, 2.0));
+    model.bodies.push(Body {
+        name: format!("b{}", index + 1),
+        parent,
+        point,
+        joints: start..model.joints.len(),
+        mass: random.between(0.5, 5.0),
+        center: random.vector(recipe.zeros),
+        inertia: [xx, xy, xz, yy, yz, zz],
+    });
+}
+
+/// A random place: a point or an origin.
+fn place(random: &mut Random, bodies: usize) -> Anchor {
+    let number = random.below(bodies + 1);
+    let body = number.checked_sub(1);
+    Anchor {
+        body,
+        point: random
+            .chance(0.8)
+            .then(|| POINTS * number + random.below(POINTS)),
+    }
+}
+
+/// Two random places on two bodies.
+fn places(random: &mut Random, bodies: usize) -> [Anchor; 2] {
+    loop {
+        let ends = [place(random, bodies), place(random, bodies)];
+        if ends[0].body != ends[1].body {
+            return ends;
+        }
+    }
+}
+
+fn add_devices(random: &mut Random, recipe: &Recipe, model: &mut Model) {
+    for _ in 0..recipe.cuts {
+        let length = random.between(0.3, 1.5);
+        for kind in [CutKind::Ball, CutKind::Rod(length), CutKind::Solid] {
+            model.cuts.push(Cut {
+                name: format!("cut{}", model.cuts.len() + 1),
+                kind,
+                ends: places(random, recipe.bodies),
+                ignore: [false; 3],
+            });
+        }
+    }
+    for number in 1..=recipe.devices {
+        let mut device = |name: &str| Sensor {
+            name: format!("{name}{number}"),
+            // On a body: external forces on the base have no effect.
+            point: POINTS + random.below(POINTS * recipe.bodies),
+            asks: Asks {
+                position: true,
+                rotation: true,
+                velocity: true,
+                angular_velocity: true,
+                acceleration: true,
+                angular_acceleration: true,
+                jacobian: true,
+            },
+        };
+        model.sensors.push(device("sensor"));
+        model.forces.push(device("force"));
+        // Two different points keep a link from having no length.
+        let ends = loop {
+            let ends = places(random, recipe.bodies);
+            if ends.iter().all(|end| end.point.is_some()) {
+                break ends;
+            }
+        };
+        model.links.push(Link {
+            name: format!("link{number}"),
+            ends,
+        });
+    }
+}
+
+/// A random state of a model, as its equations see it.
+pub(crate) fn state(random: &mut Random, model: &Model) -> State<f64> {
+    let n = model.joints.len();
+    let mut list = |bound: f64| (0..n).map(|_| bound * random.unit()).collect::<Vec<f64>>();
+    let (q, qd, qdd) = (list(3.1), list(3.0), list(10.0));
+    let mut vectors = || {
+        (0..n)
+            .map(|_| random.vector(0.0).map(|x| 20.0 * x))
+            .collect::<Vec<[f64; 3]>>()
+    };
+    let (frc, trq) = (vectors(), vectors());
+    State {
+        q,
+        qd,
+        qdd,
+        frc,
+        trq,
+    }
+    .seen_by(model)
+}
