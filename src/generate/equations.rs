@@ -8,6 +8,7 @@
 
 use super::algebra::{Factor, Scalar, Sum, Term};
 use hashbrown::HashTable;
+use robovec_ir::Boundary;
 use rustc_hash::FxBuildHasher;
 use smallvec::SmallVec;
 use std::hash::BuildHasher;
@@ -17,6 +18,9 @@ use std::hash::BuildHasher;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Label {
     pub(super) prefix: &'static str,
+    /// Kind and number of the sensor, link or chain the quantity belongs to
+    /// (`ROcp1_53`).
+    pub(super) group: Option<(&'static str, u32)>,
     /// Component, counted from 1; 0 for none.
     pub(super) component: u8,
     /// Joint, counted from 1.
@@ -29,6 +33,7 @@ impl Label {
     pub(super) fn new(prefix: &'static str, component: usize, joint: usize) -> Label {
         Label {
             prefix,
+            group: None,
             component: component as u8,
             joint: joint as u32,
             column: 0,
@@ -46,11 +51,15 @@ impl Label {
     pub(super) fn text(self) -> String {
         let Label {
             prefix,
+            group,
             component,
             joint,
             column,
         } = self;
         let mut text = prefix.to_owned();
+        if let Some((kind, number)) = group {
+            text.push_str(&format!("{kind}{number}_"));
+        }
         for (separator, number) in [("", u32::from(component)), ("", joint), ("_", column)] {
             if number > 0 {
                 text.push_str(separator);
@@ -113,8 +122,12 @@ pub(super) struct Equations {
     pub(super) groups: Vec<Sum>,
     /// Names of the input arrays and how many indices each takes.
     pub(super) arrays: Vec<(String, usize)>,
-    /// Name, indices and value of each output element.
-    pub(super) outputs: Vec<(&'static str, [u32; 2], Scalar)>,
+    /// Names of the output arrays, in order of appearance.
+    pub(super) results: Vec<String>,
+    /// Array, indices and value of each output element.
+    pub(super) outputs: Vec<(u32, [u32; 2], Scalar)>,
+    /// Calls of user functions.
+    pub(super) calls: Vec<Boundary>,
     inputs: hashbrown::HashMap<(u32, [u32; 2]), u32, FxBuildHasher>,
     numbers: hashbrown::HashMap<u64, u32, FxBuildHasher>,
     /// Hash, atom (with the sign that belongs to the key's) of every equation.
@@ -137,7 +150,9 @@ impl Equations {
             equations: Vec::new(),
             groups: Vec::new(),
             arrays: Vec::new(),
+            results: Vec::new(),
             outputs: Vec::new(),
+            calls: Vec::new(),
             inputs: hashbrown::HashMap::default(),
             numbers: hashbrown::HashMap::default(),
             known: HashTable::new(),
@@ -197,8 +212,13 @@ impl Equations {
         Scalar::of_atom(atom).negated_if(number < 0.0)
     }
 
-    /// Sets an output element; zeros are left to the caller of the function.
-    pub(super) fn output(&mut self, array: &'static str, indices: &[usize], value: Scalar) {
+    /// Sets an output element.
+    pub(super) fn output(&mut self, array: &str, indices: &[usize], value: Scalar) {
+        let found = self.results.iter().position(|name| name == array);
+        let array = found.unwrap_or_else(|| {
+            self.results.push(array.to_owned());
+            self.results.len() - 1
+        }) as u32;
         let mut padded = [0; 2];
         for (place, &index) in padded.iter_mut().zip(indices) {
             *place = index as u32;

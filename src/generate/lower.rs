@@ -61,6 +61,7 @@ pub(super) fn lower(
     module: &mut Module,
 ) {
     let needed = needed(equations);
+    function.boundaries.clone_from(&equations.calls);
     let inputs = declare_inputs(
         equations,
         extents,
@@ -81,8 +82,8 @@ pub(super) fn lower(
     }
     // Outputs may have trees of their own (a sign); they stand behind all
     // definitions.
-    for (number, &(_, indices, value)) in equations.outputs.iter().enumerate() {
-        writer.output(outputs[number], indices, value);
+    for &(array, indices, value) in &equations.outputs {
+        writer.output(outputs[array as usize], indices, value);
     }
     writer.function.sort_assignments();
     module.functions.push(writer.function);
@@ -173,36 +174,28 @@ fn declare_inputs(
     equations.atoms.iter().map(element).collect()
 }
 
-/// Declares the output arrays in order of appearance; the array of every output
-/// element.
+/// Declares the output arrays in order of appearance; in the order of
+/// [`Equations::results`].
 fn declare_outputs(
     equations: &Equations,
     extents: &Extents,
     function: &mut Function,
     tables: &mut Tables,
 ) -> Vec<Array> {
-    let mut used: Vec<(&str, (u32, u32))> = Vec::new();
-    let mut numbers = Vec::with_capacity(equations.outputs.len());
-    for &(name, indices, _) in &equations.outputs {
-        let number = used.iter().position(|(known, _)| *known == name);
-        let number = number.unwrap_or_else(|| {
-            used.push((name, (0, 0)));
-            used.len() - 1
-        });
-        let most = &mut used[number].1;
+    let mut used = vec![(0, 0); equations.results.len()];
+    for &(array, indices, _) in &equations.outputs {
+        let most: &mut (u32, u32) = &mut used[array as usize];
         most.0 = most.0.max(indices[0]);
         most.1 = most.1.max(indices[1]);
-        numbers.push(number);
     }
-    let arrays: Vec<Array> = used
-        .iter()
-        .map(|&(name, most)| {
+    let named = equations.results.iter().zip(used);
+    named
+        .map(|(name, most)| {
             let rank = usize::from(most.0 > 0) + usize::from(most.1 > 0);
             let shape = extents.shape(name, rank, most);
             function.add_output(tables.symbols.intern(name), shape)
         })
-        .collect();
-    numbers.into_iter().map(|number| arrays[number]).collect()
+        .collect()
 }
 
 struct Writer<'a> {

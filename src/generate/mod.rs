@@ -9,6 +9,8 @@
 
 #[allow(dead_code)]
 mod algebra;
+mod chain;
+mod constraints;
 #[allow(dead_code)]
 mod equations;
 mod lower;
@@ -33,17 +35,28 @@ pub enum FunctionKind {
     Dirdyna,
     /// `Qq` for given accelerations (F2).
     Invdyna,
+    /// The constraints `h` of loops and their Jacobian `Jac` (F8).
+    ConsHJ,
+    /// What remains of the constraints' second derivative, `Jdqd` (F18).
+    ConsJdqd,
 }
 
 impl FunctionKind {
     /// All functions.
-    pub const ALL: [FunctionKind; 2] = [FunctionKind::Dirdyna, FunctionKind::Invdyna];
+    pub const ALL: [FunctionKind; 4] = [
+        FunctionKind::Dirdyna,
+        FunctionKind::Invdyna,
+        FunctionKind::ConsHJ,
+        FunctionKind::ConsJdqd,
+    ];
 
     /// Robotran's name, without `mbs_`.
     pub fn name(self) -> &'static str {
         match self {
             FunctionKind::Dirdyna => "dirdyna",
             FunctionKind::Invdyna => "invdyna",
+            FunctionKind::ConsHJ => "cons_hJ",
+            FunctionKind::ConsJdqd => "cons_jdqd",
         }
     }
 
@@ -52,6 +65,8 @@ impl FunctionKind {
         match self {
             FunctionKind::Dirdyna => "F1",
             FunctionKind::Invdyna => "F2",
+            FunctionKind::ConsHJ => "F8",
+            FunctionKind::ConsJdqd => "F18",
         }
     }
 
@@ -170,6 +185,8 @@ pub fn generate(model: &Model, request: &Request) -> Result<Module, GenerateErro
     match request.function {
         FunctionKind::Dirdyna => recursive::direct(&mut equations, &parameters, options),
         FunctionKind::Invdyna => recursive::inverse(&mut equations, &parameters, options),
+        FunctionKind::ConsHJ => constraints::position(&mut equations, &parameters, options),
+        FunctionKind::ConsJdqd => constraints::acceleration(&mut equations, &parameters, options),
     }
     let extents = Extents {
         joints: model.joints.len() as u32,

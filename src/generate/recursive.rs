@@ -460,6 +460,9 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
                 let own = self.own_column(joint, ancestor, &motions[joint][place]);
                 loads[joint] = self.collect(joint, ancestor + 1, &own.0, own.1, &loads);
                 let entry = self.component(joint, &loads[joint]);
+                if entry.is_zero() {
+                    continue;
+                }
                 self.equations
                     .output("M", &[joint + 1, ancestor + 1], entry);
                 if joint != ancestor {

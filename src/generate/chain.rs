@@ -1,0 +1,348 @@
+//! The motion of points along a chain of joints, seen from a reference frame:
+//! what sensors, links, external forces and loops need.
+//!
+//! Everything is in the axes of the reference. A frame's rotation is kept as
+//! its three axes (rows). Levers are kept joint by joint, and the vector from
+//! a joint to the end of the chain is summed from the end, so that positions
+//! and Jacobians share these sums and no difference of large positions is
+//! ever taken. Joints in a row that turn about the same axis are one rotation
+//! by the sum of their angles.
+
+use super::algebra::{Scalar, Sum};
+use super::equations::{Equations, Label};
+use super::parameters::Parameters;
+use super::vector::{Matrix, SumVector, Turn, Vector, ZERO, add_cross, cyclic, sums, unit};
+
+/// One joint of a chain.
+#[derive(Clone, Copy)]
+pub(super) struct Step {
+    pub(super) joint: usize,
+    /// The joint's axis.
+    pub(super) axis: Vector,
+    /// From the frame before to this frame's origin.
+    pub(super) lever: Vector,
+    /// The axes of the frame behind the joint.
+    pub(super) axes: Matrix,
+}
+
+/// A run of rotations about one axis.
+#[derive(Clone, Copy)]
+struct Run {
+    first: usize,
+    turn: Turn,
+    /// The axes before the run.
+    before: Matrix,
+}
+
+/// A chain of joints from a reference frame to a place on the last joint's
+/// body.
+pub(super) struct Chain {
+    /// The number of the chain, behind its names.
+    number: u32,
+    suffix: &'static str,
+    pub(super) steps: Vec<Step>,
+    /// From the last frame's origin to the place.
+    pub(super) end: Vector,
+}
+
+/// Velocities and accelerations at the end of a chain.
+#[derive(Clone, Copy)]
+pub(super) struct Motion {
+    pub(super) velocity: Vector,
+    pub(super) angular_velocity: Vector,
+    pub(super) acceleration: Vector,
+    pub(super) angular_acceleration: Vector,
+}
+
+impl Chain {
+    /// The chain over the joints of a path, which starts behind the reference,
+    /// to a place given in the frame of the last joint (or of the reference).
+    pub(super) fn new(
+        equations: &mut Equations,
+        parameters: &Parameters<'_>,
+        (suffix, number): (&'static str, usize),
+        path: &[usize],
+        place: &Vector,
+    ) -> Chain {
+        let mut chain = Chain {
+            number: number as u32,
+            suffix,
+            steps: Vec::with_capacity(path.len()),
+            end: ZERO,
+        };
+        let mut axes = [unit(0), unit(1), unit(2)];
+        let mut run: Option<Run> = None;
+        for &joint in path {
+            let offset = parameters.offset(joint);
+            let lever = chain.lever(equations, &axes, offset, joint + 1);
+            let axis = axes[parameters.axis(joint)];
+            if parameters.is_revolute(joint) {
+                (axes, run) = chain.turn(equations, parameters, joint, &axes, run);
+            }
+            chain.steps.push(Step {
+                joint,
+                axis,
+                lever,
+                axes,
+            });
+        }
+        chain.end = chain.lever(equations, &axes, place.map(Sum::of), 0);
+        chain
+    }
+
+    fn label(&self, prefix: &'static str, component: usize, joint: usize) -> Label {
+        Label {
+            group: Some((self.suffix, self.number)),
+            ..Label::new(prefix, component, joint)
+        }
+    }
+
+    fn define(
+        &self,
+        equations: &mut Equations,
+        prefix: &'static str,
+        joint: usize,
+        column: usize,
+        vector: SumVector,
+    ) -> Vector {
+        let mut component = 0;
+        vector.map(|sum| {
+            component += 1;
+            let label = self.label(prefix, component, joint).column(column);
+            equations.define(label, sum)
+        })
+    }
+
+    /// A vector given in a frame, in the axes of the reference.
+    fn lever(
+        &self,
+        equations: &mut Equations,
+        axes: &Matrix,
+        offset: SumVector,
+        joint: usize,
+    ) -> Vector {
+        let mut component = 0;
+        let offset = offset.map(|sum| {
+            component += 1;
+            equations.define(Label::new("Dz", 0, 10 * joint + component), sum)
+        });
+        let mut lever = sums();
+        for (component, sum) in lever.iter_mut().enumerate() {
+            for (axis, length) in axes.iter().zip(&offset) {
+                sum.add(&[axis[component], *length]);
+            }
+        }
+        self.define(equations, "RL", joint, 0, lever)
+    }
+
+    fn turn(
+        &self,
+        equations: &mut Equations,
+        parameters: &Parameters<'_>,
+        joint: usize,
+        axes: &Matrix,
+        run: Option<Run>,
+    ) -> (Matrix, Option<Run>) {
+        let turn = parameters.turns[joint];
+        let run = match run {
+            Some(run) if run.turn.axis == turn.axis => Run {
+                turn: sum_of_angles(equations, &run.turn, &turn, joint, run.first),
+                ..run
+            },
+            _ => Run {
+                first: joint,
+                turn,
+                before: *axes,
+            },
+        };
+        let mut turned = run.before;
+        let (b, c) = cyclic(turn.axis);
+        for component in 0..3 {
+            let column = [0, 1, 2].map(|row| run.before[row][component]);
+            let [x, y, z] = run.turn.down(&column);
+            let down = [x, y, z];
+            for row in [b, c] {
+                let label = self.label("RO", 3 * row + component + 1, joint + 1);
+                turned[row][component] = equations.define(label, down[row].clone());
+            }
+        }
+        (turned, Some(run))
+    }
+
+    /// The vectors from every joint's origin to the end of the chain.
+    pub(super) fn arms(&self, equations: &mut Equations) -> Vec<Vector> {
+        let mut arms = vec![ZERO; self.steps.len()];
+        let mut arm = self.end;
+        for place in (0..self.steps.len()).rev() {
+            arms[place] = arm;
+            let step = &self.steps[place];
+            let mut sum = step.lever.map(Sum::of);
+            for (component, &value) in sum.iter_mut().zip(&arm) {
+                component.add(&[value]);
+            }
+            arm = self.define(equations, "PO", step.joint + 1, 0, sum);
+        }
+        arms
+    }
+
+    /// From the origin of the reference to the end of the chain.
+    pub(super) fn position(&self, equations: &mut Equations) -> Vector {
+        let arms = self.arms(equations);
+        match (self.steps.first(), arms.first()) {
+            (Some(step), Some(arm)) => {
+                let mut sum = step.lever.map(Sum::of);
+                for (component, &value) in sum.iter_mut().zip(arm) {
+                    component.add(&[value]);
+                }
+                self.define(equations, "PO", step.joint + 1, 0, sum)
+            }
+            _ => self.end,
+        }
+    }
+
+    /// The axes of the last frame.
+    pub(super) fn axes(&self) -> Matrix {
+        let identity = [unit(0), unit(1), unit(2)];
+        self.steps.last().map_or(identity, |step| step.axes)
+    }
+
+    /// For every joint, the velocity of the end and the angular velocity that
+    /// a unit of its velocity causes.
+    pub(super) fn jacobian(
+        &self,
+        equations: &mut Equations,
+        parameters: &Parameters<'_>,
+    ) -> Vec<(usize, Vector, Vector)> {
+        let arms = self.arms(equations);
+        let column = |(step, arm): (&Step, &Vector)| {
+            if !parameters.is_revolute(step.joint) {
+                return (step.joint, step.axis, ZERO);
+            }
+            let mut cross = sums();
+            add_cross(&mut cross, &step.axis, arm, false);
+            let linear = self.define(equations, "JT", 0, step.joint + 1, cross);
+            (step.joint, linear, step.axis)
+        };
+        self.steps.iter().zip(&arms).map(column).collect()
+    }
+
+    /// Velocities and accelerations of the end for given velocities and
+    /// accelerations of the joints; the reference is at rest.
+    pub(super) fn motion(
+        &self,
+        equations: &mut Equations,
+        parameters: &Parameters<'_>,
+        accelerations: &[Scalar],
+    ) -> Motion {
+        let mut motion = Motion {
+            velocity: ZERO,
+            angular_velocity: ZERO,
+            acceleration: ZERO,
+            angular_acceleration: ZERO,
+        };
+        for step in &self.steps {
+            let joint = step.joint;
+            let rate = parameters.qd[joint];
+            let acceleration = accelerations.get(joint).copied().unwrap_or(Scalar::ZERO);
+            self.carry(
+                equations,
+                &mut motion,
+                &step.lever,
+                joint + 1,
+                |sums| {
+                    if !parameters.is_revolute(joint) {
+                        let [velocity, second] = sums;
+                        for k in 0..3 {
+                            velocity[k].add(&[step.axis[k], rate]);
+                            second[k].add(&[step.axis[k], acceleration]);
+                        }
+                    }
+                },
+                (!parameters.is_revolute(joint)).then_some((&step.axis, rate)),
+            );
+            if parameters.is_revolute(joint) {
+                let before = motion.angular_velocity;
+                let spin = self.define(
+                    equations,
+                    "OS",
+                    joint + 1,
+                    0,
+                    step.axis.map(|component| {
+                        let mut sum = Sum::new();
+                        sum.add(&[component, rate]);
+                        sum
+                    }),
+                );
+                let mut angular = before.map(Sum::of);
+                let mut second = motion.angular_acceleration.map(Sum::of);
+                add_cross(&mut second, &before, &spin, false);
+                for k in 0..3 {
+                    angular[k].add(&[spin[k]]);
+                    second[k].add(&[step.axis[k], acceleration]);
+                }
+                motion.angular_velocity = self.define(equations, "OM", joint + 1, 0, angular);
+                motion.angular_acceleration = self.define(equations, "OP", joint + 1, 0, second);
+            }
+        }
+        self.carry(equations, &mut motion, &self.end, 0, |_| {}, None);
+        motion
+    }
+
+    /// From the origin of a frame to a place at a lever from it, which may
+    /// slide along an axis.
+    fn carry(
+        &self,
+        equations: &mut Equations,
+        motion: &mut Motion,
+        lever: &Vector,
+        joint: usize,
+        own: impl FnOnce([&mut SumVector; 2]),
+        slide: Option<(&Vector, Scalar)>,
+    ) {
+        let mut swing = sums();
+        add_cross(&mut swing, &motion.angular_velocity, lever, false);
+        let swing = self.define(equations, "OR", joint, 0, swing);
+        let mut velocity = motion.velocity.map(Sum::of);
+        let mut acceleration = motion.acceleration.map(Sum::of);
+        for (component, &value) in velocity.iter_mut().zip(&swing) {
+            component.add(&[value]);
+        }
+        add_cross(
+            &mut acceleration,
+            &motion.angular_acceleration,
+            lever,
+            false,
+        );
+        // w x (w x r) and, for a slide, 2 w x e qd share their first factor.
+        let mut inner = swing.map(Sum::of);
+        if let Some((axis, rate)) = slide {
+            let two = equations.number(2.0);
+            for (component, &value) in inner.iter_mut().zip(axis) {
+                component.add(&[two, value, rate]);
+            }
+        }
+        let inner = self.define(equations, "OT", joint, 0, inner);
+        add_cross(&mut acceleration, &motion.angular_velocity, &inner, false);
+        own([&mut velocity, &mut acceleration]);
+        motion.velocity = self.define(equations, "VI", joint, 0, velocity);
+        motion.acceleration = self.define(equations, "AC", joint, 0, acceleration);
+    }
+}
+
+/// The rotation by the sum of the angles of two rotations about one axis.
+fn sum_of_angles(
+    equations: &mut Equations,
+    run: &Turn,
+    turn: &Turn,
+    joint: usize,
+    first: usize,
+) -> Turn {
+    let (mut cos, mut sin) = (Sum::new(), Sum::new());
+    cos.add(&[run.cos, turn.cos]).subtract(&[run.sin, turn.sin]);
+    sin.add(&[run.cos, turn.sin]).add(&[run.sin, turn.cos]);
+    Turn {
+        axis: turn.axis,
+        cos: equations.define(Label::new("Cp", 0, joint + 1).column(first + 1), cos),
+        sin: equations.define(Label::new("Sp", 0, joint + 1).column(first + 1), sin),
+    }
+}
