@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::arguments::InputLanguage;
+use crate::model::mbs::{ReadModel, read_mbs};
 use crate::robotran::{self, Language};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::machine::{self, MachineError};
@@ -118,6 +119,12 @@ fn own_text(path: &Path, name: String, bytes: Vec<u8>) -> Result<Input, Failure>
         }),
         Err(diagnostics) => Err(Failure(Report::of(&name, text, diagnostics))),
     }
+}
+
+/// Reads a model.
+pub(crate) fn model(path: &Path) -> Result<ReadModel, Failure> {
+    let bytes = read_bytes(path)?;
+    read_mbs(&display_name(path), &bytes).map_err(|error| Failure(error.report))
 }
 
 /// Reads a pipeline, from a file when it starts with `@`.

@@ -7,6 +7,7 @@
 
 mod arguments;
 mod dump;
+mod generation;
 mod input;
 mod listing;
 pub mod opt;

@@ -2,6 +2,7 @@
 //! them.
 
 use super::arguments::InputLanguage;
+use super::generation::{self, GenArguments};
 use super::{Failure, input, output};
 use crate::evaluate_command::evaluate_at_states;
 use crate::simulate::Program;
@@ -37,6 +38,8 @@ enum Command {
         #[arg(long, value_enum)]
         language: Option<InputLanguage>,
     },
+    /// Generate the equations of a model
+    Gen(GenArguments),
     /// Run memory images cycle by cycle on given inputs
     Simulate {
         /// Folder with the images and manifest.json that `codegen` wrote
@@ -80,6 +83,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             states,
             language,
         } => eval(file, states, *language),
+        Command::Gen(arguments) => generation::run(arguments),
         Command::Simulate {
             folder,
             machine,

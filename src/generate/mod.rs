@@ -107,6 +107,33 @@ pub enum Formulation {
     Recursive,
 }
 
+impl Formulation {
+    /// All formulations.
+    pub const ALL: [Formulation; 1] = [Formulation::Recursive];
+
+    /// The formulation's name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Formulation::Recursive => "recursive",
+        }
+    }
+
+    /// The names of all formulations.
+    pub fn names() -> Vec<&'static str> {
+        Formulation::ALL
+            .into_iter()
+            .map(Formulation::name)
+            .collect()
+    }
+
+    /// The formulation with this name.
+    pub fn from_name(name: &str) -> Option<Formulation> {
+        Formulation::ALL
+            .into_iter()
+            .find(|formulation| formulation.name() == name)
+    }
+}
+
 /// How equations are generated.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Options {
@@ -173,11 +200,25 @@ pub enum GenerateError {
 ///
 /// See [`GenerateError`].
 pub fn generate(model: &Model, request: &Request) -> Result<Module, GenerateError> {
+    let mut module = Module::new();
+    generate_into(&mut module, model, request)?;
+    Ok(module)
+}
+
+/// Does as [`generate`], and adds the functions to a module.
+///
+/// # Errors
+///
+/// See [`GenerateError`].
+pub fn generate_into(
+    module: &mut Module,
+    model: &Model,
+    request: &Request,
+) -> Result<(), GenerateError> {
     if !model.check() {
         return Err(GenerateError::Inconsistent(model.name.clone()));
     }
     let options = &request.options;
-    let mut module = Module::new();
     let mut equations = Equations::new(Style {
         leading_signs: options.leading_signs,
     });
@@ -194,8 +235,8 @@ pub fn generate(model: &Model, request: &Request) -> Result<Module, GenerateErro
     };
     let mut function = Function::new(request.function.name(), Level::Equations);
     function.metadata = metadata(model, request);
-    lower::lower(&equations, &extents, function, &mut module);
-    Ok(module)
+    lower::lower(&equations, &extents, function, module);
+    Ok(())
 }
 
 /// What a reader of the equations wants to know of their origin.

@@ -1,0 +1,126 @@
+//! `robovec gen`: equations from a model.
+
+use super::{Failure, input, output};
+use crate::generate::{
+    Binding, Formulation, FunctionKind, Options, Request, TermOrder, generate_into,
+};
+use crate::model::Model;
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use robovec_ir::diagnostic::termcolor::ColorChoice;
+use robovec_ir::{Module, print};
+use robovec_passes::manager::{self, Config};
+use robovec_passes::pipeline::Pipeline;
+use std::path::PathBuf;
+
+/// What is generated, and how.
+#[derive(Args, Debug)]
+pub(super) struct GenArguments {
+    /// Model (.mbs)
+    model: PathBuf,
+    /// Functions, separated by commas: dirdyna, invdyna, cons_hJ, …
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "dirdyna",
+          value_parser = PossibleValuesParser::new(FunctionKind::ALL.map(FunctionKind::name)))]
+    function: Vec<String>,
+    /// Recursion the equations come from; 'robovec gen --help' explains them
+    #[arg(long, default_value = "recursive",
+          value_parser = PossibleValuesParser::new(Formulation::names()))]
+    formulation: String,
+    /// Write what children carry before a body's own terms
+    #[arg(long)]
+    child_first: bool,
+    /// Keep parameters that are zero in the model
+    #[arg(long)]
+    all_parameters: bool,
+    /// Put the model's numbers into the equations instead of symbols
+    #[arg(long, conflicts_with = "all_parameters")]
+    numbers: bool,
+    /// Leave out external forces and torques
+    #[arg(long)]
+    no_forces: bool,
+    /// Keep every sum in the order of the recursion, a leading minus included
+    #[arg(long)]
+    leading_signs: bool,
+    /// Pipeline run over the equations, e.g. atomise,cse,dce
+    #[arg(long, value_name = "PIPELINE")]
+    passes: Option<String>,
+    /// File to write instead of the standard output
+    #[arg(short, long, value_name = "PATH")]
+    output: Option<PathBuf>,
+}
+
+impl GenArguments {
+    fn options(&self) -> Options {
+        Options {
+            order: if self.child_first {
+                TermOrder::ChildFirst
+            } else {
+                TermOrder::OwnFirst
+            },
+            all_parameters: self.all_parameters,
+            parameters: if self.numbers {
+                Binding::Numbers
+            } else {
+                Binding::Symbols
+            },
+            external_forces: !self.no_forces,
+            leading_signs: self.leading_signs,
+        }
+    }
+}
+
+/// Generates the functions of a model into one module.
+pub(super) fn functions(
+    model: &Model,
+    kinds: &[FunctionKind],
+    formulation: Formulation,
+    options: &Options,
+) -> Result<Module, Failure> {
+    let mut module = Module::new();
+    for &function in kinds {
+        let request = Request {
+            function,
+            formulation,
+            options: options.clone(),
+        };
+        generate_into(&mut module, model, &request)
+            .map_err(|error| Failure::plain(format!("{}: {error}", function.name())))?;
+    }
+    Ok(module)
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &GenArguments) -> Result<String, Failure> {
+    let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
+    let read = input::model(&arguments.model)?;
+    read.warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
+    let kinds: Vec<FunctionKind> = arguments
+        .function
+        .iter()
+        .filter_map(|name| FunctionKind::from_name(name))
+        .collect();
+    let formulation = Formulation::from_name(&arguments.formulation).unwrap_or_default();
+    let mut module = functions(&read.model, &kinds, formulation, &arguments.options())?;
+    transform(&mut module, &pipeline)?;
+    match &arguments.output {
+        None => Ok(print::print_module(&module)),
+        Some(path) => {
+            output::write_file(path, |writer| print::write_module(&module, writer))?;
+            Ok(String::new())
+        }
+    }
+}
+
+/// Runs a pipeline that needs no machine in particular.
+fn transform(module: &mut Module, pipeline: &Pipeline) -> Result<(), Failure> {
+    let machine = input::machine("thesis")?;
+    manager::run(
+        module,
+        pipeline,
+        Config::new(&machine, &mut std::io::stderr().lock()),
+    )
+    .map(drop)
+    .map_err(|error| Failure::plain(error.to_string()))
+}
