@@ -5,6 +5,7 @@ pub mod evaluate_command;
 pub mod generate;
 pub mod hexadecimal;
 pub mod model;
+pub mod motion;
 pub mod report;
 pub mod robotran;
 pub mod simulate;

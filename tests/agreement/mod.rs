@@ -1,0 +1,166 @@
+//! What the functions of random models must agree with.
+
+mod dynamics;
+
+use crate::reference::random::{self, Random, Recipe};
+use crate::reference::{State, Tree};
+use robovec::generate::{Formulation, FunctionKind, Options, Request, generate};
+use robovec::model::Model;
+use robovec::motion;
+use robovec_ir::Module;
+use robovec_ir::arithmetic::Binary64;
+use robovec_ir::double_double::Double;
+use robovec_ir::evaluate::evaluate;
+
+/// The largest accepted difference, relative to the largest entry of the
+/// array.
+pub(crate) const TOLERANCE: f64 = 1e-12;
+
+/// A random model with a state, and what the reference needs.
+pub(crate) struct Case {
+    pub(crate) seed: u64,
+    pub(crate) model: Model,
+    pub(crate) state: State<f64>,
+}
+
+impl Case {
+    /// The reference's view of the case, in numbers that leave no doubt about
+    /// the last digits of binary64.
+    pub(crate) fn exact(&self) -> (Tree<Double>, State<Double>) {
+        (Tree::new(&self.model), self.state.convert(Double::from))
+    }
+
+    /// The state as the equations' inputs are gathered from it.
+    pub(crate) fn inputs(&self) -> motion::State {
+        let mut inputs = motion::State::initial(&self.model);
+        inputs.q.clone_from(&self.state.q);
+        inputs.qd.clone_from(&self.state.qd);
+        inputs.qdd.clone_from(&self.state.qdd);
+        inputs.frc.clone_from(&self.state.frc);
+        inputs.trq.clone_from(&self.state.trq);
+        inputs
+    }
+
+    /// Generates a function.
+    pub(crate) fn generate(&self, request: &Request) -> Module {
+        generate(&self.model, request)
+            .unwrap_or_else(|error| panic!("seed {}, {request:?}: {error}", self.seed))
+    }
+
+    /// Compares an output array with what it should be.
+    pub(crate) fn compare(&self, what: &str, found: &[f64], expected: &[Double]) {
+        assert_eq!(found.len(), expected.len(), "seed {}: {what}", self.seed);
+        let size = expected
+            .iter()
+            .fold(0.0f64, |size, x| size.max(x.high.abs()));
+        for (index, (&found, &expected)) in found.iter().zip(expected).enumerate() {
+            let error = expected.distance(found);
+            assert!(
+                error <= TOLERANCE * size,
+                "seed {}: {what}, element {index}: {found} instead of {} (array up to {size})",
+                self.seed,
+                expected.high
+            );
+        }
+    }
+}
+
+/// How many random trees a test tries: a few, or `ROBOVEC_TREES`.
+fn trees() -> u64 {
+    std::env::var("ROBOVEC_TREES")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(24)
+}
+
+/// Runs a test on random models of 1 to 12 bodies.
+pub(crate) fn each(recipe: Recipe, test: impl Fn(&Case)) {
+    for seed in 1..=trees() {
+        let mut random = Random(seed);
+        let recipe = Recipe {
+            bodies: recipe.bodies.max(1 + random.below(12)),
+            // Every other model has no zeros at all.
+            zeros: recipe.zeros * (seed % 2) as f64,
+            ..recipe
+        };
+        let model = random::model(&mut random, &recipe);
+        let state = random::state(&mut random, &model);
+        test(&Case { seed, model, state });
+    }
+}
+
+/// The recipe of trees without loops and devices.
+pub(crate) const PLAIN: Recipe = Recipe {
+    bodies: 1,
+    zeros: 0.5,
+    massless: true,
+    driven: true,
+    cuts: 0,
+    devices: 0,
+};
+
+/// All requests for a function: every formulation and the options that change
+/// the equations.
+pub(crate) fn requests(function: FunctionKind) -> Vec<Request> {
+    let mut requests = Vec::new();
+    for formulation in [Formulation::Recursive] {
+        for options in [
+            Options::default(),
+            Options {
+                all_parameters: true,
+                ..Options::default()
+            },
+        ] {
+            requests.push(Request {
+                function,
+                formulation,
+                options,
+            });
+        }
+    }
+    requests
+}
+
+/// The outputs of a function by array, in full: what is not assigned is zero.
+pub(crate) struct Outputs {
+    arrays: Vec<(String, Vec<f64>)>,
+}
+
+impl Outputs {
+    /// Evaluates a function of a module.
+    pub(crate) fn of(case: &Case, module: &Module, name: &str, inputs: &motion::State) -> Outputs {
+        let function = module
+            .function(name)
+            .unwrap_or_else(|| panic!("seed {}: no function {name}", case.seed));
+        let view = robovec_ir::View {
+            tables: &module.tables,
+            function,
+        };
+        let sources = motion::Inputs::new(&case.model, view)
+            .unwrap_or_else(|name| panic!("seed {}: no input {name}", case.seed));
+        let numbers = evaluate(function, &Binary64, &sources.gather(inputs));
+        let mut flat = vec![0.0; function.output_len()];
+        for (assignment, number) in function.assignments.iter().zip(numbers) {
+            flat[assignment.output.index()] = number;
+        }
+        let arrays = function.outputs().iter().map(|array| {
+            let start = array.offset as usize;
+            (
+                module.tables.symbols.text(array.name).to_owned(),
+                flat[start..start + array.shape.len()].to_vec(),
+            )
+        });
+        Outputs {
+            arrays: arrays.collect(),
+        }
+    }
+
+    /// The elements of an array, row by row; `None` when the function has no
+    /// such output.
+    pub(crate) fn array(&self, name: &str) -> Option<&[f64]> {
+        self.arrays
+            .iter()
+            .find(|(array, _)| array == name)
+            .map(|(_, numbers)| numbers.as_slice())
+    }
+}
