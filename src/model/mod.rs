@@ -9,10 +9,14 @@
 //!
 //! **Invariants** (what every reader and builder of models upholds, and
 //! [`Model::check`] verifies): a joint's parent has a smaller index; a body has
-//! at least one joint and its joints are consecutive; every index is in range;
-//! every number is finite.
+//! at least one joint and its joints are consecutive; points are in the order
+//! of their bodies and sensors in the order of their points; every index is in
+//! range; every number is finite.
 
+pub mod build;
+pub mod family;
 pub mod mbs;
+mod random;
 
 use std::ops::Range;
 
@@ -363,6 +367,20 @@ impl Model {
         std::iter::successors(joint, |&joint| self.joints[joint].parent)
     }
 
+    /// Derives from the bodies what joints hang on.
+    pub(crate) fn connect(&mut self) {
+        for index in 0..self.bodies.len() {
+            let Body { parent, point, .. } = self.bodies[index];
+            let range = self.bodies[index].joints.clone();
+            let on = self.last_joint(parent);
+            for joint in range.clone() {
+                let first = joint == range.start;
+                self.joints[joint].parent = if first { on } else { Some(joint - 1) };
+                self.joints[joint].point = if first { point } else { None };
+            }
+        }
+    }
+
     /// True when the invariants of this module hold.
     pub fn check(&self) -> bool {
         let bodies = self.bodies.len();
@@ -408,6 +426,9 @@ impl Model {
                         && joint.point == point
                 })
             })
+            && self.points.is_sorted_by_key(|point| point.body)
+            && self.sensors.is_sorted_by_key(|sensor| sensor.point)
+            && self.forces.is_sorted_by_key(|force| force.point)
             && self.points.iter().all(|point| {
                 point.body.is_none_or(|body| body < bodies) && finite(&point.coordinates)
             })

@@ -535,16 +535,7 @@ fn hang(bodies: &[Fields<'_>], scope: &Scope, model: &mut Model, messages: &mut 
     if messages.has_errors() {
         return;
     }
-    for index in 0..model.bodies.len() {
-        let Body { parent, point, .. } = model.bodies[index];
-        let range = model.bodies[index].joints.clone();
-        let on = model.last_joint(parent);
-        for joint in range.clone() {
-            let first = joint == range.start;
-            model.joints[joint].parent = if first { on } else { Some(joint - 1) };
-            model.joints[joint].point = if first { point } else { None };
-        }
-    }
+    model.connect();
 }
 
 /// Complains of parents that are declared after their children, on a cycle or

@@ -1,0 +1,98 @@
+use super::*;
+use rustc_hash::FxHashSet;
+
+/// Moments that are positive and of which none exceeds the sum of the others,
+/// in any axes: the matrix `trace/2 E - I` of second moments is positive.
+fn assert_possible(inertia: [f64; 6]) {
+    let [xx, xy, xz, yy, yz, zz] = inertia;
+    let half = (xx + yy + zz) / 2.0;
+    let (a, b, c) = (half - xx, half - yy, half - zz);
+    assert!(a > 0.0 && a * b - xy * xy > 0.0, "{inertia:?}");
+    let determinant = a * (b * c - yz * yz) + xy * (-xy * c - yz * xz) - xz * (xy * yz + b * xz);
+    assert!(determinant > 0.0, "{inertia:?}");
+}
+
+#[test]
+fn known_topologies_have_the_joints_and_operations_of_the_thesis() {
+    // Operations of Table 3.1 at 72.5 for each pair.
+    let table = [
+        (Topology::semi_serial(23), 23, 9150.0),
+        (Topology::parallel(23), 23, 6410.0),
+        (Topology::semi_serial(50), 50, 40348.0),
+        (Topology::parallel(50), 50, 15187.0),
+        (Topology::thesis_70(), 70, 100_143.0),
+        (Topology::semi_serial(70), 70, 37847.0),
+        (Topology::parallel(70), 70, 19444.0),
+        (Topology::semi_serial(100), 100, 66960.0),
+        (Topology::parallel(100), 100, 42676.0),
+        (Topology::semi_serial(130), 130, 140_783.0),
+        (Topology::parallel(130), 130, 68844.0),
+    ];
+    for (topology, joints, operations) in table {
+        assert_eq!(topology.joints(), joints);
+        let ratio = topology.pairs() as f64 * 72.5 / operations;
+        assert!((ratio - 1.0).abs() < 0.03, "{joints}: {ratio}");
+    }
+}
+
+#[test]
+fn every_number_of_joints_has_its_trees() {
+    for joints in 1..200 {
+        for topology in [Topology::semi_serial(joints), Topology::parallel(joints)] {
+            assert_eq!(topology.joints(), joints, "{topology:?}");
+            assert!(!topology.branches.contains(&0), "{topology:?}");
+        }
+    }
+}
+
+#[test]
+fn the_serial_model_is_the_frozen_one() {
+    let model = serial(23, 1);
+    assert!(model.check());
+    for (index, body) in model.bodies.iter().enumerate() {
+        let kind = model.joints[index].kind.name();
+        assert_eq!(kind, if index % 2 == 0 { "R1" } else { "R2" });
+        assert!(body.mass > 0.0 && body.center[0] != 0.0);
+        assert_eq!(body.center[1..], [0.0, 0.0]);
+        assert!(!body.inertia.contains(&0.0));
+        assert_possible(body.inertia);
+        assert_eq!(body.point, index.checked_sub(1));
+    }
+    for point in &model.points {
+        assert_eq!(point.coordinates[..2], [0.0, 0.0]);
+        assert!(point.coordinates[2] != 0.0);
+    }
+    assert_eq!(model.points.len(), 22);
+    assert_eq!(model, serial(23, 1));
+    assert_ne!(model, serial(23, 2));
+}
+
+#[test]
+fn axes_of_successive_joints_differ_on_every_path() {
+    let model = tree("t", &Topology::semi_serial(50), 3);
+    for joint in &model.joints {
+        if let Some(parent) = joint.parent {
+            assert_ne!(joint.kind, model.joints[parent].kind);
+        }
+    }
+}
+
+#[test]
+fn random_trees_are_sound_and_have_all_types() {
+    for seed in 0..200 {
+        let joints = 1 + seed as usize % 40;
+        let model = random_tree(seed, joints);
+        assert!(model.check());
+        assert_eq!(model.joints.len(), joints);
+        let kinds: FxHashSet<_> = model.joints.iter().map(|joint| joint.kind).collect();
+        assert_eq!(kinds.len(), joints.min(6));
+        for body in &model.bodies {
+            assert_possible(body.inertia);
+            let kinds: FxHashSet<_> = model.joints[body.joints.clone()]
+                .iter()
+                .map(|joint| joint.kind)
+                .collect();
+            assert_eq!(kinds.len(), body.joints.len());
+        }
+    }
+}
