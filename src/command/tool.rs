@@ -71,6 +71,9 @@ enum Command {
         /// Demand equal bits instead of equality over the real numbers
         #[arg(long)]
         exact: bool,
+        /// Take sines and cosines as true ones: sin^2 + cos^2 = 1
+        #[arg(long, conflicts_with = "exact")]
+        circle: bool,
     },
 }
 
@@ -95,7 +98,15 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             points,
             seed,
             exact,
-        } => compare(before, after, *points, *seed, *exact),
+            circle,
+        } => {
+            let class = match (*exact, *circle) {
+                (true, _) => NumericClass::Exact,
+                (false, true) => NumericClass::RealTrig,
+                (false, false) => NumericClass::Real,
+            };
+            compare(before, after, *points, *seed, class)
+        }
     };
     match result.and_then(|text| output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))) {
         Ok(()) => ExitCode::SUCCESS,
@@ -156,13 +167,8 @@ fn compare(
     after: &Path,
     points: u32,
     seed: u64,
-    exact: bool,
+    class: NumericClass,
 ) -> Result<String, Failure> {
-    let class = if exact {
-        NumericClass::Exact
-    } else {
-        NumericClass::Real
-    };
     let (before, after) = (
         input::equations(before, None)?,
         input::equations(after, None)?,

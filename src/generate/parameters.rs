@@ -42,7 +42,7 @@ impl<'m> Parameters<'m> {
         let joints = 0..model.joints.len();
         let mut source = Source { options, equations };
         let gravity = [0, 1, 2].map(|i| source.parameter("g", &[i + 1], model.gravity[i]));
-        let real = |joint: usize| model.body_of(joint);
+        let real = |joint: usize| Properties::of(model, joint, options.all_parameters);
         let masses = joints
             .clone()
             .map(|i| {
@@ -64,7 +64,7 @@ impl<'m> Parameters<'m> {
             .map(|i| match real(i) {
                 None => [ZERO; 3],
                 Some(body) => {
-                    let values = body.inertia_matrix();
+                    let values = body.inertia;
                     [0, 1, 2].map(|row| {
                         // The matrix is symmetric: one symbol for each pair.
                         [0, 1, 2].map(|column| {
@@ -83,7 +83,7 @@ impl<'m> Parameters<'m> {
             })
             .collect();
         let load = |equations: &mut Equations, name: &str, joint: usize| {
-            if options.external_forces && (real(joint).is_some() || options.all_parameters) {
+            if options.external_forces && real(joint).is_some() {
                 [1, 2, 3].map(|k| equations.input(name, &[k, joint + 1]))
             } else {
                 ZERO
@@ -194,6 +194,32 @@ impl<'m> Parameters<'m> {
         let mut path: Vec<usize> = self.model.path(Some(joint)).collect();
         path.reverse();
         path
+    }
+}
+
+/// What a joint moves.
+struct Properties {
+    mass: f64,
+    center: [f64; 3],
+    inertia: [f64; 9],
+}
+
+impl Properties {
+    /// Those of the body a joint moves. A fictitious body has none, unless all
+    /// symbols are asked for: then it has zeros.
+    fn of(model: &Model, joint: usize, all: bool) -> Option<Properties> {
+        match model.body_of(joint) {
+            Some(body) => Some(Properties {
+                mass: body.mass,
+                center: body.center,
+                inertia: body.inertia_matrix(),
+            }),
+            None => all.then_some(Properties {
+                mass: 0.0,
+                center: [0.0; 3],
+                inertia: [0.0; 9],
+            }),
+        }
     }
 }
 
