@@ -1,6 +1,7 @@
 //! What the functions of random models must agree with.
 
 mod dynamics;
+mod loops;
 
 use crate::reference::random::{self, Random, Recipe};
 use crate::reference::{State, Tree};
