@@ -41,6 +41,12 @@ pub(super) struct GenArguments {
     /// Keep every sum in the order of the recursion, a leading minus included
     #[arg(long)]
     leading_signs: bool,
+    /// Multiply products out as Robotran prints them
+    #[arg(long)]
+    expanded: bool,
+    /// Do not use that sin^2 + cos^2 = 1
+    #[arg(long)]
+    any_angles: bool,
     /// Pipeline run over the equations, e.g. atomise,cse,dce
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
@@ -65,6 +71,8 @@ impl GenArguments {
             },
             external_forces: !self.no_forces,
             leading_signs: self.leading_signs,
+            expanded: self.expanded,
+            true_angles: !self.any_angles,
         }
     }
 }

@@ -10,6 +10,7 @@
 #[allow(dead_code)]
 mod algebra;
 mod chain;
+mod columns;
 mod constraints;
 #[allow(dead_code)]
 mod equations;
@@ -149,6 +150,12 @@ pub struct Options {
     /// Write sums as generator 8.1 does, a leading minus where the first term
     /// is negative; otherwise signs are moved to where they cost nothing.
     pub leading_signs: bool,
+    /// Multiply out lever arms and `OM x (I OM)`, as Robotran prints them,
+    /// instead of naming what is used twice.
+    pub expanded: bool,
+    /// Use that `sin^2 + cos^2 = 1`. Without it the equations hold for any
+    /// substitute of sine and cosine.
+    pub true_angles: bool,
 }
 
 impl Default for Options {
@@ -159,6 +166,8 @@ impl Default for Options {
             parameters: Binding::default(),
             external_forces: true,
             leading_signs: false,
+            expanded: false,
+            true_angles: true,
         }
     }
 }

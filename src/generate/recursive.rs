@@ -14,24 +14,24 @@ use super::equations::{Equations, Label};
 use super::parameters::Parameters;
 use super::vector::{
     Matrix, SumVector, Vector, ZERO, add_cross, add_cross_of_sums, add_matrix_product, cyclic,
-    define, sums, unit,
+    define, sums,
 };
 use super::{Options, TermOrder};
 
 /// The motion of a joint's frame, or its derivative.
 #[derive(Clone, Copy)]
-struct Motion {
+pub(super) struct Motion {
     /// Angular acceleration.
-    angular: Vector,
+    pub(super) angular: Vector,
     /// Acceleration of the origin.
-    linear: Vector,
+    pub(super) linear: Vector,
 }
 
 /// What a joint carries.
 #[derive(Clone, Copy)]
-struct Load {
-    force: Vector,
-    torque: Vector,
+pub(super) struct Load {
+    pub(super) force: Vector,
+    pub(super) torque: Vector,
 }
 
 /// The names of the quantities of a function.
@@ -41,6 +41,7 @@ struct Names {
     tilde: &'static str,
     own: &'static str,
     force: &'static str,
+    turned: &'static str,
     torque: &'static str,
 }
 
@@ -50,6 +51,7 @@ const DIRECT: Names = Names {
     tilde: "BEF",
     own: "FA",
     force: "FF",
+    turned: "FFR",
     torque: "CF",
 };
 
@@ -59,6 +61,7 @@ const INVERSE: Names = Names {
     tilde: "BETA",
     own: "Fs",
     force: "Fq",
+    turned: "FqR",
     torque: "Cq",
 };
 
@@ -67,7 +70,7 @@ pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, opt
     let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
     recursion.forward(&[]);
     let bias = recursion.backward();
-    recursion.columns();
+    super::columns::write(&mut recursion, options.true_angles);
     for (joint, value) in bias.into_iter().enumerate() {
         recursion.equations.output("c", &[joint + 1], value);
     }
@@ -103,13 +106,15 @@ pub(super) fn inverse(equations: &mut Equations, parameters: &Parameters<'_>, op
     }
 }
 
-struct Recursion<'e, 'p, 'm> {
-    equations: &'e mut Equations,
-    parameters: &'p Parameters<'m>,
+pub(super) struct Recursion<'e, 'p, 'm> {
+    pub(super) equations: &'e mut Equations,
+    pub(super) parameters: &'p Parameters<'m>,
     names: &'p Names,
     order: TermOrder,
-    children: Vec<Vec<usize>>,
-    offsets: Vec<Vector>,
+    /// Products are multiplied out, as Robotran prints them.
+    expanded: bool,
+    pub(super) children: Vec<Vec<usize>>,
+    pub(super) offsets: Vec<Vector>,
     velocities: Vec<Vector>,
     motions: Vec<Motion>,
     tildes: Vec<Matrix>,
@@ -130,6 +135,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
             parameters,
             names,
             order: options.order,
+            expanded: options.expanded,
             children: parameters.children(),
             offsets,
             velocities: Vec::new(),
@@ -300,14 +306,25 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
     /// `l x FA + I OA + OM x (I OM) - trq`.
     fn own_torque(&mut self, joint: usize, own: &Vector) -> SumVector {
         let parameters = self.parameters;
-        let velocity = &self.velocities[joint];
-        let inertia = &parameters.inertias[joint];
         let mut torque = sums();
         for (component, &external) in torque.iter_mut().zip(&parameters.torques[joint]) {
             component.subtract(&[external]);
         }
         add_cross(&mut torque, &parameters.centers[joint], own, false);
-        add_matrix_product(&mut torque, inertia, &self.motions[joint].angular);
+        if self.expanded {
+            self.add_expanded_rotation(&mut torque, joint);
+        } else {
+            self.add_rotation(&mut torque, joint);
+        }
+        torque
+    }
+
+    /// `I OA + OM x (I OM)` with all products multiplied out, as Robotran
+    /// prints it.
+    fn add_expanded_rotation(&mut self, torque: &mut SumVector, joint: usize) {
+        let velocity = &self.velocities[joint];
+        let inertia = &self.parameters.inertias[joint];
+        add_matrix_product(torque, inertia, &self.motions[joint].angular);
         for axis in 0..3 {
             let (next, last) = cyclic(axis);
             for k in 0..3 {
@@ -317,12 +334,44 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
                 torque[axis].subtract(&[inertia[next][k], velocity[last], velocity[k]]);
             }
         }
-        torque
+    }
+
+    /// `I OA + OM x (I OM)` by the products of velocities in `BE`, which the
+    /// accelerations need anyway. With (a, b, c) cyclic, component a is
+    /// `I_aa OA_a + (I_cc - I_bb) OM_b OM_c + I_ab (OA_b - OM_a OM_c)
+    /// + I_ac (OA_c + OM_a OM_b) + I_bc (OM_b^2 - OM_c^2)`.
+    fn add_rotation(&mut self, torque: &mut SumVector, joint: usize) {
+        let inertia = &self.parameters.inertias[joint];
+        let tilde = &self.tildes[joint];
+        let velocity = &self.velocities[joint];
+        for a in 0..3 {
+            let (b, c) = cyclic(a);
+            let component = &mut torque[a];
+            component.add(&[inertia[a][a], self.motions[joint].angular[a]]);
+            let mut product = Sum::new();
+            product.add(&[velocity[b], velocity[c]]);
+            let product = self.equations.define(
+                Label::new("BS", 3 * b.min(c) + b.max(c) + 1, joint + 1),
+                product,
+            );
+            let mut difference = Sum::of(inertia[c][c]);
+            difference.add(&[-inertia[b][b]]);
+            let difference = self.equations.group(difference);
+            component.add_term(difference.and_then(|group| group.times(&[product])));
+            component.subtract(&[inertia[a][b], tilde[c][a]]);
+            component.add(&[inertia[a][c], tilde[b][a]]);
+            if !inertia[b][c].is_zero() {
+                let mut squares = Sum::of(tilde[b][b]);
+                squares.add(&[-tilde[c][c]]);
+                let squares = self.equations.group(squares);
+                component.add_term(squares.and_then(|group| group.times(&[inertia[b][c]])));
+            }
+        }
     }
 
     /// What a joint carries: its own load and that of its children, turned
     /// into its frame, with the lever arms multiplied out.
-    fn collect(
+    pub(super) fn collect(
         &mut self,
         joint: usize,
         column: usize,
@@ -330,15 +379,19 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
         own_torque: SumVector,
         loads: &[Load],
     ) -> Load {
-        let (force_name, torque_name) = if column > 0 {
-            ("FM", "CM")
+        let (force_name, force_turned, torque_name) = if column > 0 {
+            ("FM", "FMR", "CM")
         } else {
-            (self.names.force, self.names.torque)
+            (self.names.force, self.names.turned, self.names.torque)
         };
         let (mut force, mut torque) = (sums(), sums());
         for &child in &self.children[joint] {
             let turn = &self.parameters.turns[child];
-            let up = turn.up(&loads[child].force);
+            let mut up = turn.up(&loads[child].force);
+            if !self.expanded && self.offsets[child] != ZERO {
+                // Force and lever arm both use the turned force.
+                up = define(self.equations, force_turned, child, column, up).map(Sum::of);
+            }
             for (component, up) in force.iter_mut().zip(&up) {
                 component.add_sum(up);
             }
@@ -373,128 +426,12 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
     }
 
     /// The component of a load along a joint's axis.
-    fn component(&self, joint: usize, load: &Load) -> Scalar {
+    pub(super) fn component(&self, joint: usize, load: &Load) -> Scalar {
         let axis = self.parameters.axis(joint);
         if self.parameters.is_revolute(joint) {
             load.torque[axis]
         } else {
             load.force[axis]
         }
-    }
-
-    /// `M`: column by column of the accelerations.
-    fn columns(&mut self) {
-        let count = self.parameters.joints();
-        // Forward: the derivatives with respect to every ancestor, the joint
-        // itself last.
-        let mut paths: Vec<Vec<usize>> = Vec::with_capacity(count);
-        let mut motions: Vec<Vec<Motion>> = Vec::with_capacity(count);
-        for joint in 0..count {
-            let (path, own) = match self.parameters.parent(joint) {
-                None => (Vec::new(), Vec::new()),
-                Some(parent) => {
-                    let path = paths[parent].clone();
-                    let turned = (0..path.len())
-                        .map(|place| self.derivative(joint, path[place], &motions[parent][place]))
-                        .collect();
-                    (path, turned)
-                }
-            };
-            let (mut path, mut own): (Vec<usize>, Vec<Motion>) = (path, own);
-            path.push(joint);
-            own.push(self.own_derivative(joint));
-            paths.push(path);
-            motions.push(own);
-        }
-        self.backward_columns(&paths, &motions);
-    }
-
-    /// `OB_i,i = phi`, `AM_i,i = psi`.
-    fn own_derivative(&self, joint: usize) -> Motion {
-        let axis = unit(self.parameters.axis(joint));
-        let (angular, linear) = if self.parameters.is_revolute(joint) {
-            (axis, ZERO)
-        } else {
-            (ZERO, axis)
-        };
-        Motion { angular, linear }
-    }
-
-    /// `OB_i,k = R OB_h,k` and `AM_i,k = R (AM_h,k + OB_h,k x d_i)`.
-    fn derivative(&mut self, joint: usize, ancestor: usize, before: &Motion) -> Motion {
-        let turn = &self.parameters.turns[joint];
-        let angular = define(
-            self.equations,
-            "OB",
-            joint,
-            ancestor + 1,
-            turn.down(&before.angular),
-        );
-        let mut moved = before.linear.map(Sum::of);
-        add_cross(&mut moved, &before.angular, &self.offsets[joint], false);
-        if !self.parameters.is_revolute(joint) {
-            let linear = define(self.equations, "AM", joint, ancestor + 1, moved);
-            return Motion { angular, linear };
-        }
-        let moved = define(self.equations, "AMH", joint, ancestor + 1, moved);
-        let linear = define(self.equations, "AM", joint, ancestor + 1, turn.down(&moved));
-        Motion { angular, linear }
-    }
-
-    /// `FM` and `CM` from the leaves to the base, and the entries of `M`.
-    fn backward_columns(&mut self, paths: &[Vec<usize>], motions: &[Vec<Motion>]) {
-        let count = self.parameters.joints();
-        // The loads of one column at a time, for every joint behind its ancestor.
-        for ancestor in 0..count {
-            let mut loads = vec![
-                Load {
-                    force: ZERO,
-                    torque: ZERO
-                };
-                count
-            ];
-            for joint in (ancestor..count).rev() {
-                let Ok(place) = paths[joint].binary_search(&ancestor) else {
-                    continue;
-                };
-                let own = self.own_column(joint, ancestor, &motions[joint][place]);
-                loads[joint] = self.collect(joint, ancestor + 1, &own.0, own.1, &loads);
-                let entry = self.component(joint, &loads[joint]);
-                if entry.is_zero() {
-                    continue;
-                }
-                self.equations
-                    .output("M", &[joint + 1, ancestor + 1], entry);
-                if joint != ancestor {
-                    self.equations
-                        .output("M", &[ancestor + 1, joint + 1], entry);
-                }
-            }
-        }
-    }
-
-    /// `FB_i,k = m (AM_i,k + OB_i,k x l)` and `l x FB_i,k + I OB_i,k`.
-    fn own_column(
-        &mut self,
-        joint: usize,
-        ancestor: usize,
-        motion: &Motion,
-    ) -> (Vector, SumVector) {
-        let parameters = self.parameters;
-        let center = &parameters.centers[joint];
-        let mut acceleration = motion.linear.map(Sum::of);
-        add_cross(&mut acceleration, &motion.angular, center, false);
-        let mass = parameters.masses[joint];
-        let force = acceleration.map(|sum| {
-            let mut force = Sum::new();
-            let group = self.equations.group(sum);
-            force.add_term(group.and_then(|group| group.times(&[mass])));
-            force
-        });
-        let force = define(self.equations, "FB", joint, ancestor + 1, force);
-        let mut torque = sums();
-        add_cross(&mut torque, center, &force, false);
-        add_matrix_product(&mut torque, &parameters.inertias[joint], &motion.angular);
-        (force, torque)
     }
 }

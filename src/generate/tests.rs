@@ -46,6 +46,7 @@ fn the_serial_chain_has_the_operations_of_the_study() {
     request.options.order = TermOrder::ChildFirst;
     request.options.external_forces = false;
     request.options.leading_signs = true;
+    request.options.expanded = true;
     let count = |request: &Request| {
         let module = generate(&model, request).expect("the model is consistent");
         Counts::of(&module.functions[0])
