@@ -3,12 +3,12 @@
 
 use super::arguments::InputLanguage;
 use super::generation::{self, GenArguments};
-use super::{Failure, input, output};
+use super::{Failure, align, input, output};
 use crate::evaluate_command::evaluate_at_states;
 use crate::simulate::Program;
 use clap::{Parser, Subcommand};
-use robovec_ir::View;
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
+use robovec_ir::{Module, View};
 use robovec_passes::NumericClass;
 use robovec_passes::check::check;
 use std::ffi::OsString;
@@ -74,6 +74,10 @@ enum Command {
         /// Take sines and cosines as true ones: sin^2 + cos^2 = 1
         #[arg(long, conflicts_with = "exact")]
         circle: bool,
+        /// Compare over all arrays and elements of either file; what one of
+        /// them does not set is zero there
+        #[arg(long)]
+        align: bool,
     },
 }
 
@@ -99,13 +103,14 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             seed,
             exact,
             circle,
+            align,
         } => {
             let class = match (*exact, *circle) {
                 (true, _) => NumericClass::Exact,
                 (false, true) => NumericClass::RealTrig,
                 (false, false) => NumericClass::Real,
             };
-            compare(before, after, *points, *seed, class)
+            compare((before, after), *align, *points, *seed, class)
         }
     };
     match result.and_then(|text| output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))) {
@@ -162,17 +167,35 @@ fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, Fail
     Ok(text)
 }
 
+/// Gives functions of the same name the same arrays.
+fn align_modules(before: &mut Module, after: &mut Module) {
+    for index in 0..before.functions.len() {
+        let name = &before.functions[index].name;
+        let Some(other) = after.functions.iter().position(|f| f.name == *name) else {
+            continue;
+        };
+        let aligned = align::align(
+            (&before.functions[index], &mut before.tables),
+            (&after.functions[other], &mut after.tables),
+        );
+        (before.functions[index], after.functions[other]) = aligned;
+    }
+}
+
 fn compare(
-    before: &Path,
-    after: &Path,
+    (before, after): (&Path, &Path),
+    align: bool,
     points: u32,
     seed: u64,
     class: NumericClass,
 ) -> Result<String, Failure> {
-    let (before, after) = (
+    let (mut before, mut after) = (
         input::equations(before, None)?,
         input::equations(after, None)?,
     );
+    if align {
+        align_modules(&mut before.module, &mut after.module);
+    }
     let mut text = String::new();
     for function in &before.module.functions {
         let Some(other) = after.module.function(&function.name) else {
