@@ -7,19 +7,18 @@
 //! arrays, indices from 1, `M qdd + c = Qq`, forces and torques of a body at
 //! its centre of mass and in its frame.
 
-#[allow(dead_code)]
 mod algebra;
 mod chain;
 mod columns;
 mod constraints;
-#[allow(dead_code)]
 mod equations;
+mod forces;
+mod link;
+mod loads;
 mod lower;
-#[allow(dead_code)]
 mod parameters;
-#[allow(dead_code)]
 mod recursive;
-#[allow(dead_code)]
+mod sensor;
 mod vector;
 
 use self::equations::{Equations, Style};
@@ -40,15 +39,27 @@ pub enum FunctionKind {
     ConsHJ,
     /// What remains of the constraints' second derivative, `Jdqd` (F18).
     ConsJdqd,
+    /// Forces of links, added to `frc` and `trq` (F7).
+    Link,
+    /// External forces, added to `frc` and `trq` (F19).
+    Extforces,
+    /// Sensors, one function each (F6).
+    Sensor,
+    /// Everything about the frame of every joint, one function each (F6).
+    Gensensor,
 }
 
 impl FunctionKind {
     /// All functions.
-    pub const ALL: [FunctionKind; 4] = [
+    pub const ALL: [FunctionKind; 8] = [
         FunctionKind::Dirdyna,
         FunctionKind::Invdyna,
         FunctionKind::ConsHJ,
         FunctionKind::ConsJdqd,
+        FunctionKind::Link,
+        FunctionKind::Extforces,
+        FunctionKind::Sensor,
+        FunctionKind::Gensensor,
     ];
 
     /// Robotran's name, without `mbs_`.
@@ -58,6 +69,10 @@ impl FunctionKind {
             FunctionKind::Invdyna => "invdyna",
             FunctionKind::ConsHJ => "cons_hJ",
             FunctionKind::ConsJdqd => "cons_jdqd",
+            FunctionKind::Link => "link",
+            FunctionKind::Extforces => "extforces",
+            FunctionKind::Sensor => "sensor",
+            FunctionKind::Gensensor => "gensensor",
         }
     }
 
@@ -68,6 +83,9 @@ impl FunctionKind {
             FunctionKind::Invdyna => "F2",
             FunctionKind::ConsHJ => "F8",
             FunctionKind::ConsJdqd => "F18",
+            FunctionKind::Link => "F7",
+            FunctionKind::Extforces => "F19",
+            FunctionKind::Sensor | FunctionKind::Gensensor => "F6",
         }
     }
 
@@ -227,25 +245,54 @@ pub fn generate_into(
     if !model.check() {
         return Err(GenerateError::Inconsistent(model.name.clone()));
     }
+    let cases = match request.function {
+        FunctionKind::Sensor => model.sensors.len(),
+        FunctionKind::Gensensor => model.joints.len(),
+        _ => {
+            module_function(module, model, request, None);
+            return Ok(());
+        }
+    };
+    for case in 0..cases {
+        module_function(module, model, request, Some(case));
+    }
+    Ok(())
+}
+
+/// Adds one function, or one case of a function of sensors (from 0).
+fn module_function(module: &mut Module, model: &Model, request: &Request, case: Option<usize>) {
     let options = &request.options;
     let mut equations = Equations::new(Style {
         leading_signs: options.leading_signs,
     });
     let parameters = Parameters::new(model, options, &mut equations);
+    let (equations_mut, parameters) = (&mut equations, &parameters);
     match request.function {
-        FunctionKind::Dirdyna => recursive::direct(&mut equations, &parameters, options),
-        FunctionKind::Invdyna => recursive::inverse(&mut equations, &parameters, options),
-        FunctionKind::ConsHJ => constraints::position(&mut equations, &parameters, options),
-        FunctionKind::ConsJdqd => constraints::acceleration(&mut equations, &parameters, options),
+        FunctionKind::Dirdyna => recursive::direct(equations_mut, parameters, options),
+        FunctionKind::Invdyna => recursive::inverse(equations_mut, parameters, options),
+        FunctionKind::ConsHJ => constraints::position(equations_mut, parameters, options),
+        FunctionKind::ConsJdqd => constraints::acceleration(equations_mut, parameters, options),
+        FunctionKind::Link => link::write(equations_mut, parameters, options),
+        FunctionKind::Extforces => forces::write(equations_mut, parameters, options),
+        FunctionKind::Sensor => {
+            sensor::sensor(equations_mut, parameters, options, case.unwrap_or(0));
+        }
+        FunctionKind::Gensensor => sensor::frame(equations_mut, parameters, case.unwrap_or(0)),
+    }
+    let mut name = request.function.name().to_owned();
+    let mut metadata = metadata(model, request);
+    if let Some(case) = case {
+        // Cases count from 1 as sensors and joints do.
+        name = format!("{name}_{}", case + 1);
+        metadata.push(("case".to_owned(), (case + 1).to_string()));
     }
     let extents = Extents {
         joints: model.joints.len() as u32,
         points: 0,
     };
-    let mut function = Function::new(request.function.name(), Level::Equations);
-    function.metadata = metadata(model, request);
+    let mut function = Function::new(&name, Level::Equations);
+    function.metadata = metadata;
     lower::lower(&equations, &extents, function, module);
-    Ok(())
 }
 
 /// What a reader of the equations wants to know of their origin.

@@ -1,0 +1,120 @@
+//! Links: forces along the line between two points, by the user's law of its
+//! length `Z` and rate `Zd`.
+//!
+//! The points are seen from the last joint both have in common. With `e` the
+//! direction from the first to the second point, the force `F` of the law acts
+//! as `+F e` on the first body and as `-F e` on the second.
+
+use super::Options;
+use super::algebra::{Scalar, Sum};
+use super::chain::Chain;
+use super::constraints::{place, split};
+use super::equations::{Equations, Label};
+use super::loads::{Loads, into_frame};
+use super::parameters::Parameters;
+use super::vector::Vector;
+use robovec_ir::{Boundary, SourceSet};
+
+/// Writes all links.
+pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
+    let mut loads = Loads::new(parameters);
+    for index in 0..parameters.model.links.len() {
+        one(equations, parameters, options, index, &mut loads);
+    }
+    loads.write(equations);
+}
+
+fn one(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    options: &Options,
+    index: usize,
+    loads: &mut Loads,
+) {
+    let (model, number) = (parameters.model, index + 1);
+    let link = &model.links[index];
+    let paths = split(parameters, &link.ends);
+    let places = [0, 1].map(|side| place(equations, parameters, options, &link.ends[side]));
+    let chains = [0, 1].map(|side| {
+        let names = ("lnk", 2 * index + side + 1);
+        Chain::new(equations, parameters, names, &paths[side], &places[side])
+    });
+    let positions = [0, 1].map(|side| chains[side].position(equations));
+    let span = difference(equations, "Plnk", number, &positions[1], &positions[0]);
+    let mut square = Sum::new();
+    for component in span {
+        square.add(&[component, component]);
+    }
+    let square = equations.define(Label::new("PPlnk", 0, number), square);
+    let length = equations.sqrt(Label::new("Z", 0, number), square);
+    let direction: Vector =
+        [0, 1, 2].map(|k| equations.quotient(Label::new("e", k + 1, number), span[k], length));
+    let velocities = [0, 1].map(|side| chains[side].motion(equations, parameters, &[]).velocity);
+    let velocity = difference(equations, "Vlnk", number, &velocities[1], &velocities[0]);
+    let mut rate = Sum::new();
+    for (component, &value) in velocity.iter().zip(&direction) {
+        rate.add(&[*component, value]);
+    }
+    let rate = equations.define(Label::new("Zd", 0, number), rate);
+    let force = call(equations, number, length, rate);
+    let pull: Vector = [0, 1, 2].map(|k| {
+        let mut sum = Sum::new();
+        sum.add(&[force, direction[k]]);
+        equations.define(Label::new("flnk", k + 1, number), sum)
+    });
+    for (side, prefix) in [(0, "fPlnk"), (1, "fSlnk")] {
+        // What acts on the base moves nothing.
+        let Some(joint) = model.last_joint(link.ends[side].body) else {
+            continue;
+        };
+        let name = |row| Label::new(prefix, row, number);
+        let pull = into_frame(equations, &chains[side].axes(), &pull, name);
+        let lever = difference(
+            equations,
+            "Alnk",
+            2 * index + side + 1,
+            &places[side],
+            &parameters.centers[joint],
+        );
+        loads.add_force(joint, &pull, &lever, side == 1);
+    }
+}
+
+fn difference(
+    equations: &mut Equations,
+    prefix: &'static str,
+    number: usize,
+    a: &Vector,
+    b: &Vector,
+) -> Vector {
+    [0, 1, 2].map(|k| {
+        let mut sum = Sum::of(a[k]);
+        sum.add(&[-b[k]]);
+        equations.define(Label::new(prefix, k + 1, number), sum)
+    })
+}
+
+/// The user's law: length and rate go out, a force comes back.
+fn call(equations: &mut Equations, number: usize, length: Scalar, rate: Scalar) -> Scalar {
+    let name = |prefix: &str| format!("{prefix}{number}");
+    let result = name("Flink");
+    let force = equations.input(&result, &[]);
+    for (array, value) in [("Z", length), ("Zd", rate), ("Flink", force)] {
+        equations.output(array, &[number], value);
+    }
+    equations.output(&name("Z"), &[], length);
+    equations.output(&name("Zd"), &[], rate);
+    equations.calls.push(Boundary {
+        callee: "user_LinkForces".to_owned(),
+        arguments: vec![
+            name("Z"),
+            name("Zd"),
+            "s".to_owned(),
+            "tsim".to_owned(),
+            number.to_string(),
+        ],
+        result: Some(result),
+        sources: SourceSet::EMPTY,
+    });
+    force
+}
