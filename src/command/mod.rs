@@ -11,6 +11,7 @@ mod dump;
 mod generation;
 mod input;
 mod listing;
+mod model;
 pub mod opt;
 mod output;
 mod simulation;

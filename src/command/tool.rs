@@ -3,6 +3,7 @@
 
 use super::arguments::InputLanguage;
 use super::generation::{self, GenArguments};
+use super::model::{self, ModelArguments};
 use super::{Failure, align, input, output};
 use crate::evaluate_command::evaluate_at_states;
 use crate::simulate::Program;
@@ -40,6 +41,8 @@ enum Command {
     },
     /// Generate the equations of a model
     Gen(GenArguments),
+    /// Summarise a model, or write one of a family
+    Model(ModelArguments),
     /// Run memory images cycle by cycle on given inputs
     Simulate {
         /// Folder with the images and manifest.json that `codegen` wrote
@@ -91,6 +94,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             language,
         } => eval(file, states, *language),
         Command::Gen(arguments) => generation::run(arguments),
+        Command::Model(arguments) => model::run(arguments),
         Command::Simulate {
             folder,
             machine,

@@ -12,10 +12,121 @@
 
 use super::build::{BASE, BodyRef, Builder, Place};
 use super::random::{Random, four_digits};
-use super::{Axis, JointKind, Model};
+use super::{Axis, JointKind, Model, systems};
 
 /// The most joints a family is made with.
 pub const LARGEST: usize = super::mbs::JOINT_LIMIT;
+
+/// A kind of model that can be asked for by name.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Family {
+    /// A chain: the frozen serial model.
+    Serial,
+    /// A trunk with a few long branches.
+    SemiSerial,
+    /// Many branches.
+    Parallel,
+    /// A tree like the 70-dof system of the thesis.
+    Thesis70,
+    /// A random tree with joints of all six types.
+    Random,
+    /// A railway bogie.
+    Bogie,
+    /// A rail car of 70 joints.
+    Train,
+    /// Two rods.
+    DoublePendulum,
+    /// A planar loop closed by a ball.
+    FourBar,
+    /// A planar loop closed by a rod.
+    SliderCrank,
+    /// A quarter of a car on double wishbones.
+    QuarterCar,
+}
+
+impl Family {
+    /// All families.
+    pub const ALL: [Family; 11] = [
+        Family::Serial,
+        Family::SemiSerial,
+        Family::Parallel,
+        Family::Thesis70,
+        Family::Random,
+        Family::Bogie,
+        Family::Train,
+        Family::DoublePendulum,
+        Family::FourBar,
+        Family::SliderCrank,
+        Family::QuarterCar,
+    ];
+
+    /// The family's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Serial => "serial",
+            Family::SemiSerial => "semi-serial",
+            Family::Parallel => "parallel",
+            Family::Thesis70 => "thesis-70",
+            Family::Random => "random",
+            Family::Bogie => "bogie",
+            Family::Train => "train",
+            Family::DoublePendulum => "double-pendulum",
+            Family::FourBar => "four-bar",
+            Family::SliderCrank => "slider-crank",
+            Family::QuarterCar => "quarter-car",
+        }
+    }
+
+    /// The family with this name.
+    pub fn from_name(name: &str) -> Option<Family> {
+        Family::ALL.into_iter().find(|family| family.name() == name)
+    }
+
+    /// The number of joints, where the family has only one.
+    pub fn joints(self) -> Option<usize> {
+        match self {
+            Family::Serial | Family::SemiSerial | Family::Parallel | Family::Random => None,
+            Family::Thesis70 | Family::Train => Some(70),
+            Family::Bogie => Some(23),
+            Family::DoublePendulum | Family::SliderCrank => Some(2),
+            Family::FourBar => Some(3),
+            Family::QuarterCar => Some(5),
+        }
+    }
+
+    /// True when the seed decides the parameters.
+    pub fn is_seeded(self) -> bool {
+        self.joints().is_none() || self == Family::Thesis70
+    }
+
+    /// The model of the family with this number of joints, which families of
+    /// one size do not look at.
+    ///
+    /// # Panics
+    ///
+    /// When `joints` is 0 where it matters.
+    pub fn build(self, joints: usize, seed: u64) -> Model {
+        match self {
+            Family::Serial => serial(joints, seed),
+            Family::SemiSerial => {
+                let name = format!("semi_serial_{joints}");
+                tree(&name, &Topology::semi_serial(joints), seed)
+            }
+            Family::Parallel => {
+                let name = format!("parallel_{joints}");
+                tree(&name, &Topology::parallel(joints), seed)
+            }
+            Family::Thesis70 => tree("thesis_70", &Topology::thesis_70(), seed),
+            Family::Random => random_tree(seed, joints),
+            Family::Bogie => systems::bogie(),
+            Family::Train => systems::train(),
+            Family::DoublePendulum => systems::double_pendulum(),
+            Family::FourBar => systems::four_bar(),
+            Family::SliderCrank => systems::slider_crank(),
+            Family::QuarterCar => systems::quarter_car(),
+        }
+    }
+}
 
 /// A tree in the form of a trunk, on whose last body branches hang.
 #[derive(Clone, PartialEq, Eq, Debug)]

@@ -17,6 +17,8 @@ pub mod build;
 pub mod family;
 pub mod mbs;
 mod random;
+pub mod summary;
+pub mod systems;
 
 use std::ops::Range;
 
@@ -256,6 +258,20 @@ pub struct Cut {
     pub ends: [Anchor; 2],
     /// Directions of a ball cut that are left out.
     pub ignore: [bool; 3],
+}
+
+impl Cut {
+    /// The number of constraint rows, without ignored directions but with
+    /// those that are identically zero.
+    pub fn rows(&self) -> usize {
+        let ignored = self.ignore.iter().filter(|&&ignored| ignored).count();
+        self.kind.rows()
+            - if self.kind == CutKind::Ball {
+                ignored
+            } else {
+                0
+            }
+    }
 }
 
 /// A force element between two places.

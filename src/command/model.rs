@@ -1,0 +1,103 @@
+//! `robovec model`: models to look at and to start from.
+
+use super::{Failure, input, output};
+use crate::model::Model;
+use crate::model::family::{Family, LARGEST};
+use crate::model::mbs::write_mbs;
+use crate::model::summary::summarise;
+use clap::Args;
+use robovec_ir::diagnostic::{did_you_mean, termcolor::ColorChoice};
+use std::path::{Path, PathBuf};
+
+/// The joints of a family that is given no number.
+const DEFAULT_JOINTS: usize = 23;
+
+/// Which model, and what is done with it.
+#[derive(Args, Debug)]
+pub(super) struct ModelArguments {
+    /// A .mbs file to summarise, or a family to write a model of: serial,
+    /// semi-serial, parallel, thesis-70, random, bogie, train,
+    /// double-pendulum, four-bar, slider-crank, quarter-car
+    #[arg(value_name = "FILE|FAMILY")]
+    subject: PathBuf,
+    /// Number of joints of a serial, semi-serial, parallel or random model
+    #[arg(long)]
+    joints: Option<usize>,
+    /// Seed of the parameters
+    #[arg(long)]
+    seed: Option<u64>,
+    /// File for the model as compact .mbs text; of a family also without -o,
+    /// to the standard output
+    #[arg(short, long, value_name = "PATH")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &ModelArguments) -> Result<String, Failure> {
+    let name = arguments.subject.to_string_lossy();
+    if let Some(family) = Family::from_name(&name) {
+        let model = member(family, arguments)?;
+        return write(&model, arguments.output.as_deref());
+    }
+    if arguments.subject.extension().is_none() && !arguments.subject.exists() {
+        return Err(unknown(&name));
+    }
+    if arguments.joints.is_some() || arguments.seed.is_some() {
+        return Err(Failure::plain(
+            "--joints and --seed are for families; this is a file",
+        ));
+    }
+    let read = input::model(&arguments.subject)?;
+    read.warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
+    match &arguments.output {
+        Some(path) => write(&read.model, Some(path)),
+        None => Ok(summarise(&read.model)),
+    }
+}
+
+fn unknown(name: &str) -> Failure {
+    let names: Vec<&str> = Family::ALL.iter().map(|family| family.name()).collect();
+    let mut notes = Vec::new();
+    if let Some(near) = did_you_mean(name, names.iter().copied()) {
+        notes.push(format!("did you mean '{near}'?"));
+    }
+    notes.push(format!("families: {}; or a .mbs file", names.join(", ")));
+    Failure::advised(format!("there is no file or family '{name}'"), notes)
+}
+
+/// The model of a family that the options ask for.
+fn member(family: Family, arguments: &ModelArguments) -> Result<Model, Failure> {
+    let joints = match (family.joints(), arguments.joints) {
+        (Some(only), Some(asked)) if asked != only => {
+            return Err(Failure::plain(format!(
+                "a {} always has {only} joints, not {asked}",
+                family.name()
+            )));
+        }
+        (Some(only), _) => only,
+        (None, asked) => asked.unwrap_or(DEFAULT_JOINTS),
+    };
+    if joints == 0 || joints > LARGEST {
+        return Err(Failure::plain(format!(
+            "a model has 1 to {LARGEST} joints, not {joints}"
+        )));
+    }
+    if arguments.seed.is_some() && !family.is_seeded() {
+        return Err(Failure::plain(format!(
+            "the parameters of a {} are fixed: --seed has no effect",
+            family.name()
+        )));
+    }
+    Ok(family.build(joints, arguments.seed.unwrap_or(1)))
+}
+
+fn write(model: &Model, path: Option<&Path>) -> Result<String, Failure> {
+    let text = write_mbs(model);
+    let Some(path) = path else {
+        return Ok(text);
+    };
+    output::write_file(path, |writer| writer.write_all(text.as_bytes()))?;
+    Ok(String::new())
+}
