@@ -9,3 +9,4 @@ pub mod motion;
 pub mod report;
 pub mod robotran;
 pub mod simulate;
+pub mod study;

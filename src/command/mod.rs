@@ -15,6 +15,7 @@ mod model;
 pub mod opt;
 mod output;
 mod simulation;
+mod study;
 mod tables;
 pub mod tool;
 

@@ -82,6 +82,7 @@ enum Command {
         #[arg(long)]
         align: bool,
     },
+    Study(super::study::Arguments),
 }
 
 /// Runs the program.
@@ -116,6 +117,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             };
             compare((before, after), *align, *points, *seed, class)
         }
+        Command::Study(arguments) => super::study::study(arguments),
     };
     match result.and_then(|text| output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))) {
         Ok(()) => ExitCode::SUCCESS,
@@ -126,7 +128,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     }
 }
 
-fn read_text(path: &Path) -> Result<String, Failure> {
+pub(super) fn read_text(path: &Path) -> Result<String, Failure> {
     fs::read_to_string(path)
         .map_err(|error| Failure::plain(format!("cannot read {}: {error}", path.display())))
 }

@@ -1,0 +1,160 @@
+//! `robovec study`.
+
+use super::{Failure, input, output};
+use crate::study::plan::{self, Plan, Selection, Subject};
+use crate::study::program::Sources;
+use crate::study::results::Results;
+use crate::study::store::Store;
+use crate::study::{figures, plot, run, tables};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use robovec_ir::Module;
+use robovec_ir::diagnostic::Report;
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+
+/// Place sets of models on sets of machines, and write tables, figures and a
+/// report for the browser.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// What to place: a .toml file, or `thesis`, which redoes the thesis
+    #[arg(long, value_name = "FILE", default_value = "thesis")]
+    plan: String,
+    /// Models of the plan, or files of equations or models in their place
+    #[arg(long, value_delimiter = ',')]
+    models: Option<Vec<String>>,
+    /// Pipelines of the plan; others with one option each, as in robovec-opt
+    #[arg(long)]
+    pipelines: Option<Vec<String>>,
+    /// Machines: names, .toml files, `couples` for those of Table 1.3
+    #[arg(long, value_delimiter = ',')]
+    machines: Option<Vec<String>>,
+    /// Adders, and as many multipliers
+    #[arg(long, value_delimiter = ',', value_name = "NUMBERS",
+        value_parser = clap::value_parser!(u32).range(1..=i64::from(plan::MOST_ELEMENTS)))]
+    pe: Option<Vec<u32>>,
+    /// Folder for the results
+    #[arg(short, long, value_name = "FOLDER")]
+    output: PathBuf,
+    /// Use the points that an earlier run left in the folder
+    #[arg(long)]
+    resume: bool,
+    /// Threads; as many as there are processors by default
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    jobs: Option<u32>,
+}
+
+/// Runs the study; the text is for the standard output.
+pub(super) fn study(arguments: &Arguments) -> Result<String, Failure> {
+    let plan = read_plan(arguments)?;
+    output::make_folder(&arguments.output)?;
+    let store = Store::open(&arguments.output.join("points"), arguments.resume)
+        .map_err(|error| Failure::plain(format!("cannot make the folder for points: {error}")))?;
+    let results = compute(arguments, plan, &store)?;
+    write(&arguments.output, &results)?;
+    Ok(summary(&results, &arguments.output))
+}
+
+fn read_plan(arguments: &Arguments) -> Result<Plan, Failure> {
+    let (name, text) = if arguments.plan == "thesis" {
+        ("thesis.toml".to_owned(), plan::THESIS.to_owned())
+    } else {
+        let path = Path::new(&arguments.plan);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        (name.into_owned(), super::tool::read_text(path)?)
+    };
+    let selection = Selection {
+        models: arguments.models.clone(),
+        pipelines: arguments.pipelines.clone(),
+        machines: arguments.machines.clone(),
+        elements: arguments.pe.clone(),
+    };
+    let read_machine = |name: &str| input::machine(name).map_err(|failure| failure.0);
+    plan::resolve(&name, &text, &selection, &read_machine).map_err(Failure)
+}
+
+fn compute(arguments: &Arguments, plan: Plan, store: &Store) -> Result<Results, Failure> {
+    let mut pool = rayon::ThreadPoolBuilder::new();
+    if let Some(jobs) = arguments.jobs {
+        pool = pool.num_threads(jobs as usize);
+    }
+    let pool = pool
+        .build()
+        .map_err(|error| Failure::plain(format!("cannot start threads: {error}")))?;
+    let bar = progress_bar(plan.requests.len());
+    let progress = |done: usize, model: &str| {
+        bar.inc(done as u64);
+        bar.set_message(model.to_owned());
+    };
+    let outcome = pool.install(|| run::run(&plan, &Files, store, &progress));
+    bar.finish_and_clear();
+    Ok(Results {
+        outcome: outcome.map_err(Failure)?,
+        plan,
+    })
+}
+
+fn progress_bar(length: usize) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(length as u64), ProgressDrawTarget::hidden());
+    if io::stderr().is_terminal() {
+        bar.set_draw_target(ProgressDrawTarget::stderr());
+    }
+    if let Ok(style) =
+        ProgressStyle::with_template("{bar:40} {pos}/{len} placements, {eta} left, {msg}")
+    {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// Programs from files.
+struct Files;
+
+impl Sources for Files {
+    fn equations(&self, subject: &Subject) -> Result<Module, Report> {
+        let read = input::equations(Path::new(&subject.source), None);
+        Ok(read.map_err(|failure| failure.0)?.module)
+    }
+}
+
+/// Writes all results, each file whole.
+fn write(folder: &Path, results: &Results) -> Result<(), Failure> {
+    let file = |name: &str, text: &str| {
+        output::write_file(&folder.join(name), |writer| {
+            writer.write_all(text.as_bytes())
+        })
+    };
+    for part in ["tables", "figures"] {
+        output::make_folder(&folder.join(part))?;
+    }
+    for table in tables::all(results) {
+        file(&format!("tables/{}.csv", table.name), &table.to_csv())?;
+        file(&format!("tables/{}.json", table.name), &json(&table))?;
+    }
+    for figure in figures::all(results) {
+        file(
+            &format!("figures/{}.svg", figure.name),
+            &plot::draw(&figure),
+        )?;
+        file(&format!("figures/{}.csv", figure.name), &figure.to_csv())?;
+    }
+    file("results.json", &json(&results.to_json()))
+}
+
+fn json(value: &impl serde::Serialize) -> String {
+    // Plain data: nothing that JSON cannot hold.
+    let mut text = serde_json::to_string_pretty(value).expect("results are plain data");
+    text.push('\n');
+    text
+}
+
+fn summary(results: &Results, folder: &Path) -> String {
+    let reused = match results.outcome.reused {
+        0 => String::new(),
+        reused => format!(", {reused} of them from an earlier run"),
+    };
+    format!(
+        "{} placements{reused}; results in {}\n",
+        results.plan.requests.len(),
+        folder.display()
+    )
+}

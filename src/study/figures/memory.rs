@@ -1,0 +1,122 @@
+//! Figures 2.4 to 2.7: words of memory and of buffer by the naive and by the
+//! preferential choice of elements.
+
+use super::super::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
+use super::super::plan::{ChoiceKey, PriorityKey};
+use super::super::point::KindPoint;
+use super::super::printed::Topology;
+use super::super::results::{Placed, Results};
+
+const CAPTION: &str = "Words per element: mean (marker), least and most over the elements of a \
+    kind (bar). Naive: the first free element that its operands can reach; preferential: Table \
+    2.1. Both place in ALAP order. With one element of a kind there is no choice, \
+    but there still is when a result is computed.";
+
+pub(super) fn figures(results: &Results) -> Vec<Figure> {
+    let pipelines = &results.plan.pipelines;
+    let original = pipelines
+        .iter()
+        .position(|pipeline| pipeline.printed == Some(super::super::plan::Printed::Original));
+    let pipeline = original.unwrap_or(0);
+    let Some(machine) = results.main_machine() else {
+        return Vec::new();
+    };
+    let mut figures = Vec::new();
+    for model in 0..results.plan.models.len() {
+        let numbers = match results.system(model).map(|system| system.topology) {
+            Some(Topology::Bogie) => Some(["2.4", "2.5"]),
+            Some(Topology::Mixed) => Some(["2.6", "2.7"]),
+            _ => None,
+        };
+        for (part, what) in [(0, "memory"), (1, "buffer")] {
+            let label = &results.plan.models[model].name;
+            let (name, prefix) = match numbers {
+                Some(numbers) => (
+                    format!("figure-{}", numbers[part]),
+                    format!("Figure {}: ", numbers[part]),
+                ),
+                None => (format!("{what}-{label}"), String::new()),
+            };
+            let title = format!("{prefix}words of {what} per element by two choices, {label}");
+            figures.extend(figure(
+                results,
+                [model, pipeline, machine],
+                part,
+                name,
+                title,
+            ));
+        }
+    }
+    figures.sort_by(|a, b| a.name.cmp(&b.name));
+    figures
+}
+
+fn figure(
+    results: &Results,
+    [model, pipeline, machine]: [usize; 3],
+    part: usize,
+    name: String,
+    title: String,
+) -> Option<Figure> {
+    let points = |choice: ChoiceKey| -> Vec<Placed<'_>> {
+        let placed = results.placed().filter(|placed| {
+            let request = placed.request;
+            (request.model, request.pipeline, request.machine) == (model, pipeline, machine)
+                && (request.priority, request.choice) == (PriorityKey::Alap, choice)
+                && placed.is_equal()
+        });
+        placed.collect()
+    };
+    let choices = [
+        (ChoiceKey::First, "naive", 0.96),
+        (ChoiceKey::Preferential, "preferential", 1.04),
+    ];
+    if choices
+        .iter()
+        .any(|(choice, ..)| points(*choice).is_empty())
+    {
+        return None;
+    }
+    let panel = |kind: usize, title: &str| {
+        let curve = |(index, (choice, label, shift)): (usize, (ChoiceKey, &str, f64))| Curve {
+            label: label.to_owned(),
+            paint: Paint::Distinct(1 - index),
+            stroke: if index == 0 {
+                Stroke::MarkedDashed
+            } else {
+                Stroke::Marked
+            },
+            marks: points(choice)
+                .iter()
+                .map(|placed| mark(*placed, &placed.point.kinds[kind], part, shift))
+                .collect(),
+        };
+        Panel {
+            title: title.to_owned(),
+            x: Axis::new(
+                "processing elements, adders + multipliers",
+                Scale::PowersOfTwo,
+            ),
+            y: Axis::new(["memory (words)", "buffer (words)"][part], Scale::Linear)
+                .showing(0.0, 1.0),
+            content: Content::Curves(choices.into_iter().enumerate().map(curve).collect()),
+        }
+    };
+    Some(Figure {
+        name,
+        title,
+        caption: CAPTION.to_owned(),
+        panels: vec![panel(0, "adders"), panel(1, "multipliers")],
+        columns: 2,
+    })
+}
+
+/// A bar; the two choices stand a little apart.
+fn mark(placed: Placed<'_>, kind: &KindPoint, part: usize, shift: f64) -> Mark {
+    let [least, mean, most] = if part == 0 { kind.memory } else { kind.buffer };
+    let at = Mark::at(f64::from(placed.elements()) * shift, mean);
+    Mark {
+        range: Some([least, most]),
+        ..at
+    }
+}

@@ -1,0 +1,74 @@
+//! The figures of a study, each named by its number in the thesis; what the
+//! thesis has no figure for has a name of its own.
+//!
+//! Drawings of principle (figures 1.1 to 1.8, 2.1 to 2.3, 2.8 to 2.11, 3.1 to
+//! 3.3 and those of the appendix) show no results and have no counterpart.
+
+mod couples;
+mod cycles;
+mod memory;
+mod occupation;
+mod projection;
+mod split;
+
+use super::figure::{Figure, Zone};
+use super::program::ProgramFacts;
+use super::results::{Placed, Results};
+
+/// How far above its longest chain a schedule may be to count as saturated,
+/// and how far above full use of the scarcer kind to count as parallel.
+pub const SATURATED: f64 = 1.02;
+/// See [`SATURATED`].
+pub const BUSY: f64 = 1.10;
+
+/// All figures for which the study has points.
+pub fn all(results: &Results) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    figures.extend(couples::operators());
+    figures.extend(couples::variants(results));
+    figures.extend(couples::front(results));
+    figures.extend(memory::figures(results));
+    figures.extend(cycles::figures(results));
+    figures.extend(projection::figure(results));
+    figures.extend(occupation::figures(results));
+    figures.extend(split::figure(results));
+    figures
+}
+
+/// The zone of thesis 3.3 that a placement lies in: saturated when it takes
+/// no longer than the longest chain, parallel when the scarcer kind of
+/// elements is busy nearly all the time, and in transition otherwise.
+pub fn zone(facts: &ProgramFacts, placed: Placed<'_>) -> Zone {
+    let cycles = f64::from(placed.point.cycles);
+    let request = placed.request;
+    let add = facts.add_sub as f64 / f64::from(request.n_add);
+    let multi = facts.mul as f64 / f64::from(request.n_multi);
+    if cycles <= SATURATED * f64::from(facts.asap_cycle) {
+        Zone::Saturation
+    } else if cycles <= BUSY * add.max(multi) {
+        Zone::Parallelisation
+    } else {
+        Zone::Transition
+    }
+}
+
+/// The placements with as many adders as multipliers, in ascending number;
+/// of many, those whose number is a power of two.
+pub fn ladder(results: &Results, model: usize, pipeline: usize, machine: usize) -> Vec<Placed<'_>> {
+    let usual = results.usual(model, pipeline, machine);
+    let mut equal: Vec<Placed<'_>> = usual.filter(Placed::is_equal).collect();
+    equal.sort_by_key(Placed::elements);
+    if equal.len() > 8 {
+        equal.retain(|placed| placed.request.n_add.is_power_of_two());
+    }
+    equal
+}
+
+/// The name of a pipeline in labels.
+fn pipeline_label(results: &Results, pipeline: usize) -> String {
+    let name = &results.plan.pipelines[pipeline].name;
+    match name.as_str() {
+        "printed" => "as printed".to_owned(),
+        other => other.to_owned(),
+    }
+}

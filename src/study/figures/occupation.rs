@@ -1,0 +1,111 @@
+//! Figures 3.15 to 3.38: occupation of the elements over normalised time.
+
+use super::super::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
+use super::super::plan::Printed;
+use super::super::printed::Topology;
+use super::super::results::Results;
+use super::{ladder, pipeline_label};
+
+const CAPTION: &str = "Share of issue slots used, mean over 50 cycles that roll along, against \
+    the share of the run that has passed; one curve per number of elements, labelled with the \
+    number of this kind.";
+
+pub(super) fn figures(results: &Results) -> Vec<Figure> {
+    let Some(machine) = results.main_machine() else {
+        return Vec::new();
+    };
+    let mut figures = Vec::new();
+    for pipeline in 0..results.plan.pipelines.len() {
+        for model in 0..results.plan.models.len() {
+            figures.extend(figure(results, model, pipeline, machine));
+        }
+    }
+    // In the order of the thesis, what it does not have behind.
+    figures.sort_by_key(|(number, _)| number.unwrap_or(u32::MAX));
+    figures.into_iter().map(|(_, figure)| figure).collect()
+}
+
+/// A figure, and the second half of its number in chapter 3.
+fn figure(
+    results: &Results,
+    model: usize,
+    pipeline: usize,
+    machine: usize,
+) -> Option<(Option<u32>, Figure)> {
+    let placed = ladder(results, model, pipeline, machine);
+    if placed.is_empty() {
+        return None;
+    }
+    let number = number(results, model, pipeline);
+    let subject = format!(
+        "{}, {}",
+        results.plan.models[model].name,
+        pipeline_label(results, pipeline)
+    );
+    let count_of_curves = placed.len();
+    let panel = |kind: usize, title: &str| {
+        let curves = placed.iter().enumerate().map(|(index, placed)| {
+            let request = placed.request;
+            let count = [request.n_add, request.n_multi][kind];
+            let curve = placed.point.kinds[kind].occupation.curve();
+            Curve {
+                label: count.to_string(),
+                paint: Paint::Ordered(index, count_of_curves),
+                stroke: Stroke::Plain,
+                marks: curve
+                    .map(|[time, share]| Mark::at(100.0 * time, 100.0 * share))
+                    .collect(),
+            }
+        });
+        Panel {
+            title: title.to_owned(),
+            x: Axis::new("share of the run (%)", Scale::Linear).showing(0.0, 100.0),
+            y: Axis::new("occupation (%)", Scale::Linear).showing(0.0, 100.0),
+            content: Content::Curves(curves.collect()),
+        }
+    };
+    let (name, prefix) = match number {
+        Some(number) => (format!("figure-3.{number}"), format!("Figure 3.{number}: ")),
+        None => {
+            let model = &results.plan.models[model].name;
+            let pipeline = &results.plan.pipelines[pipeline].name;
+            (format!("occupation-{model}-{pipeline}"), String::new())
+        }
+    };
+    let figure = Figure {
+        name,
+        title: format!("{prefix}occupation of {subject}"),
+        caption: CAPTION.to_owned(),
+        panels: vec![panel(0, "adders"), panel(1, "multipliers")],
+        columns: 2,
+    };
+    Some((number, figure))
+}
+
+/// The number `n` of Figure 3.n that shows this program's counterpart.
+fn number(results: &Results, model: usize, pipeline: usize) -> Option<u32> {
+    let system = results.system(model)?;
+    let size = [23, 50, 70, 100, 130]
+        .iter()
+        .position(|&dof| dof == system.dof)? as u32;
+    match results.plan.pipelines[pipeline].printed? {
+        Printed::Original => Some(match system.topology {
+            Topology::Bogie => 15,
+            Topology::Mixed => 16,
+            Topology::Serial => 17 + size,
+            Topology::SemiSerial => 22 + size,
+            Topology::Parallel => 27 + size,
+        }),
+        Printed::Modified => {
+            system.modified.as_ref()?;
+            let first = if size == 0 { 33 } else { 36 };
+            match system.topology {
+                Topology::Bogie => Some(32),
+                Topology::Mixed => None,
+                Topology::Serial => Some(first),
+                Topology::SemiSerial => Some(first + 1),
+                Topology::Parallel => Some(first + 2),
+            }
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! A plan as it is written: TOML with places for messages.
+
+use super::{ChoiceKey, PriorityKey};
+use serde::Deserialize;
+use toml::Spanned;
+
+/// A plan file.
+#[derive(Deserialize, Debug)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PlanFile {
+    /// Its name.
+    pub(super) name: String,
+    /// One line for people.
+    #[serde(default)]
+    pub(super) description: String,
+    /// The model that the verdict at the top of the report is about.
+    #[serde(default)]
+    pub(super) headline: Option<Spanned<String>>,
+    /// The models.
+    #[serde(rename = "model")]
+    pub(super) models: Vec<ModelEntry>,
+    /// The pipelines.
+    #[serde(rename = "pipeline")]
+    pub(super) pipelines: Vec<PipelineEntry>,
+    /// What is placed on what.
+    #[serde(rename = "sweep")]
+    pub(super) sweeps: Vec<SweepEntry>,
+}
+
+/// A model.
+#[derive(Deserialize, Debug)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ModelEntry {
+    /// Its name in results.
+    pub(super) name: Spanned<String>,
+    /// A file of equations, a model file, or a built-in model; by default the
+    /// name.
+    #[serde(default)]
+    pub(super) source: Option<Spanned<String>>,
+    /// The function studied, where there are several.
+    #[serde(default)]
+    pub(super) function: Option<String>,
+    /// The system of the thesis it stands for.
+    #[serde(default)]
+    pub(super) printed: Option<Spanned<String>>,
+}
+
+/// A pipeline.
+#[derive(Deserialize, Debug)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PipelineEntry {
+    /// Its name in results.
+    pub(super) name: Spanned<String>,
+    /// Its passes, without placement.
+    pub(super) passes: Spanned<String>,
+    /// Which rows of the thesis it is compared with.
+    #[serde(default)]
+    pub(super) printed: Option<super::Printed>,
+}
+
+/// Placements: every model through every pipeline on every machine with every
+/// number of elements, in every order and with every choice.
+#[derive(Deserialize, Debug)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SweepEntry {
+    /// Names of models; all by default.
+    #[serde(default)]
+    pub(super) models: Option<Vec<Spanned<String>>>,
+    /// Names of pipelines; all by default.
+    #[serde(default)]
+    pub(super) pipelines: Option<Vec<Spanned<String>>>,
+    /// Machines: names, files, `couples`.
+    #[serde(default)]
+    pub(super) machines: Option<Vec<Spanned<String>>>,
+    /// Adders and multipliers: `n` for n of each, `[a, m]` for unequal
+    /// numbers.
+    #[serde(default)]
+    pub(super) elements: Vec<Spanned<ElementsEntry>>,
+    /// Every number of adders with every number of multipliers.
+    #[serde(default)]
+    pub(super) grid: Option<Spanned<Vec<u32>>>,
+    /// Orders of placement.
+    #[serde(default)]
+    pub(super) priority: Option<Vec<PriorityKey>>,
+    /// Choices among free elements.
+    #[serde(default)]
+    pub(super) choice: Option<Vec<ChoiceKey>>,
+}
+
+/// Adders and multipliers.
+#[derive(Deserialize, Clone, Copy, Debug)]
+#[serde(untagged)]
+pub(super) enum ElementsEntry {
+    /// As many of each.
+    Equal(u32),
+    /// Adders, multipliers.
+    Pair([u32; 2]),
+}

@@ -1,0 +1,163 @@
+//! What a study places: models, pipelines, machines, numbers of elements.
+//!
+//! A plan is read from TOML and resolved here once and for all: afterwards
+//! every name is an index, every pipeline is parsed, every machine is read,
+//! and the placements are a sorted list without repetitions. Nothing is
+//! computed before all of it is known to be right.
+
+mod file;
+mod resolve;
+
+use robovec_ir::Machine;
+use robovec_passes::pipeline::Pipeline;
+use robovec_passes::place::{Choice, PlaceOptions, Priority};
+use serde::{Deserialize, Serialize};
+
+pub use resolve::resolve;
+
+/// The plan that redoes the thesis.
+pub const THESIS: &str = include_str!("thesis.toml");
+
+/// The machine of sweeps that name none.
+pub const DEFAULT_MACHINE: &str = "thesis";
+
+/// The most adders or multipliers of a placement.
+pub const MOST_ELEMENTS: u32 = 1024;
+
+/// A resolved plan. Indices point into its lists.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Its name.
+    pub name: String,
+    /// One line for people.
+    pub description: String,
+    /// The model the verdict is about.
+    pub headline: usize,
+    /// The models.
+    pub models: Vec<Subject>,
+    /// The pipelines.
+    pub pipelines: Vec<NamedPipeline>,
+    /// The machines.
+    pub machines: Vec<NamedMachine>,
+    /// The placements, sorted, each once.
+    pub requests: Vec<Request>,
+}
+
+/// A model of a study: where its program comes from.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub struct Subject {
+    /// Its name in results.
+    pub name: String,
+    /// A file of equations, a model file, or the name of a built-in model.
+    pub source: String,
+    /// The function studied; by default the only one, or `dirdyna`.
+    pub function: Option<String>,
+    /// The system of the thesis' Table 3.1 it stands for.
+    pub printed: Option<String>,
+}
+
+/// Which rows of Table 3.1 a pipeline is compared with.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Printed {
+    /// The systems as Robotran wrote them.
+    Original,
+    /// The "modified" systems, changed by hand.
+    Modified,
+}
+
+/// A pipeline of a study.
+#[derive(Clone, Debug)]
+pub struct NamedPipeline {
+    /// Its name in results.
+    pub name: String,
+    /// The pipeline.
+    pub pipeline: Pipeline,
+    /// The rows of the thesis it is compared with.
+    pub printed: Option<Printed>,
+}
+
+/// A machine of a study.
+#[derive(Clone, PartialEq, Debug)]
+pub struct NamedMachine {
+    /// Its name in results.
+    pub name: String,
+    /// The machine.
+    pub machine: Machine,
+    /// Stages of adders and multipliers, for the couples of Table 1.3.
+    pub couple: Option<[u32; 2]>,
+}
+
+/// One placement.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Request {
+    /// Index of the model.
+    pub model: usize,
+    /// Index of the pipeline.
+    pub pipeline: usize,
+    /// Index of the machine.
+    pub machine: usize,
+    /// Adders.
+    pub n_add: u32,
+    /// Multipliers.
+    pub n_multi: u32,
+    /// Order of placement.
+    pub priority: PriorityKey,
+    /// Choice among free elements.
+    pub choice: ChoiceKey,
+}
+
+/// [`Priority`], ordered, so that placements can be sorted.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PriorityKey {
+    /// [`Priority::Best`].
+    Best,
+    /// [`Priority::Alap`].
+    Alap,
+    /// [`Priority::FanOut`].
+    FanOut,
+    /// [`Priority::Mobility`].
+    Mobility,
+}
+
+/// [`Choice`], ordered, so that placements can be sorted.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ChoiceKey {
+    /// [`Choice::Preferential`].
+    Preferential,
+    /// [`Choice::First`].
+    First,
+}
+
+impl Request {
+    /// The options of the placer.
+    pub fn options(&self) -> PlaceOptions {
+        PlaceOptions {
+            priority: match self.priority {
+                PriorityKey::Best => Priority::Best,
+                PriorityKey::Alap => Priority::Alap,
+                PriorityKey::FanOut => Priority::FanOut,
+                PriorityKey::Mobility => Priority::Mobility,
+            },
+            choice: match self.choice {
+                ChoiceKey::Preferential => Choice::Preferential,
+                ChoiceKey::First => Choice::First,
+            },
+        }
+    }
+}
+
+/// What the command line asks for in place of the plan's own choices.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct Selection {
+    /// Models of the plan, or sources of others.
+    pub models: Option<Vec<String>>,
+    /// Pipelines of the plan, or pipelines as text.
+    pub pipelines: Option<Vec<String>>,
+    /// Machines.
+    pub machines: Option<Vec<String>>,
+    /// Elements of each kind.
+    pub elements: Option<Vec<u32>>,
+}

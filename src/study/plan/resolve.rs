@@ -1,0 +1,458 @@
+//! From a plan as written to a plan with indices, or messages with carets.
+
+use super::file::{ElementsEntry, PlanFile, SweepEntry};
+use super::{
+    ChoiceKey, DEFAULT_MACHINE, MOST_ELEMENTS, NamedMachine, NamedPipeline, Plan, PriorityKey,
+    Request, Selection, Subject,
+};
+use crate::study::couples;
+use crate::study::printed;
+use robovec_ir::Operation;
+use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
+use robovec_passes::pass::Gives;
+use robovec_passes::pipeline::{self, Pipeline};
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::path::Path;
+use toml::Spanned;
+
+/// The name that stands for the model of the verdict.
+const HEADLINE: &str = "headline";
+
+/// Reads a machine by name or file; messages are the reader's own.
+pub(super) type ReadMachine<'a> = &'a dyn Fn(&str) -> Result<robovec_ir::Machine, Report>;
+
+/// Reads a plan and resolves it.
+///
+/// # Errors
+///
+/// Messages for the user, with a caret under each place of the plan that is
+/// wrong.
+pub fn resolve(
+    name: &str,
+    text: &str,
+    selection: &Selection,
+    read_machine: ReadMachine<'_>,
+) -> Result<Plan, Report> {
+    let file: PlanFile = toml::from_str(text).map_err(|error| {
+        let mut diagnostic = Diagnostic::error().with_message(error.message().to_owned());
+        diagnostic
+            .labels
+            .extend(error.span().map(|span| Label::primary(0, span)));
+        Report::of(name, text, vec![diagnostic])
+    })?;
+    let mut resolver = Resolver {
+        plan: Plan {
+            name: file.name.clone(),
+            description: file.description.clone(),
+            headline: 0,
+            models: Vec::new(),
+            pipelines: Vec::new(),
+            machines: Vec::new(),
+            requests: Vec::new(),
+        },
+        problems: Vec::new(),
+        foreign: Report::new(),
+        read_machine,
+        selection,
+    };
+    resolver.models(&file);
+    resolver.pipelines(&file);
+    let mut requests = BTreeSet::new();
+    for sweep in &file.sweeps {
+        resolver.sweep(sweep, &mut requests);
+    }
+    resolver.plan.requests = requests.into_iter().collect();
+    resolver.finish(name, text)
+}
+
+struct Resolver<'a> {
+    plan: Plan,
+    problems: Vec<Diagnostic>,
+    /// Messages about other texts than the plan: pipelines, machine files.
+    foreign: Report,
+    read_machine: ReadMachine<'a>,
+    selection: &'a Selection,
+}
+
+impl Resolver<'_> {
+    fn problem(&mut self, span: Range<usize>, message: String, notes: Vec<String>) {
+        let label = Label::primary(0, span);
+        let diagnostic = Diagnostic::error().with_message(message);
+        self.problems
+            .push(diagnostic.with_labels(vec![label]).with_notes(notes));
+    }
+
+    fn finish(self, name: &str, text: &str) -> Result<Plan, Report> {
+        if !self.problems.is_empty() {
+            return Err(Report::of(name, text, self.problems));
+        }
+        if self.foreign.has_errors() {
+            return Err(self.foreign);
+        }
+        if self.plan.requests.is_empty() {
+            let diagnostic = Diagnostic::error()
+                .with_message("the plan and the options leave nothing to place")
+                .with_notes(vec![
+                    "a sweep needs models, pipelines, machines and 'elements' or 'grid'".to_owned(),
+                ]);
+            return Err(Report::of(name, text, vec![diagnostic]));
+        }
+        Ok(self.plan)
+    }
+
+    fn models(&mut self, file: &PlanFile) {
+        let mut seen: BTreeSet<&str> = BTreeSet::new();
+        let mut all = Vec::new();
+        for entry in &file.models {
+            let name = entry.name.get_ref();
+            if !is_name(name) || name == HEADLINE || !seen.insert(name) {
+                let message = format!("'{name}' cannot be a model's name, or is one already");
+                self.problem(entry.name.span(), message, vec![NAMES.to_owned()]);
+            }
+            if let Some(row) = &entry.printed
+                && printed::systems().all(|known| known != row.get_ref())
+            {
+                let message = format!("the thesis has no system '{}'", row.get_ref());
+                let near = did_you_mean(row.get_ref(), printed::systems());
+                self.problem(row.span(), message, suggestion(near));
+            }
+            all.push(Subject {
+                name: name.clone(),
+                source: entry
+                    .source
+                    .as_ref()
+                    .unwrap_or(&entry.name)
+                    .get_ref()
+                    .clone(),
+                function: entry.function.clone(),
+                printed: entry.printed.as_ref().map(|row| row.get_ref().clone()),
+            });
+        }
+        let headline = file.headline.as_ref();
+        if let Some(headline) = headline
+            && !seen.contains(headline.get_ref().as_str())
+        {
+            let message = format!("there is no model '{}' in this plan", headline.get_ref());
+            let near = did_you_mean(headline.get_ref(), seen.iter().copied());
+            self.problem(headline.span(), message, suggestion(near));
+        }
+        self.plan.models = match &self.selection.models {
+            None => all,
+            Some(wanted) => wanted
+                .iter()
+                .map(|wanted| pick_model(&all, wanted))
+                .collect(),
+        };
+        let headline = headline.map(|headline| headline.get_ref());
+        let found = self.plan.models.iter();
+        let mut found = found.map(|subject| Some(&subject.name));
+        self.plan.headline = found.position(|name| name == headline).unwrap_or(0);
+    }
+
+    fn pipelines(&mut self, file: &PlanFile) {
+        let mut seen: BTreeSet<&str> = BTreeSet::new();
+        let mut all = Vec::new();
+        for entry in &file.pipelines {
+            let name = entry.name.get_ref();
+            if !is_name(name) || !seen.insert(name) {
+                let message = format!("'{name}' cannot be a pipeline's name, or is one already");
+                self.problem(entry.name.span(), message, vec![NAMES.to_owned()]);
+            }
+            match read_pipeline(entry.passes.get_ref()) {
+                Ok(pipeline) => all.push(NamedPipeline {
+                    name: name.clone(),
+                    pipeline,
+                    printed: entry.printed,
+                }),
+                Err(reason) => self.problem(entry.passes.span(), reason, Vec::new()),
+            }
+        }
+        let Some(wanted) = &self.selection.pipelines else {
+            self.plan.pipelines = all;
+            return;
+        };
+        for wanted in wanted {
+            if let Some(known) = all.iter().find(|known| known.name == *wanted) {
+                self.plan.pipelines.push(known.clone());
+                continue;
+            }
+            match read_pipeline(wanted) {
+                Ok(pipeline) => self.plan.pipelines.push(NamedPipeline {
+                    name: wanted.clone(),
+                    pipeline,
+                    printed: None,
+                }),
+                Err(reason) => {
+                    let names: Vec<&str> = all.iter().map(|known| known.name.as_str()).collect();
+                    self.foreign.push(
+                        Diagnostic::error()
+                            .with_message(format!("--pipelines: '{wanted}': {reason}"))
+                            .with_notes(vec![format!(
+                                "pipelines of this plan: {}; or passes as in robovec-opt",
+                                names.join(", ")
+                            )]),
+                    );
+                }
+            }
+        }
+    }
+
+    fn sweep(&mut self, sweep: &SweepEntry, requests: &mut BTreeSet<Request>) {
+        let models = self.sweep_models(sweep);
+        let pipelines = self.sweep_pipelines(sweep);
+        let machines = self.sweep_machines(sweep);
+        let elements = self.sweep_elements(sweep);
+        let priorities = sweep.priority.clone().unwrap_or(vec![PriorityKey::Best]);
+        let choices = sweep
+            .choice
+            .clone()
+            .unwrap_or(vec![ChoiceKey::Preferential]);
+        for &model in &models {
+            for &pipeline in &pipelines {
+                for &machine in &machines {
+                    for &[n_add, n_multi] in &elements {
+                        for &priority in &priorities {
+                            requests.extend(choices.iter().map(|&choice| Request {
+                                model,
+                                pipeline,
+                                machine,
+                                n_add,
+                                n_multi,
+                                priority,
+                                choice,
+                            }));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn sweep_models(&mut self, sweep: &SweepEntry) -> Vec<usize> {
+        let Some(names) = &sweep.models else {
+            return (0..self.plan.models.len()).collect();
+        };
+        let mut found = Vec::new();
+        for name in names {
+            let position = match name.get_ref().as_str() {
+                HEADLINE => Some(self.plan.headline),
+                wanted => self
+                    .plan
+                    .models
+                    .iter()
+                    .position(|model| model.name == wanted),
+            };
+            match position {
+                Some(position) => found.push(position),
+                // Models the command line leaves out leave sweeps too.
+                None if self.selection.models.is_some() => {}
+                None => {
+                    let known = self.plan.models.iter().map(|model| model.name.as_str());
+                    let near = did_you_mean(name.get_ref(), known);
+                    let message = format!("there is no model '{}' in this plan", name.get_ref());
+                    self.problem(name.span(), message, suggestion(near));
+                }
+            }
+        }
+        found
+    }
+
+    fn sweep_pipelines(&mut self, sweep: &SweepEntry) -> Vec<usize> {
+        let Some(names) = &sweep.pipelines else {
+            return (0..self.plan.pipelines.len()).collect();
+        };
+        let mut found = Vec::new();
+        for name in names {
+            let mut known = self.plan.pipelines.iter();
+            match known.position(|pipeline| pipeline.name == *name.get_ref()) {
+                Some(position) => found.push(position),
+                None if self.selection.pipelines.is_some() => {}
+                None => {
+                    let known = self.plan.pipelines.iter();
+                    let known = known.map(|pipeline| pipeline.name.as_str());
+                    let near = did_you_mean(name.get_ref(), known);
+                    let message = format!("there is no pipeline '{}' in this plan", name.get_ref());
+                    self.problem(name.span(), message, suggestion(near));
+                }
+            }
+        }
+        found
+    }
+
+    fn sweep_machines(&mut self, sweep: &SweepEntry) -> Vec<usize> {
+        let wanted = self.selection.machines.as_ref();
+        let names: Vec<(String, Option<Range<usize>>)> = match (&sweep.machines, wanted) {
+            (None, None) => vec![(DEFAULT_MACHINE.to_owned(), None)],
+            (None, Some(wanted)) => wanted.iter().map(|name| (name.clone(), None)).collect(),
+            (Some(names), wanted) => {
+                let kept = |name: &&Spanned<String>| {
+                    wanted.is_none_or(|wanted| wanted.contains(name.get_ref()))
+                };
+                let names = names.iter().filter(kept);
+                let spanned = names.map(|name| (name.get_ref().clone(), Some(name.span())));
+                spanned.collect()
+            }
+        };
+        let mut found = Vec::new();
+        for (name, span) in names {
+            if name == couples::ALL {
+                found.extend(couples::machines().map(|machine| self.add_machine(machine)));
+                continue;
+            }
+            match self.machine(&name) {
+                Ok(index) => found.push(index),
+                Err(report) => match span {
+                    Some(span) => {
+                        let message = format!("the machine '{name}' cannot be used");
+                        let notes = report.diagnostics().iter();
+                        let notes = notes.map(|diagnostic| diagnostic.message.clone());
+                        self.problem(span, message, notes.collect());
+                    }
+                    None => self.foreign = report,
+                },
+            }
+        }
+        found
+    }
+
+    fn machine(&mut self, name: &str) -> Result<usize, Report> {
+        let file_name = Path::new(name)
+            .file_stem()
+            .map(|stem| stem.to_string_lossy());
+        let known = file_name.as_deref().unwrap_or(name);
+        let position = self
+            .plan
+            .machines
+            .iter()
+            .position(|machine| machine.name == known);
+        if let Some(position) = position {
+            return Ok(position);
+        }
+        let machine = match couples::machine_named(name) {
+            Some(machine) => machine,
+            None => NamedMachine {
+                name: known.to_owned(),
+                machine: (self.read_machine)(name)?,
+                couple: None,
+            },
+        };
+        let kind = |operation| machine.machine.kind_of(operation);
+        if kind(Operation::Add).is_none()
+            || kind(Operation::Mul).is_none()
+            || kind(Operation::Add) == kind(Operation::Mul)
+        {
+            let mut report = Report::new();
+            report.push(Diagnostic::error().with_message(format!(
+                "the machine '{name}' needs one kind of elements that adds and another that multiplies"
+            )));
+            return Err(report);
+        }
+        Ok(self.add_machine(machine))
+    }
+
+    fn add_machine(&mut self, machine: NamedMachine) -> usize {
+        let machines = &mut self.plan.machines;
+        let known = machines.iter().position(|known| known.name == machine.name);
+        known.unwrap_or_else(|| {
+            machines.push(machine);
+            machines.len() - 1
+        })
+    }
+
+    fn sweep_elements(&mut self, sweep: &SweepEntry) -> Vec<[u32; 2]> {
+        let mut elements = Vec::new();
+        match &self.selection.elements {
+            Some(wanted) if sweep.grid.is_none() => {
+                elements.extend(wanted.iter().map(|&count| [count; 2]));
+            }
+            Some(_) | None => {
+                for entry in &sweep.elements {
+                    let pair = match *entry.get_ref() {
+                        ElementsEntry::Equal(count) => [count; 2],
+                        ElementsEntry::Pair(pair) => pair,
+                    };
+                    self.check_elements(&pair, &entry.span());
+                    elements.push(pair);
+                }
+            }
+        }
+        if let Some(grid) = &sweep.grid {
+            self.check_elements(grid.get_ref(), &grid.span());
+            for &adders in grid.get_ref() {
+                elements.extend(
+                    grid.get_ref()
+                        .iter()
+                        .map(|&multipliers| [adders, multipliers]),
+                );
+            }
+        }
+        elements
+    }
+
+    fn check_elements(&mut self, counts: &[u32], span: &Range<usize>) {
+        let wrong = |count: &&u32| !(1..=MOST_ELEMENTS).contains(*count);
+        if let Some(count) = counts.iter().find(wrong) {
+            let message =
+                format!("there can be 1 to {MOST_ELEMENTS} elements of a kind, not {count}");
+            self.problem(span.clone(), message, Vec::new());
+        }
+    }
+}
+
+const NAMES: &str = "names are made of letters, digits, '-', '_' and '.', and are used once";
+
+/// Names become names of files.
+fn is_name(name: &str) -> bool {
+    let fits = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte);
+    !name.is_empty() && name.len() <= 60 && name.bytes().all(fits) && !name.starts_with('.')
+}
+
+fn suggestion(near: Option<&str>) -> Vec<String> {
+    let suggestion = near.map(|near| format!("did you mean '{near}'?"));
+    suggestion.into_iter().collect()
+}
+
+/// A model of the plan, or one of the user's own, named after its file.
+fn pick_model(all: &[Subject], wanted: &str) -> Subject {
+    if let Some(known) = all.iter().find(|known| known.name == wanted) {
+        return known.clone();
+    }
+    let stem = Path::new(wanted).file_stem();
+    let stem = stem.map_or(wanted.into(), |stem| stem.to_string_lossy());
+    Subject {
+        name: stem
+            .chars()
+            .map(|c| {
+                if c.is_alphanumeric() || "-_.".contains(c) {
+                    c
+                } else {
+                    '_'
+                }
+            })
+            .collect(),
+        source: wanted.to_owned(),
+        function: None,
+        printed: None,
+    }
+}
+
+/// A pipeline that leaves its function ready to be placed.
+fn read_pipeline(text: &str) -> Result<Pipeline, String> {
+    let pipeline = pipeline::parse(text).map_err(|error| {
+        let messages = error.0.diagnostics().iter();
+        let messages: Vec<&str> = messages.map(|message| message.message.as_str()).collect();
+        messages.join("; ")
+    })?;
+    if pipeline
+        .passes()
+        .any(|step| step.info.name == "place" || step.info.name == "codegen")
+    {
+        return Err("the study places by itself: leave 'place' and 'codegen' out".to_owned());
+    }
+    let lowers = |gives| matches!(gives, Gives::Level(robovec_ir::Level::Atomic));
+    if !pipeline.passes().any(|step| lowers(step.info.gives)) {
+        return Err("the pipeline does not contain 'atomise', which placement needs".to_owned());
+    }
+    Ok(pipeline)
+}

@@ -1,0 +1,101 @@
+//! Drawing figures as SVG.
+//!
+//! Written for paper and screen: text stays text, curves are labelled at
+//! their ends, colours can be told apart by colour-blind readers and, with
+//! the markers, in grey. Every marker carries its values as an SVG title,
+//! which viewers show when it is pointed at.
+
+mod curves;
+mod labels;
+mod map;
+mod paint;
+mod scale;
+mod svg;
+
+use super::figure::{Content, Figure, Panel};
+use svg::{Anchor, Svg};
+
+/// Size of a panel's axes in a figure of one column, and of several.
+const WIDE: [f64; 2] = [520.0, 320.0];
+const NARROW: [f64; 2] = [300.0, 210.0];
+
+/// Room left of the axes (numbers and title) and below them.
+const LEFT: f64 = 62.0;
+const BELOW: f64 = 50.0;
+const ABOVE: f64 = 26.0;
+
+/// The part of the drawing a panel's axes span.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    left: f64,
+    top: f64,
+    width: f64,
+    height: f64,
+}
+
+impl Frame {
+    fn right(&self) -> f64 {
+        self.left + self.width
+    }
+
+    fn bottom(&self) -> f64 {
+        self.top + self.height
+    }
+}
+
+/// Draws a figure.
+pub fn draw(figure: &Figure) -> String {
+    let columns = figure.columns.clamp(1, figure.panels.len().max(1));
+    let [width, height] = if columns == 1 { WIDE } else { NARROW };
+    let beside = figure.panels.iter().map(label_room).fold(12.0, f64::max);
+    let cell = [LEFT + width + beside, ABOVE + height + BELOW];
+    let rows = figure.panels.len().div_ceil(columns);
+    let mut svg = Svg::new(
+        cell[0] * columns as f64,
+        cell[1] * rows as f64 + 6.0,
+        &figure.title,
+    );
+    for (index, panel) in figure.panels.iter().enumerate() {
+        let frame = Frame {
+            left: cell[0] * (index % columns) as f64 + LEFT,
+            top: cell[1] * (index / columns) as f64 + ABOVE,
+            width,
+            height,
+        };
+        svg.text(
+            [frame.left, frame.top - 9.0],
+            Anchor::Start,
+            "panel",
+            &panel.title,
+        );
+        match &panel.content {
+            Content::Curves(curves) => curves::draw(&mut svg, frame, panel, curves),
+            Content::Map(map) => map::draw(&mut svg, frame, panel, map),
+        }
+    }
+    svg.finish()
+}
+
+/// How wide the labels at the ends of a panel's curves are.
+fn label_room(panel: &Panel) -> f64 {
+    match &panel.content {
+        Content::Curves(curves) => {
+            let widths = curves.iter().map(|curve| svg::text_width(&curve.label));
+            widths.fold(0.0, f64::max) + 24.0
+        }
+        Content::Map(_) => 84.0,
+    }
+}
+
+/// The titles of both axes.
+fn axis_titles(svg: &mut Svg, frame: Frame, panel: &Panel) {
+    let middle = frame.left + frame.width / 2.0;
+    svg.text(
+        [middle, frame.bottom() + 38.0],
+        Anchor::Middle,
+        "axis",
+        &panel.x.title,
+    );
+    let middle = frame.top + frame.height / 2.0;
+    svg.upright_text([frame.left - 48.0, middle], "axis", &panel.y.title);
+}

@@ -1,0 +1,119 @@
+//! One placement, measured.
+
+use super::occupation::{Occupation, occupation};
+use super::plan::{NamedMachine, Request};
+use super::program::Program;
+use robovec_ir::{Machine, Operation, View, verify};
+use robovec_passes::place::{Spread, place, placement_statistics};
+use serde::{Deserialize, Serialize};
+
+/// What is kept of a placement. Names and numbers of its [`Request`] are not
+/// part of it: a point is found by its key.
+#[derive(Clone, PartialEq, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Point {
+    /// Why there is no placement; everything else is 0 then.
+    pub failure: Option<String>,
+    /// Length: the first cycle in which every result can be read.
+    pub cycles: u32,
+    /// No schedule on this machine is shorter (proved).
+    pub lower_bound: u32,
+    /// Operations per element and cycle.
+    pub rate: f64,
+    /// Adders, and multipliers.
+    pub kinds: [KindPoint; 2],
+    /// Writes in the cycle in which the result appears.
+    pub direct_writes: u32,
+    /// Writes through a buffer.
+    pub indirect_writes: u32,
+    /// Operations by their rank in Table 2.1.
+    pub ranks: [u32; 9],
+}
+
+/// What the elements of one kind do.
+#[derive(Clone, PartialEq, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KindPoint {
+    /// Operations they perform together.
+    pub operations: u32,
+    /// Operations per element and cycle.
+    pub rate: f64,
+    /// Words of memory per element: least, mean, most.
+    pub memory: [f64; 3],
+    /// Words of buffer per element: least, mean, most.
+    pub buffer: [f64; 3],
+    /// Occupation over normalised time.
+    pub occupation: Occupation,
+}
+
+/// Places a program and measures the placement, which the verifier has
+/// accepted.
+pub fn measure(program: &Program, machine: &NamedMachine, request: &Request) -> Point {
+    let machine = with_counts(&machine.machine, request);
+    let fail = |reason: String| Point {
+        failure: Some(reason),
+        ..Point::default()
+    };
+    let mut function = program.module.functions[0].clone();
+    if let Err(error) = place(&mut function, &machine, request.options()) {
+        return fail(error.to_string());
+    }
+    let view = View {
+        tables: &program.module.tables,
+        function: &function,
+    };
+    if let Some(violation) = verify::verify_placement(view, &machine).first() {
+        return fail(format!(
+            "the verifier refuses the placement: {}",
+            violation.message
+        ));
+    }
+    let (Some(schedule), Some(statistics)) = (
+        &function.schedule,
+        placement_statistics(&function, &machine),
+    ) else {
+        return fail("the placer left no placement".to_owned());
+    };
+    let kind = |operation: Operation| {
+        let Some(index) = machine.kind_of(operation) else {
+            return KindPoint::default();
+        };
+        let statistics = &statistics.kinds[index];
+        KindPoint {
+            operations: statistics.operations,
+            rate: statistics.occupancy,
+            memory: words(statistics.memory),
+            buffer: words(statistics.buffer),
+            occupation: occupation(schedule, index),
+        }
+    };
+    Point {
+        failure: None,
+        cycles: schedule.cycles,
+        lower_bound: schedule.lower_bound,
+        rate: statistics.parallelisation_rate,
+        kinds: [kind(Operation::Add), kind(Operation::Mul)],
+        direct_writes: statistics.direct_writes,
+        indirect_writes: statistics.indirect_writes,
+        ranks: statistics.ranks,
+    }
+}
+
+fn words(spread: Spread) -> [f64; 3] {
+    [f64::from(spread.min), spread.mean, f64::from(spread.max)]
+}
+
+/// The machine with the numbers of elements a placement asks for.
+fn with_counts(machine: &Machine, request: &Request) -> Machine {
+    let mut machine = machine.clone();
+    let counts = [
+        (Operation::Add, request.n_add),
+        (Operation::Mul, request.n_multi),
+    ];
+    for (operation, count) in counts {
+        if let Some(kind) = machine.kind_of(operation) {
+            machine.elements[kind].count = count;
+        }
+    }
+    machine
+}

@@ -1,0 +1,175 @@
+//! What the thesis prints in its tables of results, as data.
+//!
+//! Cells that contradict the rest of their row or repeat another row are
+//! marked as doubtful, with the reason, and shown as such wherever they
+//! appear; they are never used as a reference.
+
+use super::plan::Printed;
+use serde::Deserialize;
+use std::sync::LazyLock;
+
+/// The results the thesis prints.
+#[derive(Clone, PartialEq, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Thesis {
+    /// Table 2.2.
+    pub table_2_2: Orders,
+    /// Table 3.1, in its order.
+    #[serde(rename = "system")]
+    pub systems: Vec<System>,
+}
+
+/// Table 2.2: cycles of the bogie.
+#[derive(Clone, PartialEq, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Orders {
+    /// Elements of each kind.
+    pub elements: Vec<u32>,
+    /// Cycles by the classical order.
+    pub alap: Vec<u32>,
+    /// Cycles with mobility first.
+    pub mobility: Vec<u32>,
+}
+
+/// A system of Table 3.1.
+#[derive(Clone, PartialEq, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct System {
+    /// Its name in the table.
+    pub name: String,
+    /// Degrees of freedom.
+    pub dof: u32,
+    /// Its topology.
+    pub topology: Topology,
+    /// The row of the system as Robotran wrote it.
+    pub original: Row,
+    /// The row "modified", where there is one.
+    #[serde(default)]
+    pub modified: Option<Row>,
+}
+
+/// How the bodies of a system hang together.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Topology {
+    /// The railway bogie.
+    Bogie,
+    /// One chain.
+    Serial,
+    /// Some chains.
+    SemiSerial,
+    /// Many chains.
+    Parallel,
+    /// The 70-dof system, which is none of the three.
+    Mixed,
+}
+
+impl Topology {
+    /// The topology's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Topology::Bogie => "bogie",
+            Topology::Serial => "serial",
+            Topology::SemiSerial => "semi-serial",
+            Topology::Parallel => "parallel",
+            Topology::Mixed => "70-dof system",
+        }
+    }
+}
+
+/// A row of Table 3.1.
+#[derive(Clone, PartialEq, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// Operations.
+    pub operations: u32,
+    /// The longest chain, in operations.
+    pub asap: u32,
+    /// The longest chain, in cycles.
+    pub asap_cycle: u32,
+    /// Operations per cycle of the longest chain, as printed.
+    pub y: f64,
+    /// Names of the cells that cannot be right.
+    #[serde(default)]
+    pub doubtful: Vec<String>,
+    /// Why they cannot.
+    #[serde(default)]
+    pub remark: String,
+}
+
+impl Row {
+    /// True when a cell is one to rely on.
+    pub fn is_sound(&self, cell: &str) -> bool {
+        self.doubtful.iter().all(|doubtful| doubtful != cell)
+    }
+}
+
+impl System {
+    /// The row that a pipeline's result is compared with.
+    pub fn row(&self, printed: Printed) -> Option<&Row> {
+        match printed {
+            Printed::Original => Some(&self.original),
+            Printed::Modified => self.modified.as_ref(),
+        }
+    }
+}
+
+/// The printed results.
+pub fn thesis() -> &'static Thesis {
+    static THESIS: LazyLock<Thesis> = LazyLock::new(|| {
+        // A test reads it, so it is well formed wherever the program runs.
+        toml::from_str(include_str!("printed.toml")).expect("printed.toml is well formed")
+    });
+    &THESIS
+}
+
+/// The names of the systems.
+pub fn systems() -> impl Iterator<Item = &'static str> {
+    thesis().systems.iter().map(|system| system.name.as_str())
+}
+
+/// The system of a name.
+pub fn system(name: &str) -> Option<&'static System> {
+    thesis().systems.iter().find(|system| system.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sound_numbers_y_follow_from_their_rows() {
+        let rows = thesis().systems.iter().flat_map(|system| {
+            let rows = [Some(&system.original), system.modified.as_ref()];
+            rows.into_iter()
+                .flatten()
+                .map(move |row| (&system.name, row))
+        });
+        let mut count = 0;
+        for (name, row) in rows {
+            count += 1;
+            let y = f64::from(row.operations) / f64::from(row.asap_cycle);
+            let copied = !row.is_sound("asap_cycle");
+            // The thesis rounds some and truncates others.
+            assert_eq!(
+                (y - row.y).abs() < 0.0101,
+                row.is_sound("y") || copied,
+                "{name}: {y}"
+            );
+            assert_eq!(row.remark.is_empty(), row.doubtful.is_empty(), "{name}");
+        }
+        assert_eq!(count, 24);
+    }
+
+    #[test]
+    fn copied_cells_are_doubtful() {
+        let copied = |name: &str| {
+            !system(name)
+                .expect("it is there")
+                .original
+                .is_sound("asap_cycle")
+        };
+        let names: Vec<&str> = systems().filter(|name| copied(name)).collect();
+        assert_eq!(names, ["70-dof parallel", "100-dof serial"]);
+    }
+}

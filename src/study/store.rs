@@ -1,0 +1,181 @@
+//! Finished placements on disk, so that an interrupted study goes on where it
+//! stopped.
+//!
+//! A point is stored under a key made of everything it depends on: the text
+//! of the program, the pipeline, the machine, the options of the placer, and
+//! the build of robovec. A file that is not what its name promises (cut off,
+//! edited, of another version) counts as missing.
+
+use super::plan::{NamedMachine, NamedPipeline, Request};
+use super::point::Point;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// A hash of a text in 128 bits (FNV-1a), the same on every system.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Key(u128);
+
+impl Key {
+    /// The hash of nothing.
+    pub fn new() -> Key {
+        Key(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d)
+    }
+
+    /// Adds a text and a separator.
+    pub fn with(mut self, text: &str) -> Key {
+        self.add(text.as_bytes());
+        self.add(&[0xff]);
+        self
+    }
+
+    fn add(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 =
+                (self.0 ^ u128::from(byte)).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
+        }
+    }
+
+    fn file_name(self) -> String {
+        format!("{:032x}.json", self.0)
+    }
+}
+
+impl Default for Key {
+    fn default() -> Key {
+        Key::new()
+    }
+}
+
+impl Write for Key {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.add(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// The key of a placement, given that of the equations.
+pub fn key(
+    equations: Key,
+    build: Key,
+    pipeline: &NamedPipeline,
+    machine: &NamedMachine,
+    request: &Request,
+) -> Key {
+    let machine = serde_json::to_string(&machine.machine).unwrap_or_default();
+    equations
+        .with(&build.file_name())
+        .with(&pipeline.pipeline.to_string())
+        .with(&machine)
+        .with(&format!("{}+{}", request.n_add, request.n_multi))
+        .with(&format!("{:?} {:?}", request.priority, request.choice))
+}
+
+/// The build of robovec that runs: its version and the bytes of the program,
+/// so that points of a changed compiler are not taken for its own.
+pub fn build_key() -> Key {
+    let mut key = Key::new().with(env!("CARGO_PKG_VERSION"));
+    if let Ok(program) = std::env::current_exe().and_then(fs::read) {
+        // A digest of words is enough and quick for large programs.
+        use std::hash::Hasher;
+        let mut hasher = rustc_hash::FxHasher::default();
+        hasher.write(&program);
+        key = key.with(&format!("{:x} {}", hasher.finish(), program.len()));
+    }
+    key
+}
+
+#[derive(Serialize, Deserialize)]
+struct Stored<P> {
+    key: String,
+    point: P,
+}
+
+/// The folder of finished points.
+#[derive(Debug)]
+pub struct Store {
+    folder: PathBuf,
+    /// Whether points found there are used.
+    reuse: bool,
+}
+
+impl Store {
+    /// Opens the folder, made if needed.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be made.
+    pub fn open(folder: &Path, reuse: bool) -> io::Result<Store> {
+        fs::create_dir_all(folder)?;
+        Ok(Store {
+            folder: folder.to_owned(),
+            reuse,
+        })
+    }
+
+    /// The point of a key, if it is there and sound.
+    pub fn load(&self, key: Key) -> Option<Point> {
+        if !self.reuse {
+            return None;
+        }
+        let text = fs::read_to_string(self.folder.join(key.file_name())).ok()?;
+        let stored: Stored<Point> = serde_json::from_str(&text).ok()?;
+        (stored.key == key.file_name()).then_some(stored.point)
+    }
+
+    /// Keeps a point.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be written; a file of that name is then as it was.
+    pub fn save(&self, key: Key, point: &Point) -> io::Result<()> {
+        let mut file = NamedTempFile::new_in(&self.folder)?;
+        let stored = Stored {
+            key: key.file_name(),
+            point,
+        };
+        serde_json::to_writer(&mut file, &stored)?;
+        file.flush()?;
+        file.persist(self.folder.join(key.file_name()))?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::point::Point;
+
+    #[test]
+    fn the_hash_is_fnv_1a() {
+        let mut key = Key::new();
+        key.add(b"a");
+        assert_eq!(key.0, 0xd228_cb69_6f1a_8caf_78912_b70_4e4a_8964);
+    }
+
+    #[test]
+    fn what_is_stored_is_found_again_and_what_is_corrupt_is_not() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let store = Store::open(folder.path(), true).expect("it can be made");
+        let key = Key::new().with("program");
+        assert_eq!(store.load(key), None);
+        let point = Point {
+            cycles: 743,
+            ..Point::default()
+        };
+        store.save(key, &point).expect("it can be written");
+        assert_eq!(store.load(key), Some(point));
+        let other = Key::new().with("another program");
+        let path = folder.path();
+        fs::copy(path.join(key.file_name()), path.join(other.file_name())).expect("copied");
+        assert_eq!(store.load(other), None, "a copy under another name");
+        fs::write(path.join(key.file_name()), "{\"key\":").expect("written");
+        assert_eq!(store.load(key), None, "a file that is cut off");
+    }
+}
