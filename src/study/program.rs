@@ -194,13 +194,10 @@ fn kinds_on_path(function: &robovec_ir::Function, machine: &Machine) -> [u32; 2]
             _ => {}
         }
         let ready = arrivals[index].saturating_sub(weights.of(node.operation));
-        let operands = node.operands().iter().filter_map(|operand| operand.value());
+        let mut operands = node.operands().iter().filter_map(|operand| operand.value());
         let late = |value: &robovec_ir::Value| ready > 0 && arrivals[value.index()] == ready;
         // Operands stand earlier in program order, so the walk ends.
-        next = operands
-            .map(|value| value)
-            .find(late)
-            .map(|value| value.index());
+        next = operands.find(late).map(|value| value.index());
     }
     counts
 }

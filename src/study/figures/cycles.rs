@@ -137,7 +137,7 @@ fn panel(results: &Results, model: usize, machine: usize, quantity: Quantity) ->
         Quantity::Cycles => Axis::new("cycles", Scale::Decades),
         Quantity::Rate => Axis::new("parallelisation rate (%)", Scale::Linear).showing(0.0, 100.0),
     };
-    (!curves.is_empty()).then(|| Panel {
+    (!curves.is_empty()).then_some(Panel {
         title,
         x: elements,
         y,
