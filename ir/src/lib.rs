@@ -29,7 +29,7 @@ pub mod verify;
 pub use entity::{Constant, Input, Operand, OperandKind, Output, Value};
 pub use function::{Array, Assignment, Boundary, Function, Level, Node, Shape, Timing};
 pub use machine::Machine;
-pub use module::{Module, Tables, View};
+pub use module::{Module, Tables, View, same_equations};
 pub use operation::Operation;
 pub use source::{Place, SourceSet, Sources};
 pub use symbol::{FreshNames, Name, Symbol, Symbols};

@@ -109,6 +109,25 @@ pub fn same_function(left: View<'_>, right: View<'_>) -> bool {
         }
 }
 
+/// True when two functions, each with its own tables, have the same arrays,
+/// calls, nodes and outputs. Metadata, source places, times and schedules do
+/// not count: what a function computes, and in which order, does.
+pub fn same_equations(left: View<'_>, right: View<'_>) -> bool {
+    let (a, b) = (left.function, right.function);
+    a.name == b.name
+        && same_arrays(left, a.inputs(), right, b.inputs())
+        && same_arrays(left, a.outputs(), right, b.outputs())
+        && same_list(&a.boundaries, &b.boundaries, |x, y| {
+            x.callee == y.callee && x.arguments == y.arguments && x.result == y.result
+        })
+        && same_list(a.nodes(), b.nodes(), |x, y| {
+            same_operation(left, x, right, y)
+        })
+        && same_list(&a.assignments, &b.assignments, |x, y| {
+            x.output == y.output && same_operand(left, x.operand, right, y.operand)
+        })
+}
+
 fn same_list<T>(left: &[T], right: &[T], same: impl Fn(&T, &T) -> bool) -> bool {
     left.len() == right.len() && left.iter().zip(right).all(|(x, y)| same(x, y))
 }
@@ -120,12 +139,15 @@ fn same_arrays(left: View<'_>, a: &[Array], right: View<'_>, b: &[Array]) -> boo
 }
 
 fn same_node(left: View<'_>, a: &Node, right: View<'_>, b: &Node) -> bool {
+    same_operation(left, a, right, b) && same_sources(left, a.sources, right, b.sources)
+}
+
+fn same_operation(left: View<'_>, a: &Node, right: View<'_>, b: &Node) -> bool {
     a.operation == b.operation
         && same_name(left, a.name, right, b.name)
         && same_list(a.operands(), b.operands(), |&x, &y| {
             same_operand(left, x, right, y)
         })
-        && same_sources(left, a.sources, right, b.sources)
 }
 
 fn same_name(left: View<'_>, a: Name, right: View<'_>, b: Name) -> bool {

@@ -18,6 +18,7 @@ mod simulation;
 mod study;
 mod tables;
 pub mod tool;
+mod write;
 
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
 

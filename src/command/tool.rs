@@ -4,7 +4,7 @@
 use super::arguments::InputLanguage;
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
-use super::{Failure, align, input, output};
+use super::{Failure, align, input, output, write};
 use crate::evaluate_command::evaluate_at_states;
 use crate::simulate::Program;
 use clap::{Parser, Subcommand};
@@ -83,6 +83,8 @@ enum Command {
         align: bool,
     },
     Study(super::study::Arguments),
+    /// Write equations as Robotran's C, Matlab or Python files
+    Write(write::WriteArguments),
 }
 
 /// Runs the program.
@@ -118,6 +120,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             compare((before, after), *align, *points, *seed, class)
         }
         Command::Study(arguments) => super::study::study(arguments),
+        Command::Write(arguments) => write::run(arguments),
     };
     match result.and_then(|text| output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))) {
         Ok(()) => ExitCode::SUCCESS,

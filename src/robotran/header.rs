@@ -16,6 +16,9 @@ pub(super) struct Header {
     pub(super) flops: Option<String>,
     pub(super) date: Option<String>,
     pub(super) all_parameter_symbols: bool,
+    /// Arrays whose extent does not follow from their use: rows, and columns
+    /// or 0.
+    pub(super) extents: Vec<(String, u32, u32)>,
 }
 
 impl Header {
@@ -32,6 +35,8 @@ impl Header {
                 header.generator = first_word(rest).map(|version| format!("ROBOTRAN {version}"));
             } else if let Some(rest) = line.strip_prefix("MBsysTran - Release ") {
                 header.generator = first_word(rest).map(|version| format!("MBsysTran {version}"));
+            } else if let Some(rest) = line.strip_prefix("robovec - Version ") {
+                header.generator = first_word(rest).map(|version| format!("robovec {version}"));
             } else if let Some(rest) = line.strip_prefix("Project:") {
                 header.model.get_or_insert_with(|| rest.trim().to_owned());
             } else if let Some(rest) = line.strip_prefix("Generation date:") {
@@ -53,6 +58,12 @@ impl Header {
             "Project name" => self.model = Some(value.to_owned()),
             "Generation Date" => self.date = Some(value.to_owned()),
             "Number of joints" => self.joints = value.parse().ok(),
+            "Array extents" => {
+                let largest = super::tokens::LARGEST_INDEX;
+                self.extents = value.split_whitespace().filter_map(extent).collect();
+                self.extents
+                    .retain(|&(_, rows, columns)| rows <= largest && columns <= largest);
+            }
             "Flops complexity" => self.flops = Some(value.to_owned()),
             "Function" => {
                 let digits: String = value
@@ -98,10 +109,21 @@ impl Header {
         let newer = self
             .generator
             .as_deref()
-            .is_some_and(|name| name.starts_with("MBsysTran"));
+            .is_some_and(|name| name.starts_with("MBsysTran") || name.starts_with("robovec"));
         (newer && !text.contains("Number of continuation lines"))
             .then_some("Number of continuation lines = 0")
     }
+}
+
+/// `dpt(3,12)` or `h(4)`.
+fn extent(text: &str) -> Option<(String, u32, u32)> {
+    let (name, rest) = text.split_once('(')?;
+    let inner = rest.strip_suffix(')')?;
+    let (rows, columns) = match inner.split_once(',') {
+        Some((rows, columns)) => (rows.parse().ok()?, columns.parse().ok()?),
+        None => (inner.parse().ok()?, 0),
+    };
+    Some((name.to_owned(), rows, columns))
 }
 
 fn first_word(text: &str) -> Option<&str> {
@@ -133,5 +155,12 @@ mod tests {
         assert_eq!(new.function.as_deref(), Some("F19"));
         assert_eq!(new.date.as_deref(), Some("Wed May  4 23:04:45 2022"));
         assert!(new.missing_end("x = y").is_some());
+        let ours = Header::read(
+            "//\trobovec - Version 0.1.0\n//\t==> Array extents : dpt(3,12) h(4) odd( x(9,\n",
+        );
+        assert_eq!(ours.generator.as_deref(), Some("robovec 0.1.0"));
+        let expected = [("dpt".to_owned(), 3, 12), ("h".to_owned(), 4, 0)];
+        assert_eq!(ours.extents, expected);
+        assert!(ours.missing_end("x = y").is_some());
     }
 }

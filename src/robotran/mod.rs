@@ -19,6 +19,7 @@ mod structure;
 mod syntax;
 mod token;
 mod tokens;
+pub mod write;
 
 lalrpop_util::lalrpop_mod!(
     #[allow(

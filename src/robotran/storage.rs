@@ -85,7 +85,7 @@ impl Storage {
 }
 
 /// The extents that follow from the number of joints, 0 where they do not.
-fn known_extent(name: &str, joints: u32) -> Option<(u32, u32)> {
+pub(super) fn known_extent(name: &str, joints: u32) -> Option<(u32, u32)> {
     Some(match name {
         "q" | "qd" | "qdd" | "Qq" | "Qa" | "c" | "m" => (joints, 0),
         "l" | "frc" | "trq" => (3, joints),
@@ -116,6 +116,8 @@ pub(super) struct StorageBuilder<'a> {
     pub(super) statements: Range<usize>,
     pub(super) elements: Range<usize>,
     pub(super) joints: u32,
+    /// Extents the header states.
+    pub(super) extents: &'a [(String, u32, u32)],
     pub(super) errors: Vec<Diagnostic>,
     pub(super) warnings: Vec<Diagnostic>,
 }
@@ -246,7 +248,11 @@ impl StorageBuilder<'_> {
         let mut total = 0u64;
         for (name, used) in storage.names.clone().into_iter().zip(uses) {
             let text = self.symbols.text(name.symbol());
-            let known = known_extent(text, self.joints);
+            let mut stated = self.extents.iter();
+            let known = match stated.find(|(name, _, _)| name == text) {
+                Some(&(_, rows, columns)) => Some((rows, columns)),
+                None => known_extent(text, self.joints),
+            };
             let (rows, columns) = known.unwrap_or((0, 0));
             self.check_joints(text, used);
             let rows = rows.max(used.rows).max(1);

@@ -185,7 +185,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
                 Token::End
             }
             Raw::Plus => Token::Plus,
-            Raw::Minus => Token::Minus,
+            Raw::Minus => return self.minus().map(Some),
             Raw::Star => Token::Star,
             Raw::Slash => Token::Slash,
             Raw::Equals => Token::Equals,
@@ -215,6 +215,24 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
             }
             Raw::Preprocessor | Raw::Other => Token::Other,
         }))
+    }
+
+    /// A minus; but `(-2.0)` is a negative number, where `-(2.0)`, as Robotran
+    /// writes it, is the operation on a positive one.
+    fn minus(&mut self) -> Result<Token, LexicalError> {
+        if !matches!(self.recent[0], Some((_, Token::Open, _))) {
+            return Ok(Token::Minus);
+        }
+        let mut ahead = self.lexer.clone();
+        let mut next = || ahead.next().map(|raw| raw.map(Surface::raw));
+        if next() != Some(Ok(Raw::Number)) || next() != Some(Ok(Raw::Close)) {
+            return Ok(Token::Minus);
+        }
+        self.lexer.next();
+        Ok(match self.number()? {
+            Token::Number(number) => Token::Number(-number),
+            other => other,
+        })
     }
 
     fn number(&self) -> Result<Token, LexicalError> {

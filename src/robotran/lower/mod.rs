@@ -109,6 +109,7 @@ impl Lowering<'_, '_> {
                 .joints
                 .unwrap_or(0)
                 .min(super::tokens::LARGEST_INDEX),
+            extents: &self.header.extents,
             errors: Vec::new(),
             warnings: Vec::new(),
         };

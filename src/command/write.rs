@@ -1,0 +1,90 @@
+//! `robovec write`: equations as Robotran's files.
+
+use super::arguments::InputLanguage;
+use super::{Failure, input, output};
+use crate::robotran::Language;
+use crate::robotran::write::{WriteOptions, write};
+use clap::{Args, ValueEnum};
+use robovec_ir::diagnostic::termcolor::ColorChoice;
+use robovec_passes::manager::{self, Config};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// Options of `robovec write`.
+#[derive(Args, Debug)]
+pub(crate) struct WriteArguments {
+    /// Robotran file or robovec text
+    file: PathBuf,
+    /// Language to write
+    #[arg(long, value_enum)]
+    language: OutputLanguage,
+    /// Folder for the files
+    #[arg(short, long, value_name = "FOLDER", default_value = ".")]
+    output: PathBuf,
+    /// Name of the model, in file names and headers; by default the input's
+    #[arg(long, value_name = "NAME")]
+    model: Option<String>,
+    /// Passes to run before, as in robovec-opt
+    #[arg(long, value_name = "PIPELINE")]
+    passes: Option<String>,
+    /// Set also the output elements that are zero whatever the state
+    #[arg(long)]
+    zeros: bool,
+    /// Language of the input; by default told by its name and content
+    #[arg(long, value_enum)]
+    input_language: Option<InputLanguage>,
+}
+
+/// A language Robotran writes.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+enum OutputLanguage {
+    /// C, for MBsysC
+    C,
+    /// Matlab, for MBsysLab
+    Matlab,
+    /// Python, for MBsysPy
+    Python,
+}
+
+impl From<OutputLanguage> for Language {
+    fn from(language: OutputLanguage) -> Language {
+        match language {
+            OutputLanguage::C => Language::C,
+            OutputLanguage::Matlab => Language::Matlab,
+            OutputLanguage::Python => Language::Python,
+        }
+    }
+}
+
+/// Writes the files; gives their names, one per line.
+pub(crate) fn run(arguments: &WriteArguments) -> Result<String, Failure> {
+    let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
+    let mut input = input::equations(&arguments.file, arguments.input_language)?;
+    input
+        .warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
+    let machine = input::machine("thesis")?;
+    let mut log = std::io::stderr().lock();
+    manager::run(
+        &mut input.module,
+        &pipeline,
+        Config::new(&machine, &mut log),
+    )
+    .map_err(|error| Failure::plain(error.to_string()))?;
+    let options = WriteOptions {
+        model: arguments.model.clone(),
+        zeros: arguments.zeros,
+    };
+    let files = write(&input.module, arguments.language.into(), &options)
+        .map_err(|error| Failure::plain(format!("{}: {error}", input.name)))?;
+    output::make_folder(&arguments.output)?;
+    let mut names = String::new();
+    for (name, text) in &files {
+        let path = arguments.output.join(name);
+        output::write_file(&path, |writer| writer.write_all(text.as_bytes()))?;
+        // Writing to a string cannot fail.
+        let _ = writeln!(names, "{}", path.display());
+    }
+    Ok(names)
+}

@@ -1,0 +1,181 @@
+//! Expressions, so that reading gives the same tree.
+//!
+//! The grammar of Robotran's files, which is also how the three languages
+//! read them: sums and products associate to the left, and a leading minus
+//! takes in the whole first product (`-a*b` is the negated product; the sign
+//! does not change how a product is rounded). Everything else needs its
+//! parentheses: `a-(b+c)`, `a*(b*c)`, `(-a)*b`.
+
+use super::names::Names;
+use super::text::Text;
+use hashbrown::HashMap;
+use robovec_ir::{Function, Input, Operand, OperandKind, Operation, Symbols, Value};
+use rustc_hash::FxBuildHasher;
+
+/// What the printer needs to know of a function.
+pub(super) struct Source<'a> {
+    pub(super) function: &'a Function,
+    pub(super) symbols: &'a Symbols,
+    pub(super) names: &'a Names,
+    /// Per input array: how it is written (`q`, `s.dpt`, `Flink1`).
+    pub(super) inputs: &'a [String],
+    /// The temporaries of input elements that outputs overwrite.
+    pub(super) kept: &'a HashMap<Input, Box<str>, FxBuildHasher>,
+}
+
+const SUM: u8 = 1;
+const PRODUCT: u8 = 2;
+const PRIMARY: u8 = 3;
+
+/// What remains to be printed of an expression.
+enum Piece {
+    /// An operand, and what binds less tightly gets parentheses.
+    Operand(Operand, u8),
+    Operator(&'static str),
+    Close,
+}
+
+/// Prints expressions; the stack is kept between them.
+#[derive(Default)]
+pub(super) struct Printer {
+    pieces: Vec<Piece>,
+    /// Operations printed so far.
+    count: usize,
+}
+
+impl Printer {
+    /// How many operations were printed so far, as Robotran counts them:
+    /// signs and trigonometry too.
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The expression of a named value: its own operation.
+    pub(super) fn definition(&mut self, text: &mut Text, source: &Source<'_>, value: Value) {
+        let node = source.function.node(value);
+        match node.operation {
+            Operation::Copy => self.right_side(text, source, node.operands[0], false),
+            _ => {
+                self.node(text, value, source.function);
+                self.run(text, source, false);
+            }
+        }
+    }
+
+    /// The right side of an assignment. Among the `outputs` at the end, input
+    /// elements that are overwritten come from their temporaries.
+    pub(super) fn right_side(
+        &mut self,
+        text: &mut Text,
+        source: &Source<'_>,
+        operand: Operand,
+        outputs: bool,
+    ) {
+        if source
+            .function
+            .number(operand)
+            .is_some_and(|number| number.to_bits() == 0)
+        {
+            text.push("0");
+            return;
+        }
+        self.pieces.push(Piece::Operand(operand, SUM));
+        self.run(text, source, outputs);
+    }
+
+    fn run(&mut self, text: &mut Text, source: &Source<'_>, outputs: bool) {
+        while let Some(piece) = self.pieces.pop() {
+            match piece {
+                Piece::Operator(operator) => text.operator(operator),
+                Piece::Close => text.push(")"),
+                Piece::Operand(operand, binding) => {
+                    self.operand(text, source, operand, binding, outputs);
+                }
+            }
+        }
+    }
+
+    fn operand(
+        &mut self,
+        text: &mut Text,
+        source: &Source<'_>,
+        operand: Operand,
+        binding: u8,
+        outputs: bool,
+    ) {
+        match operand.kind() {
+            OperandKind::Value(value) => {
+                let node = source.function.node(value);
+                if !node.name.is_none() {
+                    text.push(source.names.text(node.name, source.symbols));
+                } else if node.operation == Operation::Copy {
+                    self.pieces.push(Piece::Operand(node.operands[0], binding));
+                } else {
+                    if precedence(node.operation) < binding {
+                        text.push("(");
+                        self.pieces.push(Piece::Close);
+                    }
+                    self.node(text, value, source.function);
+                }
+            }
+            OperandKind::Input(input) => element(text, source, input, outputs),
+            OperandKind::Constant(constant) => {
+                text.number(source.function.constant_number(constant));
+            }
+            OperandKind::None => {}
+        }
+    }
+
+    /// Pushes the pieces of a node in reverse order.
+    fn node(&mut self, text: &mut Text, value: Value, function: &Function) {
+        let node = function.node(value);
+        let [left, right] = node.operands;
+        self.count += usize::from(node.operation != Operation::Copy);
+        let (operator, binding) = match node.operation {
+            Operation::Add => ("+", SUM),
+            Operation::Sub => ("-", SUM),
+            Operation::Mul => ("*", PRODUCT),
+            Operation::Div => ("/", PRODUCT),
+            Operation::Copy => {
+                self.pieces.push(Piece::Operand(left, SUM));
+                return;
+            }
+            Operation::Neg => {
+                text.push("-");
+                self.pieces.push(Piece::Operand(left, PRODUCT));
+                return;
+            }
+            Operation::Sin | Operation::Cos | Operation::Sqrt => {
+                text.push(node.operation.name());
+                text.push("(");
+                self.pieces.push(Piece::Close);
+                self.pieces.push(Piece::Operand(left, SUM));
+                return;
+            }
+        };
+        self.pieces.push(Piece::Operand(right, binding + 1));
+        self.pieces.push(Piece::Operator(operator));
+        self.pieces.push(Piece::Operand(left, binding));
+    }
+}
+
+fn element(text: &mut Text, source: &Source<'_>, input: Input, outputs: bool) {
+    if outputs && let Some(name) = source.kept.get(&input) {
+        text.push(name);
+        return;
+    }
+    let arrays = source.function.inputs();
+    // As `Function::input_element`, which does not say which array it is.
+    let number = arrays.partition_point(|array| array.offset <= input.0) - 1;
+    let array = arrays[number];
+    let (indices, rank) = array.shape.indices(input.0 - array.offset);
+    text.element(&source.inputs[number], &indices[..rank]);
+}
+
+fn precedence(operation: Operation) -> u8 {
+    match operation {
+        Operation::Add | Operation::Sub | Operation::Neg => SUM,
+        Operation::Mul | Operation::Div => PRODUCT,
+        Operation::Copy | Operation::Sin | Operation::Cos | Operation::Sqrt => PRIMARY,
+    }
+}

@@ -1,0 +1,144 @@
+//! The writer of Robotran's files: the inverse of the reader.
+//!
+//! A module becomes the files Robotran itself would have written for it, with
+//! the same names and signatures, so that they take the place of Robotran's in
+//! a project of MBsysC, MBsysLab or MBsysPy; and reading them gives the
+//! functions back, node by node.
+//!
+//! **What is not written.** Only the elements that the function sets are set,
+//! as in Robotran's files. Elements of `M` and `Jac` that are zero whatever
+//! the state keep the zero the caller put there: MBsysC allocates both
+//! zeroed, once, and nothing else writes to them; Matlab's files begin by
+//! `M = zeros(n,n)`. A caller that does not clear its arrays wants
+//! [`WriteOptions::zeros`]. `frc` and `trq` are added to, and cleared by
+//! MBsysC before each evaluation.
+//!
+//! **Memory.** In C and Python the `frc` given and the `frc` given back are
+//! one array, and so are the coordinates of `accelred`. All definitions
+//! therefore stand before the first output, and what a later output reads is
+//! kept first ([`plan`]).
+//!
+//! **Names.** One identifier for every language ([`names`]); an operator
+//! ends a line that grows too long ([`text`]); parentheses stand where the
+//! order of evaluation needs them and nowhere else ([`expression`]).
+//!
+//! Everything is linear in the size of the function, and nothing recurses.
+
+mod arrays;
+mod calls;
+mod error;
+mod expression;
+mod extents;
+mod file;
+mod kind;
+mod names;
+mod plan;
+mod prologue;
+mod text;
+
+pub use error::WriteError;
+
+use super::Language;
+use file::File;
+use kind::Kind;
+use robovec_ir::{Function, Module};
+
+/// How files are written.
+#[derive(Clone, Default, Debug)]
+pub struct WriteOptions {
+    /// The model's name, for file names and headers; by default what the
+    /// functions' metadata say, else `model`.
+    pub model: Option<String>,
+    /// Set also the elements of outputs that the function leaves alone, to 0.
+    /// Reading such a file gives a function with more outputs.
+    pub zeros: bool,
+}
+
+/// A function and its place among the files.
+#[derive(Clone, Copy, Debug)]
+struct Member<'a> {
+    kind: Kind,
+    case: Option<u32>,
+    function: &'a Function,
+}
+
+/// Writes every function of a module: a file for each kind of function, with
+/// all sensors (`sensor_1`, `sensor_2` …) in one, and beside each C file the
+/// header that declares its temporaries. Gives names and texts of the files.
+///
+/// # Errors
+///
+/// When the module holds what Robotran's files have no words for.
+pub fn write(
+    module: &Module,
+    language: Language,
+    options: &WriteOptions,
+) -> Result<Vec<(String, String)>, WriteError> {
+    let mut groups: Vec<Vec<Member<'_>>> = Vec::new();
+    for function in &module.functions {
+        let member = place(function)?;
+        let mut known = groups.iter_mut();
+        match known.find(|group| group[0].kind == member.kind) {
+            None => groups.push(vec![member]),
+            Some(group) => {
+                let twin = group.iter().find(|other| {
+                    other.case == member.case || other.case.is_none() || member.case.is_none()
+                });
+                if let Some(twin) = twin {
+                    return Err(WriteError::Twice {
+                        first: twin.function.name.clone(),
+                        second: function.name.clone(),
+                    });
+                }
+                group.push(member);
+            }
+        }
+    }
+    if groups.is_empty() {
+        return Err(WriteError::Empty);
+    }
+    let mut files = Vec::new();
+    for group in groups {
+        files.extend(File::new(module, &group, language, options)?.write()?);
+    }
+    Ok(files)
+}
+
+/// Where a function belongs: by what its metadata say of the file it came
+/// from, else by its name.
+fn place(function: &Function) -> Result<Member<'_>, WriteError> {
+    if function.metadata("part").is_some() {
+        return Err(WriteError::Part {
+            function: function.name.clone(),
+        });
+    }
+    let name = function.name.strip_prefix("mbs_").unwrap_or(&function.name);
+    let numbered = name
+        .rsplit_once('_')
+        .and_then(|(stem, digits)| Some((stem, digits.parse::<u32>().ok()?)));
+    let by_name = match numbered {
+        Some((stem, number)) if Kind::find(stem).is_some_and(Kind::is_sensor) => {
+            Kind::find(stem).map(|kind| (kind, Some(number)))
+        }
+        _ => Kind::find(name).map(|kind| (kind, None)),
+    };
+    let by_file = function.metadata("kind").and_then(Kind::find);
+    let (kind, number) = match (by_file, by_name) {
+        // Python calls both kinds of sensors `sensor`.
+        (Some(file), Some((named, number))) if file.is_sensor() && named.is_sensor() => {
+            (file, number)
+        }
+        (_, Some(known)) => known,
+        (Some(file), None) if !file.is_sensor() => (file, None),
+        (_, None) => {
+            return Err(WriteError::Kind {
+                function: function.name.clone(),
+            });
+        }
+    };
+    Ok(Member {
+        kind,
+        case: number,
+        function,
+    })
+}

@@ -1,0 +1,269 @@
+//! Identifiers that all three languages, and Robotran's conventions, accept.
+//!
+//! Every name is made to fit all languages at once, so that the same function
+//! has the same names whatever it is written in. A name of Robotran's stays
+//! as it is; a name made by a pass (`OM16.1`) becomes `OM16_1`. What is
+//! taken gets a number more.
+
+use hashbrown::{HashMap, HashSet};
+use robovec_ir::{Name, Symbols};
+use rustc_hash::FxBuildHasher;
+
+/// Words that one of the languages, the reader or Robotran's run-time keeps
+/// for itself.
+const KEYWORDS: [&str; 113] = [
+    // C, and macros of its mathematics header.
+    "auto",
+    "break",
+    "case",
+    "char",
+    "const",
+    "continue",
+    "default",
+    "do",
+    "double",
+    "else",
+    "enum",
+    "extern",
+    "float",
+    "for",
+    "goto",
+    "if",
+    "inline",
+    "int",
+    "long",
+    "register",
+    "restrict",
+    "return",
+    "short",
+    "signed",
+    "sizeof",
+    "static",
+    "struct",
+    "switch",
+    "typedef",
+    "union",
+    "unsigned",
+    "void",
+    "volatile",
+    "while",
+    "asm",
+    "typeof",
+    "bool",
+    "main",
+    "NULL",
+    "INFINITY",
+    "NAN",
+    "HUGE_VAL",
+    "OVERFLOW",
+    "UNDERFLOW",
+    "DOMAIN",
+    "SING",
+    "PLOSS",
+    "TLOSS",
+    "errno",
+    "PI",
+    // Matlab.
+    "catch",
+    "classdef",
+    "elseif",
+    "end",
+    "endfunction",
+    "endif",
+    "endswitch",
+    "endwhile",
+    "function",
+    "global",
+    "otherwise",
+    "parfor",
+    "persistent",
+    "spmd",
+    "try",
+    "zeros",
+    "ones",
+    // Python.
+    "False",
+    "None",
+    "True",
+    "and",
+    "as",
+    "assert",
+    "async",
+    "await",
+    "class",
+    "def",
+    "del",
+    "elif",
+    "except",
+    "finally",
+    "from",
+    "import",
+    "in",
+    "is",
+    "lambda",
+    "nonlocal",
+    "not",
+    "or",
+    "pass",
+    "raise",
+    "with",
+    "yield",
+    "np",
+    "numpy",
+    "math",
+    "print",
+    // Functions and structures.
+    "sin",
+    "cos",
+    "sqrt",
+    "s",
+    "tsim",
+    "isens",
+    "sens",
+    "usrfun",
+    "phi",
+    "mbs",
+    "mbs_data",
+    "MbsData",
+    "MbsSensor",
+    "MBSdataStruct",
+    "MBSsensorStruct",
+    "flag_stop",
+];
+
+/// Arrays of Robotran's: a bare name among these means the whole array.
+const ARRAYS: [&str; 22] = [
+    "q", "qd", "qdd", "Qq", "Qa", "c", "m", "l", "frc", "trq", "In", "M", "Jac", "dpt", "g", "h",
+    "Jdqd", "lrod", "Z", "Zd", "Flink", "Flnk",
+];
+
+/// True for a word that begins with a letter and goes on with letters, digits
+/// and underscores.
+pub(super) fn is_word(text: &str) -> bool {
+    text.starts_with(|first: char| first.is_ascii_alphabetic())
+        && text
+            .bytes()
+            .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+}
+
+/// True for a name an array can have in every language.
+pub(super) fn is_array_name(text: &str) -> bool {
+    is_word(text) && !KEYWORDS.contains(&text)
+}
+
+/// The identifiers of a file.
+#[derive(Debug)]
+pub(super) struct Names {
+    /// Per symbol: a value bears it as its identifier.
+    plain: Vec<bool>,
+    /// Identifiers that are no symbol some value bears unchanged.
+    made: HashMap<Name, Box<str>, FxBuildHasher>,
+    /// Taken by the languages, by arrays, parameters and made identifiers.
+    taken: HashSet<Box<str>, FxBuildHasher>,
+    /// For identifiers asked for again the number that was tried last.
+    numbers: HashMap<Box<str>, u32, FxBuildHasher>,
+}
+
+impl Names {
+    /// No identifiers.
+    pub(super) fn new() -> Names {
+        Names {
+            plain: Vec::new(),
+            made: HashMap::default(),
+            taken: (KEYWORDS.iter().chain(&ARRAYS).map(|&word| word.into())).collect(),
+            numbers: HashMap::default(),
+        }
+    }
+
+    /// Keeps a word from being given to any value.
+    pub(super) fn reserve(&mut self, text: &str) {
+        if !self.taken.contains(text) {
+            self.taken.insert(text.into());
+        }
+    }
+
+    /// Gives values the names they have, where those are possible. All names
+    /// of a file come through here before any comes through
+    /// [`Names::derive`], so that no derived name takes one of Robotran's.
+    pub(super) fn keep(&mut self, names: impl Iterator<Item = Name>, symbols: &Symbols) {
+        for name in names.filter(|name| !name.is_none() && name.suffix == 0) {
+            let index = name.base.index();
+            if index >= self.plain.len() {
+                self.plain.resize(symbols.len().max(index + 1), false);
+            }
+            if self.plain[index] {
+                continue;
+            }
+            let text = symbols.text(name.base);
+            self.plain[index] = is_word(text) && !self.taken.contains(text);
+        }
+    }
+
+    /// Makes identifiers for the names that [`Names::keep`] could not keep.
+    pub(super) fn derive(&mut self, names: impl Iterator<Item = Name>, symbols: &Symbols) {
+        for name in names.filter(|name| !name.is_none()) {
+            if !self.is_plain(name) && !self.made.contains_key(&name) {
+                let made = self.fresh(symbols.text(name.base), name.suffix, symbols);
+                self.made.insert(name, made);
+            }
+        }
+    }
+
+    /// A new identifier like a wanted one.
+    pub(super) fn fresh(&mut self, wanted: &str, suffix: u32, symbols: &Symbols) -> Box<str> {
+        let mut text: String = wanted
+            .chars()
+            .map(|character| match character {
+                'a'..='z' | 'A'..='Z' | '0'..='9' | '_' => character,
+                _ => '_',
+            })
+            .collect();
+        if !text.starts_with(|first: char| first.is_ascii_alphabetic()) {
+            text.insert(0, 'v');
+        }
+        if suffix > 0 {
+            push_number(&mut text, suffix);
+        }
+        if self.is_taken(&text, symbols) {
+            let length = text.len();
+            let wanted: Box<str> = text.as_str().into();
+            let mut number = self.numbers.get(&wanted).copied().unwrap_or(0);
+            while self.is_taken(&text, symbols) {
+                number += 1;
+                text.truncate(length);
+                push_number(&mut text, number);
+            }
+            self.numbers.insert(wanted, number);
+        }
+        self.taken.insert(text.as_str().into());
+        text.into()
+    }
+
+    fn is_taken(&self, text: &str, symbols: &Symbols) -> bool {
+        self.taken.contains(text)
+            || symbols
+                .find(text)
+                .is_some_and(|symbol| self.is_plain(Name::plain(symbol)))
+    }
+
+    fn is_plain(&self, name: Name) -> bool {
+        name.suffix == 0 && self.plain.get(name.base.index()) == Some(&true)
+    }
+
+    /// The identifier of a value's name.
+    pub(super) fn text<'a>(&'a self, name: Name, symbols: &'a Symbols) -> &'a str {
+        if self.is_plain(name) {
+            return symbols.text(name.base);
+        }
+        match self.made.get(&name) {
+            Some(made) => made,
+            // Every name of the file has come through `keep` and `derive`.
+            None => symbols.text(name.base),
+        }
+    }
+}
+
+fn push_number(text: &mut String, number: u32) {
+    text.push('_');
+    text.push_str(&number.to_string());
+}

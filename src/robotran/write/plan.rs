@@ -1,0 +1,349 @@
+//! Which statement stands where.
+//!
+//! Definitions keep their order, so that reading the file gives the nodes in
+//! the order they had. A call of a user function stands before the first
+//! definition that reads its result, behind what fills its arguments; outputs
+//! stand at the end. Where an output overwrites an element that a later
+//! output still reads (`frc` is given and given back under one name), the
+//! given number is kept in a temporary first.
+
+use super::error::WriteError;
+use hashbrown::{HashMap, HashSet};
+use robovec_ir::{
+    Boundary, Function, Input, Node, Operand, OperandKind, Operation, Symbols, Value,
+};
+use rustc_hash::FxBuildHasher;
+
+/// A statement of a function.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Statement {
+    /// Defines the temporary of a named value.
+    Define(Value),
+    /// Keeps an input element in a temporary before it is overwritten.
+    Keep(Input),
+    /// Sets an argument of a call: a place among the assignments.
+    Argument(usize),
+    /// Sets an output element: a place among the assignments.
+    Output(usize),
+    /// Calls a user function: a place among the boundaries.
+    Call(usize),
+}
+
+/// The statements of a function, in order. `shared` says whether an output
+/// and an input of one name are one memory, as in C and Python.
+pub(super) fn plan(
+    function: &Function,
+    symbols: &Symbols,
+    shared: bool,
+) -> Result<Vec<Statement>, WriteError> {
+    let calls = Calls::new(function, symbols);
+    let mut statements = match calls.in_program_order() {
+        Some(statements) => statements,
+        None => calls.in_stages()?,
+    };
+    let kept = match shared {
+        true => overwritten(function, &calls.passed),
+        false => Vec::new(),
+    };
+    statements.extend(kept.into_iter().map(Statement::Keep));
+    let left = (0..function.assignments.len()).filter(|&index| calls.passed[index].is_none());
+    statements.extend(left.map(Statement::Output));
+    Ok(statements)
+}
+
+/// The calls of a function, with what they need and give.
+struct Calls<'a> {
+    function: &'a Function,
+    /// Per input array: the call whose result it is.
+    results: HashMap<u32, usize, FxBuildHasher>,
+    /// Per assignment: the first call that is given its output.
+    passed: Vec<Option<usize>>,
+    /// Per call: the assignments that fill its arguments, in order.
+    arguments: Vec<Vec<usize>>,
+}
+
+impl<'a> Calls<'a> {
+    fn new(function: &'a Function, symbols: &Symbols) -> Calls<'a> {
+        let count = function.boundaries.len();
+        let mut results = HashMap::default();
+        let mut passed = vec![None; function.assignments.len()];
+        let mut arguments = vec![Vec::new(); count];
+        if count > 0 {
+            let mut calls: HashMap<&str, usize, FxBuildHasher> = HashMap::default();
+            let mut given: HashMap<&str, usize, FxBuildHasher> = HashMap::default();
+            for (
+                index,
+                Boundary {
+                    arguments, result, ..
+                },
+            ) in function.boundaries.iter().enumerate()
+            {
+                for argument in arguments {
+                    calls.entry(argument).or_insert(index);
+                }
+                if let Some(result) = result {
+                    given.entry(result).or_insert(index);
+                }
+            }
+            for array in function.inputs() {
+                if let Some(&call) = given.get(symbols.text(array.name)) {
+                    results.insert(array.offset, call);
+                }
+            }
+            for (index, assignment) in function.assignments.iter().enumerate() {
+                let (array, _, _) = function.output_element(assignment.output);
+                passed[index] = calls.get(symbols.text(array.name)).copied();
+                if let Some(call) = passed[index] {
+                    arguments[call].push(index);
+                }
+            }
+        }
+        Calls {
+            function,
+            results,
+            passed,
+            arguments,
+        }
+    }
+
+    /// One more than the last call whose result an operand needs, `before`
+    /// for those values that come before it.
+    fn stage(&self, operand: Operand, before: &[u32]) -> u32 {
+        match operand.kind() {
+            OperandKind::Value(value) => before[value.index()],
+            OperandKind::Input(input) if !self.results.is_empty() => {
+                let (array, _, _) = self.function.input_element(input);
+                let call = self.results.get(&array.offset);
+                call.map_or(0, |&call| call as u32 + 1)
+            }
+            OperandKind::Input(_) | OperandKind::Constant(_) | OperandKind::None => 0,
+        }
+    }
+
+    /// For every node the number of calls that must precede it.
+    fn stages(&self) -> Vec<u32> {
+        let mut stages = Vec::with_capacity(self.function.nodes().len());
+        for node in self.function.nodes() {
+            let needed = node.operands().iter();
+            let needed = needed.map(|&operand| self.stage(operand, &stages)).max();
+            stages.push(needed.unwrap_or(0));
+        }
+        stages
+    }
+
+    fn call(&self, call: usize, statements: &mut Vec<Statement>) {
+        let arguments = self.arguments[call].iter();
+        statements.extend(arguments.map(|&index| Statement::Argument(index)));
+        statements.push(Statement::Call(call));
+    }
+
+    /// The definitions in program order, every call as late as possible;
+    /// `None` when one comes too early for its arguments.
+    fn in_program_order(&self) -> Option<Vec<Statement>> {
+        let mut statements = Vec::with_capacity(self.function.nodes().len());
+        if self.function.boundaries.is_empty() {
+            let named = self
+                .function
+                .values()
+                .filter(|(_, node)| !node.name.is_none());
+            statements.extend(named.map(|(value, _)| Statement::Define(value)));
+            return Some(statements);
+        }
+        let stages = self.stages();
+        let roots = self.roots();
+        let mut called = 0;
+        for (value, _) in self
+            .function
+            .values()
+            .filter(|(_, node)| !node.name.is_none())
+        {
+            while called < stages[value.index()] as usize {
+                // A tree of an argument may stand behind all definitions;
+                // what counts is the last definition it reads.
+                let ready = self.arguments[called].iter().all(|&index| {
+                    let operand = self.function.assignments[index].operand;
+                    self.stage(operand, &stages) as usize <= called
+                        && roots[index].is_none_or(|last| last < value)
+                });
+                if !ready {
+                    return None;
+                }
+                self.call(called, &mut statements);
+                called += 1;
+            }
+            statements.push(Statement::Define(value));
+        }
+        for call in called..self.function.boundaries.len() {
+            let mut arguments = self.arguments[call].iter();
+            if !arguments.all(|&index| {
+                self.stage(self.function.assignments[index].operand, &stages) as usize <= call
+            }) {
+                return None;
+            }
+            self.call(call, &mut statements);
+        }
+        Some(statements)
+    }
+
+    /// Per assignment: the last definition its expression reads.
+    fn roots(&self) -> Vec<Option<Value>> {
+        let nodes = self.function.nodes();
+        let mut last: Vec<Option<Value>> = Vec::with_capacity(nodes.len());
+        let of = |operand: Operand, last: &[Option<Value>]| {
+            let value = operand.value()?;
+            match nodes[value.index()].name.is_none() {
+                true => last[value.index()],
+                false => Some(value),
+            }
+        };
+        for node in nodes {
+            let read = node.operands().iter();
+            let read = read.filter_map(|&operand| of(operand, &last)).max();
+            last.push(read);
+        }
+        let assignments = self.function.assignments.iter();
+        assignments
+            .map(|assignment| of(assignment.operand, &last))
+            .collect()
+    }
+
+    /// The definitions in as many runs as there are calls: before each call
+    /// all that needs no later one.
+    fn in_stages(&self) -> Result<Vec<Statement>, WriteError> {
+        let stages = self.stages();
+        let mut statements = Vec::with_capacity(self.function.nodes().len());
+        let mut runs = vec![Vec::new(); self.function.boundaries.len() + 1];
+        for (value, node) in self.function.values() {
+            if !node.name.is_none() {
+                runs[stages[value.index()] as usize].push(Statement::Define(value));
+            }
+        }
+        for (call, run) in runs.into_iter().enumerate() {
+            statements.extend(run);
+            let Some(boundary) = self.function.boundaries.get(call) else {
+                break;
+            };
+            let mut arguments = self.arguments[call].iter();
+            if !arguments.all(|&index| {
+                self.stage(self.function.assignments[index].operand, &stages) as usize <= call
+            }) {
+                return Err(WriteError::CallOrder {
+                    function: self.function.name.clone(),
+                    callee: boundary.callee.clone(),
+                });
+            }
+            self.call(call, &mut statements);
+        }
+        Ok(statements)
+    }
+}
+
+/// The input elements that an output overwrites while a later output still
+/// reads them, in order of being read.
+fn overwritten(function: &Function, passed: &[Option<usize>]) -> Vec<Input> {
+    let same_memory: HashMap<u32, u32, FxBuildHasher> = function
+        .outputs()
+        .iter()
+        .filter_map(|output| {
+            let mut inputs = function.inputs().iter();
+            let input = inputs.find(|input| input.name == output.name)?;
+            Some((output.offset, input.offset))
+        })
+        .collect();
+    let mut kept = Vec::new();
+    if same_memory.is_empty() {
+        return kept;
+    }
+    let mut written: HashSet<Input, FxBuildHasher> = HashSet::default();
+    let mut known: HashSet<Input, FxBuildHasher> = HashSet::default();
+    let mut open = Vec::new();
+    for (assignment, passed) in function.assignments.iter().zip(passed) {
+        if passed.is_none() {
+            open.push(assignment.operand);
+        }
+        while let Some(operand) = open.pop() {
+            match operand.kind() {
+                OperandKind::Input(input) => {
+                    if written.contains(&input) && known.insert(input) {
+                        kept.push(input);
+                    }
+                }
+                OperandKind::Value(value) if function.node(value).name.is_none() => {
+                    open.extend(function.node(value).operands().iter().rev());
+                }
+                OperandKind::Value(_) | OperandKind::Constant(_) | OperandKind::None => {}
+            }
+        }
+        let (array, indices, rank) = function.output_element(assignment.output);
+        if let Some(&offset) = same_memory.get(&array.offset) {
+            let mut inputs = function.inputs().iter();
+            let place = inputs
+                .find(|input| input.offset == offset && input.name == array.name)
+                .and_then(|input| input.shape.offset(&indices[..rank]));
+            written.extend(place.map(|place| Input(offset + place)));
+        }
+    }
+    kept
+}
+
+/// How many nodes at the start are the same in all cases of a sensor file:
+/// what Robotran computes before the switch. It ends behind a definition.
+pub(super) fn common_prefix(functions: &[&Function]) -> usize {
+    let Some((&first, others)) = functions.split_first() else {
+        return 0;
+    };
+    if functions
+        .iter()
+        .any(|function| !function.boundaries.is_empty())
+    {
+        return 0;
+    }
+    let same = |index: usize, node: &Node| {
+        others.iter().all(|&other| {
+            let twin = other.nodes().get(index);
+            twin.is_some_and(|twin| same_node(first, node, other, twin))
+        })
+    };
+    let alike = |&(index, node): &(usize, &Node)| match others {
+        // Of a single case only what Robotran always puts there.
+        [] => matches!(node.operation, Operation::Sin | Operation::Cos) && !node.name.is_none(),
+        _ => same(index, node),
+    };
+    let nodes = first.nodes().iter().enumerate();
+    let end = nodes.take_while(alike).count();
+    let named = first.nodes()[..end]
+        .iter()
+        .rposition(|node| !node.name.is_none());
+    let end = named.map_or(0, |last| last + 1);
+    // Inner nodes of outputs stand behind all definitions; a prefix that
+    // holds one would cut its expression in two.
+    let mut used = vec![false; end];
+    for node in &first.nodes()[..end] {
+        for value in node.operands().iter().filter_map(|operand| operand.value()) {
+            used[value.index()] = true;
+        }
+    }
+    let whole = |(node, used): (&Node, &bool)| *used || !node.name.is_none();
+    match first.nodes()[..end].iter().zip(&used).all(whole) {
+        true => end,
+        false => 0,
+    }
+}
+
+fn same_node(a: &Function, left: &Node, b: &Function, right: &Node) -> bool {
+    let mut pairs = left.operands().iter().zip(right.operands());
+    left.operation == right.operation
+        && left.name == right.name
+        && pairs.all(|(&x, &y)| match (x.kind(), y.kind()) {
+            (OperandKind::Value(x), OperandKind::Value(y)) => x == y,
+            (OperandKind::Constant(x), OperandKind::Constant(y)) => {
+                a.constant_number(x).to_bits() == b.constant_number(y).to_bits()
+            }
+            (OperandKind::Input(x), OperandKind::Input(y)) => {
+                let (left, i, m) = a.input_element(x);
+                let (right, j, n) = b.input_element(y);
+                left.name == right.name && i[..m] == j[..n]
+            }
+            _ => false,
+        })
+}
