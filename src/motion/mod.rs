@@ -5,6 +5,22 @@
 //! while energies and the work of forces are reckoned from the model. Where
 //! one of them is wrong, energy is lost or a loop opens.
 
-pub mod inputs;
+mod energy;
+mod equations;
+mod error;
+mod inputs;
+pub mod integrate;
+mod laws;
+pub mod linear;
+mod loops;
+mod partition;
+mod simulation;
+mod system;
 
-pub use inputs::{Inputs, State};
+pub use equations::{Equations, Precision, Setting};
+pub use error::MotionError;
+pub use inputs::{Inputs, State, element_name, parameter};
+pub use laws::{Drive, Laws, Spring};
+pub use partition::Partition;
+pub use simulation::{Method, Plan, Run, Sample, simulate};
+pub use system::{Energy, System};

@@ -1,0 +1,143 @@
+//! Energies, reckoned from the model by plain kinematics in the base frame
+//! and not from its equations.
+
+use super::State;
+use crate::model::{Anchor, Axis, Model};
+use std::array::from_fn;
+
+type Vector = [f64; 3];
+type Rotation = [Vector; 3];
+
+/// The motion of the frame behind a joint.
+#[derive(Clone, Copy)]
+struct Frame {
+    /// Columns are the frame's axes in the base frame.
+    rotation: Rotation,
+    origin: Vector,
+    velocity: Vector,
+    spin: Vector,
+}
+
+const BASE: Frame = Frame {
+    rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    origin: [0.0; 3],
+    velocity: [0.0; 3],
+    spin: [0.0; 3],
+};
+
+impl Frame {
+    /// A vector of the frame in the base frame.
+    fn outward(&self, v: Vector) -> Vector {
+        from_fn(|i| (0..3).map(|k| self.rotation[i][k] * v[k]).sum())
+    }
+
+    /// A vector of the base frame in the frame.
+    fn inward(&self, v: Vector) -> Vector {
+        from_fn(|k| (0..3).map(|i| self.rotation[i][k] * v[i]).sum())
+    }
+
+    /// Position and velocity of a point of the frame.
+    fn point(&self, place: Vector) -> (Vector, Vector) {
+        let arm = self.outward(place);
+        (
+            add(self.origin, arm),
+            add(self.velocity, cross(self.spin, arm)),
+        )
+    }
+}
+
+fn add(a: Vector, b: Vector) -> Vector {
+    from_fn(|i| a[i] + b[i])
+}
+
+fn scaled(a: Vector, factor: f64) -> Vector {
+    a.map(|x| x * factor)
+}
+
+fn cross(a: Vector, b: Vector) -> Vector {
+    from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
+}
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+/// The motion of all frames.
+fn frames(model: &Model, state: &State) -> Vec<Frame> {
+    let mut frames: Vec<Frame> = Vec::with_capacity(model.joints.len());
+    for (index, joint) in model.joints.iter().enumerate() {
+        let parent = joint.parent.map_or(BASE, |parent| frames[parent]);
+        let place = joint
+            .point
+            .map_or([0.0; 3], |point| model.points[point].coordinates);
+        let (origin, velocity) = parent.point(place);
+        let axis = joint.kind.axis();
+        let direction: Vector = from_fn(|i| parent.rotation[i][axis.index()]);
+        let (q, rate) = (state.q[index], scaled(direction, state.qd[index]));
+        frames.push(if joint.kind.is_revolute() {
+            Frame {
+                rotation: turned(&parent.rotation, axis, q),
+                origin,
+                velocity,
+                spin: add(parent.spin, rate),
+            }
+        } else {
+            let slide = scaled(direction, q);
+            let carried = add(velocity, cross(parent.spin, slide));
+            Frame {
+                rotation: parent.rotation,
+                origin: add(origin, slide),
+                velocity: add(carried, rate),
+                spin: parent.spin,
+            }
+        });
+    }
+    frames
+}
+
+/// A frame turned about its own axis.
+fn turned(rotation: &Rotation, axis: Axis, angle: f64) -> Rotation {
+    let (sine, cosine) = angle.sin_cos();
+    let (b, c) = ((axis.index() + 1) % 3, (axis.index() + 2) % 3);
+    rotation.map(|row| {
+        let mut turned = row;
+        turned[b] = cosine * row[b] + sine * row[c];
+        turned[c] = cosine * row[c] - sine * row[b];
+        turned
+    })
+}
+
+/// Kinetic energy, and potential energy in gravity (zero where all centres of
+/// mass are at the base's origin), J.
+pub(super) fn energies(model: &Model, state: &State) -> (f64, f64) {
+    let frames = frames(model, state);
+    let (mut kinetic, mut potential) = (0.0, 0.0);
+    for body in &model.bodies {
+        let frame = &frames[body.joints.end - 1];
+        let (center, velocity) = frame.point(body.center);
+        let spin = frame.inward(frame.spin);
+        let matrix = body.inertia_matrix();
+        let moment: Vector = from_fn(|i| (0..3).map(|k| matrix[3 * i + k] * spin[k]).sum());
+        kinetic += 0.5 * (body.mass * dot(velocity, velocity) + dot(spin, moment));
+        potential -= body.mass * dot(model.gravity, center);
+    }
+    (kinetic, potential)
+}
+
+/// The distance between two places, and its rate.
+pub(super) fn distance(model: &Model, state: &State, ends: &[Anchor; 2]) -> (f64, f64) {
+    let frames = frames(model, state);
+    let [a, b] = ends.each_ref().map(|end| {
+        let frame = model
+            .last_joint(end.body)
+            .map_or(BASE, |joint| frames[joint]);
+        let place = end
+            .point
+            .map_or([0.0; 3], |point| model.points[point].coordinates);
+        frame.point(place)
+    });
+    let span = add(b.0, scaled(a.0, -1.0));
+    let length = dot(span, span).sqrt();
+    let rate = dot(span, add(b.1, scaled(a.1, -1.0)));
+    (length, if length == 0.0 { 0.0 } else { rate / length })
+}

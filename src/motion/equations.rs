@@ -1,0 +1,266 @@
+//! The equations of a model, evaluated: what the generator writes, what
+//! passes make of it, in the arithmetic of a target.
+
+use super::linear::Matrix;
+use super::{Inputs, MotionError, State};
+use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
+use crate::model::Model;
+use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::{Function, Machine, Module, Shape, View};
+use robovec_passes::manager::{self, Config};
+use robovec_passes::pipeline::Pipeline;
+
+/// The numbers that equations are evaluated in. What surrounds them (linear
+/// solutions, integration) stays in binary64.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Precision {
+    /// IEEE binary32.
+    Binary32,
+    /// IEEE binary64.
+    #[default]
+    Binary64,
+}
+
+impl Precision {
+    /// The unit roundoff times two: the relative distance of neighbours.
+    pub fn epsilon(self) -> f64 {
+        match self {
+            Precision::Binary32 => f64::from(f32::EPSILON),
+            Precision::Binary64 => f64::EPSILON,
+        }
+    }
+}
+
+/// A function of the model, ready to be evaluated.
+struct Compiled {
+    function: Function,
+    inputs: Inputs,
+    outputs: Vec<(String, usize, Shape)>,
+}
+
+/// How equations are made and evaluated.
+#[derive(Clone, Copy, Default)]
+pub struct Setting<'a> {
+    /// How they are generated.
+    pub formulation: Formulation,
+    /// What is done to them, and the machine it is done for.
+    pub passes: Option<(&'a Pipeline, &'a Machine)>,
+    /// The numbers they are evaluated in.
+    pub precision: Precision,
+}
+
+/// The equations of a model.
+pub struct Equations {
+    precision: Precision,
+    joints: usize,
+    dynamics: Compiled,
+    position: Option<Compiled>,
+    acceleration: Option<Compiled>,
+    /// The cut of each row of the constraints.
+    row_cuts: Vec<usize>,
+}
+
+/// The outputs of one evaluation.
+struct Outputs<'a> {
+    compiled: &'a Compiled,
+    flat: Vec<f64>,
+}
+
+impl Equations {
+    /// Generates the equations of a model and runs the passes over them.
+    ///
+    /// # Errors
+    ///
+    /// [`MotionError::Generate`], [`MotionError::Passes`] and
+    /// [`MotionError::Element`].
+    pub fn new(model: &Model, setting: &Setting<'_>) -> Result<Equations, MotionError> {
+        let compiled = |function| compile(model, function, setting);
+        let (mut position, mut acceleration) = (None, None);
+        let mut row_cuts = Vec::new();
+        if !model.cuts.is_empty() {
+            row_cuts = cuts_of_rows(model)?;
+            position = Some(compiled(FunctionKind::ConsHJ)?);
+            acceleration = Some(compiled(FunctionKind::ConsJdqd)?);
+        }
+        Ok(Equations {
+            precision: setting.precision,
+            joints: model.joints.len(),
+            dynamics: compiled(FunctionKind::Dirdyna)?,
+            position,
+            acceleration,
+            row_cuts,
+        })
+    }
+
+    /// The numbers the equations are evaluated in.
+    pub fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    /// The number of constraint rows.
+    pub fn rows(&self) -> usize {
+        self.row_cuts.len()
+    }
+
+    /// The cut, from 0, that a row of the constraints belongs to.
+    pub fn cut_of(&self, row: usize) -> usize {
+        self.row_cuts[row]
+    }
+
+    /// `M` and `c` of `M qdd + c = Qq`.
+    pub fn dynamics(&self, state: &State) -> (Matrix, Vec<f64>) {
+        let outputs = self.evaluate(&self.dynamics, state);
+        (
+            outputs.matrix("M", self.joints, self.joints),
+            outputs.vector("c", self.joints),
+        )
+    }
+
+    /// The residual `h` of the constraints and their Jacobian `Jac`.
+    pub fn constraints(&self, state: &State) -> (Vec<f64>, Matrix) {
+        match &self.position {
+            None => (Vec::new(), Matrix::zeros(0, self.joints)),
+            Some(compiled) => {
+                let outputs = self.evaluate(compiled, state);
+                (
+                    outputs.vector("h", self.rows()),
+                    outputs.matrix("Jac", self.rows(), self.joints),
+                )
+            }
+        }
+    }
+
+    /// `Jdqd`: the second derivative of the constraints without
+    /// accelerations.
+    pub fn quadratic(&self, state: &State) -> Vec<f64> {
+        match &self.acceleration {
+            None => Vec::new(),
+            Some(compiled) => self.evaluate(compiled, state).vector("Jdqd", self.rows()),
+        }
+    }
+
+    fn evaluate<'a>(&self, compiled: &'a Compiled, state: &State) -> Outputs<'a> {
+        let inputs = compiled.inputs.gather(state);
+        let numbers = match self.precision {
+            Precision::Binary32 => numbers(compiled, &Binary32, &inputs),
+            Precision::Binary64 => numbers(compiled, &Binary64, &inputs),
+        };
+        let mut flat = vec![0.0; compiled.function.output_len()];
+        for (assignment, number) in compiled.function.assignments.iter().zip(numbers) {
+            flat[assignment.output.index()] = number;
+        }
+        Outputs { compiled, flat }
+    }
+}
+
+/// The outputs in binary64, computed in an arithmetic.
+fn numbers<A>(compiled: &Compiled, arithmetic: &A, inputs: &[f64]) -> Vec<f64>
+where
+    A: Arithmetic<Number: Into<f64>>,
+{
+    let literals: Vec<A::Number> = inputs
+        .iter()
+        .map(|&number| arithmetic.literal(number))
+        .collect();
+    let outputs = evaluate(&compiled.function, arithmetic, &literals);
+    outputs.into_iter().map(Into::into).collect()
+}
+
+impl Outputs<'_> {
+    /// An array; empty where the function does not have it, as everything in
+    /// it is zero.
+    fn array(&self, name: &str) -> (Shape, &[f64]) {
+        let found = self.compiled.outputs.iter().find(|array| array.0 == name);
+        found.map_or((Shape::Vector(0), &[]), |&(_, offset, shape)| {
+            (shape, &self.flat[offset..offset + shape.len()])
+        })
+    }
+
+    fn vector(&self, name: &str, length: usize) -> Vec<f64> {
+        let mut vector = self.array(name).1.to_vec();
+        vector.resize(length, 0.0);
+        vector
+    }
+
+    fn matrix(&self, name: &str, rows: usize, columns: usize) -> Matrix {
+        let mut matrix = Matrix::zeros(rows, columns);
+        let (shape, entries) = self.array(name);
+        if let Shape::Matrix(_, stride) = shape {
+            for (place, &entry) in entries.iter().enumerate() {
+                let (row, column) = (place / stride as usize, place % stride as usize);
+                if row < rows && column < columns {
+                    matrix[(row, column)] = entry;
+                }
+            }
+        }
+        matrix
+    }
+}
+
+fn request(function: FunctionKind, formulation: Formulation) -> Request {
+    Request {
+        function,
+        formulation,
+        options: Options::default(),
+    }
+}
+
+fn compile(
+    model: &Model,
+    kind: FunctionKind,
+    setting: &Setting<'_>,
+) -> Result<Compiled, MotionError> {
+    let mut module = generate(model, &request(kind, setting.formulation))?;
+    if let Some((pipeline, machine)) = setting.passes {
+        // Remarks of passes are of no interest here.
+        let mut log = std::io::sink();
+        manager::run(&mut module, pipeline, Config::new(machine, &mut log))
+            .map_err(|error| MotionError::Passes(error.to_string()))?;
+    }
+    let Module {
+        tables,
+        mut functions,
+    } = module;
+    let Some(function) = functions.pop() else {
+        let reason = format!("no function {} was left", kind.name());
+        return Err(MotionError::Passes(reason));
+    };
+    let view = View {
+        tables: &tables,
+        function: &function,
+    };
+    let inputs = Inputs::new(model, view).map_err(|element| MotionError::Element {
+        function: kind.name().to_owned(),
+        element,
+    })?;
+    let outputs = function.outputs().iter().map(|array| {
+        let name = tables.symbols.text(array.name).to_owned();
+        (name, array.offset as usize, array.shape)
+    });
+    let outputs = outputs.collect();
+    Ok(Compiled {
+        outputs,
+        function,
+        inputs,
+    })
+}
+
+/// The cut of each row. The equations leave out rows that no joint changes;
+/// how many a cut keeps is seen when it stands alone.
+fn cuts_of_rows(model: &Model) -> Result<Vec<usize>, MotionError> {
+    let mut alone = model.clone();
+    let mut cuts = Vec::new();
+    for (index, cut) in model.cuts.iter().enumerate() {
+        alone.cuts = vec![cut.clone()];
+        let request = request(FunctionKind::ConsHJ, Formulation::default());
+        let module = generate(&alone, &request)?;
+        let rows = module.functions.iter().flat_map(|function| {
+            let arrays = function.outputs().iter();
+            arrays.filter(|array| module.tables.symbols.text(array.name) == "h")
+        });
+        let count = rows.map(|array| array.shape.len()).sum();
+        cuts.extend(std::iter::repeat_n(index, count));
+    }
+    Ok(cuts)
+}

@@ -1,0 +1,266 @@
+//! Laws of forces and driven motions, as a user gives them beside a model.
+//!
+//! A model holds no forces: what moves it besides gravity is told by a small
+//! TOML file.
+//!
+//! ```toml
+//! [[joint]]
+//! name = "knee"        # or "*": every joint without an entry of its own
+//! stiffness = 200.0    # N/m or N m/rad
+//! damping = 2.0        # N s/m or N m s/rad
+//! neutral = 0.1        # where the spring is slack; default: initial position
+//! force = 0.0          # constant, N or N m
+//!
+//! [[link]]
+//! name = "strut"       # or "*"
+//! stiffness = 2e4
+//! damping = 1e3
+//! neutral = 0.35       # free length, m; default: initial length
+//! force = 0.0          # constant pull, N
+//!
+//! [[driven]]
+//! name = "steering"    # position = offset + amplitude sin(frequency t + phase)
+//! offset = 0.0         # default: initial position
+//! amplitude = 0.05
+//! frequency = 6.28     # rad/s
+//! phase = 0.0          # rad
+//! ```
+
+use crate::model::{Model, Nature};
+use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+
+/// A linear spring and damper with a constant force. On a joint it acts
+/// against displacement and velocity; on a link it pulls the ends together.
+#[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Spring {
+    /// Force per displacement.
+    pub stiffness: f64,
+    /// Force per velocity.
+    pub damping: f64,
+    /// Position, or length, without force of the spring; `None`: the initial
+    /// one.
+    pub neutral: Option<f64>,
+    /// A constant force: in the direction of the joint, or as a pull.
+    pub force: f64,
+}
+
+/// The motion of a driven joint.
+#[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Drive {
+    /// Mean position; `None`: the initial one.
+    pub offset: Option<f64>,
+    /// Amplitude.
+    pub amplitude: f64,
+    /// Angular frequency, rad/s.
+    pub frequency: f64,
+    /// Phase, rad.
+    pub phase: f64,
+}
+
+impl Drive {
+    /// Position, velocity and acceleration at a time, around an initial
+    /// position.
+    pub fn at(&self, time: f64, initial: f64) -> [f64; 3] {
+        let (sine, cosine) = (self.frequency * time + self.phase).sin_cos();
+        let (a, w) = (self.amplitude, self.frequency);
+        [
+            self.offset.unwrap_or(initial) + a * sine,
+            a * w * cosine,
+            -a * w * w * sine,
+        ]
+    }
+}
+
+/// The laws of a model's joints and links.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Laws {
+    /// One for each joint.
+    pub joints: Vec<Spring>,
+    /// One for each link.
+    pub links: Vec<Spring>,
+    /// One for each joint; only those of driven joints count.
+    pub drives: Vec<Drive>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct File {
+    joint: Vec<toml::Table>,
+    link: Vec<toml::Table>,
+    driven: Vec<toml::Table>,
+}
+
+/// The same file once more, for the places of names.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct Names {
+    joint: Vec<Named>,
+    link: Vec<Named>,
+    driven: Vec<Named>,
+}
+
+#[derive(Deserialize)]
+struct Named {
+    name: Spanned<String>,
+}
+
+impl Laws {
+    /// No forces, and driven joints at rest.
+    pub fn none(model: &Model) -> Laws {
+        Laws {
+            joints: vec![Spring::default(); model.joints.len()],
+            links: vec![Spring::default(); model.links.len()],
+            drives: vec![Drive::default(); model.joints.len()],
+        }
+    }
+
+    /// Reads the laws of a model.
+    ///
+    /// # Errors
+    ///
+    /// Messages that point into the text (file 0): what is no TOML or no law,
+    /// a name the model does not have or that comes twice, a number that is
+    /// not finite, a driven motion of a joint that is not driven or whose
+    /// equations hold no velocity.
+    pub fn parse(model: &Model, text: &str) -> Result<Laws, Vec<Diagnostic>> {
+        let file: File = toml::from_str(text).map_err(|error| vec![syntax(&error)])?;
+        let names: Names = toml::from_str(text).map_err(|error| vec![syntax(&error)])?;
+        let mut laws = Laws::none(model);
+        let mut errors = Vec::new();
+        let joints: Vec<&str> = model
+            .joints
+            .iter()
+            .map(|joint| joint.name.as_str())
+            .collect();
+        let links: Vec<&str> = model.links.iter().map(|link| link.name.as_str()).collect();
+        let mut read = Reader {
+            errors: &mut errors,
+        };
+        read.section(
+            "joint",
+            &file.joint,
+            &names.joint,
+            &joints,
+            &mut laws.joints,
+        );
+        read.section("link", &file.link, &names.link, &links, &mut laws.links);
+        let driven = read.section(
+            "joint",
+            &file.driven,
+            &names.driven,
+            &joints,
+            &mut laws.drives,
+        );
+        for (joint, span) in driven {
+            let joint = &model.joints[joint];
+            let reason = if joint.nature != Nature::Driven {
+                format!("the joint '{}' is not driven", clip(&joint.name))
+            } else if !joint.has_velocity || !joint.has_acceleration {
+                format!(
+                    "the equations of '{}' take it as held: the model gives its velocity no symbol",
+                    clip(&joint.name)
+                )
+            } else {
+                continue;
+            };
+            errors.push(wrong(span, &reason, None));
+        }
+        if errors.is_empty() {
+            Ok(laws)
+        } else {
+            errors.truncate(20);
+            Err(errors)
+        }
+    }
+}
+
+struct Reader<'e> {
+    errors: &'e mut Vec<Diagnostic>,
+}
+
+type Span = std::ops::Range<usize>;
+
+impl Reader<'_> {
+    /// Reads the entries of a section into the laws of what they name; the
+    /// named indices with their places in the text.
+    fn section<T: DeserializeOwned + Copy>(
+        &mut self,
+        what: &str,
+        entries: &[toml::Table],
+        names: &[Named],
+        known: &[&str],
+        laws: &mut [T],
+    ) -> Vec<(usize, Span)> {
+        let mut general = None;
+        let mut found: Vec<(usize, Span)> = Vec::new();
+        for (entry, Named { name }) in entries.iter().zip(names) {
+            let span = name.span();
+            let mut entry = entry.clone();
+            entry.remove("name");
+            if let Some(key) = not_finite(&entry) {
+                let message = format!("'{}' is no finite number", clip(&key));
+                self.errors.push(wrong(span.clone(), &message, None));
+            }
+            let law: T = match entry.try_into() {
+                Ok(law) => law,
+                Err(error) => {
+                    self.errors.push(wrong(span, error.message(), None));
+                    continue;
+                }
+            };
+            let name = name.get_ref().as_str();
+            if name == "*" {
+                general = Some(law);
+                continue;
+            }
+            let Some(index) = known.iter().position(|known| *known == name) else {
+                let note = did_you_mean(name, known.iter().copied())
+                    .map(|near| format!("did you mean '{near}'?"));
+                let message = format!("the model has no {what} '{}'", clip(name));
+                self.errors.push(wrong(span, &message, note));
+                continue;
+            };
+            if found.iter().any(|&(other, _)| other == index) {
+                let message = format!("'{}' has a law already", clip(name));
+                self.errors.push(wrong(span, &message, None));
+                continue;
+            }
+            laws[index] = law;
+            found.push((index, span));
+        }
+        if let Some(general) = general {
+            for (index, law) in laws.iter_mut().enumerate() {
+                if !found.iter().any(|&(named, _)| named == index) {
+                    *law = general;
+                }
+            }
+        }
+        found
+    }
+}
+
+fn not_finite(entry: &toml::Table) -> Option<String> {
+    entry
+        .iter()
+        .find(|(_, value)| value.as_float().is_some_and(|number| !number.is_finite()))
+        .map(|(key, _)| key.clone())
+}
+
+fn syntax(error: &toml::de::Error) -> Diagnostic {
+    let span = error.span().unwrap_or(0..0);
+    let note =
+        "see the manual of `robovec sim` for the sections [[joint]], [[link]] and [[driven]]";
+    wrong(span, error.message(), Some(note.to_owned()))
+}
+
+fn wrong(span: Span, message: &str, note: Option<String>) -> Diagnostic {
+    Diagnostic::error()
+        .with_message(message)
+        .with_labels(vec![Label::primary(0, span)])
+        .with_notes(note.into_iter().collect())
+}

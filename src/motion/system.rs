@@ -1,0 +1,373 @@
+//! The differential equation of a model.
+//!
+//! The state of the integrator holds all positions, all velocities and the
+//! work done so far. Dependent and driven joints are put where the loops and
+//! their laws want them before anything is computed; what the integrator
+//! predicts for them only serves as a start.
+
+use super::equations::Setting;
+use super::linear::{Matrix, dot, solve_positive, solve_square};
+use super::loops::{column, largest};
+use super::{Equations, Laws, MotionError, Partition, State, energy};
+use crate::model::{Model, Nature};
+
+/// A model with its equations and the laws of its forces.
+pub struct System<'m> {
+    pub(super) model: &'m Model,
+    pub(super) equations: Equations,
+    laws: Laws,
+    /// The positions that joints start from, and the lengths of links there.
+    initial: Vec<f64>,
+    lengths: Vec<f64>,
+    partition: Partition,
+}
+
+/// Energies of a state, J.
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
+pub struct Energy {
+    /// Of motion.
+    pub kinetic: f64,
+    /// In gravity.
+    pub gravity: f64,
+    /// In springs.
+    pub springs: f64,
+}
+
+impl Energy {
+    /// The sum.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.gravity + self.springs
+    }
+}
+
+/// What the equations say of a state.
+struct Motion {
+    accelerations: Vec<f64>,
+    /// What dampers, constant forces and drives put in, W.
+    power: f64,
+}
+
+impl<'m> System<'m> {
+    /// Makes the equations of a model and closes its loops; the system and
+    /// its initial state.
+    ///
+    /// # Errors
+    ///
+    /// See [`MotionError`]: equations that cannot be made, loops that cannot
+    /// be closed.
+    pub fn new(
+        model: &'m Model,
+        laws: Laws,
+        setting: &Setting<'_>,
+    ) -> Result<(System<'m>, State), MotionError> {
+        let mut state = State::initial(model);
+        let mut system = System {
+            model,
+            equations: Equations::new(model, setting)?,
+            laws,
+            initial: state.q.clone(),
+            lengths: Vec::new(),
+            partition: Partition::default(),
+        };
+        system.drive(&mut state);
+        if system.equations.rows() > 0 {
+            system.divide(&state);
+            let start = state.clone();
+            if system.close(&mut state, &system.partition).is_err() {
+                // The named joints may be a poor start: let all move.
+                state = start;
+                system.assemble(&mut state)?;
+            }
+        }
+        // Closed positions may have fewer independent rows than others.
+        system.divide(&state);
+        system.close(&mut state, &system.partition)?;
+        system.initial.clone_from(&state.q);
+        system.lengths = system
+            .link_lengths(&state)
+            .into_iter()
+            .map(|l| l.0)
+            .collect();
+        Ok((system, state))
+    }
+
+    /// The roles of the joints.
+    pub fn partition(&self) -> &Partition {
+        &self.partition
+    }
+
+    /// Divides the joints into independent and dependent ones anew.
+    fn divide(&mut self, state: &State) {
+        let jacobian = self.equations.constraints(state).1;
+        self.partition = Partition::new(self.model, &jacobian, self.rank_threshold());
+    }
+
+    /// Puts driven joints where they are at the state's time.
+    fn drive(&self, state: &mut State) {
+        for (index, joint) in self.model.joints.iter().enumerate() {
+            if joint.nature != Nature::Driven {
+                continue;
+            }
+            let [q, qd, qdd] = if joint.has_velocity && joint.has_acceleration {
+                self.laws.drives[index].at(state.time, joint.initial[0])
+            } else {
+                [joint.initial[0], 0.0, 0.0]
+            };
+            (state.q[index], state.qd[index], state.qdd[index]) = (q, qd, qdd);
+        }
+    }
+
+    fn link_lengths(&self, state: &State) -> Vec<(f64, f64)> {
+        let links = self.model.links.iter();
+        links
+            .map(|link| energy::distance(self.model, state, &link.ends))
+            .collect()
+    }
+
+    /// Sets the forces of joints and links; the power of those that are no
+    /// springs.
+    fn load(&self, state: &mut State) -> f64 {
+        let mut power = 0.0;
+        for (index, law) in self.laws.joints.iter().enumerate() {
+            let neutral = law.neutral.unwrap_or(self.initial[index]);
+            let outside = law.force - law.damping * state.qd[index];
+            state.joint_forces[index] = outside - law.stiffness * (state.q[index] - neutral);
+            // What moves a driven joint is its drive, whatever the law says.
+            if self.model.joints[index].nature != Nature::Driven {
+                power += outside * state.qd[index];
+            }
+        }
+        power
+    }
+
+    /// Accelerations, and the power of what is not conservative.
+    fn motion(&self, state: &mut State) -> Result<Motion, MotionError> {
+        let mut power = self.load(state);
+        let (matrix, bias) = self.equations.dynamics(state);
+        if !largest(&bias).is_finite() {
+            return Err(not_finite("a force", state.time));
+        }
+        let Partition {
+            independent: u,
+            dependent: v,
+            driven: c,
+            rows,
+            ..
+        } = &self.partition;
+        let all: Vec<usize> = (0..bias.len()).collect();
+        let (jacobian, quadratic) = if rows.is_empty() {
+            (Matrix::zeros(0, bias.len()), Vec::new())
+        } else {
+            let jacobian = self.equations.constraints(state).1;
+            (jacobian, self.equations.quadratic(state))
+        };
+        // Dependent accelerations: B (independent ones) + b.
+        let mut given = vec![0.0; bias.len()];
+        for &joint in c {
+            given[joint] = state.qdd[joint];
+        }
+        let (slopes, offset) = if rows.is_empty() {
+            (Matrix::zeros(0, u.len()), Vec::new())
+        } else {
+            self.dependence(state, &jacobian, &quadratic, &given)?
+        };
+        for (&joint, &part) in v.iter().zip(&offset) {
+            given[joint] = part;
+        }
+        let rest: Vec<f64> = (0..bias.len())
+            .map(|i| state.joint_forces[i] - bias[i] - dot(matrix.row(i), &given))
+            .collect();
+        // M reduced to the independent joints: T' M T with T = [1; B].
+        let transform = stack(u, v, &slopes, bias.len());
+        let reduced = transform.transposed().product(&matrix.product(&transform));
+        let right = transform.transposed_times(&rest);
+        let threshold = 16.0 * self.equations.precision().epsilon();
+        let free =
+            solve_positive(reduced, right, threshold).map_err(|place| MotionError::Singular {
+                joint: self.model.joints[u[place]].name.clone(),
+                time: state.time,
+            })?;
+        let mut accelerations = transform.times(&free);
+        for (sum, given) in accelerations.iter_mut().zip(&given) {
+            *sum += given;
+        }
+        if !largest(&accelerations).is_finite() {
+            return Err(not_finite("an acceleration", state.time));
+        }
+        if !c.is_empty() {
+            power += self.drive_power(state, &matrix, &bias, &jacobian, &accelerations, &all);
+        }
+        Ok(Motion {
+            accelerations,
+            power,
+        })
+    }
+
+    /// `B` and `b` of the dependent accelerations.
+    fn dependence(
+        &self,
+        state: &State,
+        jacobian: &Matrix,
+        quadratic: &[f64],
+        given: &[f64],
+    ) -> Result<(Matrix, Vec<f64>), MotionError> {
+        let Partition {
+            independent: u,
+            dependent: v,
+            rows,
+            ..
+        } = &self.partition;
+        let mut right = Matrix::zeros(rows.len(), u.len() + 1);
+        for (place, &row) in rows.iter().enumerate() {
+            for (column, &joint) in u.iter().enumerate() {
+                right[(place, column)] = -jacobian[(row, joint)];
+            }
+            right[(place, u.len())] = -quadratic[row] - dot(jacobian.row(row), given);
+        }
+        let square = jacobian.select(rows, v);
+        let solution = solve_square(square, right)
+            .ok_or_else(|| not_finite("the motion of a dependent joint", state.time))?;
+        let every: Vec<usize> = (0..rows.len()).collect();
+        let columns: Vec<usize> = (0..u.len()).collect();
+        let offset = (0..rows.len()).map(|row| solution[(row, u.len())]);
+        Ok((solution.select(&every, &columns), offset.collect()))
+    }
+
+    /// What the drives put in: the forces that the equations leave open on
+    /// driven joints, less those of the loops.
+    fn drive_power(
+        &self,
+        state: &State,
+        matrix: &Matrix,
+        bias: &[f64],
+        jacobian: &Matrix,
+        accelerations: &[f64],
+        all: &[usize],
+    ) -> f64 {
+        let Partition {
+            dependent: v,
+            driven: c,
+            rows,
+            ..
+        } = &self.partition;
+        let needed: Vec<f64> = all
+            .iter()
+            .map(|&i| dot(matrix.row(i), accelerations) + bias[i] - state.joint_forces[i])
+            .collect();
+        let chosen = jacobian.select(rows, all);
+        let square = chosen.select(&(0..rows.len()).collect::<Vec<_>>(), v);
+        let right: Vec<f64> = v.iter().map(|&joint| needed[joint]).collect();
+        let multipliers = solve_square(square.transposed(), column(&right));
+        let of_loops = multipliers.map_or_else(
+            || vec![0.0; all.len()],
+            |m| {
+                let m: Vec<f64> = (0..rows.len()).map(|row| m[(row, 0)]).collect();
+                chosen.transposed_times(&m)
+            },
+        );
+        // A law on a driven joint only shares the work with the drive; its
+        // spring does not.
+        let share = |joint: usize| {
+            let law = &self.laws.joints[joint];
+            law.force - law.damping * state.qd[joint]
+        };
+        c.iter()
+            .map(|&joint| {
+                let drive = needed[joint] - of_loops.get(joint).copied().unwrap_or(0.0);
+                (drive + share(joint)) * state.qd[joint]
+            })
+            .sum()
+    }
+
+    /// Positions, velocities and work, as the integrator holds them.
+    pub(super) fn pack(state: &State, work: f64) -> Vec<f64> {
+        let mut packed = state.q.clone();
+        packed.extend_from_slice(&state.qd);
+        packed.push(work);
+        packed
+    }
+
+    /// The state of an integrator's numbers: driven joints driven, loops
+    /// closed.
+    pub(super) fn unpack(&self, time: f64, packed: &[f64]) -> Result<State, MotionError> {
+        let joints = self.model.joints.len();
+        if !largest(packed).is_finite() {
+            return Err(not_finite("a position or velocity", time));
+        }
+        let mut state = State::initial(self.model);
+        state.time = time;
+        state.q.copy_from_slice(&packed[..joints]);
+        state.qd.copy_from_slice(&packed[joints..2 * joints]);
+        self.drive(&mut state);
+        self.close(&mut state, &self.partition)?;
+        Ok(state)
+    }
+
+    /// The right-hand side of the differential equation.
+    pub(super) fn slope(&self, time: f64, packed: &[f64]) -> Result<Vec<f64>, MotionError> {
+        let mut state = self.unpack(time, packed)?;
+        let motion = self.motion(&mut state)?;
+        let mut slope = state.qd;
+        slope.extend_from_slice(&motion.accelerations);
+        slope.push(motion.power);
+        Ok(slope)
+    }
+
+    /// Chooses other dependent joints when those in use have come near a dead
+    /// point.
+    pub(super) fn renew(&mut self, state: &State) {
+        if self.equations.rows() > 0 {
+            let jacobian = self.equations.constraints(state).1;
+            if !self.partition.holds(&jacobian) {
+                self.divide(state);
+            }
+        }
+    }
+
+    /// The energies of a state, from the model and the laws.
+    pub fn energy(&self, state: &State) -> Energy {
+        let (kinetic, gravity) = energy::energies(self.model, state);
+        let of = |stiffness: f64, stretch: f64| 0.5 * stiffness * stretch * stretch;
+        let mut springs = 0.0;
+        for (index, law) in self.laws.joints.iter().enumerate() {
+            let neutral = law.neutral.unwrap_or(self.initial[index]);
+            springs += of(law.stiffness, state.q[index] - neutral);
+        }
+        let lengths = self.link_lengths(state);
+        for (index, law) in self.laws.links.iter().enumerate() {
+            let neutral = law.neutral.unwrap_or(self.lengths[index]);
+            springs += of(law.stiffness, lengths[index].0 - neutral);
+        }
+        Energy {
+            kinetic,
+            gravity,
+            springs,
+        }
+    }
+
+    /// The largest residual of the constraints.
+    pub fn gap(&self, state: &State) -> f64 {
+        largest(&self.equations.constraints(state).0)
+    }
+}
+
+/// The matrix that takes the independent motions to all motions.
+fn stack(u: &[usize], v: &[usize], slopes: &Matrix, joints: usize) -> Matrix {
+    let mut matrix = Matrix::zeros(joints, u.len());
+    for (place, &joint) in u.iter().enumerate() {
+        matrix[(joint, place)] = 1.0;
+    }
+    for (row, &joint) in v.iter().enumerate() {
+        for place in 0..u.len() {
+            matrix[(joint, place)] = slopes[(row, place)];
+        }
+    }
+    matrix
+}
+
+fn not_finite(what: &str, time: f64) -> MotionError {
+    MotionError::NotFinite {
+        what: what.to_owned(),
+        time,
+    }
+}

@@ -1,0 +1,4 @@
+//! Models in motion: what physics demands of a simulation from end to end.
+
+mod conservation;
+mod models;
