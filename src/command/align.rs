@@ -5,15 +5,16 @@
 //! The union of both signatures lets the two be compared as functions.
 
 use robovec_ir::{
-    Array, Assignment, Function, Node, Operand, OperandKind, Output, Shape, SourceSet, Symbol,
-    Tables,
+    Array, Assignment, Function, Input, Node, Operand, OperandKind, Output, Shape, SourceSet,
+    Symbol, Tables,
 };
 
 /// A name and an extent.
 type Signature = Vec<(String, Shape)>;
 
-/// Both functions with the union of their arrays; an output element that only
-/// one of them sets is zero in the other.
+/// Both functions with the union of their arrays. An output element that only
+/// one of them sets keeps in the other what the caller put there: the input
+/// element of the same name (`frc`), else zero.
 pub(super) fn align(
     (before, before_tables): (&Function, &mut Tables),
     (after, after_tables): (&Function, &mut Tables),
@@ -100,7 +101,7 @@ fn rebuild(
     let input_places = places(function.inputs(), &inputs);
     let output_places = places(function.outputs(), &outputs);
     let operand = |rebuilt: &mut Function, operand: Operand| match operand.kind() {
-        OperandKind::Input(input) => robovec_ir::Input(input_places[input.index()]).into(),
+        OperandKind::Input(input) => Input(input_places[input.index()]).into(),
         OperandKind::Constant(constant) => {
             let number = function.constant_number(constant);
             rebuilt.constant(number).into()
@@ -141,7 +142,7 @@ fn places(old: &[Array], new: &[Array]) -> Vec<u32> {
     places
 }
 
-/// Sets to zero what is not set.
+/// Sets what is not set.
 fn clear(function: &mut Function, outputs: &[Output]) {
     let mut set = vec![false; function.output_len()];
     for assignment in &function.assignments {
@@ -149,7 +150,17 @@ fn clear(function: &mut Function, outputs: &[Output]) {
     }
     for &output in outputs {
         if !std::mem::replace(&mut set[output.index()], true) {
-            let operand = function.constant(0.0).into();
+            let (array, indices, rank) = function.output_element(output);
+            let name = array.name;
+            let given = function.inputs().iter().find(|input| input.name == name);
+            let given = given.and_then(|input| {
+                let offset = input.shape.offset(&indices[..rank])?;
+                Some(Operand::from(Input(input.offset + offset)))
+            });
+            let operand = match given {
+                Some(operand) => operand,
+                None => function.constant(0.0).into(),
+            };
             function.assignments.push(Assignment {
                 output,
                 operand,

@@ -2,9 +2,10 @@
 //! user's law for each, and what its nine numbers add to `frc` and `trq`.
 //!
 //! The law returns a force and a torque in the base frame and, in the frame of
-//! the body, the place of the force from the centre of mass.
+//! the body, the place of the force from the frame's origin.
 
 use super::Options;
+use super::algebra::Sum;
 use super::equations::{Equations, Label};
 use super::loads::{Loads, into_frame};
 use super::parameters::Parameters;
@@ -49,7 +50,13 @@ pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, opti
         for (component, &value) in loads.of(joint).1.iter_mut().zip(&torque) {
             component.add(&[value]);
         }
-        loads.add_force(joint, &applied, &place, false);
+        let center = parameters.centers[joint];
+        let lever = [0, 1, 2].map(|k| {
+            let mut sum = Sum::of(place[k]);
+            sum.add(&[-center[k]]);
+            equations.define(Label::new("dxF", k + 1, number), sum)
+        });
+        loads.add_force(joint, &applied, &lever, false);
     }
     loads.write(equations);
 }

@@ -12,7 +12,7 @@ use super::constraints::{place, split};
 use super::equations::{Equations, Label};
 use super::loads::{Loads, into_frame};
 use super::parameters::Parameters;
-use super::vector::Vector;
+use super::vector::{Vector, unit};
 use robovec_ir::{Boundary, SourceSet};
 
 /// Writes all links.
@@ -41,14 +41,7 @@ fn one(
     });
     let positions = [0, 1].map(|side| chains[side].position(equations));
     let span = difference(equations, "Plnk", number, &positions[1], &positions[0]);
-    let mut square = Sum::new();
-    for component in span {
-        square.add(&[component, component]);
-    }
-    let square = equations.define(Label::new("PPlnk", 0, number), square);
-    let length = equations.sqrt(Label::new("Z", 0, number), square);
-    let direction: Vector =
-        [0, 1, 2].map(|k| equations.quotient(Label::new("e", k + 1, number), span[k], length));
+    let (length, direction) = line(equations, number, &span);
     let velocities = [0, 1].map(|side| chains[side].motion(equations, parameters, &[]).velocity);
     let velocity = difference(equations, "Vlnk", number, &velocities[1], &velocities[0]);
     let mut rate = Sum::new();
@@ -78,6 +71,25 @@ fn one(
         );
         loads.add_force(joint, &pull, &lever, side == 1);
     }
+}
+
+/// Length and direction of a span. Along one axis the length is the component
+/// itself, with its sign, as in Robotran: a link over a prismatic joint then
+/// has the joint's position as its length.
+fn line(equations: &mut Equations, number: usize, span: &Vector) -> (Scalar, Vector) {
+    let mut present = (0..3).filter(|&k| !span[k].is_zero());
+    if let (Some(only), None) = (present.next(), present.next()) {
+        return (span[only], unit(only));
+    }
+    let mut square = Sum::new();
+    for &component in span {
+        square.add(&[component, component]);
+    }
+    let square = equations.define(Label::new("PPlnk", 0, number), square);
+    let length = equations.sqrt(Label::new("Z", 0, number), square);
+    let direction =
+        [0, 1, 2].map(|k| equations.quotient(Label::new("e", k + 1, number), span[k], length));
+    (length, direction)
 }
 
 fn difference(

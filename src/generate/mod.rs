@@ -246,7 +246,7 @@ pub fn generate_into(
         return Err(GenerateError::Inconsistent(model.name.clone()));
     }
     let cases = match request.function {
-        FunctionKind::Sensor => model.sensors.len(),
+        FunctionKind::Sensor => model.sensors.len() + model.forces.len(),
         FunctionKind::Gensensor => model.joints.len(),
         _ => {
             module_function(module, model, request, None);

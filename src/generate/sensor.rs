@@ -91,24 +91,32 @@ pub(super) fn chain(
     Chain::new(equations, parameters, names, &path, &place)
 }
 
-/// Writes one sensor of the model (number from 0).
+/// Writes one sensor of the model (number from 0). As in Robotran, the points
+/// of external forces follow behind the sensors.
 pub(super) fn sensor(
     equations: &mut Equations,
     parameters: &Parameters<'_>,
     options: &Options,
     number: usize,
 ) {
-    let sensor = &parameters.model.sensors[number];
+    let model = parameters.model;
+    let Some(sensor) = model.sensors.iter().chain(&model.forces).nth(number) else {
+        return;
+    };
     let chain = chain(equations, parameters, options, ("cp", number + 1), sensor);
     let names = Names::of_sensor();
     outputs(equations, parameters, &chain, sensor.asks, &names);
 }
 
-/// Writes everything about the frame of one joint (number from 0).
+/// Writes the motion of the frame of one joint (number from 0).
 pub(super) fn frame(equations: &mut Equations, parameters: &Parameters<'_>, joint: usize) {
     let path = parameters.path(joint);
     let chain = Chain::new(equations, parameters, ("cp", joint + 1), &path, &ZERO);
-    outputs(equations, parameters, &chain, ALL, &Names::of_sensor());
+    let asks = Asks {
+        jacobian: false,
+        ..ALL
+    };
+    outputs(equations, parameters, &chain, asks, &Names::of_sensor());
 }
 
 /// Sets the outputs that are asked for.
