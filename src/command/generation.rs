@@ -1,10 +1,12 @@
 //! `robovec gen`: equations from a model.
 
+use super::write::{OutputLanguage, write_files};
 use super::{Failure, input, output};
 use crate::generate::{
     Binding, Formulation, FunctionKind, Options, Request, TermOrder, generate_into,
 };
 use crate::model::Model;
+use crate::robotran::write::WriteOptions;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use robovec_ir::diagnostic::termcolor::ColorChoice;
@@ -18,10 +20,13 @@ use std::path::PathBuf;
 pub(super) struct GenArguments {
     /// Model (.mbs)
     model: PathBuf,
-    /// Functions, separated by commas: dirdyna, invdyna, cons_hJ, …
+    /// Functions, separated by commas; 'all' for every one
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "dirdyna",
-          value_parser = PossibleValuesParser::new(FunctionKind::ALL.map(FunctionKind::name)))]
+          value_parser = PossibleValuesParser::new(function_names()))]
     function: Vec<String>,
+    /// Language of Robotran's to write files in, instead of robovec's text
+    #[arg(long, value_enum)]
+    language: Option<OutputLanguage>,
     /// Recursion the equations come from; 'robovec gen --help' explains them
     #[arg(long, default_value = "recursive",
           value_parser = PossibleValuesParser::new(Formulation::names()))]
@@ -50,8 +55,9 @@ pub(super) struct GenArguments {
     /// Pipeline run over the equations, e.g. atomise,cse,dce
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
-    /// File to write instead of the standard output
-    #[arg(short, long, value_name = "PATH")]
+    /// File (with --language: folder) to write instead of the standard output
+    #[arg(short, long, value_name = "PATH", required_if_eq_any = [
+        ("language", "c"), ("language", "matlab"), ("language", "python")])]
     output: Option<PathBuf>,
 }
 
@@ -75,6 +81,21 @@ impl GenArguments {
             true_angles: !self.any_angles,
         }
     }
+}
+
+fn function_names() -> Vec<&'static str> {
+    let names = FunctionKind::ALL.map(FunctionKind::name);
+    ["all"].into_iter().chain(names).collect()
+}
+
+/// The functions asked for, each once, in the order of Robotran's numbers.
+fn kinds(names: &[String]) -> Vec<FunctionKind> {
+    let asked = |kind: &FunctionKind| {
+        names
+            .iter()
+            .any(|name| name == kind.name() || name == "all")
+    };
+    FunctionKind::ALL.into_iter().filter(asked).collect()
 }
 
 /// Generates the functions of a model into one module.
@@ -104,14 +125,13 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, Failure> {
     read.warnings
         .emit_to_stderr(ColorChoice::Auto)
         .unwrap_or_default();
-    let kinds: Vec<FunctionKind> = arguments
-        .function
-        .iter()
-        .filter_map(|name| FunctionKind::from_name(name))
-        .collect();
+    let kinds = kinds(&arguments.function);
     let formulation = Formulation::from_name(&arguments.formulation).unwrap_or_default();
     let mut module = functions(&read.model, &kinds, formulation, &arguments.options())?;
     transform(&mut module, &pipeline)?;
+    if let (Some(language), Some(folder)) = (arguments.language, &arguments.output) {
+        return write_files(&module, language, &WriteOptions::default(), folder);
+    }
     match &arguments.output {
         None => Ok(print::print_module(&module)),
         Some(path) => {

@@ -5,10 +5,11 @@ use super::{Failure, input, output};
 use crate::robotran::Language;
 use crate::robotran::write::{WriteOptions, write};
 use clap::{Args, ValueEnum};
+use robovec_ir::Module;
 use robovec_ir::diagnostic::termcolor::ColorChoice;
 use robovec_passes::manager::{self, Config};
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of `robovec write`.
 #[derive(Args, Debug)]
@@ -37,7 +38,7 @@ pub(crate) struct WriteArguments {
 
 /// A language Robotran writes.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum OutputLanguage {
+pub(super) enum OutputLanguage {
     /// C, for MBsysC
     C,
     /// Matlab, for MBsysLab
@@ -76,12 +77,28 @@ pub(crate) fn run(arguments: &WriteArguments) -> Result<String, Failure> {
         model: arguments.model.clone(),
         zeros: arguments.zeros,
     };
-    let files = write(&input.module, arguments.language.into(), &options)
-        .map_err(|error| Failure::plain(format!("{}: {error}", input.name)))?;
-    output::make_folder(&arguments.output)?;
+    write_files(
+        &input.module,
+        arguments.language,
+        &options,
+        &arguments.output,
+    )
+}
+
+/// Writes all functions of a module into a folder; gives the names of the
+/// files, one per line.
+pub(super) fn write_files(
+    module: &Module,
+    language: OutputLanguage,
+    options: &WriteOptions,
+    folder: &Path,
+) -> Result<String, Failure> {
+    let files = write(module, language.into(), options)
+        .map_err(|error| Failure::plain(error.to_string()))?;
+    output::make_folder(folder)?;
     let mut names = String::new();
     for (name, text) in &files {
-        let path = arguments.output.join(name);
+        let path = folder.join(name);
         output::write_file(&path, |writer| writer.write_all(text.as_bytes()))?;
         // Writing to a string cannot fail.
         let _ = writeln!(names, "{}", path.display());
