@@ -7,6 +7,7 @@
 
 mod align;
 mod arguments;
+mod compare;
 mod dump;
 mod generation;
 mod input;

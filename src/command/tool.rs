@@ -2,16 +2,14 @@
 //! them.
 
 use super::arguments::InputLanguage;
+use super::compare::{self, CheckArguments};
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
-use super::{Failure, align, input, output, write};
+use super::{Failure, input, output, write};
 use crate::evaluate_command::evaluate_at_states;
 use crate::simulate::Program;
 use clap::{Parser, Subcommand};
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
-use robovec_ir::{Module, View};
-use robovec_passes::NumericClass;
-use robovec_passes::check::check;
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::fs;
@@ -60,28 +58,7 @@ enum Command {
         inputs: Vec<f64>,
     },
     /// Compare the functions of two files as functions
-    Check {
-        /// The one file
-        before: PathBuf,
-        /// The other file
-        after: PathBuf,
-        /// Random points
-        #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-        points: u32,
-        /// Seed of the points
-        #[arg(long, default_value_t = 1)]
-        seed: u64,
-        /// Demand equal bits instead of equality over the real numbers
-        #[arg(long)]
-        exact: bool,
-        /// Take sines and cosines as true ones: sin^2 + cos^2 = 1
-        #[arg(long, conflicts_with = "exact")]
-        circle: bool,
-        /// Compare over all arrays and elements of either file; what one of
-        /// them does not set is zero there
-        #[arg(long)]
-        align: bool,
-    },
+    Check(CheckArguments),
     Study(super::study::Arguments),
     /// Write equations as Robotran's C, Matlab or Python files
     Write(write::WriteArguments),
@@ -103,22 +80,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             machine,
             inputs,
         } => simulate(folder, machine, inputs),
-        Command::Check {
-            before,
-            after,
-            points,
-            seed,
-            exact,
-            circle,
-            align,
-        } => {
-            let class = match (*exact, *circle) {
-                (true, _) => NumericClass::Exact,
-                (false, true) => NumericClass::RealTrig,
-                (false, false) => NumericClass::Real,
-            };
-            compare((before, after), *align, *points, *seed, class)
-        }
+        Command::Check(arguments) => compare::run(arguments),
         Command::Study(arguments) => super::study::study(arguments),
         Command::Write(arguments) => write::run(arguments),
     };
@@ -172,68 +134,6 @@ fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, Fail
     for ((name, _), value) in program.outputs().zip(&outputs.values) {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{name} = {value:?}");
-    }
-    Ok(text)
-}
-
-/// Gives functions of the same name the same arrays.
-fn align_modules(before: &mut Module, after: &mut Module) {
-    for index in 0..before.functions.len() {
-        let name = &before.functions[index].name;
-        let Some(other) = after.functions.iter().position(|f| f.name == *name) else {
-            continue;
-        };
-        let aligned = align::align(
-            (&before.functions[index], &mut before.tables),
-            (&after.functions[other], &mut after.tables),
-        );
-        (before.functions[index], after.functions[other]) = aligned;
-    }
-}
-
-fn compare(
-    (before, after): (&Path, &Path),
-    align: bool,
-    points: u32,
-    seed: u64,
-    class: NumericClass,
-) -> Result<String, Failure> {
-    let (mut before, mut after) = (
-        input::equations(before, None)?,
-        input::equations(after, None)?,
-    );
-    if align {
-        align_modules(&mut before.module, &mut after.module);
-    }
-    let mut text = String::new();
-    for function in &before.module.functions {
-        let Some(other) = after.module.function(&function.name) else {
-            return Err(Failure::plain(format!(
-                "{} has no function '{}'",
-                after.name, function.name
-            )));
-        };
-        let verdict = check(
-            View {
-                tables: &before.module.tables,
-                function,
-            },
-            View {
-                tables: &after.module.tables,
-                function: other,
-            },
-            class,
-            points,
-            seed,
-        );
-        if !verdict.holds() {
-            return Err(Failure::plain(format!(
-                "'{}' differs: {verdict}",
-                function.name
-            )));
-        }
-        // As above.
-        let _ = writeln!(text, "{}: {verdict}", function.name);
     }
     Ok(text)
 }

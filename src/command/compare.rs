@@ -1,0 +1,199 @@
+//! `robovec check`: two files compared as functions.
+//!
+//! By default at random points of a prime field, which proves equality over
+//! the real numbers. With a model, in 64-bit floats at random states and with
+//! the model's parameters: two generators may treat a parameter differently
+//! that happens to be zero, and a user wants to know how far rounding takes
+//! the results apart.
+
+use super::{Failure, align, input};
+use crate::model::Model;
+use crate::motion::parameter;
+use clap::Args;
+use robovec_ir::arithmetic::Binary64;
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::states::States;
+use robovec_ir::{Function, Input, Module, Tables, View};
+use robovec_passes::NumericClass;
+use robovec_passes::check::check;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// What is compared, and how.
+#[derive(Args, Debug)]
+pub(super) struct CheckArguments {
+    /// The one file
+    before: PathBuf,
+    /// The other file
+    after: PathBuf,
+    /// Random points, or states
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    points: u32,
+    /// Seed of the points
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Demand equal bits instead of equality over the real numbers
+    #[arg(long)]
+    exact: bool,
+    /// Take sines and cosines as true ones: sin^2 + cos^2 = 1
+    #[arg(long, conflicts_with = "exact")]
+    circle: bool,
+    /// Compare over all arrays and elements of either file; what one of them
+    /// does not set is zero there, or what the caller gave (frc, trq)
+    #[arg(long)]
+    align: bool,
+    /// Compare in 64-bit floats, with the parameters of this model (.mbs)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["exact", "circle"])]
+    model: Option<PathBuf>,
+    /// With --model: the largest difference allowed, relative to the largest
+    /// element of the output array
+    #[arg(long, default_value_t = 1e-13, requires = "model")]
+    tolerance: f64,
+}
+
+impl CheckArguments {
+    fn class(&self) -> NumericClass {
+        match (self.exact, self.circle) {
+            (true, _) => NumericClass::Exact,
+            (false, true) => NumericClass::RealTrig,
+            (false, false) => NumericClass::Real,
+        }
+    }
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &CheckArguments) -> Result<String, Failure> {
+    let (mut before, mut after) = (
+        input::equations(&arguments.before, None)?,
+        input::equations(&arguments.after, None)?,
+    );
+    let model = match &arguments.model {
+        None => None,
+        Some(path) => Some(input::model(path)?.model),
+    };
+    if arguments.align || model.is_some() {
+        align_modules(&mut before.module, &mut after.module);
+    }
+    let mut text = String::new();
+    for function in &before.module.functions {
+        let Some(other) = after.module.function(&function.name) else {
+            return Err(Failure::plain(format!(
+                "{} has no function '{}'",
+                after.name, function.name
+            )));
+        };
+        let view = |tables, function| View { tables, function };
+        let views = (
+            view(&before.module.tables, function),
+            view(&after.module.tables, other),
+        );
+        let verdict = match &model {
+            None => proof(views, arguments)?,
+            Some(model) => distance(views, model, arguments)?,
+        };
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{}: {verdict}", function.name);
+    }
+    Ok(text)
+}
+
+fn proof(
+    (before, after): (View<'_>, View<'_>),
+    arguments: &CheckArguments,
+) -> Result<String, Failure> {
+    let verdict = check(
+        before,
+        after,
+        arguments.class(),
+        arguments.points,
+        arguments.seed,
+    );
+    if verdict.holds() {
+        return Ok(verdict.to_string());
+    }
+    let name = &before.function.name;
+    Err(Failure::plain(format!("'{name}' differs: {verdict}")))
+}
+
+/// The largest difference over all states, relative to the largest element of
+/// its array in that state.
+fn distance(
+    (before, after): (View<'_>, View<'_>),
+    model: &Model,
+    arguments: &CheckArguments,
+) -> Result<String, Failure> {
+    let states = States::new(arguments.seed);
+    let mut worst = (0.0, String::new());
+    for state in 0..arguments.points {
+        let inputs = inputs(before, model, &states, state);
+        let one = evaluate(before.function, &Binary64, &inputs);
+        let other = evaluate(after.function, &Binary64, &inputs);
+        for (name, difference) in differences(before, &one, &other) {
+            // A NaN must not pass for a small difference.
+            if !(difference <= worst.0) {
+                worst = (difference, name);
+            }
+        }
+    }
+    let (difference, place) = worst;
+    let name = &before.function.name;
+    if difference <= arguments.tolerance {
+        let states = arguments.points;
+        return Ok(format!("within {difference:.1e} at {states} states"));
+    }
+    Err(Failure::plain(format!(
+        "'{name}' differs: {place} by {difference:.1e} of the largest element"
+    )))
+}
+
+/// A random state, with parameters from the model.
+fn inputs(view: View<'_>, model: &Model, states: &States, state: u32) -> Vec<f64> {
+    let mut inputs = states.draw(view, state);
+    for (index, number) in inputs.iter_mut().enumerate() {
+        let (array, indices, rank) = view.function.input_element(Input(index as u32));
+        let name = view.tables.symbols.text(array.name);
+        if let Some(known) = parameter(model, name, &indices[..rank]) {
+            *number = known;
+        }
+    }
+    inputs
+}
+
+/// For each output array its largest difference, with the array's name.
+fn differences(view: View<'_>, one: &[f64], other: &[f64]) -> Vec<(String, f64)> {
+    let function = view.function;
+    let mut arrays = vec![(0.0f64, 0.0f64); function.outputs().len()];
+    // After aligning, both functions set the same elements in the same order.
+    for (assignment, (a, b)) in function.assignments.iter().zip(one.iter().zip(other)) {
+        let after = function
+            .outputs()
+            .partition_point(|array| array.offset <= assignment.output.0);
+        let (largest, difference) = &mut arrays[after - 1];
+        *largest = largest.max(a.abs()).max(b.abs());
+        let distance = (a - b).abs();
+        if !(distance <= *difference) {
+            *difference = distance;
+        }
+    }
+    let named = function.outputs().iter().zip(arrays);
+    named
+        .filter(|(_, (largest, difference))| *largest > 0.0 || difference.is_nan())
+        .map(|(array, (largest, difference))| {
+            let name = view.tables.symbols.text(array.name).to_owned();
+            (name, difference / largest)
+        })
+        .collect()
+}
+
+/// Gives functions of the same name the same arrays.
+fn align_modules(before: &mut Module, after: &mut Module) {
+    for index in 0..before.functions.len() {
+        let name = &before.functions[index].name;
+        let Some(other) = after.functions.iter().position(|f| f.name == *name) else {
+            continue;
+        };
+        let one: (&Function, &mut Tables) = (&before.functions[index], &mut before.tables);
+        let aligned = align::align(one, (&after.functions[other], &mut after.tables));
+        (before.functions[index], after.functions[other]) = aligned;
+    }
+}
