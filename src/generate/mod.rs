@@ -8,11 +8,15 @@
 //! its centre of mass and in its frame.
 
 mod algebra;
+mod bias;
 mod chain;
 mod columns;
+mod composite;
 mod constraints;
 mod equations;
 mod forces;
+mod formulation;
+mod inertia;
 mod link;
 mod loads;
 mod lower;
@@ -22,6 +26,7 @@ mod sensor;
 mod vector;
 
 use self::equations::{Equations, Style};
+pub use self::formulation::{Formulation, Requirements};
 use self::lower::Extents;
 use self::parameters::Parameters;
 use crate::model::Model;
@@ -118,41 +123,6 @@ pub enum Binding {
     Numbers,
 }
 
-/// A recursion.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub enum Formulation {
-    /// Recursive Newton-Euler, column by column: what Robotran prints.
-    #[default]
-    Recursive,
-}
-
-impl Formulation {
-    /// All formulations.
-    pub const ALL: [Formulation; 1] = [Formulation::Recursive];
-
-    /// The formulation's name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Formulation::Recursive => "recursive",
-        }
-    }
-
-    /// The names of all formulations.
-    pub fn names() -> Vec<&'static str> {
-        Formulation::ALL
-            .into_iter()
-            .map(Formulation::name)
-            .collect()
-    }
-
-    /// The formulation with this name.
-    pub fn from_name(name: &str) -> Option<Formulation> {
-        Formulation::ALL
-            .into_iter()
-            .find(|formulation| formulation.name() == name)
-    }
-}
-
 /// How equations are generated.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Options {
@@ -218,6 +188,16 @@ pub enum GenerateError {
     /// The lists of the model do not fit together.
     #[error("the model '{0}' is inconsistent")]
     Inconsistent(String),
+    /// The formulation cannot give the function.
+    #[error("the formulation '{formulation}' does not give {function}; these do: {possible}")]
+    NotGiven {
+        /// The name of the formulation.
+        formulation: &'static str,
+        /// The name of the function.
+        function: &'static str,
+        /// The names of those that give it.
+        possible: String,
+    },
 }
 
 /// Generates a function of a model, at the equations level. Sensor functions
@@ -245,6 +225,7 @@ pub fn generate_into(
     if !model.check() {
         return Err(GenerateError::Inconsistent(model.name.clone()));
     }
+    formulation::check(request)?;
     let cases = match request.function {
         FunctionKind::Sensor => model.sensors.len() + model.forces.len(),
         FunctionKind::Gensensor => model.joints.len(),
@@ -268,7 +249,7 @@ fn module_function(module: &mut Module, model: &Model, request: &Request, case: 
     let parameters = Parameters::new(model, options, &mut equations);
     let (equations_mut, parameters) = (&mut equations, &parameters);
     match request.function {
-        FunctionKind::Dirdyna => recursive::direct(equations_mut, parameters, options),
+        FunctionKind::Dirdyna => formulation::direct(equations_mut, parameters, request),
         FunctionKind::Invdyna => recursive::inverse(equations_mut, parameters, options),
         FunctionKind::ConsHJ => constraints::position(equations_mut, parameters, options),
         FunctionKind::ConsJdqd => constraints::acceleration(equations_mut, parameters, options),
@@ -307,6 +288,9 @@ fn metadata(model: &Model, request: &Request) -> Vec<(String, String)> {
         ("kind", request.function.name().to_owned()),
         ("joints", model.joints.len().to_string()),
     ];
+    if request.formulation != Formulation::Recursive {
+        metadata.push(("formulation", request.formulation.name().to_owned()));
+    }
     if request.options.all_parameters {
         metadata.push(("all_parameter_symbols", "yes".to_owned()));
     }
@@ -318,3 +302,6 @@ fn metadata(model: &Model, request: &Request) -> Vec<(String, String)> {
 
 #[cfg(test)]
 mod tests;
+
+#[cfg(test)]
+mod formulation_tests;

@@ -178,6 +178,13 @@ impl<'m> Parameters<'m> {
         })
     }
 
+    /// The named offsets of all joints.
+    pub(super) fn named_offsets(&self, equations: &mut Equations) -> Vec<Vector> {
+        (0..self.joints())
+            .map(|joint| self.named_offset(equations, joint))
+            .collect()
+    }
+
     /// The joints of the direct children of every joint.
     pub(super) fn children(&self) -> Vec<Vec<usize>> {
         let mut children = vec![Vec::new(); self.joints()];

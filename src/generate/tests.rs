@@ -4,7 +4,7 @@ use robovec_ir::count::Counts;
 
 /// The serial chain of the study: rotations about the first and second axis in
 /// turn, full inertias, one component for attachments and centres.
-fn serial(joints: usize) -> Model {
+pub(super) fn serial(joints: usize) -> Model {
     let mut model = Model::new("serial");
     for index in 0..joints {
         let axis = if index % 2 == 0 { Axis::X } else { Axis::Y };

@@ -104,7 +104,8 @@ pub(crate) const PLAIN: Recipe = Recipe {
 /// the equations.
 pub(crate) fn requests(function: FunctionKind) -> Vec<Request> {
     let mut requests = Vec::new();
-    for formulation in [Formulation::Recursive] {
+    let formulations = Formulation::ALL.into_iter();
+    for formulation in formulations.filter(|formulation| formulation.gives(function)) {
         for options in [
             Options::default(),
             Options {

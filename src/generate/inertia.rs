@@ -1,0 +1,318 @@
+//! Mass, first moment and moments of inertia of sets of bodies, and the forces
+//! that joints carry: what composite-body recursions pass from frame to frame.
+//!
+//! Both are moved across a joint the same way: turned by its one rotation,
+//! then referred to the parent's origin. Zeros of offsets and inertias cost
+//! nothing, because sums drop them.
+
+use super::algebra::{Scalar, Sum};
+use super::equations::{Equations, Label};
+use super::parameters::Parameters;
+use super::vector::{
+    Matrix, SumVector, Turn, Vector, ZERO, add_cross, cyclic, define, sums, sums_of,
+};
+
+/// The inertia of a set of bodies about the origin of a frame and in its axes.
+#[derive(Clone, Copy)]
+pub(super) struct Inertia {
+    /// Mass.
+    pub(super) mass: Scalar,
+    /// First moment: mass times centre of mass.
+    pub(super) first: Vector,
+    /// Moments of inertia, a symmetric matrix.
+    pub(super) moments: Matrix,
+}
+
+/// An inertia that is not named yet; of the moments only the upper triangle.
+pub(super) struct SumInertia {
+    pub(super) mass: Sum,
+    pub(super) first: SumVector,
+    pub(super) moments: [SumVector; 3],
+}
+
+/// A force and a torque about the origin of a frame.
+#[derive(Clone, Copy)]
+pub(super) struct Wrench {
+    pub(super) force: Vector,
+    pub(super) torque: Vector,
+}
+
+impl Wrench {
+    pub(super) const ZERO: Wrench = Wrench {
+        force: ZERO,
+        torque: ZERO,
+    };
+}
+
+/// A wrench that is not named yet.
+pub(super) struct SumWrench {
+    pub(super) force: SumVector,
+    pub(super) torque: SumVector,
+}
+
+impl SumWrench {
+    pub(super) fn new() -> SumWrench {
+        SumWrench {
+            force: sums(),
+            torque: sums(),
+        }
+    }
+
+    /// Adds another wrench about the same origin.
+    pub(super) fn add(&mut self, other: &SumWrench) {
+        for (component, more) in self.force.iter_mut().zip(&other.force) {
+            component.add_sum(more);
+        }
+        for (component, more) in self.torque.iter_mut().zip(&other.torque) {
+            component.add_sum(more);
+        }
+    }
+
+    /// Names the components.
+    pub(super) fn define(
+        self,
+        equations: &mut Equations,
+        (force, torque): (&'static str, &'static str),
+        joint: usize,
+        column: usize,
+    ) -> Wrench {
+        Wrench {
+            force: define(equations, force, joint, column, self.force),
+            torque: define(equations, torque, joint, column, self.torque),
+        }
+    }
+}
+
+impl SumInertia {
+    pub(super) fn new() -> SumInertia {
+        SumInertia {
+            mass: Sum::new(),
+            first: sums(),
+            moments: [sums(), sums(), sums()],
+        }
+    }
+
+    /// Adds the inertia of a joint's own body: `I + m (l.l E - l l)`.
+    pub(super) fn add_own(
+        &mut self,
+        equations: &mut Equations,
+        parameters: &Parameters<'_>,
+        joint: usize,
+    ) {
+        let own = Inertia {
+            mass: parameters.masses[joint],
+            first: ZERO,
+            moments: parameters.inertias[joint],
+        };
+        let center = &parameters.centers[joint];
+        self.mass.add(&[own.mass]);
+        for row in 0..3 {
+            for column in row..3 {
+                self.moments[row][column].add(&[own.moments[row][column]]);
+            }
+        }
+        self.refer(equations, ("ML", "SL"), joint, &own, center);
+    }
+
+    /// Adds what a child carries, referred to the origin of its parent.
+    pub(super) fn add_child(
+        &mut self,
+        equations: &mut Equations,
+        parameters: &Parameters<'_>,
+        child: usize,
+        inertia: &Inertia,
+        offset: &Vector,
+    ) {
+        let turn = &parameters.turns[child];
+        self.mass.add(&[inertia.mass]);
+        let turned = Inertia {
+            first: define(equations, "HT", child, 0, turn.up(&inertia.first)),
+            ..*inertia
+        };
+        self.add_turned(equations, child, turn, &inertia.moments);
+        self.refer(equations, ("HS", "SS"), child, &turned, offset);
+    }
+
+    /// Adds a first moment and what it changes about an origin that lies
+    /// `offset` before the inertia's own. With `k = h + m d` the moments change
+    /// by `d.(h + k) E` minus `k d + d h`: no product of two lengths and a
+    /// mass is written twice.
+    fn refer(
+        &mut self,
+        equations: &mut Equations,
+        (first, square): (&'static str, &'static str),
+        joint: usize,
+        inertia: &Inertia,
+        offset: &Vector,
+    ) {
+        let mut moved = inertia.first.map(Sum::of);
+        for (component, &length) in moved.iter_mut().zip(offset) {
+            component.add(&[inertia.mass, length]);
+        }
+        let moved = define(equations, first, joint, 0, moved);
+        for (component, &value) in self.first.iter_mut().zip(&moved) {
+            component.add(&[value]);
+        }
+        for axis in 0..3 {
+            let (next, last) = cyclic(axis);
+            let mut both = Sum::of(inertia.first[axis]);
+            both.add(&[moved[axis]]);
+            let group = equations.group(both);
+            let mut product = Sum::new();
+            product.add_term(group.and_then(|group| group.times(&[offset[axis]])));
+            let label = Label::new(square, axis + 1, joint + 1);
+            let value = equations.define(label, product);
+            self.moments[next][next].add(&[value]);
+            self.moments[last][last].add(&[value]);
+            let (row, column) = (next.min(last), next.max(last));
+            self.moments[row][column]
+                .subtract(&[moved[row], offset[column]])
+                .subtract(&[inertia.first[column], offset[row]]);
+        }
+    }
+
+    /// Adds moments of a joint's frame, turned into its parent's. In the plane
+    /// of the rotation, with `t = J_bb - J_cc` and `w = S t + 2 C J_bc`, the
+    /// three entries become `J_bb - S w`, `J_cc + S w` and `C w - J_bc`:
+    /// ten operations, but only where `S^2 + C^2 = 1`.
+    fn add_turned(
+        &mut self,
+        equations: &mut Equations,
+        joint: usize,
+        turn: &Turn,
+        moments: &Matrix,
+    ) {
+        let a = turn.axis;
+        let (b, c) = cyclic(a);
+        let mut entry = |row: usize, column: usize, terms: &[&[Scalar]]| {
+            let sum = &mut self.moments[row.min(column)][row.max(column)];
+            for term in terms {
+                sum.add(term);
+            }
+        };
+        let (cos, sin) = (turn.cos, turn.sin);
+        entry(a, a, &[&[moments[a][a]]]);
+        let (ab, ac) = (moments[a][b], moments[a][c]);
+        entry(a, b, &[&[cos, ab], &[-sin, ac]]);
+        entry(a, c, &[&[sin, ab], &[cos, ac]]);
+        if sin.is_zero() {
+            // Only a joint without rotation, whose cosine is one.
+            entry(b, b, &[&[moments[b][b]]]);
+            entry(c, c, &[&[moments[c][c]]]);
+            entry(b, c, &[&[moments[b][c]]]);
+            return;
+        }
+        let label = |prefix, component| Label::new(prefix, component, joint + 1);
+        let mut twice = Sum::of(cos);
+        twice.add(&[cos]);
+        let twice = equations.define(label("CC", 0), twice);
+        let mut difference = Sum::of(moments[b][b]);
+        difference.subtract(&[moments[c][c]]);
+        let difference = equations.define(label("JD", 0), difference);
+        let mut swing = Sum::new();
+        swing.add(&[sin, difference]).add(&[twice, moments[b][c]]);
+        let swing = equations.define(label("JW", 0), swing);
+        let mut part = Sum::new();
+        part.add(&[sin, swing]);
+        let part = equations.define(label("JV", 0), part);
+        entry(b, b, &[&[moments[b][b]], &[-part]]);
+        entry(c, c, &[&[moments[c][c]], &[part]]);
+        entry(b, c, &[&[cos, swing], &[-moments[b][c]]]);
+    }
+
+    /// Names everything.
+    pub(super) fn define(self, equations: &mut Equations, joint: usize) -> Inertia {
+        let mass = equations.define(Label::new("MC", 0, joint + 1), self.mass);
+        let first = define(equations, "HC", joint, 0, self.first);
+        let mut moments = [ZERO; 3];
+        for (row, sums) in self.moments.into_iter().enumerate() {
+            for (column, sum) in sums.into_iter().enumerate().skip(row) {
+                let label = Label::new("JC", 3 * row + column + 1, joint + 1);
+                moments[row][column] = equations.define(label, sum);
+                moments[column][row] = moments[row][column];
+            }
+        }
+        Inertia {
+            mass,
+            first,
+            moments,
+        }
+    }
+}
+
+impl Inertia {
+    /// The inertias that joints carry: of their own bodies and of all bodies
+    /// behind them, about the joints' origins and in their frames.
+    pub(super) fn composites(
+        equations: &mut Equations,
+        parameters: &Parameters<'_>,
+        offsets: &[Vector],
+    ) -> Vec<Inertia> {
+        let children = parameters.children();
+        let mut composites = vec![Inertia::NONE; parameters.joints()];
+        for joint in (0..parameters.joints()).rev() {
+            let mut sum = SumInertia::new();
+            sum.add_own(equations, parameters, joint);
+            for &child in &children[joint] {
+                let (composite, offset) = (&composites[child], &offsets[child]);
+                sum.add_child(equations, parameters, child, composite, offset);
+            }
+            composites[joint] = sum.define(equations, joint);
+        }
+        composites
+    }
+
+    /// Nothing.
+    const NONE: Inertia = Inertia {
+        mass: Scalar::ZERO,
+        first: ZERO,
+        moments: [ZERO; 3],
+    };
+
+    /// The wrench that a unit of acceleration of a joint takes, in its frame.
+    pub(super) fn column(&self, axis: usize, revolute: bool) -> Wrench {
+        let (b, c) = cyclic(axis);
+        let mut wrench = Wrench::ZERO;
+        if revolute {
+            wrench.force[b] = -self.first[c];
+            wrench.force[c] = self.first[b];
+            wrench.torque = self.moments[axis];
+        } else {
+            wrench.force[axis] = self.mass;
+            wrench.torque[b] = self.first[c];
+            wrench.torque[c] = -self.first[b];
+        }
+        wrench
+    }
+}
+
+impl Wrench {
+    /// A wrench of a joint's frame in its parent's, about the parent's origin.
+    /// The turned force bears `name`.
+    pub(super) fn to_parent(
+        &self,
+        equations: &mut Equations,
+        name: &'static str,
+        (joint, column): (usize, usize),
+        turn: &Turn,
+        offset: &Vector,
+    ) -> SumWrench {
+        let force = define(equations, name, joint, column, turn.up(&self.force));
+        let mut torque = turn.up(&self.torque);
+        add_cross(&mut torque, offset, &force, false);
+        SumWrench {
+            force: sums_of(&force),
+            torque,
+        }
+    }
+
+    /// The component along the axis of a joint.
+    pub(super) fn along(&self, parameters: &Parameters<'_>, joint: usize) -> Scalar {
+        let axis = parameters.axis(joint);
+        if parameters.is_revolute(joint) {
+            self.torque[axis]
+        } else {
+            self.force[axis]
+        }
+    }
+}
