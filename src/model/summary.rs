@@ -57,6 +57,8 @@ fn counts(model: &Model) -> String {
         joints.filter(|joint| joint.nature == nature).count()
     };
     let mass: f64 = model.bodies.iter().map(|body| body.mass).sum();
+    // The sum without the dust of its additions.
+    let mass: f64 = format!("{mass:.9e}").parse().unwrap_or(mass);
     let rows: usize = model.cuts.iter().map(Cut::rows).sum();
     let [x, y, z] = model.gravity;
     let base_points = model.points.iter().filter(|point| point.body.is_none());

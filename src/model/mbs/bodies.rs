@@ -1,10 +1,10 @@
 //! The base and the tree of bodies: joints, masses, points, sensors.
 
 use super::JOINT_LIMIT;
-use super::fields::{Fields, Messages, diagnostic, place};
+use super::fields::{Fields, Messages, place, second};
 use super::number::{coordinates, number, numbers};
 use crate::model::{Anchor, Asks, Body, Joint, JointKind, Model, Nature, Point, Sensor};
-use robovec_ir::diagnostic::{Label, clip, did_you_mean};
+use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
@@ -189,10 +189,11 @@ fn read_body(
             "give the body another name",
         );
     } else if let Some(&first) = scope.bodies.get(&name) {
-        messages.push_error(repeated(
+        messages.push_error(second(
             &format!("there are two bodies '{}'", clip(&name)),
             name_place.clone(),
             scope.body_places[first].clone(),
+            "give one of them another name",
         ));
     } else if !name.is_empty() {
         scope.bodies.insert(name.clone(), index);
@@ -481,7 +482,7 @@ fn repeated_joints(bodies: &[Fields<'_>], model: &Model, messages: &mut Messages
             .map_or(0..0, place);
         if let Some(first) = seen.get(joint.name.as_str()) {
             if !joint.name.is_empty() {
-                messages.push_error(repeated(
+                messages.push_error(second(
                     &format!(
                         "there are two joints '{}', the second in {}",
                         clip(&joint.name),
@@ -489,24 +490,13 @@ fn repeated_joints(bodies: &[Fields<'_>], model: &Model, messages: &mut Messages
                     ),
                     name_place,
                     first.clone(),
+                    "give one of them another name",
                 ));
             }
         } else {
             seen.insert(&joint.name, name_place);
         }
     }
-}
-
-/// An error about a name that is there twice.
-fn repeated(
-    message: &str,
-    second: Range<usize>,
-    first: Range<usize>,
-) -> robovec_ir::diagnostic::Diagnostic {
-    diagnostic(second.clone(), message, "", "give one of them another name").with_labels(vec![
-        Label::primary(0, second).with_message("the second one"),
-        Label::secondary(0, first).with_message("the first one"),
-    ])
 }
 
 /// Hangs every body on its parent, and every joint on the one before it.
@@ -572,9 +562,13 @@ fn order(bodies: &[Fields<'_>], parents: &[Option<usize>], model: &Model, messag
                 if names.len() > 8 {
                     names.splice(5..names.len() - 1, ["…".to_owned()]);
                 }
+                let message = match names.len() {
+                    2 => format!("body {} hangs on itself", names[0]),
+                    _ => format!("bodies hang on each other: {}", names.join(" on ")),
+                };
                 messages.error(
                     range,
-                    &format!("the bodies {} hang on each other", names.join(" on ")),
+                    &message,
                     "this parent closes the cycle",
                     "hang one of them on the base, and close the loop with a cut",
                 );

@@ -129,9 +129,13 @@ fn explain(error: &Error, text: &str) -> Diagnostic {
     }
 }
 
-/// The name in a closing tag at or just before a byte.
+/// The closing tag at or just before a byte.
 fn close_tag(text: &str, at: usize) -> Range<usize> {
-    let start = text[..after(text, at)].rfind("</").unwrap_or(at);
+    let start = if text[at..].starts_with("</") {
+        at
+    } else {
+        text[..at].rfind("</").unwrap_or(at)
+    };
     let length = text[start..].find('>').map_or(1, |length| length + 1);
     start..start + length
 }

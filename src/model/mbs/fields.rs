@@ -29,6 +29,17 @@ pub(super) fn diagnostic(
         .with_note(format!("help: {help}"))
 }
 
+/// An error about what is there twice.
+pub(super) fn second(
+    message: &str,
+    second: Range<usize>,
+    first: Range<usize>,
+    help: &str,
+) -> Diagnostic {
+    diagnostic(second, message, "the second one", help)
+        .with_label(Label::secondary(0, first).with_message("the first one"))
+}
+
 impl Messages {
     pub(super) fn push_error(&mut self, error: Diagnostic) {
         if self.errors.len() < LIMIT {
@@ -145,18 +156,12 @@ impl<'a> Fields<'a> {
                     .find(|other| other.tag_name().name() == name)
                 {
                     None => children.push(child),
-                    Some(first) => messages.push_error(
-                        diagnostic(
-                            place(child),
-                            &format!("`{name}` is given twice in one `{parent}`"),
-                            "the second one",
-                            "remove one of them",
-                        )
-                        .with_labels(vec![
-                            Label::primary(0, place(child)).with_message("the second one"),
-                            Label::secondary(0, place(*first)).with_message("the first one"),
-                        ]),
-                    ),
+                    Some(first) => messages.push_error(second(
+                        &format!("`{name}` is given twice in one `{parent}`"),
+                        place(child),
+                        place(*first),
+                        "remove one of them",
+                    )),
                 }
             } else if !IGNORED.contains(&name) {
                 let known = one.iter().chain(many).copied();
@@ -247,6 +252,8 @@ impl<'a> Fields<'a> {
                 "this name",
                 "write the name on one line",
             );
+            // So that further messages about it stay on one line.
+            return name.replace(char::is_control, " ");
         }
         name
     }

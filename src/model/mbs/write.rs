@@ -2,7 +2,6 @@
 
 use super::bodies::{BASE, ORIGIN};
 use crate::model::{Anchor, Asks, Body, CutKind, Joint, Link, Model, Nature, Sensor};
-use std::fmt::Write;
 
 /// A model as compact `.mbs` text: no drawings, and nothing that is zero or
 /// false. [`read_mbs`](super::read_mbs) reads an equal model back, provided
@@ -16,9 +15,8 @@ pub fn write_mbs(model: &Model) -> String {
     writer.open("mbsDescR7");
     writer.leaf("mbsname", &model.name);
     writer.open("base");
-    writer.open("gravity");
-    writer.coordinates(model.gravity);
-    writer.close("gravity");
+    let gravity = coordinates(model.gravity);
+    writer.line(&format!("<gravity>{gravity}</gravity>"));
     writer.points(model, None);
     writer.close("base");
     writer.open("bodytree");
@@ -58,6 +56,38 @@ fn escaped(text: &str) -> String {
     result
 }
 
+fn coordinates([x, y, z]: [f64; 3]) -> String {
+    format!("<coordinates><x>{x:?}</x><y>{y:?}</y><z>{z:?}</z></coordinates>")
+}
+
+/// The numbers that are not zero; nothing when all are.
+fn numbers(element: &str, names: &[&str], values: &[f64]) -> String {
+    let given = names.iter().zip(values).filter(|(_, value)| **value != 0.0);
+    let inner: String = given
+        .map(|(name, value)| format!("<{name}>{value:?}</{name}>"))
+        .collect();
+    if inner.is_empty() {
+        return inner;
+    }
+    format!("<{element}>{inner}</{element}>")
+}
+
+/// The sensors, or external forces, at a point.
+fn sensors(element: &str, sensors: &[Sensor], point: usize) -> String {
+    let mut text = String::new();
+    for sensor in sensors.iter().filter(|sensor| sensor.point == point) {
+        let mut asks = sensor.asks;
+        text += &format!("<{element} name=\"{}\"", escaped(&sensor.name));
+        for name in Asks::NAMES {
+            if asks.field(name).is_some_and(|asked| *asked) {
+                text += &format!(" {name}=\"true\"");
+            }
+        }
+        text += "/>";
+    }
+    text
+}
+
 impl Writer {
     fn line(&mut self, line: &str) {
         self.text.extend(std::iter::repeat_n("  ", self.depth));
@@ -77,24 +107,6 @@ impl Writer {
 
     fn leaf(&mut self, name: &str, content: &str) {
         self.line(&format!("<{name}>{}</{name}>", escaped(content)));
-    }
-
-    fn coordinates(&mut self, [x, y, z]: [f64; 3]) {
-        self.line(&format!(
-            "<coordinates><x>{x:?}</x><y>{y:?}</y><z>{z:?}</z></coordinates>"
-        ));
-    }
-
-    /// The numbers that are not zero, on one line; nothing when all are.
-    fn numbers(&mut self, name: &str, names: &[&str], values: &[f64]) {
-        let mut inner = String::new();
-        for (name, value) in names.iter().zip(values).filter(|(_, value)| **value != 0.0) {
-            // Writing to a string cannot fail.
-            let _ = write!(inner, "<{name}>{value:?}</{name}>");
-        }
-        if !inner.is_empty() {
-            self.line(&format!("<{name}>{inner}</{name}>"));
-        }
     }
 
     fn anchor(&mut self, model: &Model, element: &str, anchor: Anchor) {
@@ -124,56 +136,45 @@ impl Writer {
             self.leaf("mass", &format!("{:?}", body.mass));
         }
         if body.center != [0.0; 3] {
-            self.open("com");
-            self.coordinates(body.center);
-            self.close("com");
+            self.line(&format!("<com>{}</com>", coordinates(body.center)));
         }
         let names = ["Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"];
-        self.numbers("inertia", &names, &body.inertia);
+        if body.inertia != [0.0; 6] {
+            self.line(&numbers("inertia", &names, &body.inertia));
+        }
         self.points(model, Some(index));
         self.close("body");
     }
 
     fn joint(&mut self, joint: &Joint) {
-        self.open("joint");
-        self.leaf("jointname", &joint.name);
-        self.leaf("type", joint.kind.name());
-        self.leaf("nature", joint.nature.name());
+        let mut line = format!(
+            "<joint><jointname>{}</jointname><type>{}</type><nature>{}</nature>",
+            escaped(&joint.name),
+            joint.kind.name(),
+            joint.nature.name()
+        );
         if joint.nature == Nature::Driven {
             let velocity = if joint.has_velocity { "<qd/>" } else { "" };
             let acceleration = if joint.has_acceleration { "<qdd/>" } else { "" };
-            self.line(&format!("<symbols><q/>{velocity}{acceleration}</symbols>"));
+            line += &format!("<symbols><q/>{velocity}{acceleration}</symbols>");
         }
-        self.numbers("initialvalue", &["q", "qd", "qdd"], &joint.initial);
+        line += &numbers("initialvalue", &["q", "qd", "qdd"], &joint.initial);
         if joint.actuated {
-            self.line("<actuated/>");
+            line += "<actuated/>";
         }
-        self.close("joint");
+        self.line(&(line + "</joint>"));
     }
 
     fn points(&mut self, model: &Model, body: Option<usize>) {
         let points = model.points.iter().enumerate();
         for (index, point) in points.filter(|(_, point)| point.body == body) {
-            self.open("point");
-            self.leaf("pointname", &point.name);
-            self.coordinates(point.coordinates);
-            self.sensors("sensor", &model.sensors, index);
-            self.sensors("extforce", &model.forces, index);
-            self.close("point");
-        }
-    }
-
-    fn sensors(&mut self, element: &str, sensors: &[Sensor], point: usize) {
-        for sensor in sensors.iter().filter(|sensor| sensor.point == point) {
-            let mut asks = sensor.asks;
-            let mut line = format!("<{element} name=\"{}\"", escaped(&sensor.name));
-            for name in Asks::NAMES {
-                if asks.field(name).is_some_and(|asked| *asked) {
-                    // Writing to a string cannot fail.
-                    let _ = write!(line, " {name}=\"true\"");
-                }
-            }
-            self.line(&format!("{line}/>"));
+            let measured = sensors("sensor", &model.sensors, index);
+            let forces = sensors("extforce", &model.forces, index);
+            self.line(&format!(
+                "<point><pointname>{}</pointname>{}{measured}{forces}</point>",
+                escaped(&point.name),
+                coordinates(point.coordinates)
+            ));
         }
     }
 

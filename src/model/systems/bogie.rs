@@ -80,7 +80,12 @@ fn add_wheelset(builder: &mut Builder, suffix: &str, frame: BodyRef, end: &str, 
             [0.0, sign * HALF_SPAN, 0.0],
         );
         let axle_box = builder.body(&format!("Box_{end}_{side}{suffix}"), journal, &[R2]);
-        builder.mass(axle_box, 120.0, [0.02, 0.01, 0.0], principal(4.0, 6.0, 5.0));
+        builder.mass(
+            axle_box,
+            120.0,
+            [0.02, 0.01, 0.03],
+            principal(4.0, 6.0, 5.0),
+        );
         let direction = along.signum();
         let post = builder.point(
             frame,

@@ -1,0 +1,264 @@
+//! Models: the examples are what the program writes, and every mistake in a
+//! file is told with its place and with what to do.
+
+use robovec::model::family::Family;
+use robovec::model::mbs::{JOINT_LIMIT, read_mbs, write_mbs};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn robovec(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_robovec"))
+        .args(arguments)
+        .output()
+        .expect("the program starts")
+}
+
+/// The `.mbs` files of a folder, sorted.
+fn models(folder: &str) -> Vec<PathBuf> {
+    let entries = fs::read_dir(root().join(folder)).expect("the folder exists");
+    let mut paths: Vec<PathBuf> = entries
+        .map(|entry| entry.expect("it can be listed").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "mbs"))
+        .collect();
+    paths.sort();
+    paths
+}
+
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().expect("a file");
+    name.to_string_lossy().into_owned()
+}
+
+/// `semi-serial-23` is 23 joints of a family; a family of one size is its own
+/// name.
+fn family_of(stem: &str) -> (Family, Option<usize>) {
+    if let Some(family) = Family::from_name(stem) {
+        return (family, None);
+    }
+    let (family, joints) = stem.rsplit_once('-').expect("a family and a number");
+    (
+        Family::from_name(family).expect("a family"),
+        Some(joints.parse().expect("a number")),
+    )
+}
+
+/// With INSTA_UPDATE=always the examples are written instead.
+#[test]
+fn the_examples_are_what_the_command_writes() {
+    let mut stems: Vec<String> = Family::ALL
+        .iter()
+        .filter(|family| family.joints().is_some())
+        .map(|family| family.name().to_owned())
+        .collect();
+    for family in [Family::Serial, Family::SemiSerial, Family::Parallel] {
+        stems.extend([23, 50, 70, 100, 130].map(|joints| format!("{}-{joints}", family.name())));
+    }
+    stems.sort();
+    let folder = root().join("examples/models");
+    for stem in &stems {
+        let (family, joints) = family_of(stem);
+        let number = joints.map(|joints| joints.to_string());
+        let mut arguments = vec!["model", family.name()];
+        if let Some(number) = &number {
+            arguments.extend(["--joints", number]);
+        }
+        let output = robovec(&arguments);
+        assert!(output.status.success(), "{stem}");
+        let path = folder.join(format!("{stem}.mbs"));
+        if std::env::var_os("INSTA_UPDATE").is_some_and(|value| value == "always") {
+            fs::write(&path, &output.stdout).expect("the examples can be written");
+        }
+        let example = fs::read(&path).unwrap_or_default();
+        assert!(
+            example == output.stdout,
+            "{stem}.mbs is not what is written"
+        );
+        let read = read_mbs(stem, &example).expect("our own model");
+        assert!(read.warnings.is_empty(), "{}", read.warnings.render_plain());
+        let model = family.build(joints.unwrap_or_default(), 1);
+        assert!(read.model == model, "{stem}");
+    }
+    let there: Vec<String> = models("examples/models")
+        .iter()
+        .map(|path| file_name(path))
+        .collect();
+    let expected: Vec<String> = stems.iter().map(|stem| format!("{stem}.mbs")).collect();
+    assert_eq!(there, expected);
+}
+
+#[test]
+fn mistakes_are_told_with_place_and_advice() {
+    for path in models("tests/models/errors") {
+        let bytes = fs::read(&path).expect("it can be read");
+        let name = file_name(&path);
+        let shown = match read_mbs(&name, &bytes) {
+            Ok(read) if read.warnings.is_empty() => panic!("{name}: nothing is wrong"),
+            Ok(read) => {
+                let again = read_mbs("again", write_mbs(&read.model).as_bytes());
+                assert!(again.is_ok_and(|again| again.model == read.model), "{name}");
+                read.warnings.render_plain()
+            }
+            Err(error) => {
+                assert!(error.report.has_errors(), "{name}");
+                error.report.render_plain()
+            }
+        };
+        let mut settings = insta::Settings::clone_current();
+        settings.set_snapshot_path(path.parent().expect("a folder").join("snapshots"));
+        settings.set_prepend_module_to_snapshot(false);
+        settings.set_omit_expression(true);
+        settings.bind(|| insta::assert_snapshot!(name, shown.trim_end()));
+    }
+}
+
+#[test]
+fn a_refused_model_exits_with_1_and_writes_nothing() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let result = folder.path().join("result");
+    let result = result.to_str().expect("a plain name");
+    for path in models("tests/models/errors") {
+        let bytes = fs::read(&path).expect("it can be read");
+        if read_mbs("m", &bytes).is_ok() {
+            continue;
+        }
+        let path = path.to_str().expect("a plain name");
+        for arguments in [["model", path, "-o", result], ["gen", path, "-o", result]] {
+            let output = robovec(&arguments);
+            let message = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(1), "{path}: {message}");
+            assert!(!message.contains("panicked"), "{message}");
+            assert!(output.stdout.is_empty() && !Path::new(result).exists());
+        }
+    }
+}
+
+/// A model with these lines in its tree of bodies.
+fn model_of(bodies: &str) -> String {
+    format!("<mbsDescR7><mbsname>m</mbsname><base/><bodytree>{bodies}</bodytree></mbsDescR7>")
+}
+
+fn refusal(text: &[u8]) -> String {
+    match read_mbs("hostile.mbs", text) {
+        Ok(_) => panic!("it is accepted"),
+        Err(error) => {
+            let shown = error.report.render_plain();
+            assert!(shown.len() < 50_000, "a message of {} bytes", shown.len());
+            shown
+        }
+    }
+}
+
+#[test]
+fn huge_and_hostile_files_are_refused_in_time() {
+    let joint =
+        "<joint><jointname>J</jointname><type>R1</type><nature>independent</nature></joint>";
+    let many = model_of(&format!(
+        "<body><bodyname>B</bodyname>{}</body>",
+        joint.repeat(10_000)
+    ));
+    let shown = refusal(many.as_bytes());
+    assert!(
+        shown.contains("10000 joints") && shown.contains(&JOINT_LIMIT.to_string()),
+        "{shown}"
+    );
+    let deep = "<a>".repeat(100_000) + &"</a>".repeat(100_000);
+    let shown = refusal(deep.as_bytes());
+    assert!(shown.contains("not a model"), "{shown}");
+    // What is passed over may be nested as deep as it likes.
+    let inside = model_of(&deep);
+    let shown = refusal(inside.as_bytes());
+    assert!(shown.contains("the model has no body"), "{shown}");
+    let open = "<a>".repeat(100_000);
+    assert!(refusal(open.as_bytes()).contains("cut short"));
+    let attributes: String = (0..100_000).map(|n| format!(" a{n}=\"\"")).collect();
+    let shown = refusal(format!("<mbsDescR7{attributes}/>").as_bytes());
+    assert!(shown.contains("too many attributes"), "{shown}");
+    let chain: String = (0..JOINT_LIMIT)
+        .map(|n| {
+            format!(
+                "<body><bodyname>B{n}</bodyname><parent><bodyname>B{}</bodyname>\
+                 <pointname>origin</pointname></parent>{}</body>",
+                (n + 1) % JOINT_LIMIT,
+                joint.replace('J', &format!("J{n}"))
+            )
+        })
+        .collect();
+    let shown = refusal(model_of(&chain).as_bytes());
+    assert!(shown.contains("bodies hang on each other"), "{shown}");
+    assert!(refusal(&[0, 159, 146, 150]).contains("not text"));
+    assert!(refusal(b"").contains("no element"));
+}
+
+#[test]
+fn encodings_are_told_apart() {
+    let text = "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n".to_owned()
+        + &write_mbs(&Family::DoublePendulum.build(2, 1)).replace("Upper", "Père");
+    let text = text.replacen("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n", "", 1);
+    let latin: Vec<u8> = text
+        .chars()
+        .map(|c| u8::try_from(c).expect("Latin-1"))
+        .collect();
+    let mut utf_8 = b"\xef\xbb\xbf".to_vec();
+    utf_8.extend(text.bytes());
+    let utf_16: Vec<u8> = std::iter::once(0xfeff)
+        .chain(text.encode_utf16())
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    for bytes in [latin, utf_8, utf_16, text.into_bytes()] {
+        let read = read_mbs("m", &bytes).expect("every encoding");
+        assert_eq!(read.model.bodies[0].name, "Père");
+    }
+}
+
+#[test]
+fn the_command_refuses_what_it_cannot_do() {
+    for (arguments, words) in [
+        (&["model", "bogei"][..], "did you mean 'bogie'"),
+        (
+            &["model", "bogie", "--joints", "24"],
+            "always has 23 joints",
+        ),
+        (&["model", "bogie", "--seed", "2"], "no effect"),
+        (&["model", "serial", "--joints", "0"], "1 to 2000"),
+        (&["model", "serial", "--joints", "100000"], "1 to 2000"),
+        (&["model", "nowhere.mbs"], "cannot read"),
+    ] {
+        let output = robovec(arguments);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        assert!(message.contains(words), "{arguments:?}: {message}");
+        assert!(output.stdout.is_empty());
+    }
+}
+
+/// The table of trees in the README is counted again.
+#[test]
+fn the_table_of_trees_is_right() {
+    let text = fs::read_to_string(root().join("examples/models/README.md")).expect("it is there");
+    let rows = text.lines().filter_map(|line| {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let stem = cells.get(1)?.strip_prefix('`')?.strip_suffix(".mbs`")?;
+        (cells.len() == 8).then(|| (stem.to_owned(), cells[2..7].join(" | ")))
+    });
+    let mut count = 0;
+    for (stem, shown) in rows {
+        let (family, joints) = family_of(&stem);
+        let joints = joints.or(family.joints()).expect("a number");
+        let model = family.build(joints, 1);
+        let depths: Vec<usize> = (0..joints)
+            .map(|joint| model.path(Some(joint)).count())
+            .collect();
+        let row: Vec<&str> = shown.split(" | ").collect();
+        assert_eq!(row[0], joints.to_string(), "{stem}");
+        let longest = depths.iter().max().expect("a joint").to_string();
+        assert_eq!(row[3], longest, "{stem}");
+        assert_eq!(row[4], depths.iter().sum::<usize>().to_string(), "{stem}");
+        count += 1;
+    }
+    assert_eq!(count, 16);
+}
