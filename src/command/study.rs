@@ -1,6 +1,9 @@
 //! `robovec study`.
 
-use super::{Failure, input, output};
+use super::{Failure, generation, input, output};
+use crate::generate::{Formulation, FunctionKind, Options, TermOrder};
+use crate::model::Model;
+use crate::model::family::{Family, LARGEST};
 use crate::study::plan::{self, Plan, Selection, Subject};
 use crate::study::program::Sources;
 use crate::study::results::Results;
@@ -8,9 +11,12 @@ use crate::study::store::Store;
 use crate::study::{figures, plot, run, tables};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use robovec_ir::Module;
-use robovec_ir::diagnostic::Report;
+use robovec_ir::diagnostic::{Report, did_you_mean};
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
+
+/// Seed of the parameters of built-in models; equations do not depend on it.
+const SEED: u64 = 1;
 
 /// Place sets of models on sets of machines, and write tables, figures and a
 /// report for the browser.
@@ -106,14 +112,94 @@ fn progress_bar(length: usize) -> ProgressBar {
     bar
 }
 
-/// Programs from files.
+/// Programs from files and from built-in models.
 struct Files;
 
 impl Sources for Files {
     fn equations(&self, subject: &Subject) -> Result<Module, Report> {
-        let read = input::equations(Path::new(&subject.source), None);
-        Ok(read.map_err(|failure| failure.0)?.module)
+        equations(subject).map_err(|failure| failure.0)
     }
+}
+
+fn equations(subject: &Subject) -> Result<Module, Failure> {
+    let path = Path::new(&subject.source);
+    let model = match built_in(&subject.source) {
+        Some(model) => model,
+        None if path.extension().is_some_and(|extension| extension == "mbs") => {
+            input::model(path)?.model
+        }
+        None if path.extension().is_none() && !path.exists() => {
+            return Err(unknown(&subject.source));
+        }
+        None => return Ok(input::equations(path, None)?.module),
+    };
+    let wanted = subject.function.as_deref().unwrap_or("dirdyna");
+    // Sensors are functions with numbers: sensor_1.
+    let name = wanted
+        .trim_end_matches(|c: char| c.is_ascii_digit())
+        .trim_end_matches('_');
+    let Some(kind) = FunctionKind::from_name(name) else {
+        let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
+        return Err(Failure::advised(
+            format!(
+                "model '{}': there is no function '{wanted}' to generate",
+                subject.name
+            ),
+            vec![format!("functions: {names}")],
+        ));
+    };
+    let style = &subject.style;
+    let options = Options {
+        order: if style.child_first {
+            TermOrder::ChildFirst
+        } else {
+            TermOrder::OwnFirst
+        },
+        all_parameters: style.all_parameters,
+        external_forces: style.forces,
+        leading_signs: style.leading_signs,
+        expanded: style.expanded,
+        true_angles: !style.any_angles,
+        ..Options::default()
+    };
+    let formulation = Formulation::from_name(&style.formulation).unwrap_or_default();
+    generation::functions(&model, &[kind], formulation, &options)
+}
+
+/// The built-in model of a name like `bogie` or `serial-23`.
+fn built_in(name: &str) -> Option<Model> {
+    if let Some(family) = Family::from_name(name) {
+        return family.joints().map(|joints| family.build(joints, SEED));
+    }
+    let (family, joints) = name.rsplit_once('-')?;
+    let family = Family::from_name(family).filter(|family| family.joints().is_none())?;
+    let joints = joints
+        .parse()
+        .ok()
+        .filter(|joints| (1..=LARGEST).contains(joints))?;
+    Some(family.build(joints, SEED))
+}
+
+fn unknown(name: &str) -> Failure {
+    let names: Vec<String> = Family::ALL
+        .iter()
+        .map(|family| match family.joints() {
+            Some(_) => family.name().to_owned(),
+            None => format!("{}-N", family.name()),
+        })
+        .collect();
+    let mut notes = Vec::new();
+    if let Some(near) = did_you_mean(name, names.iter().map(String::as_str)) {
+        notes.push(format!("did you mean '{near}'?"));
+    }
+    notes.push(format!(
+        "models: {} with N joints, or a file",
+        names.join(", ")
+    ));
+    Failure::advised(
+        format!("there is no file or built-in model '{name}'"),
+        notes,
+    )
 }
 
 /// Writes all results, each file whole.

@@ -16,6 +16,9 @@ pub(super) struct PlanFile {
     /// The model that the verdict at the top of the report is about.
     #[serde(default)]
     pub(super) headline: Option<Spanned<String>>,
+    /// How equations are generated.
+    #[serde(default)]
+    pub(super) generate: StyleEntry,
     /// The models.
     #[serde(rename = "model")]
     pub(super) models: Vec<ModelEntry>,
@@ -43,6 +46,29 @@ pub(super) struct ModelEntry {
     /// The system of the thesis it stands for.
     #[serde(default)]
     pub(super) printed: Option<Spanned<String>>,
+    /// What is generated differently for this model.
+    #[serde(default)]
+    pub(super) generate: StyleEntry,
+}
+
+/// How equations are generated; what is left out is as usual.
+#[derive(Deserialize, Clone, Default, Debug)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(super) struct StyleEntry {
+    #[serde(default)]
+    pub(super) formulation: Option<Spanned<String>>,
+    #[serde(default)]
+    pub(super) child_first: Option<bool>,
+    #[serde(default)]
+    pub(super) expanded: Option<bool>,
+    #[serde(default)]
+    pub(super) leading_signs: Option<bool>,
+    #[serde(default)]
+    pub(super) forces: Option<bool>,
+    #[serde(default)]
+    pub(super) any_angles: Option<bool>,
+    #[serde(default)]
+    pub(super) all_parameters: Option<bool>,
 }
 
 /// A pipeline.

@@ -54,6 +54,29 @@ pub struct Subject {
     pub function: Option<String>,
     /// The system of the thesis' Table 3.1 it stands for.
     pub printed: Option<String>,
+    /// How equations are generated from a model; files of equations are taken
+    /// as they are.
+    pub style: Style,
+}
+
+/// How equations are generated from a model; see [`crate::generate::Options`].
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Style {
+    /// The recursion.
+    pub formulation: String,
+    /// What children carry stands before a body's own terms.
+    pub child_first: bool,
+    /// Products are multiplied out as Robotran prints them.
+    pub expanded: bool,
+    /// Sums keep a leading minus.
+    pub leading_signs: bool,
+    /// External forces and torques are included.
+    pub forces: bool,
+    /// Nothing is taken for granted of sines and cosines.
+    pub any_angles: bool,
+    /// Parameters that are zero in the model are kept.
+    pub all_parameters: bool,
 }
 
 /// Which rows of Table 3.1 a pipeline is compared with.

@@ -1,10 +1,11 @@
 //! From a plan as written to a plan with indices, or messages with carets.
 
-use super::file::{ElementsEntry, PlanFile, SweepEntry};
+use super::file::{ElementsEntry, PlanFile, StyleEntry, SweepEntry};
 use super::{
     ChoiceKey, DEFAULT_MACHINE, MOST_ELEMENTS, NamedMachine, NamedPipeline, Plan, PriorityKey,
-    Request, Selection, Subject,
+    Request, Selection, Style, Subject,
 };
+use crate::generate::Formulation;
 use crate::study::couples;
 use crate::study::printed;
 use robovec_ir::Operation;
@@ -104,6 +105,7 @@ impl Resolver<'_> {
     fn models(&mut self, file: &PlanFile) {
         let mut seen: BTreeSet<&str> = BTreeSet::new();
         let mut all = Vec::new();
+        let usual = self.style(&[&file.generate]);
         for entry in &file.models {
             let name = entry.name.get_ref();
             if !is_name(name) || name == HEADLINE || !seen.insert(name) {
@@ -127,6 +129,7 @@ impl Resolver<'_> {
                     .clone(),
                 function: entry.function.clone(),
                 printed: entry.printed.as_ref().map(|row| row.get_ref().clone()),
+                style: self.style(&[&entry.generate, &file.generate]),
             });
         }
         let headline = file.headline.as_ref();
@@ -141,13 +144,42 @@ impl Resolver<'_> {
             None => all,
             Some(wanted) => wanted
                 .iter()
-                .map(|wanted| pick_model(&all, wanted))
+                .map(|wanted| pick_model(&all, wanted, &usual))
                 .collect(),
         };
         let headline = headline.map(|headline| headline.get_ref());
         let found = self.plan.models.iter();
         let mut found = found.map(|subject| Some(&subject.name));
         self.plan.headline = found.position(|name| name == headline).unwrap_or(0);
+    }
+
+    /// The style of the first entry that says something, field by field.
+    fn style(&mut self, entries: &[&StyleEntry]) -> Style {
+        let flag = |pick: fn(&StyleEntry) -> Option<bool>, usual: bool| {
+            entries
+                .iter()
+                .find_map(|entry| pick(entry))
+                .unwrap_or(usual)
+        };
+        let formulation = entries.iter().find_map(|entry| entry.formulation.as_ref());
+        if let Some(name) = formulation
+            && Formulation::from_name(name.get_ref()).is_none()
+        {
+            let message = format!("there is no formulation '{}'", name.get_ref());
+            let mut notes = suggestion(did_you_mean(name.get_ref(), Formulation::names()));
+            notes.push(format!("formulations: {}", Formulation::names().join(", ")));
+            self.problem(name.span(), message, notes);
+        }
+        let usual = Formulation::default().name();
+        Style {
+            formulation: formulation.map_or(usual, |name| name.get_ref()).to_owned(),
+            child_first: flag(|entry| entry.child_first, false),
+            expanded: flag(|entry| entry.expanded, false),
+            leading_signs: flag(|entry| entry.leading_signs, false),
+            forces: flag(|entry| entry.forces, true),
+            any_angles: flag(|entry| entry.any_angles, false),
+            all_parameters: flag(|entry| entry.all_parameters, false),
+        }
     }
 
     fn pipelines(&mut self, file: &PlanFile) {
@@ -414,7 +446,7 @@ fn suggestion(near: Option<&str>) -> Vec<String> {
 }
 
 /// A model of the plan, or one of the user's own, named after its file.
-fn pick_model(all: &[Subject], wanted: &str) -> Subject {
+fn pick_model(all: &[Subject], wanted: &str, style: &Style) -> Subject {
     if let Some(known) = all.iter().find(|known| known.name == wanted) {
         return known.clone();
     }
@@ -434,6 +466,7 @@ fn pick_model(all: &[Subject], wanted: &str) -> Subject {
         source: wanted.to_owned(),
         function: None,
         printed: None,
+        style: style.clone(),
     }
 }
 
