@@ -4,14 +4,16 @@ use super::{Failure, generation, input, output};
 use crate::generate::{Formulation, FunctionKind, Options, TermOrder};
 use crate::model::Model;
 use crate::model::family::{Family, LARGEST};
+use crate::study::cpu::{self, Computer, CpuTime};
 use crate::study::plan::{self, Plan, Selection, Subject};
-use crate::study::program::Sources;
+use crate::study::program::{Equations, Sources};
 use crate::study::results::Results;
 use crate::study::store::Store;
-use crate::study::{figures, plot, run, tables};
+use crate::study::{figures, page, plot, run, tables};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use robovec_ir::Module;
 use robovec_ir::diagnostic::{Report, did_you_mean};
+use std::fs;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
@@ -44,6 +46,13 @@ pub(super) struct Arguments {
     /// Use the points that an earlier run left in the folder
     #[arg(long)]
     resume: bool,
+    /// Also time the same functions on one core of this computer, as C
+    /// compiled by cc
+    #[arg(long)]
+    cpu: bool,
+    /// Leave functions with more operations than this out of --cpu
+    #[arg(long, value_name = "OPERATIONS", default_value_t = cpu::LARGEST)]
+    cpu_limit: usize,
     /// Threads; as many as there are processors by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     jobs: Option<u32>,
@@ -56,7 +65,12 @@ pub(super) fn study(arguments: &Arguments) -> Result<String, Failure> {
     let store = Store::open(&arguments.output.join("points"), arguments.resume)
         .map_err(|error| Failure::plain(format!("cannot make the folder for points: {error}")))?;
     let results = compute(arguments, plan, &store)?;
-    write(&arguments.output, &results)?;
+    let times = if arguments.cpu {
+        time(arguments, &results)?
+    } else {
+        Vec::new()
+    };
+    write(&arguments.output, &results, &times)?;
     Ok(summary(&results, &arguments.output))
 }
 
@@ -202,8 +216,43 @@ fn unknown(name: &str) -> Failure {
     )
 }
 
+/// Times every program on one core, one after the other; times of an earlier
+/// run are used when it goes on.
+fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failure> {
+    let path = arguments.output.join("cpu.json");
+    let earlier: Vec<CpuTime> = match fs::read_to_string(&path) {
+        Ok(text) if arguments.resume => serde_json::from_str(&text).unwrap_or_default(),
+        Ok(_) | Err(_) => Vec::new(),
+    };
+    let computer = Computer::this();
+    let plan = &results.plan;
+    let Some(machine) = results.main_machine() else {
+        return Ok(Vec::new());
+    };
+    let bar = progress_bar(plan.models.len() * plan.pipelines.len());
+    let mut times = Vec::new();
+    for (index, subject) in plan.models.iter().enumerate() {
+        let equations = Equations::load(subject, &Files).map_err(Failure)?;
+        for (pipeline, named) in plan.pipelines.iter().enumerate() {
+            bar.inc(1);
+            bar.set_message(format!("{} on one core", subject.name));
+            if results.program(index, pipeline, machine).is_none() {
+                continue;
+            }
+            let program = equations.optimise(subject, named, &plan.machines[machine]);
+            let program = program.map_err(Failure::plain)?;
+            let known = earlier.iter().find(|time| time.is_of(&program, &computer));
+            let time = || cpu::measure(&program, &computer, arguments.cpu_limit);
+            times.push(known.cloned().unwrap_or_else(time));
+        }
+    }
+    bar.finish_and_clear();
+    output::write_file(&path, |writer| writer.write_all(json(&times).as_bytes()))?;
+    Ok(times)
+}
+
 /// Writes all results, each file whole.
-fn write(folder: &Path, results: &Results) -> Result<(), Failure> {
+fn write(folder: &Path, results: &Results, times: &[CpuTime]) -> Result<(), Failure> {
     let file = |name: &str, text: &str| {
         output::write_file(&folder.join(name), |writer| {
             writer.write_all(text.as_bytes())
@@ -212,17 +261,23 @@ fn write(folder: &Path, results: &Results) -> Result<(), Failure> {
     for part in ["tables", "figures"] {
         output::make_folder(&folder.join(part))?;
     }
-    for table in tables::all(results) {
+    let tables = tables::all(results);
+    let figures = figures::all(results);
+    for table in &tables {
         file(&format!("tables/{}.csv", table.name), &table.to_csv())?;
-        file(&format!("tables/{}.json", table.name), &json(&table))?;
+        file(&format!("tables/{}.json", table.name), &json(table))?;
     }
-    for figure in figures::all(results) {
+    for figure in &figures {
         file(
             &format!("figures/{}.svg", figure.name),
             &plot::draw(&figure),
         )?;
         file(&format!("figures/{}.csv", figure.name), &figure.to_csv())?;
     }
+    file(
+        "report.html",
+        &page::page(results, &tables, &figures, times),
+    )?;
     file("results.json", &json(&results.to_json()))
 }
 

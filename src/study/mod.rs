@@ -11,9 +11,12 @@
 //! alone: no clock, no number of threads, no order of work enters a result.
 
 pub mod couples;
+pub mod cpu;
 pub mod figure;
 pub mod figures;
+pub mod knee;
 pub mod occupation;
+pub mod page;
 pub mod plan;
 pub mod plot;
 pub mod point;
@@ -24,3 +27,4 @@ pub mod run;
 pub mod store;
 pub mod table;
 pub mod tables;
+pub mod verdict;

@@ -15,6 +15,8 @@ use super::figure::{Figure, Zone};
 use super::program::ProgramFacts;
 use super::results::{Placed, Results};
 
+pub(super) use split::{best_splits, grid};
+
 /// How far above its longest chain a schedule may be to count as saturated,
 /// and how far above full use of the scarcer kind to count as parallel.
 pub const SATURATED: f64 = 1.02;

@@ -1,8 +1,12 @@
 //! The tables of a study, each named by its number in the thesis.
 
+mod cases;
+mod knees;
 mod operators;
 mod orders;
 mod points;
+mod ranks;
+mod reasons;
 
 use super::results::Results;
 use super::table::Table;
@@ -10,7 +14,12 @@ use super::table::Table;
 /// All tables for which the study has points.
 pub fn all(results: &Results) -> Vec<Table> {
     let mut tables = operators::tables();
+    tables.extend(ranks::table(results));
     tables.extend(orders::table(results));
+    tables.extend(cases::table(results));
+    tables.extend(knees::table(results));
+    tables.extend(knees::splits(results));
+    tables.extend(knees::couples_table(results));
     tables.push(points::programs(results));
     tables.push(points::points(results));
     tables

@@ -1,0 +1,100 @@
+//! How many elements a program is worth: the knee, the zones around it, and
+//! what limits each (thesis 3.3).
+
+use super::figure::Zone;
+use super::figures::{SATURATED, zone};
+use super::program::ProgramFacts;
+use super::results::{Placed, Results};
+use serde::Serialize;
+
+/// What the placements of one program say.
+#[derive(Clone, Debug, Serialize)]
+pub struct Knee {
+    /// The longest chain, in cycles.
+    pub chain: u32,
+    /// The number Y.
+    pub number_y: f64,
+    /// The smallest equal numbers within 2 % of the longest chain.
+    pub equal: Option<Split>,
+    /// The cheapest numbers within 2 % of the longest chain, unequal ones
+    /// included.
+    pub cheapest: Option<Split>,
+    /// The largest equal numbers that are busy nearly all the time.
+    pub busiest: Option<Split>,
+    /// The fastest placement of all.
+    pub fastest: Option<Split>,
+    /// One adder and one multiplier.
+    pub single: Option<Split>,
+    /// True when every equal number from one up to the knee was placed, so
+    /// that the knee is exact.
+    pub is_exact: bool,
+}
+
+/// Adders and multipliers, and what they reach.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Split {
+    /// Adders.
+    pub n_add: u32,
+    /// Multipliers.
+    pub n_multi: u32,
+    /// Length of the schedule.
+    pub cycles: u32,
+    /// Operations per element and cycle.
+    pub rate: f64,
+}
+
+impl Split {
+    fn of(placed: Placed<'_>) -> Split {
+        Split {
+            n_add: placed.request.n_add,
+            n_multi: placed.request.n_multi,
+            cycles: placed.point.cycles,
+            rate: placed.point.rate,
+        }
+    }
+
+    /// All elements.
+    pub fn elements(&self) -> u32 {
+        self.n_add + self.n_multi
+    }
+
+    /// `4+4 (8)`, as the thesis' two ways of counting need it.
+    pub fn text(&self) -> String {
+        format!("{}+{} ({})", self.n_add, self.n_multi, self.elements())
+    }
+}
+
+/// The knee of a program on a machine; `None` when it was not placed.
+pub fn knee(results: &Results, model: usize, pipeline: usize, machine: usize) -> Option<Knee> {
+    let facts = results.program(model, pipeline, machine)?;
+    let mut placed: Vec<Placed<'_>> = results.usual(model, pipeline, machine).collect();
+    placed.sort_by_key(|placed| (placed.elements(), placed.point.cycles, placed.request.n_add));
+    if placed.is_empty() {
+        return None;
+    }
+    let reaches = |placed: &&Placed<'_>| is_saturated(facts, **placed);
+    let equal = || placed.iter().filter(|placed| placed.is_equal());
+    let knee = equal().find(reaches);
+    let counts: Vec<u32> = equal().map(|placed| placed.request.n_add).collect();
+    let exact = knee.is_some_and(|knee| (1..=knee.request.n_add).all(|n| counts.contains(&n)));
+    let busy = |placed: &&Placed<'_>| zone(facts, **placed) == Zone::Parallelisation;
+    let split = |placed: Option<&Placed<'_>>| placed.copied().map(Split::of);
+    Some(Knee {
+        chain: facts.asap_cycle,
+        number_y: facts.number_y(),
+        equal: split(knee),
+        cheapest: split(placed.iter().find(reaches)),
+        busiest: split(equal().filter(busy).last()),
+        fastest: split(
+            placed
+                .iter()
+                .min_by_key(|placed| (placed.point.cycles, placed.elements())),
+        ),
+        single: split(equal().find(|placed| placed.request.n_add == 1)),
+        is_exact: exact,
+    })
+}
+
+fn is_saturated(facts: &ProgramFacts, placed: Placed<'_>) -> bool {
+    f64::from(placed.point.cycles) <= SATURATED * f64::from(facts.asap_cycle)
+}

@@ -1,0 +1,199 @@
+//! How many elements each program is worth.
+
+use super::super::couples::{MEMORY_CAP_MHZ, couples};
+use super::super::figures::{best_splits, grid, ladder};
+use super::super::knee::{Split, knee};
+use super::super::results::Results;
+use super::super::table::{Cell, Table};
+
+fn columns(names: &[&str]) -> Vec<String> {
+    names.iter().map(|&name| name.to_owned()).collect()
+}
+
+/// The knee of every program.
+pub(super) fn table(results: &Results) -> Option<Table> {
+    let machine = results.main_machine()?;
+    let mut rows = Vec::new();
+    for model in 0..results.plan.models.len() {
+        for pipeline in 0..results.plan.pipelines.len() {
+            let Some((facts, knee)) = results
+                .program(model, pipeline, machine)
+                .zip(knee(results, model, pipeline, machine))
+            else {
+                continue;
+            };
+            let text = |split: Option<Split>| match split {
+                Some(split) => Cell::text(split.text()),
+                None => Cell::Empty,
+            };
+            let number = |value: Option<f64>, decimals| {
+                value.map_or(Cell::Empty, |value| Cell::number(value, decimals))
+            };
+            rows.push(vec![
+                Cell::text(&facts.model),
+                Cell::text(&facts.pipeline),
+                Cell::number(knee.number_y, 2),
+                text(knee.busiest),
+                text(knee.equal),
+                Cell::text(if knee.is_exact { "yes" } else { "no" }),
+                text(knee.cheapest),
+                knee.cheapest
+                    .map_or(Cell::Empty, |split| Cell::count(split.cycles)),
+                number(knee.cheapest.map(|split| 100.0 * split.rate), 1),
+                number(
+                    knee.single.zip(knee.cheapest).map(|(single, best)| {
+                        f64::from(single.cycles) / f64::from(best.cycles.max(1))
+                    }),
+                    1,
+                ),
+            ]);
+        }
+    }
+    (!rows.is_empty()).then(|| Table {
+        name: "knee".to_owned(),
+        title: "How many elements each program is worth".to_owned(),
+        caption: "Adders + multipliers (all). Busy: the largest equal numbers whose scarcer kind \
+            starts an operation in nine of ten cycles. Knee: the smallest equal numbers within \
+            2 % of the longest chain, exact where all smaller ones were placed. Cheapest: the \
+            fewest elements within 2 %, unequal numbers included."
+            .to_owned(),
+        columns: columns(&[
+            "model",
+            "pipeline",
+            "number Y",
+            "busy up to",
+            "knee",
+            "exact",
+            "cheapest",
+            "cycles there",
+            "parallelisation rate there (%)",
+            "times as fast as 1+1",
+        ]),
+        rows,
+    })
+}
+
+/// The best split of each total.
+pub(super) fn splits(results: &Results) -> Option<Table> {
+    let model = results.plan.headline;
+    let mut rows = Vec::new();
+    for pipeline in 0..results.plan.pipelines.len() {
+        let all = grid(results, model, pipeline);
+        let largest = all
+            .iter()
+            .map(|placed| placed.request.n_add)
+            .max()
+            .unwrap_or(0);
+        for best in best_splits(&all) {
+            let equal = all
+                .iter()
+                .find(|placed| placed.is_equal() && placed.elements() == best.elements());
+            if best.elements() > largest + 1 {
+                continue;
+            }
+            let cycles = |cycles: Option<u32>| cycles.map_or(Cell::Empty, Cell::count);
+            let equal = equal.map(|placed| placed.point.cycles);
+            let gain = equal.map_or(Cell::Empty, |equal| {
+                Cell::number(
+                    100.0 * (1.0 - f64::from(best.point.cycles) / f64::from(equal)),
+                    1,
+                )
+            });
+            rows.push(vec![
+                Cell::text(&results.plan.pipelines[pipeline].name),
+                Cell::count(best.elements()),
+                Cell::count(best.request.n_add),
+                Cell::count(best.request.n_multi),
+                Cell::count(best.point.cycles),
+                cycles(equal),
+                gain,
+            ]);
+        }
+    }
+    (!rows.is_empty()).then(|| Table {
+        name: "split".to_owned(),
+        title: format!(
+            "Best split of a number of elements, {}",
+            results.plan.models[model].name
+        ),
+        caption: "For each total the numbers of adders and multipliers with the fewest cycles, \
+            and what equal numbers take."
+            .to_owned(),
+        columns: columns(&[
+            "pipeline",
+            "elements",
+            "adders",
+            "multipliers",
+            "cycles",
+            "cycles of equal numbers",
+            "saved (%)",
+        ]),
+        rows,
+    })
+}
+
+/// All couples of Table 1.3, with and without the cap.
+pub(super) fn couples_table(results: &Results) -> Option<Table> {
+    let model = results.plan.headline;
+    let mut rows = Vec::new();
+    for pipeline in 0..results.plan.pipelines.len() {
+        for couple in couples() {
+            let machines = &results.plan.machines;
+            let Some(machine) = machines
+                .iter()
+                .position(|machine| machine.couple == Some(couple.stages()))
+            else {
+                continue;
+            };
+            let Some(facts) = results.program(model, pipeline, machine) else {
+                continue;
+            };
+            let placed = ladder(results, model, pipeline, machine);
+            let Some(best) = placed
+                .iter()
+                .min_by_key(|placed| (placed.point.cycles, placed.elements()))
+            else {
+                continue;
+            };
+            let [add, multi] = couple.stages();
+            let capped = couple.mhz().min(MEMORY_CAP_MHZ);
+            let time = |cycles: u32, mhz: u32| Cell::number(f64::from(cycles) / f64::from(mhz), 3);
+            rows.push(vec![
+                Cell::text(&results.plan.pipelines[pipeline].name),
+                Cell::text(format!("{add}+{multi}")),
+                Cell::count(couple.mhz()),
+                Cell::count(facts.asap_cycle),
+                time(facts.asap_cycle, couple.mhz()),
+                time(facts.asap_cycle, capped),
+                Cell::number(facts.number_y(), 2),
+                Cell::text(format!("{}+{}", best.request.n_add, best.request.n_multi)),
+                time(best.point.cycles, couple.mhz()),
+                time(best.point.cycles, capped),
+            ]);
+        }
+    }
+    (!rows.is_empty()).then(|| Table {
+        name: "couples".to_owned(),
+        title: format!(
+            "All couples of Table 1.3, {}",
+            results.plan.models[model].name
+        ),
+        caption: format!(
+            "The longest chain and the fastest placement tried, at the couple's own clock and at \
+             most at {MEMORY_CAP_MHZ} MHz, which double-pumped memories allow."
+        ),
+        columns: columns(&[
+            "pipeline",
+            "stages",
+            "clock (MHz)",
+            "ASAPCycle",
+            "longest chain (µs)",
+            "longest chain, capped (µs)",
+            "number Y",
+            "fastest",
+            "fastest (µs)",
+            "fastest, capped (µs)",
+        ]),
+        rows,
+    })
+}

@@ -1,0 +1,118 @@
+//! Why a row of Table 3.1 differs from the thesis': what is known of the
+//! model, with figures from both sides.
+
+use super::super::plan::{Printed, Subject};
+use super::super::printed::{System, Topology, thesis};
+use super::super::program::ProgramFacts;
+use super::super::results::Results;
+
+/// Equations and vectors of the two systems for which the thesis gives them
+/// (3.1 and the introduction to chapter 2).
+const BOGIE_EQUATIONS: [u32; 2] = [1812, 18];
+const MIXED_EQUATIONS: [u32; 2] = [18_536, 80];
+
+/// Of a system as written.
+pub(super) fn original(system: &System, subject: &Subject, facts: &ProgramFacts) -> String {
+    if subject.source != built_in(system) {
+        return "the equations are of another system than the thesis'".to_owned();
+    }
+    let counted = |[equations, vectors]: [u32; 2]| {
+        format!(
+            "it has {} equations in {} vectors where the thesis counts {equations} in {vectors}",
+            facts.equations, facts.vectors
+        )
+    };
+    match system.topology {
+        Topology::Bogie => format!(
+            "the thesis' bogie is not published; ours has the usual bodies and joints of a motor \
+             bogie, and {}",
+            counted(BOGIE_EQUATIONS)
+        ),
+        Topology::Mixed => format!(
+            "the thesis' system is not published; ours is a tree of revolute joints chosen to \
+             come close in operations and chain, and {}",
+            counted(MIXED_EQUATIONS)
+        ),
+        Topology::Serial if system.dof == 23 => "the thesis' chain is not published; ours \
+            (revolute joints about two axes in turn, full inertias) was fitted to this row, and \
+            printed order decides the chain"
+            .to_owned(),
+        Topology::Serial => format!(
+            "the 23-dof chain with more bodies, nothing fitted to this row; operations per dof^2 \
+             are {:.1} here and {:.1} in the thesis, where the serial rows vary from {}",
+            per_square(facts.operations as f64, system.dof),
+            per_square(f64::from(system.original.operations), system.dof),
+            serial_range(),
+        ),
+        Topology::SemiSerial | Topology::Parallel => "the thesis does not say how its chains \
+            branch; the tree of ours was chosen among such with the serial models' bodies to \
+            come close in operations and chain"
+            .to_owned(),
+    }
+}
+
+/// Of a system changed by hand in the thesis and by the compiler here.
+pub(super) fn modified(
+    results: &Results,
+    model: usize,
+    pipeline: usize,
+    facts: &ProgramFacts,
+) -> String {
+    let machine = results.main_machine();
+    let before = results.pipeline(Printed::Original).zip(machine);
+    let before = before.and_then(|(original, machine)| results.program(model, original, machine));
+    let (Some(before), Some(system)) = (before, results.system(model)) else {
+        return "the compiler's chain beside the thesis' by hand".to_owned();
+    };
+    let share = |after: f64, before: f64| 100.0 * after / before.max(1.0);
+    let mut text = format!(
+        "the compiler takes the chain to {:.0} % of the unmodified one",
+        share(f64::from(facts.asap_cycle), f64::from(before.asap_cycle))
+    );
+    if let Some(row) = results.row(model, pipeline) {
+        text += &format!(
+            ", the thesis by hand to {:.0} %",
+            share(
+                f64::from(row.asap_cycle),
+                f64::from(system.original.asap_cycle)
+            )
+        );
+    }
+    text + &format!(
+        "; it drops leading zeros and shares equal sums, {:+.1} % operations, where the thesis \
+         repeats the count of the unmodified system",
+        share(facts.operations as f64, before.operations as f64) - 100.0
+    )
+}
+
+/// The name of our model of a system.
+fn built_in(system: &System) -> String {
+    match system.topology {
+        Topology::Bogie => "bogie".to_owned(),
+        Topology::Mixed => "thesis-70".to_owned(),
+        Topology::Serial | Topology::SemiSerial | Topology::Parallel => {
+            format!("{}-{}", system.topology.name(), system.dof)
+        }
+    }
+}
+
+fn per_square(operations: f64, dof: u32) -> f64 {
+    operations / f64::from(dof * dof)
+}
+
+/// The least and the largest number of operations per square of the degrees
+/// of freedom among the serial rows of the thesis.
+fn serial_range() -> String {
+    let serial = thesis()
+        .systems
+        .iter()
+        .filter(|system| system.topology == Topology::Serial);
+    let mut shares: Vec<f64> = serial
+        .map(|system| per_square(f64::from(system.original.operations), system.dof))
+        .collect();
+    shares.sort_by(f64::total_cmp);
+    let ends = shares.first().zip(shares.last());
+    ends.map_or(String::new(), |(low, high)| {
+        format!("{low:.1} to {high:.1}")
+    })
+}

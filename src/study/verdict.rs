@@ -1,0 +1,201 @@
+//! What the study means, in plain words, computed from its points.
+
+use super::figures::{BUSY, SATURATED};
+use super::knee::{Knee, Split, knee};
+use super::program::ProgramFacts;
+use super::results::Results;
+use serde::Serialize;
+
+/// The verdict about one program.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verdict {
+    /// The model.
+    pub model: String,
+    /// The pipeline.
+    pub pipeline: String,
+    /// The answer in one sentence.
+    pub answer: String,
+    /// Why, sentence by sentence.
+    pub reasons: Vec<String>,
+    /// The three zones: name, range of elements, what limits them.
+    pub zones: Vec<[String; 3]>,
+    /// The figures behind it.
+    pub knee: Knee,
+}
+
+/// The verdict about every program on the machine of the ordinary figures:
+/// the headline model first.
+pub fn verdicts(results: &Results) -> Vec<Verdict> {
+    let Some(machine) = results.main_machine() else {
+        return Vec::new();
+    };
+    let headline = results.plan.headline;
+    let others = (0..results.plan.models.len()).filter(|&model| model != headline);
+    let models = std::iter::once(headline).chain(others);
+    let pipelines = results.plan.pipelines.len();
+    let pairs = models.flat_map(|model| (0..pipelines).map(move |pipeline| (model, pipeline)));
+    pairs
+        .filter_map(|(model, pipeline)| verdict(results, model, pipeline, machine))
+        .collect()
+}
+
+fn verdict(results: &Results, model: usize, pipeline: usize, machine: usize) -> Option<Verdict> {
+    let facts = results.program(model, pipeline, machine)?;
+    let knee = knee(results, model, pipeline, machine)?;
+    let mhz = results.plan.machines[machine].machine.clock_mhz;
+    Some(Verdict {
+        model: facts.model.clone(),
+        pipeline: facts.pipeline.clone(),
+        answer: answer(facts, &knee, mhz),
+        reasons: reasons(facts, &knee, mhz),
+        zones: zones(facts, &knee),
+        knee,
+    })
+}
+
+fn microseconds(cycles: u32, mhz: f64) -> String {
+    format!("{:.2} µs", f64::from(cycles) / mhz)
+}
+
+fn elements(split: &Split) -> String {
+    let plural =
+        |count: u32, noun: &str| format!("{count} {noun}{}", if count == 1 { "" } else { "s" });
+    format!(
+        "{} and {}",
+        plural(split.n_add, "adder"),
+        plural(split.n_multi, "multiplier")
+    )
+}
+
+fn answer(facts: &ProgramFacts, knee: &Knee, mhz: f64) -> String {
+    let model = &facts.model;
+    match (&knee.cheapest, &knee.fastest) {
+        (Some(best), _) => {
+            let gain = 100.0 * (f64::from(best.cycles) / f64::from(knee.chain.max(1)) - 1.0);
+            let beyond = if gain <= 0.0 {
+                "no number of elements is faster".to_owned()
+            } else {
+                format!(
+                    "no number of elements is more than {:.1} % faster",
+                    gain.max(0.1)
+                )
+            };
+            format!(
+                "{model} is worth {} processing elements: {}. They compute it in {} cycles, {} \
+                 at {mhz} MHz; {beyond}.",
+                best.elements(),
+                elements(best),
+                best.cycles,
+                microseconds(best.cycles, mhz),
+            )
+        }
+        (None, Some(fastest)) => format!(
+            "{model} is worth more than the {} processing elements that were tried ({}): they \
+             take {} cycles, {} at {mhz} MHz, and the longest chain of operations takes {}.",
+            fastest.elements(),
+            elements(fastest),
+            fastest.cycles,
+            microseconds(fastest.cycles, mhz),
+            knee.chain,
+        ),
+        (None, None) => format!("{model} could not be placed."),
+    }
+}
+
+fn reasons(facts: &ProgramFacts, knee: &Knee, mhz: f64) -> Vec<String> {
+    let share = 100.0 * facts.mul as f64 / facts.operations.max(1) as f64;
+    let mut reasons = vec![
+        format!(
+            "It has {} operations, {share:.0} % of them multiplications. The longest chain of \
+             operations that wait for one another has {} operations and takes {} cycles, {}: \
+             nothing computes it faster, however many elements there are.",
+            facts.operations,
+            facts.asap,
+            facts.asap_cycle,
+            microseconds(facts.asap_cycle, mhz),
+        ),
+        format!(
+            "Shared evenly, the operations would keep {:.1} elements busy for that long (the \
+             thesis' number Y). That is where more elements begin to be idle.",
+            facts.number_y(),
+        ),
+    ];
+    if let (Some(cheapest), Some(equal)) = (&knee.cheapest, &knee.equal)
+        && cheapest.elements() < equal.elements()
+    {
+        reasons.push(format!(
+            "With as many adders as multipliers it takes {} elements instead of {}, because the \
+             two kinds of operations are not equally many.",
+            equal.elements(),
+            cheapest.elements(),
+        ));
+    }
+    if let (Some(single), Some(best)) = (&knee.single, knee.cheapest.or(knee.fastest)) {
+        reasons.push(format!(
+            "One adder and one multiplier take {} cycles ({}). {} elements are {:.1} times as \
+             fast, and busy {:.0} % of the time instead of {:.0} %.",
+            single.cycles,
+            microseconds(single.cycles, mhz),
+            best.elements(),
+            f64::from(single.cycles) / f64::from(best.cycles.max(1)),
+            100.0 * best.rate,
+            100.0 * single.rate,
+        ));
+    }
+    reasons
+}
+
+/// The three zones in equal numbers of adders and multipliers.
+fn zones(facts: &ProgramFacts, knee: &Knee) -> Vec<[String; 3]> {
+    let scarce = if facts.mul >= facts.add_sub {
+        "multipliers"
+    } else {
+        "adders"
+    };
+    let mut zones = Vec::new();
+    let range = |from: u32, to: u32| match from {
+        from if from >= to => format!("{to} elements"),
+        from => format!("{from} to {to} elements"),
+    };
+    if let Some(busiest) = &knee.busiest {
+        zones.push([
+            "Parallelisation".to_owned(),
+            range(2, busiest.elements()),
+            format!(
+                "limited by the {scarce}: they start an operation in at least {:.0} % of all \
+                 cycles, so that every further one shortens the run",
+                100.0 / BUSY
+            ),
+        ]);
+    }
+    let from = knee.busiest.map_or(2, |busiest| busiest.elements() + 2);
+    match &knee.equal {
+        Some(equal) => {
+            if from < equal.elements() {
+                zones.push([
+                    "Transition".to_owned(),
+                    range(from, equal.elements() - 2),
+                    "limited by both: elements wait for operands in some cycles, and operands \
+                     for elements in others"
+                        .to_owned(),
+                ]);
+            }
+            zones.push([
+                "Saturation".to_owned(),
+                format!("{} elements and more", equal.elements()),
+                format!(
+                    "limited by the longest chain: within {:.0} % of its {} cycles, more \
+                     elements are idle elements",
+                    100.0 * (SATURATED - 1.0),
+                    knee.chain
+                ),
+            ]);
+        }
+        None => zones.push([
+            "Transition".to_owned(),
+            format!("{from} elements and more, as far as was tried"),
+            "limited by both elements and chains".to_owned(),
+        ]),
+    }
+    zones
+}
