@@ -57,6 +57,8 @@ pub struct Equations {
     dynamics: Compiled,
     position: Option<Compiled>,
     acceleration: Option<Compiled>,
+    links: Option<Compiled>,
+    forces: Option<Compiled>,
     /// The cut of each row of the constraints.
     row_cuts: Vec<usize>,
 }
@@ -83,7 +85,13 @@ impl Equations {
             position = Some(compiled(FunctionKind::ConsHJ)?);
             acceleration = Some(compiled(FunctionKind::ConsJdqd)?);
         }
+        let optional = |needed: bool, function| {
+            let function = needed.then(|| compiled(function));
+            function.transpose()
+        };
         Ok(Equations {
+            links: optional(!model.links.is_empty(), FunctionKind::Link)?,
+            forces: optional(!model.forces.is_empty(), FunctionKind::Extforces)?,
             precision: setting.precision,
             joints: model.joints.len(),
             dynamics: compiled(FunctionKind::Dirdyna)?,
@@ -140,6 +148,53 @@ impl Equations {
         }
     }
 
+    /// The length of each link and its rate.
+    pub fn link_lengths(&self, state: &State) -> Vec<[f64; 2]> {
+        let Some(compiled) = &self.links else {
+            return Vec::new();
+        };
+        let outputs = self.evaluate(compiled, state);
+        let count = state.links.len();
+        let (lengths, rates) = (outputs.vector("Z", count), outputs.vector("Zd", count));
+        lengths
+            .into_iter()
+            .zip(rates)
+            .map(<[f64; 2]>::from)
+            .collect()
+    }
+
+    /// Velocity and angular velocity of the point of each external force, in
+    /// the base frame.
+    pub fn force_motion(&self, state: &State) -> Vec<[[f64; 3]; 2]> {
+        let Some(compiled) = &self.forces else {
+            return Vec::new();
+        };
+        let outputs = self.evaluate(compiled, state);
+        let vector = |prefix: &str, number: usize| {
+            let vector = outputs.vector(&format!("{prefix}{number}"), 3);
+            [vector[0], vector[1], vector[2]]
+        };
+        (1..=state.external.len())
+            .map(|number| [vector("VxF", number), vector("OMxF", number)])
+            .collect()
+    }
+
+    /// Adds the forces of links to the forces and torques on bodies.
+    pub fn add_links(&self, state: &mut State) {
+        if let Some(compiled) = &self.links {
+            let outputs = self.evaluate(compiled, state);
+            outputs.loads(state);
+        }
+    }
+
+    /// Adds external forces to the forces and torques on bodies.
+    pub fn add_forces(&self, state: &mut State) {
+        if let Some(compiled) = &self.forces {
+            let outputs = self.evaluate(compiled, state);
+            outputs.loads(state);
+        }
+    }
+
     fn evaluate<'a>(&self, compiled: &'a Compiled, state: &State) -> Outputs<'a> {
         let inputs = compiled.inputs.gather(state);
         let numbers = match self.precision {
@@ -181,6 +236,26 @@ impl Outputs<'_> {
         let mut vector = self.array(name).1.to_vec();
         vector.resize(length, 0.0);
         vector
+    }
+
+    /// Takes over the columns of `frc` and `trq` that the function sets.
+    fn loads(&self, state: &mut State) {
+        let arrays = [("frc", &mut state.frc), ("trq", &mut state.trq)];
+        for (name, columns) in arrays {
+            let Some(array) = self.compiled.outputs.iter().find(|array| array.0 == name) else {
+                continue;
+            };
+            for assignment in &self.compiled.function.assignments {
+                let place = assignment.output.index();
+                let Some(offset) = place.checked_sub(array.1) else {
+                    continue;
+                };
+                if offset < array.2.len() {
+                    let ([component, joint], _) = array.2.indices(offset as u32);
+                    columns[joint as usize - 1][component as usize - 1] = self.flat[place];
+                }
+            }
+        }
     }
 
     fn matrix(&self, name: &str, rows: usize, columns: usize) -> Matrix {

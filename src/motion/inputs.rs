@@ -25,7 +25,7 @@ pub struct State {
     /// The forces of the links, N.
     pub links: Vec<f64>,
     /// The external forces: force and torque in the base frame, and where the
-    /// force acts, from the centre of mass in the body's frame.
+    /// force acts in the body's frame.
     pub external: Vec<[f64; 9]>,
 }
 

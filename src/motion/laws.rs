@@ -18,6 +18,11 @@
 //! neutral = 0.35       # free length, m; default: initial length
 //! force = 0.0          # constant pull, N
 //!
+//! [[force]]
+//! name = "push"        # an external force of the model, or "*"
+//! force = [0, 0, 10]   # in the base frame, N
+//! torque = [0, 0, 0]   # in the base frame, N m
+//!
 //! [[driven]]
 //! name = "steering"    # position = offset + amplitude sin(frequency t + phase)
 //! offset = 0.0         # default: initial position
@@ -46,6 +51,16 @@ pub struct Spring {
     pub neutral: Option<f64>,
     /// A constant force: in the direction of the joint, or as a pull.
     pub force: f64,
+}
+
+/// A constant external force at its point.
+#[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Constant {
+    /// Force in the base frame, N.
+    pub force: [f64; 3],
+    /// Torque in the base frame, N m.
+    pub torque: [f64; 3],
 }
 
 /// The motion of a driven joint.
@@ -83,6 +98,8 @@ pub struct Laws {
     pub joints: Vec<Spring>,
     /// One for each link.
     pub links: Vec<Spring>,
+    /// One for each external force.
+    pub forces: Vec<Constant>,
     /// One for each joint; only those of driven joints count.
     pub drives: Vec<Drive>,
 }
@@ -92,6 +109,7 @@ pub struct Laws {
 struct File {
     joint: Vec<toml::Table>,
     link: Vec<toml::Table>,
+    force: Vec<toml::Table>,
     driven: Vec<toml::Table>,
 }
 
@@ -101,6 +119,7 @@ struct File {
 struct Names {
     joint: Vec<Named>,
     link: Vec<Named>,
+    force: Vec<Named>,
     driven: Vec<Named>,
 }
 
@@ -115,6 +134,7 @@ impl Laws {
         Laws {
             joints: vec![Spring::default(); model.joints.len()],
             links: vec![Spring::default(); model.links.len()],
+            forces: vec![Constant::default(); model.forces.len()],
             drives: vec![Drive::default(); model.joints.len()],
         }
     }
@@ -132,12 +152,9 @@ impl Laws {
         let names: Names = toml::from_str(text).map_err(|error| vec![syntax(&error)])?;
         let mut laws = Laws::none(model);
         let mut errors = Vec::new();
-        let joints: Vec<&str> = model
-            .joints
-            .iter()
-            .map(|joint| joint.name.as_str())
-            .collect();
-        let links: Vec<&str> = model.links.iter().map(|link| link.name.as_str()).collect();
+        let joints: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
+        let links: Vec<&str> = model.links.iter().map(|l| l.name.as_str()).collect();
+        let forces: Vec<&str> = model.forces.iter().map(|f| f.name.as_str()).collect();
         let mut read = Reader {
             errors: &mut errors,
         };
@@ -149,6 +166,13 @@ impl Laws {
             &mut laws.joints,
         );
         read.section("link", &file.link, &names.link, &links, &mut laws.links);
+        read.section(
+            "external force",
+            &file.force,
+            &names.force,
+            &forces,
+            &mut laws.forces,
+        );
         let driven = read.section(
             "joint",
             &file.driven,
@@ -247,14 +271,21 @@ impl Reader<'_> {
 fn not_finite(entry: &toml::Table) -> Option<String> {
     entry
         .iter()
-        .find(|(_, value)| value.as_float().is_some_and(|number| !number.is_finite()))
+        .find(|(_, value)| {
+            let numbers = match value {
+                toml::Value::Array(list) => list.as_slice(),
+                _ => std::slice::from_ref(*value),
+            };
+            numbers
+                .iter()
+                .any(|value| value.as_float().is_some_and(|number| !number.is_finite()))
+        })
         .map(|(key, _)| key.clone())
 }
 
 fn syntax(error: &toml::de::Error) -> Diagnostic {
     let span = error.span().unwrap_or(0..0);
-    let note =
-        "see the manual of `robovec sim` for the sections [[joint]], [[link]] and [[driven]]";
+    let note = "see the manual of `robovec sim` for the sections [[joint]], [[link]], [[force]] and [[driven]]";
     wrong(span, error.message(), Some(note.to_owned()))
 }
 

@@ -6,9 +6,10 @@
 //! predicts for them only serves as a start.
 
 use super::equations::Setting;
+use super::laws::Constant;
 use super::linear::{Matrix, dot, solve_positive, solve_square};
 use super::loops::{column, largest};
-use super::{Equations, Laws, MotionError, Partition, State, energy};
+use super::{Equations, Laws, MotionError, Partition, Spring, State, energy};
 use crate::model::{Model, Nature};
 
 /// A model with its equations and the laws of its forces.
@@ -124,8 +125,7 @@ impl<'m> System<'m> {
             .collect()
     }
 
-    /// Sets the forces of joints and links; the power of those that are no
-    /// springs.
+    /// Sets all forces; the power of those that are no springs.
     fn load(&self, state: &mut State) -> f64 {
         let mut power = 0.0;
         for (index, law) in self.laws.joints.iter().enumerate() {
@@ -137,6 +137,48 @@ impl<'m> System<'m> {
                 power += outside * state.qd[index];
             }
         }
+        if self.laws.links.iter().any(|law| *law != Spring::default()) {
+            power += self.load_links(state);
+        }
+        if self
+            .laws
+            .forces
+            .iter()
+            .any(|law| *law != Constant::default())
+        {
+            power += self.load_points(state);
+        }
+        power
+    }
+
+    fn load_links(&self, state: &mut State) -> f64 {
+        let mut power = 0.0;
+        let lengths = self.equations.link_lengths(state);
+        for (index, ([length, rate], law)) in lengths.iter().zip(&self.laws.links).enumerate() {
+            let neutral = law.neutral.unwrap_or(self.lengths[index]);
+            let outside = law.force + law.damping * rate;
+            state.links[index] = outside + law.stiffness * (length - neutral);
+            power -= outside * rate;
+        }
+        self.equations.add_links(state);
+        power
+    }
+
+    fn load_points(&self, state: &mut State) -> f64 {
+        let mut power = 0.0;
+        let motions = self.equations.force_motion(state);
+        for (index, (motion, law)) in motions.iter().zip(&self.laws.forces).enumerate() {
+            let point = &self.model.points[self.model.forces[index].point];
+            for k in 0..3 {
+                state.external[index][k] = law.force[k];
+                state.external[index][3 + k] = law.torque[k];
+                state.external[index][6 + k] = point.coordinates[k];
+            }
+            if point.body.is_some() {
+                power += dot(&law.force, &motion[0]) + dot(&law.torque, &motion[1]);
+            }
+        }
+        self.equations.add_forces(state);
         power
     }
 

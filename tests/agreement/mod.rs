@@ -1,11 +1,14 @@
 //! What the functions of random models must agree with.
 
+mod devices;
 mod dynamics;
 mod loops;
 
 use crate::reference::random::{self, Random, Recipe};
 use crate::reference::{State, Tree};
-use robovec::generate::{Formulation, FunctionKind, Options, Request, generate};
+use robovec::generate::{
+    Binding, Formulation, FunctionKind, Options, Request, TermOrder, generate,
+};
 use robovec::model::Model;
 use robovec::motion;
 use robovec_ir::Module;
@@ -51,9 +54,11 @@ impl Case {
     /// Compares an output array with what it should be.
     pub(crate) fn compare(&self, what: &str, found: &[f64], expected: &[Double]) {
         assert_eq!(found.len(), expected.len(), "seed {}: {what}", self.seed);
+        // What cancels to nothing keeps the rounding of its terms, which are
+        // of the order of 1.
         let size = expected
             .iter()
-            .fold(0.0f64, |size, x| size.max(x.high.abs()));
+            .fold(0.1f64, |size, x| size.max(x.high.abs()));
         for (index, (&found, &expected)) in found.iter().zip(expected).enumerate() {
             let error = expected.distance(found);
             assert!(
@@ -100,32 +105,46 @@ pub(crate) const PLAIN: Recipe = Recipe {
     devices: 0,
 };
 
-/// All requests for a function: every formulation and the options that change
-/// the equations.
+/// All requests for a function: every formulation, and each option that
+/// changes the equations.
 pub(crate) fn requests(function: FunctionKind) -> Vec<Request> {
-    let mut requests = Vec::new();
+    let default = Options::default();
+    let options = [
+        default.clone(),
+        Options {
+            all_parameters: true,
+            ..default.clone()
+        },
+        Options {
+            parameters: Binding::Numbers,
+            ..default.clone()
+        },
+        Options {
+            order: TermOrder::ChildFirst,
+            leading_signs: true,
+            expanded: true,
+            true_angles: false,
+            ..default
+        },
+    ];
     let formulations = Formulation::ALL.into_iter();
-    for formulation in formulations.filter(|formulation| formulation.gives(function)) {
-        for options in [
-            Options::default(),
-            Options {
-                all_parameters: true,
-                ..Options::default()
-            },
-        ] {
-            requests.push(Request {
+    formulations
+        .filter(|formulation| formulation.gives(function))
+        .flat_map(|formulation| {
+            options.iter().map(move |options| Request {
                 function,
                 formulation,
-                options,
-            });
-        }
-    }
-    requests
+                options: options.clone(),
+            })
+        })
+        .collect()
 }
 
 /// The outputs of a function by array, in full: what is not assigned is zero.
 pub(crate) struct Outputs {
     arrays: Vec<(String, Vec<f64>)>,
+    /// Array, place in it and number of each assignment.
+    assigned: Vec<(String, usize, f64)>,
 }
 
 impl Outputs {
@@ -142,8 +161,13 @@ impl Outputs {
             .unwrap_or_else(|name| panic!("seed {}: no input {name}", case.seed));
         let numbers = evaluate(function, &Binary64, &sources.gather(inputs));
         let mut flat = vec![0.0; function.output_len()];
+        let mut assigned = Vec::new();
         for (assignment, number) in function.assignments.iter().zip(numbers) {
-            flat[assignment.output.index()] = number;
+            let place = assignment.output.index();
+            flat[place] = number;
+            let (array, ..) = function.output_element(assignment.output);
+            let name = module.tables.symbols.text(array.name).to_owned();
+            assigned.push((name, place - array.offset as usize, number));
         }
         let arrays = function.outputs().iter().map(|array| {
             let start = array.offset as usize;
@@ -154,7 +178,14 @@ impl Outputs {
         });
         Outputs {
             arrays: arrays.collect(),
+            assigned,
         }
+    }
+
+    /// The places and numbers of an array's elements that the function sets.
+    pub(crate) fn assigned<'a>(&'a self, name: &'a str) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let elements = self.assigned.iter().filter(move |entry| entry.0 == name);
+        elements.map(|&(_, place, number)| (place, number))
     }
 
     /// The elements of an array, row by row; `None` when the function has no

@@ -44,8 +44,7 @@ pub(crate) fn add_links<T: Real>(model: &Model, state: &State<T>, strengths: &[T
 }
 
 /// Adds external forces. Each has nine numbers: force and torque in the base
-/// frame, and the place of the force from the centre of mass, in the body's
-/// frame.
+/// frame, and the place of the force in the body's frame.
 pub(crate) fn add_external<T: Real>(model: &Model, state: &State<T>, given: &[[T; 9]]) -> State<T> {
     let tree = Tree::new(model);
     let frames = frames(&tree, state, zeros());
@@ -57,8 +56,9 @@ pub(crate) fn add_external<T: Real>(model: &Model, state: &State<T>, given: &[[T
         };
         let part = |from: usize| [0, 1, 2].map(|i| numbers[from + i]);
         let rotation = &frames[joint].rotation;
+        let arm = sub(part(6), tree.links[joint].center);
         let local = apply(rotation, part(0));
-        let torque = add(apply(rotation, part(3)), cross(part(6), local));
+        let torque = add(apply(rotation, part(3)), cross(arm, local));
         result.frc[joint] = add(result.frc[joint], local);
         result.trq[joint] = add(result.trq[joint], torque);
     }

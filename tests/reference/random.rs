@@ -94,6 +94,8 @@ pub(crate) fn model(random: &mut Random, recipe: &Recipe) -> Model {
         }
     }
     add_devices(random, recipe, &mut model);
+    model.sensors.sort_by_key(|sensor| sensor.point);
+    model.forces.sort_by_key(|force| force.point);
     assert!(model.check(), "random models are well formed");
     model
 }

@@ -1,0 +1,156 @@
+//! Sensors, links and external forces.
+
+use super::{Case, Outputs, PLAIN, each, requests};
+use crate::reference::forces::{add_external, add_links, link_lengths};
+use crate::reference::kinematics::{Point, anchor, frames, point};
+use crate::reference::random::Recipe;
+use crate::reference::spatial::zeros;
+use robovec::generate::FunctionKind;
+use robovec::model::{Anchor, Model};
+use robovec_ir::double_double::Double;
+
+const DEVICES: Recipe = Recipe {
+    bodies: 2,
+    devices: 3,
+    ..PLAIN
+};
+
+/// The motion of a point of the model.
+fn of_point(case: &Case, number: usize) -> Point<Double> {
+    let (tree, state) = case.exact();
+    let place = Anchor {
+        body: case.model.points[number].body,
+        point: Some(number),
+    };
+    let (joint, place) = anchor(&case.model, &place);
+    point(&tree, &frames(&tree, &state, zeros()), joint, place)
+}
+
+/// Compares the arrays of a sensor, whose names have a prefix and a suffix.
+fn compare(case: &Case, outputs: &Outputs, names: (&str, &str), expected: &Point<Double>) {
+    let arrays: [(&str, Vec<Double>); 7] = [
+        ("P", expected.position.to_vec()),
+        ("R", expected.rotation.concat()),
+        ("V", expected.velocity.to_vec()),
+        ("OM", expected.angular_velocity.to_vec()),
+        ("A", expected.acceleration.to_vec()),
+        ("OMP", expected.angular_acceleration.to_vec()),
+        ("J", expected.jacobian.concat()),
+    ];
+    for (name, expected) in arrays {
+        let name = format!("{}{name}{}", names.0, names.1);
+        // The user's laws get no Jacobian.
+        if name.starts_with("JxF") {
+            continue;
+        }
+        let none = vec![0.0; expected.len()];
+        case.compare(&name, outputs.array(&name).unwrap_or(&none), &expected);
+    }
+}
+
+#[test]
+fn sensors_agree_with_the_motion_of_their_points() {
+    each(DEVICES, |case| {
+        for request in requests(FunctionKind::Sensor) {
+            let module = case.generate(&request);
+            for (index, sensor) in case.model.sensors.iter().enumerate() {
+                let name = format!("sensor_{}", index + 1);
+                let outputs = Outputs::of(case, &module, &name, &case.inputs());
+                let expected = of_point(case, sensor.point);
+                compare(case, &outputs, ("sens.", ""), &expected);
+            }
+        }
+    });
+}
+
+#[test]
+fn frames_agree_with_their_motion() {
+    each(DEVICES, |case| {
+        let (tree, state) = case.exact();
+        let frames = frames(&tree, &state, zeros());
+        for request in requests(FunctionKind::Gensensor) {
+            let module = case.generate(&request);
+            for joint in 0..case.model.joints.len() {
+                let name = format!("gensensor_{}", joint + 1);
+                let outputs = Outputs::of(case, &module, &name, &case.inputs());
+                let expected = point(&tree, &frames, Some(joint), zeros());
+                compare(case, &outputs, ("sens.", ""), &expected);
+            }
+        }
+    });
+}
+
+/// The forces and torques that a function leaves, by component and joint:
+/// what it does not set stays as it was.
+fn loads(case: &Case, outputs: &Outputs, name: &str, before: &[[f64; 3]]) -> Vec<f64> {
+    let joints = case.model.joints.len();
+    let mut rows: Vec<f64> = (0..3 * joints)
+        .map(|place| before[place % joints][place / joints])
+        .collect();
+    for (place, number) in outputs.assigned(name) {
+        rows[place] = number;
+    }
+    rows
+}
+
+fn expected_loads(model: &Model, columns: &[[Double; 3]]) -> Vec<Double> {
+    let joints = model.joints.len();
+    let at = |place: usize| columns[place % joints][place / joints];
+    (0..3 * joints).map(at).collect()
+}
+
+#[test]
+fn links_agree_with_their_forces() {
+    each(DEVICES, |case| {
+        let (_, state) = case.exact();
+        let strengths = [30.0, -20.0, 45.0];
+        let mut inputs = case.inputs();
+        inputs.links.copy_from_slice(&strengths);
+        let lengths = link_lengths(&case.model, &state);
+        // Two points with zero coordinates may coincide: there is no direction.
+        if lengths.iter().any(|(length, _)| length.high == 0.0) {
+            return;
+        }
+        let expected = add_links(&case.model, &state, &strengths.map(Double::from));
+        for request in requests(FunctionKind::Link) {
+            let module = case.generate(&request);
+            let outputs = Outputs::of(case, &module, "link", &inputs);
+            let column = |k: usize| -> Vec<Double> {
+                lengths.iter().map(|pair| [pair.0, pair.1][k]).collect()
+            };
+            case.compare("Z", outputs.array("Z").unwrap_or(&[0.0; 3]), &column(0));
+            case.compare("Zd", outputs.array("Zd").unwrap_or(&[0.0; 3]), &column(1));
+            let frc = loads(case, &outputs, "frc", &inputs.frc);
+            case.compare("frc", &frc, &expected_loads(&case.model, &expected.frc));
+            let trq = loads(case, &outputs, "trq", &inputs.trq);
+            case.compare("trq", &trq, &expected_loads(&case.model, &expected.trq));
+        }
+    });
+}
+
+#[test]
+fn external_forces_agree_with_their_loads_and_their_points() {
+    each(DEVICES, |case| {
+        let (_, state) = case.exact();
+        let given: [[f64; 9]; 3] = std::array::from_fn(|force| {
+            std::array::from_fn(|k| ((7 * force + 3 * k) % 10) as f64 - 4.5)
+        });
+        let mut inputs = case.inputs();
+        inputs.external.copy_from_slice(&given);
+        let given = given.map(|numbers| numbers.map(Double::from));
+        let expected = add_external(&case.model, &state, &given);
+        for request in requests(FunctionKind::Extforces) {
+            let module = case.generate(&request);
+            let outputs = Outputs::of(case, &module, "extforces", &inputs);
+            let frc = loads(case, &outputs, "frc", &inputs.frc);
+            case.compare("frc", &frc, &expected_loads(&case.model, &expected.frc));
+            let trq = loads(case, &outputs, "trq", &inputs.trq);
+            case.compare("trq", &trq, &expected_loads(&case.model, &expected.trq));
+            for (index, force) in case.model.forces.iter().enumerate() {
+                let suffix = format!("xF{}", index + 1);
+                let expected = of_point(case, force.point);
+                compare(case, &outputs, ("", &suffix), &expected);
+            }
+        }
+    });
+}
