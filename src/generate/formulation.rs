@@ -2,7 +2,7 @@
 
 use super::equations::Equations;
 use super::parameters::Parameters;
-use super::{FunctionKind, GenerateError, Request, composite, recursive};
+use super::{FunctionKind, GenerateError, Request, composite, composite_base, recursive};
 
 /// A recursion.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -13,6 +13,9 @@ pub enum Formulation {
     /// Composite rigid bodies in body frames: the fewest operations for short
     /// chains and for trees of many short branches.
     Composite,
+    /// Composite rigid bodies with the columns of `M` in one common frame, that
+    /// of the first body with mass: the fewest operations for long chains.
+    CompositeBase,
 }
 
 /// What equations ask of numbers.
@@ -29,13 +32,18 @@ pub struct Requirements {
 
 impl Formulation {
     /// All formulations.
-    pub const ALL: [Formulation; 2] = [Formulation::Recursive, Formulation::Composite];
+    pub const ALL: [Formulation; 3] = [
+        Formulation::Recursive,
+        Formulation::Composite,
+        Formulation::CompositeBase,
+    ];
 
     /// The formulation's name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Formulation::Recursive => "recursive",
             Formulation::Composite => "composite",
+            Formulation::CompositeBase => "composite-base",
         }
     }
 
@@ -96,5 +104,8 @@ pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, req
     match request.formulation {
         Formulation::Recursive => recursive::direct(equations, parameters, &request.options),
         Formulation::Composite => composite::dynamics(equations, parameters).output(equations),
+        Formulation::CompositeBase => {
+            composite_base::dynamics(equations, parameters).output(equations);
+        }
     }
 }
