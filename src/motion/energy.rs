@@ -124,8 +124,8 @@ pub(super) fn energies(model: &Model, state: &State) -> (f64, f64) {
     (kinetic, potential)
 }
 
-/// The distance between two places, and its rate.
-pub(super) fn distance(model: &Model, state: &State, ends: &[Anchor; 2]) -> (f64, f64) {
+/// The distance between two places.
+pub(super) fn distance(model: &Model, state: &State, ends: &[Anchor; 2]) -> f64 {
     let frames = frames(model, state);
     let [a, b] = ends.each_ref().map(|end| {
         let frame = model
@@ -134,10 +134,8 @@ pub(super) fn distance(model: &Model, state: &State, ends: &[Anchor; 2]) -> (f64
         let place = end
             .point
             .map_or([0.0; 3], |point| model.points[point].coordinates);
-        frame.point(place)
+        frame.point(place).0
     });
-    let span = add(b.0, scaled(a.0, -1.0));
-    let length = dot(span, span).sqrt();
-    let rate = dot(span, add(b.1, scaled(a.1, -1.0)));
-    (length, if length == 0.0 { 0.0 } else { rate / length })
+    let span = add(b, scaled(a, -1.0));
+    dot(span, span).sqrt()
 }

