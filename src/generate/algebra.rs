@@ -153,11 +153,6 @@ impl Sum {
         self
     }
 
-    /// Subtracts all terms of another sum.
-    pub(super) fn subtract_sum(&mut self, other: &Sum) -> &mut Sum {
-        self.add_scaled(&[-Scalar::ONE], other)
-    }
-
     pub(super) fn is_empty(&self) -> bool {
         self.terms.is_empty()
     }

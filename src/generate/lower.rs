@@ -81,11 +81,21 @@ pub(super) fn lower(
         writer.atom(index, *atom, &needed, &inputs);
     }
     // Outputs may have trees of their own (a sign); they stand behind all
-    // definitions.
-    for &(array, indices, value) in &equations.outputs {
-        writer.output(outputs[array as usize], indices, value);
+    // definitions, in the order of the output elements.
+    let mut ordered: Vec<(Output, Scalar)> = equations
+        .outputs
+        .iter()
+        .filter_map(|&(array, indices, value)| {
+            let array = outputs[array as usize];
+            let rank = usize::from(indices[0] > 0) + usize::from(indices[1] > 0);
+            let offset = array.shape.offset(&indices[..rank])?;
+            Some((Output(array.offset + offset), value))
+        })
+        .collect();
+    ordered.sort_by_key(|&(output, _)| output);
+    for (output, value) in ordered {
+        writer.output(output, value);
     }
-    writer.function.sort_assignments();
     module.functions.push(writer.function);
 }
 
@@ -314,14 +324,10 @@ impl Writer<'_> {
         }
     }
 
-    fn output(&mut self, array: Array, indices: [u32; 2], value: Scalar) {
-        let rank = usize::from(indices[0] > 0) + usize::from(indices[1] > 0);
-        let Some(offset) = array.shape.offset(&indices[..rank]) else {
-            return;
-        };
+    fn output(&mut self, output: Output, value: Scalar) {
         let operand = self.signed(value);
         self.function.assignments.push(Assignment {
-            output: Output(array.offset + offset),
+            output,
             operand,
             sources: SourceSet::EMPTY,
         });
