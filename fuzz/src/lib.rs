@@ -7,8 +7,10 @@ pub mod mutants;
 pub mod pipelines;
 pub mod robotran;
 pub mod text;
+pub mod written;
 
 pub use images::simulate_garbage;
 pub use mutants::check_catches_mutants;
 pub use robotran::read_robotran;
 pub use text::{parse_text, round_trip};
+pub use written::written_reads_back;

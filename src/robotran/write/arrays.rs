@@ -5,7 +5,7 @@ use super::kind::Kind;
 use super::names::is_array_name;
 use crate::robotran::Language;
 use hashbrown::HashMap;
-use robovec_ir::{Array, Function, Shape, Symbol, Symbols};
+use robovec_ir::{Array, Function, Input, OperandKind, Shape, Symbol, Symbols};
 use rustc_hash::FxBuildHasher;
 
 /// What an array is to the function that is written.
@@ -26,12 +26,14 @@ pub(super) enum Role {
 /// An array of the file, under one name for its inputs and outputs.
 #[derive(Clone, Debug)]
 pub(super) struct FileArray {
-    pub(super) symbol: Symbol,
     pub(super) name: String,
     pub(super) shape: Shape,
     pub(super) role: Role,
     pub(super) is_input: bool,
     pub(super) is_output: bool,
+    /// The largest indices of its elements that are read or written; zeros
+    /// when none is.
+    pub(super) largest: (u32, u32),
 }
 
 /// The arrays of the functions that make up a file, in order of appearance.
@@ -63,8 +65,33 @@ impl Arrays {
                 check(function, array, name, role, is_output, language)?;
                 arrays.add(array, name, role, is_output);
             }
+            arrays.note_uses(function);
         }
         Ok(arrays)
+    }
+
+    fn note_uses(&mut self, function: &Function) {
+        let mut read = vec![false; function.input_len()];
+        let nodes = function.nodes().iter().flat_map(|node| node.operands());
+        let outputs = function.assignments.iter().map(|output| &output.operand);
+        for operand in nodes.chain(outputs) {
+            if let OperandKind::Input(input) = operand.kind() {
+                read[input.index()] = true;
+            }
+        }
+        let read = (0..read.len()).filter(|&place| read[place]);
+        let read = read.map(|place| function.input_element(Input(place as u32)));
+        let written = function.assignments.iter();
+        let written = written.map(|assignment| function.output_element(assignment.output));
+        for (array, indices, _) in read.chain(written) {
+            let (rows, columns) = match array.shape {
+                // A number has no indices, and is used all the same.
+                Shape::Scalar => (1, 1),
+                Shape::Vector(_) | Shape::Matrix(..) => (indices[0], indices[1]),
+            };
+            let known = &mut self.all[self.numbers[&array.name]].largest;
+            *known = (known.0.max(rows), known.1.max(columns));
+        }
     }
 
     fn add(&mut self, array: &Array, name: &str, role: Role, is_output: bool) {
@@ -72,12 +99,12 @@ impl Arrays {
         let number = *self.numbers.entry(array.name).or_insert(next);
         if number == next {
             self.all.push(FileArray {
-                symbol: array.name,
                 name: name.to_owned(),
                 shape: array.shape,
                 role,
                 is_input: false,
                 is_output: false,
+                largest: (0, 0),
             });
         }
         let known = &mut self.all[number];
@@ -138,8 +165,14 @@ impl FileArray {
     pub(super) fn has_alias(&self, language: Language) -> bool {
         let coordinates = matches!(self.name.as_str(), "q" | "qd" | "qdd");
         self.role == Role::Data
+            && self.is_used()
             && self.shape != Shape::Scalar
             && (language != Language::Matlab || (coordinates && !self.is_output))
+    }
+
+    /// True when an element is read or written.
+    pub(super) fn is_used(&self) -> bool {
+        self.largest != (0, 0)
     }
 
     /// Number of indices.

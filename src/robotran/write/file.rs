@@ -138,7 +138,7 @@ impl<'a> File<'a> {
             stem: &self.stem,
             joints: self.joints,
             arrays: &self.arrays,
-            calls: &self.functions[0].boundaries,
+            function: self.functions[0],
         }
         .write(&mut text);
         let (mut file, _) = text.finish();

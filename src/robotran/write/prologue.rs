@@ -4,7 +4,7 @@ use super::arrays::{Arrays, FileArray, Role};
 use super::kind::Kind;
 use super::text::Text;
 use crate::robotran::Language;
-use robovec_ir::{Boundary, Shape};
+use robovec_ir::{Function, Shape};
 
 /// What a prologue is written from.
 pub(super) struct Prologue<'a> {
@@ -13,7 +13,8 @@ pub(super) struct Prologue<'a> {
     pub(super) stem: &'a str,
     pub(super) joints: Option<u32>,
     pub(super) arrays: &'a Arrays,
-    pub(super) calls: &'a [Boundary],
+    /// The first function of the file, for what all have in common.
+    pub(super) function: &'a Function,
 }
 
 impl Prologue<'_> {
@@ -64,7 +65,10 @@ impl Prologue<'_> {
         if self.kind.is_sensor() {
             text.line("#include \"mbs_sensor.h\"");
         }
-        if !self.calls.is_empty() || self.kind.updates_forces() || self.kind.has_status() {
+        if !self.function.boundaries.is_empty()
+            || self.kind.updates_forces()
+            || self.kind.has_status()
+        {
             text.line("#include \"mbs_project_interface.h\"");
         }
         text.line("");
@@ -158,8 +162,9 @@ impl Prologue<'_> {
         let name = self.kind.function_name(Language::Matlab);
         let outputs = self.outputs();
         let mut returned: Vec<&str> = outputs.iter().map(|(name, _, _)| *name).collect();
-        let data = self.with_role(Role::Data).filter(|array| array.is_output);
-        let data: Vec<&FileArray> = data.collect();
+        let own = self.function.outputs().iter();
+        let own = own.map(|array| self.arrays.of(array.name));
+        let data: Vec<&FileArray> = own.filter(|array| array.role == Role::Data).collect();
         returned.extend(data.iter().map(|array| array.name.as_str()));
         if self.kind.is_sensor() {
             text.line(&format!("function [sens] = {name}(s,tsim,usrfun,isens)"));

@@ -1,0 +1,263 @@
+//! Whatever function the writer of Robotran's files takes, the reader must
+//! give back, in every language.
+
+use crate::generate::{self, Kind};
+use arbitrary::{Result, Unstructured};
+use robovec::robotran::write::{WriteError, WriteOptions, write};
+use robovec::robotran::{Language, read};
+use robovec_ir::arithmetic::Binary64;
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::print::print_output;
+use robovec_ir::verify::verify;
+use robovec_ir::{
+    Array, Boundary, Function, Input, Module, Operand, OperandKind, Shape, SourceSet, Tables, View,
+};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// Writes a random function in each language and reads it.
+///
+/// # Panics
+///
+/// When what is read is another function, or cannot be read.
+pub fn written_reads_back(data: &[u8]) {
+    // Too few bytes for a function are no finding.
+    if let Ok(module) = module(&mut Unstructured::new(data)) {
+        for language in Language::ALL {
+            check(&module, language);
+        }
+    }
+}
+
+/// A random function dressed as a file of Robotran's.
+fn module(bytes: &mut Unstructured<'_>) -> Result<Module> {
+    let mut module = Module::new();
+    let kind = *bytes.choose(&[Kind::Tame, Kind::Wild])?;
+    let raw = generate::function(bytes, &mut module.tables, "accelred", kind)?;
+    let calls = bytes.ratio(1, 3)?;
+    let function = dressed(&raw, &mut module.tables, calls);
+    module.functions.push(function);
+    Ok(module)
+}
+
+/// The function with arrays as Robotran's files can have them: no scalars but
+/// the time, no empty arrays, one shape for what is both given and given back;
+/// perhaps with a call.
+fn dressed(raw: &Function, tables: &mut Tables, calls: bool) -> Function {
+    let mut function = Function::new(&raw.name, raw.level);
+    let shape = |shape: Shape| match shape {
+        Shape::Scalar => Shape::Vector(1),
+        other => other,
+    };
+    let mut input_places = vec![0; raw.input_len()];
+    let mut output_places = vec![0; raw.output_len()];
+    for array in raw.inputs().iter().filter(|array| !array.shape.is_empty()) {
+        let name = match tables.symbols.text(array.name) {
+            "sens.P" => "g",
+            "in" => "In",
+            "on" if calls => "SWr1",
+            "on" => "tsim_",
+            other => other,
+        };
+        let name = tables.symbols.intern(&name.to_owned());
+        let new = function.add_input(name, shape(array.shape));
+        map(&mut input_places, array, new);
+    }
+    for array in raw.outputs().iter().filter(|array| !array.shape.is_empty()) {
+        let name = match tables.symbols.text(array.name) {
+            "sens.J" => "Jac",
+            "out" => "h",
+            "Z1" if calls => "PxF1",
+            other => other,
+        };
+        let name = tables.symbols.intern(&name.to_owned());
+        let given = function.inputs().iter().find(|input| input.name == name);
+        let given = given.map(|input| input.shape);
+        let shape = match (given, shape(array.shape)) {
+            (Some(given), own) if given.len() >= own.len() => given,
+            (Some(_), own) => {
+                // The larger one holds the elements of both.
+                let rebuilt = regrown(&function, name, own);
+                function = rebuilt;
+                own
+            }
+            (None, own) => own,
+        };
+        let new = function.add_output(name, shape);
+        map(&mut output_places, array, new);
+    }
+    if calls {
+        let given = |arrays: &[Array], name: &str| {
+            let mut arrays = arrays.iter();
+            arrays.any(|array| tables.symbols.text(array.name) == name)
+        };
+        let mut arguments = vec!["s".to_owned(), "tsim".to_owned(), "1".to_owned()];
+        if given(function.outputs(), "PxF1") {
+            arguments.insert(0, "PxF1".to_owned());
+        }
+        let result = given(function.inputs(), "SWr1").then(|| "SWr1".to_owned());
+        function.boundaries.push(Boundary {
+            callee: "user_ExtForces".to_owned(),
+            arguments,
+            result,
+            sources: SourceSet::EMPTY,
+        });
+    }
+    let mut moved = |operand: Operand| match operand.kind() {
+        OperandKind::Input(input) => Input(input_places[input.index()]).into(),
+        OperandKind::Constant(constant) => function.constant(raw.constant_number(constant)).into(),
+        OperandKind::Value(_) | OperandKind::None => operand,
+    };
+    let mut nodes = raw.nodes().to_vec();
+    for node in &mut nodes {
+        node.operands = node.operands.map(&mut moved);
+    }
+    let mut assignments = raw.assignments.clone();
+    for assignment in &mut assignments {
+        assignment.operand = moved(assignment.operand);
+        assignment.output.0 = output_places[assignment.output.index()];
+    }
+    for node in nodes {
+        function.push(node);
+    }
+    function.assignments = assignments;
+    function
+}
+
+/// The function, without a body, with another shape for an input.
+fn regrown(function: &Function, name: robovec_ir::Symbol, shape: Shape) -> Function {
+    let mut new = Function::new(&function.name, function.level);
+    for array in function.inputs() {
+        let shape = if array.name == name {
+            shape
+        } else {
+            array.shape
+        };
+        new.add_input(array.name, shape);
+    }
+    for array in function.outputs() {
+        new.add_output(array.name, array.shape);
+    }
+    new
+}
+
+fn map(places: &mut [u32], old: &Array, new: Array) {
+    for place in 0..old.shape.len() as u32 {
+        places[(old.offset + place) as usize] = new.offset + place;
+    }
+}
+
+fn check(module: &Module, language: Language) {
+    let before = View {
+        tables: &module.tables,
+        function: &module.functions[0],
+    };
+    assert_eq!(verify(before), []);
+    let files = match write(module, language, &WriteOptions::default()) {
+        Ok(files) => files,
+        Err(WriteError::CallOrder { .. }) => return,
+        Err(error) => panic!("{error}"),
+    };
+    let (name, text) = &files[0];
+    let again = match read(name, text.as_bytes(), None) {
+        Ok(read) => read.module,
+        Err(error) => panic!("{}\n{text}", error.report.render_plain()),
+    };
+    let after = View {
+        tables: &again.tables,
+        function: &again.functions[0],
+    };
+    assert_eq!(verify(after), []);
+    assert_eq!(values(before), values(after), "{text}");
+    let overwritten = before.function.inputs().iter().any(|input| {
+        let mut outputs = before.function.outputs().iter();
+        outputs.any(|output| output.name == input.name)
+    });
+    if before.function.boundaries.is_empty() && !overwritten {
+        assert_eq!(structure(before), structure(after), "{text}");
+    }
+}
+
+/// The outputs' bits where every input has a number of its own; NaN is NaN.
+fn values(view: View<'_>) -> BTreeMap<String, u64> {
+    let function = view.function;
+    let inputs: Vec<f64> = (0..function.input_len() as u32)
+        .map(|input| {
+            let bytes = element(view, Input(input)).into_bytes();
+            let mix = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+            let hash = bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, mix);
+            0.25 + (hash >> 40) as f64 / f64::from(1 << 24)
+        })
+        .collect();
+    let numbers = evaluate(function, &Binary64, &inputs);
+    let outputs = function.assignments.iter().zip(numbers);
+    outputs
+        .map(|(assignment, number)| {
+            let bits = if number.is_nan() { f64::NAN } else { number }.to_bits();
+            (print_output(view, assignment.output), bits)
+        })
+        .collect()
+}
+
+fn element(view: View<'_>, input: Input) -> String {
+    let (array, indices, rank) = view.function.input_element(input);
+    format!(
+        "{}{:?}",
+        view.tables.symbols.text(array.name),
+        &indices[..rank]
+    )
+}
+
+/// Every node and output in words that do not depend on names of values and
+/// on the order of arrays.
+fn structure(view: View<'_>) -> String {
+    let operand = |operand: Operand| match operand.kind() {
+        OperandKind::Value(value) => format!("%{}", value.0),
+        OperandKind::Input(input) => element(view, input),
+        OperandKind::Constant(constant) => {
+            format!("{:?}", view.function.constant_number(constant))
+        }
+        OperandKind::None => String::new(),
+    };
+    let mut text = String::new();
+    for node in view.function.nodes() {
+        let named = !node.name.is_none();
+        let operands = node.operands.map(operand);
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{} {named} {operands:?}", node.operation.name());
+    }
+    let mut outputs: Vec<String> = (view.function.assignments.iter())
+        .map(|output| {
+            format!(
+                "{} {}",
+                print_output(view, output.output),
+                operand(output.operand)
+            )
+        })
+        .collect();
+    outputs.sort();
+    text + &outputs.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arbtest::arbtest;
+
+    #[test]
+    fn random_functions_read_back() {
+        let mut checked = 0;
+        arbtest(|bytes| {
+            let module = module(bytes)?;
+            for language in Language::ALL {
+                check(&module, language);
+            }
+            checked += 1;
+            Ok(())
+        })
+        .size_max(6_000)
+        .budget_ms(4_000)
+        .run();
+        assert!(checked > 20, "only {checked} functions were large enough");
+    }
+}
