@@ -3,6 +3,7 @@
 
 pub mod generate;
 pub mod images;
+pub mod inlined;
 pub mod mutants;
 pub mod pipelines;
 pub mod robotran;
@@ -10,6 +11,7 @@ pub mod text;
 pub mod written;
 
 pub use images::simulate_garbage;
+pub use inlined::inline_undoes_atomise;
 pub use mutants::check_catches_mutants;
 pub use robotran::read_robotran;
 pub use text::{parse_text, round_trip};

@@ -28,8 +28,13 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<()> {
         .collect();
     let mut text = "atomise".to_owned();
     for _ in 0..bytes.int_in_range(0..=6)? {
+        let name = bytes.choose(&names)?;
         text += ",";
-        text += bytes.choose(&names)?;
+        text += name;
+        if *name == "inline" {
+            // Most other passes take single operations only.
+            text += ",atomise";
+        }
     }
     if bytes.arbitrary()? {
         let count = bytes.int_in_range(1..=4)?;

@@ -13,6 +13,7 @@ pub mod codegen;
 pub mod cse;
 pub mod dce;
 pub mod fold;
+pub mod inline;
 pub mod manager;
 pub mod manual;
 pub mod options;

@@ -2,7 +2,9 @@
 //! are listed.
 
 use crate::pass::PassInfo;
-use crate::{asap_alap, atomise, balance, codegen, cse, dce, fold, place, swap, zero_removal};
+use crate::{
+    asap_alap, atomise, balance, codegen, cse, dce, fold, inline, place, swap, zero_removal,
+};
 
 /// All passes, in the order a function usually meets them.
 pub const PASSES: &[PassInfo] = &[
@@ -13,6 +15,7 @@ pub const PASSES: &[PassInfo] = &[
     balance::Balance::INFO,
     cse::Cse::INFO,
     dce::Dce::INFO,
+    inline::Inline::INFO,
     asap_alap::AsapAlap::INFO,
     place::Place::INFO,
     codegen::Codegen::INFO,
