@@ -127,6 +127,18 @@ pub(crate) fn model(path: &Path) -> Result<ReadModel, Failure> {
     read_mbs(&display_name(path), &bytes).map_err(|error| Failure(error.report))
 }
 
+/// Reads a text.
+pub(crate) fn text(path: &Path) -> Result<String, Failure> {
+    String::from_utf8(read_bytes(path)?).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let name = path.display();
+        Failure::plain(format!(
+            "{name} is not UTF-8 text: byte {} does not belong",
+            valid + 1
+        ))
+    })
+}
+
 /// Reads a pipeline, from a file when it starts with `@`.
 pub(crate) fn passes(text: &str) -> Result<Pipeline, Failure> {
     let content = match text.strip_prefix('@') {

@@ -15,6 +15,7 @@ mod listing;
 mod model;
 pub mod opt;
 mod output;
+mod sim;
 mod simulation;
 mod study;
 mod tables;

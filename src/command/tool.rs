@@ -5,6 +5,7 @@ use super::arguments::InputLanguage;
 use super::compare::{self, CheckArguments};
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
+use super::sim::{self, SimArguments};
 use super::{Failure, input, output, write};
 use crate::evaluate_command::evaluate_at_states;
 use crate::simulate::Program;
@@ -41,6 +42,8 @@ enum Command {
     Gen(GenArguments),
     /// Summarise a model, or write one of a family
     Model(ModelArguments),
+    /// Integrate a model in time
+    Sim(SimArguments),
     /// Run memory images cycle by cycle on given inputs
     Simulate {
         /// Folder with the images and manifest.json that `codegen` wrote
@@ -75,6 +78,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         } => eval(file, states, *language),
         Command::Gen(arguments) => generation::run(arguments),
         Command::Model(arguments) => model::run(arguments),
+        Command::Sim(arguments) => sim::run(arguments),
         Command::Simulate {
             folder,
             machine,

@@ -14,6 +14,7 @@ mod laws;
 pub mod linear;
 mod loops;
 mod partition;
+pub mod plot;
 mod simulation;
 mod system;
 

@@ -1,0 +1,264 @@
+//! `robovec sim`: a model in motion.
+
+use super::{Failure, input, output};
+use crate::generate::Formulation;
+use crate::model::Model;
+use crate::motion::{
+    Laws, Method, MotionError, Plan, Precision, Run, Setting, System, plot, simulate,
+};
+use clap::builder::PossibleValuesParser;
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+/// Steps of the progress bar.
+const BAR_LENGTH: f64 = 1000.0;
+
+/// Which numbers the equations are evaluated in.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
+enum Number {
+    /// IEEE binary32
+    F32,
+    /// IEEE binary64
+    F64,
+}
+
+/// Which integrator.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
+enum Integrator {
+    /// Runge-Kutta of fourth order with a fixed step
+    Rk4,
+    /// Dormand-Prince 5(4) with steps that meet a tolerance
+    Dopri,
+}
+
+/// What is simulated, and how.
+#[derive(Args, Debug)]
+pub(super) struct SimArguments {
+    /// Model (.mbs)
+    model: PathBuf,
+    /// How long, s
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = positive)]
+    time: f64,
+    /// Rows of the result after the first, at equal intervals
+    #[arg(long, value_name = "N", default_value_t = 200,
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    samples: u32,
+    /// Integrator
+    #[arg(long, value_enum, default_value_t = Integrator::Dopri)]
+    method: Integrator,
+    /// Step of rk4, s
+    #[arg(long, value_name = "SECONDS", default_value_t = 1e-3, value_parser = positive)]
+    step: f64,
+    /// Tolerance of dopri per step, absolute and relative
+    #[arg(long, value_name = "NUMBER", default_value_t = 1e-8, value_parser = positive)]
+    tolerance: f64,
+    /// Steps after which the run is given up
+    #[arg(long, value_name = "N", default_value_t = 10_000_000)]
+    max_steps: u64,
+    /// Laws of springs, dampers, forces and driven joints (TOML)
+    #[arg(long, value_name = "FILE")]
+    laws: Option<PathBuf>,
+    /// Numbers the equations are evaluated in
+    #[arg(long, value_enum, default_value_t = Number::F64)]
+    number: Number,
+    /// Recursion the equations come from
+    #[arg(long, default_value = "recursive",
+          value_parser = PossibleValuesParser::new(Formulation::names()))]
+    formulation: String,
+    /// Pipeline run over the equations before they are evaluated
+    #[arg(long, value_name = "PIPELINE")]
+    passes: Option<String>,
+    /// Machine that the passes compile for
+    #[arg(long, default_value = "thesis")]
+    machine: String,
+    /// CSV file to write instead of the standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Drawing of positions and energies to write (SVG)
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => Err("expected a number above 0".to_owned()),
+    }
+}
+
+/// Runs the command: the text for the standard output.
+pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
+    // Everything the user wrote is read before any work is done.
+    let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
+    let machine = input::machine(&arguments.machine)?;
+    let read = input::model(&arguments.model)?;
+    read.warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
+    let model = &read.model;
+    let laws = match &arguments.laws {
+        None => Laws::none(model),
+        Some(path) => laws(model, path)?,
+    };
+    let setting = Setting {
+        formulation: Formulation::from_name(&arguments.formulation).unwrap_or_default(),
+        passes: arguments.passes.is_some().then_some((&pipeline, &machine)),
+        precision: match arguments.number {
+            Number::F32 => Precision::Binary32,
+            Number::F64 => Precision::Binary64,
+        },
+    };
+    let (mut system, initial) = System::new(model, laws, &setting).map_err(failure)?;
+    let remark = roles(model, &system);
+    let bar = progress_bar();
+    let run = simulate(&mut system, &initial, &plan(arguments), &mut |time| {
+        bar.set_position((time / arguments.time * BAR_LENGTH) as u64);
+    });
+    bar.finish_and_clear();
+    let run = run.map_err(failure)?;
+    if let Some(path) = &arguments.plot {
+        let svg = plot::svg(model, &run)
+            .map_err(|error| Failure::plain(format!("cannot draw: {error}")))?;
+        output::write_file(path, |writer| writer.write_all(svg.as_bytes()))?;
+    }
+    eprint!("{remark}{}", summary(arguments, &run));
+    let table = csv(model, &run);
+    match &arguments.output {
+        None => Ok(table),
+        Some(path) => {
+            output::write_file(path, |writer| writer.write_all(table.as_bytes()))?;
+            Ok(String::new())
+        }
+    }
+}
+
+fn laws(model: &Model, path: &Path) -> Result<Laws, Failure> {
+    let text = input::text(path)?;
+    Laws::parse(model, &text)
+        .map_err(|diagnostics| Failure(Report::of(&path.display().to_string(), text, diagnostics)))
+}
+
+fn plan(arguments: &SimArguments) -> Plan {
+    Plan {
+        duration: arguments.time,
+        samples: arguments.samples,
+        method: match arguments.method {
+            Integrator::Rk4 => Method::RungeKutta {
+                step: arguments.step,
+            },
+            Integrator::Dopri => Method::DormandPrince {
+                relative: arguments.tolerance,
+                absolute: arguments.tolerance,
+            },
+        },
+        step_limit: arguments.max_steps,
+    }
+}
+
+fn failure(error: MotionError) -> Failure {
+    let notes = error.advice().map(str::to_owned).into_iter().collect();
+    Failure::advised(error.to_string(), notes)
+}
+
+fn progress_bar() -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(BAR_LENGTH as u64), ProgressDrawTarget::hidden());
+    if std::io::stderr().is_terminal() {
+        bar.set_draw_target(ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent}% {elapsed}, {eta} left")
+        {
+            bar.set_style(style);
+        }
+    }
+    bar
+}
+
+/// What moves freely, and what follows.
+fn roles(model: &Model, system: &System<'_>) -> String {
+    let partition = system.partition();
+    let mut text = format!(
+        "{}: {} independent, {} dependent, {} driven joints\n",
+        model.name,
+        partition.independent.len(),
+        partition.dependent.len(),
+        partition.driven.len(),
+    );
+    if partition.chosen {
+        let names = partition
+            .dependent
+            .iter()
+            .map(|&joint| model.joints[joint].name.as_str());
+        let names: Vec<&str> = names.collect();
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "the joints that the model calls dependent do not determine its loops; taken \
+             instead: {}",
+            if names.is_empty() {
+                "none".to_owned()
+            } else {
+                names.join(", ")
+            }
+        );
+    }
+    text
+}
+
+fn summary(arguments: &SimArguments, run: &Run) -> String {
+    let rejected = match run.rejected {
+        0 => String::new(),
+        count => format!(", {count} repeated"),
+    };
+    format!(
+        "{} s in {} steps{rejected}\n\
+         energy less work kept within {:.2e} J; kinetic energy reached {:.3e} J\n\
+         constraints kept within {:.2e}\n",
+        arguments.time,
+        run.steps,
+        run.energy_drift(),
+        run.energy_scale(),
+        run.largest_gap(),
+    )
+}
+
+/// One line per sample.
+fn csv(model: &Model, run: &Run) -> String {
+    let mut text = String::from("time");
+    for kind in ["q", "qd"] {
+        for joint in &model.joints {
+            text.push(',');
+            text += &field(&format!("{kind}.{}", joint.name));
+        }
+    }
+    text += ",kinetic,gravity,springs,work,residual\n";
+    for sample in &run.samples {
+        let energy = &sample.energy;
+        let ends = [
+            energy.kinetic,
+            energy.gravity,
+            energy.springs,
+            sample.work,
+            sample.gap,
+        ];
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{:?}", sample.state.time);
+        let numbers = sample.state.q.iter().chain(&sample.state.qd);
+        for number in numbers.chain(&ends) {
+            let _ = write!(text, ",{number:?}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// A name as a field of CSV.
+fn field(name: &str) -> String {
+    if name.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", name.replace('"', "\"\""))
+    } else {
+        name.to_owned()
+    }
+}
