@@ -82,13 +82,22 @@ fn read_plan(arguments: &Arguments) -> Result<Plan, Failure> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         (name.into_owned(), super::tool::read_text(path)?)
     };
+    let folder = Path::new(&arguments.plan).parent().map(Path::to_owned);
+    let folder = folder.filter(|_| arguments.plan != "thesis");
+    let near = folder.clone();
     let selection = Selection {
+        folder,
         models: arguments.models.clone(),
         pipelines: arguments.pipelines.clone(),
         machines: arguments.machines.clone(),
         elements: arguments.pe.clone(),
     };
-    let read_machine = |name: &str| input::machine(name).map_err(|failure| failure.0);
+    let read_machine = |name: &str| {
+        let file = near.as_ref().map(|folder| folder.join(name));
+        let file = file.filter(|file| file.is_file());
+        let name = file.map_or(name.into(), |file| file.to_string_lossy().into_owned());
+        input::machine(&name).map_err(|failure| failure.0)
+    };
     plan::resolve(&name, &text, &selection, &read_machine).map_err(Failure)
 }
 
@@ -136,16 +145,21 @@ impl Sources for Files {
 }
 
 fn equations(subject: &Subject) -> Result<Module, Failure> {
-    let path = Path::new(&subject.source);
+    let near = subject
+        .folder
+        .as_ref()
+        .map(|folder| folder.join(&subject.source));
+    let near = near.filter(|path| path.is_file());
+    let path = near.unwrap_or_else(|| PathBuf::from(&subject.source));
     let model = match built_in(&subject.source) {
         Some(model) => model,
         None if path.extension().is_some_and(|extension| extension == "mbs") => {
-            input::model(path)?.model
+            input::model(&path)?.model
         }
         None if path.extension().is_none() && !path.exists() => {
             return Err(unknown(&subject.source));
         }
-        None => return Ok(input::equations(path, None)?.module),
+        None => return Ok(input::equations(&path, None)?.module),
     };
     let wanted = subject.function.as_deref().unwrap_or("dirdyna");
     // Sensors are functions with numbers: sensor_1.
@@ -153,13 +167,17 @@ fn equations(subject: &Subject) -> Result<Module, Failure> {
         .trim_end_matches(|c: char| c.is_ascii_digit())
         .trim_end_matches('_');
     let Some(kind) = FunctionKind::from_name(name) else {
-        let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
+        let names = FunctionKind::ALL.map(FunctionKind::name);
+        let note = match did_you_mean(name, names.iter().copied()) {
+            Some(near) => format!("did you mean '{near}'?"),
+            None => format!("functions: {}", names.join(", ")),
+        };
         return Err(Failure::advised(
             format!(
                 "model '{}': there is no function '{wanted}' to generate",
                 subject.name
             ),
-            vec![format!("functions: {names}")],
+            vec![note],
         ));
     };
     let style = &subject.style;
@@ -202,17 +220,13 @@ fn unknown(name: &str) -> Failure {
             None => format!("{}-N", family.name()),
         })
         .collect();
-    let mut notes = Vec::new();
-    if let Some(near) = did_you_mean(name, names.iter().map(String::as_str)) {
-        notes.push(format!("did you mean '{near}'?"));
-    }
-    notes.push(format!(
-        "models: {} with N joints, or a file",
-        names.join(", ")
-    ));
+    let note = match did_you_mean(name, names.iter().map(String::as_str)) {
+        Some(near) => format!("did you mean '{near}'?"),
+        None => format!("models: {} with N joints, or a file", names.join(", ")),
+    };
     Failure::advised(
         format!("there is no file or built-in model '{name}'"),
-        notes,
+        vec![note],
     )
 }
 

@@ -25,6 +25,8 @@ pub struct Knee {
     pub fastest: Option<Split>,
     /// One adder and one multiplier.
     pub single: Option<Split>,
+    /// The largest equal numbers that were placed and fall short of it.
+    pub below: Option<Split>,
     /// True when every equal number from one up to the knee was placed, so
     /// that the knee is exact.
     pub is_exact: bool,
@@ -91,6 +93,7 @@ pub fn knee(results: &Results, model: usize, pipeline: usize, machine: usize) ->
                 .min_by_key(|placed| (placed.point.cycles, placed.elements())),
         ),
         single: split(equal().find(|placed| placed.request.n_add == 1)),
+        below: split(equal().take_while(|placed| !reaches(placed)).last()),
         is_exact: exact,
     })
 }

@@ -80,10 +80,18 @@ fn answer(facts: &ProgramFacts, knee: &Knee, mhz: f64) -> String {
                     gain.max(0.1)
                 )
             };
+            // Between two numbers that were tried the knee may lie anywhere.
+            let worth = match &knee.below {
+                Some(below) if !knee.is_exact => format!(
+                    "more than {} and at most {} processing elements (of those tried)",
+                    below.elements(),
+                    best.elements()
+                ),
+                _ => format!("{} processing elements", best.elements()),
+            };
             format!(
-                "{model} is worth {} processing elements: {}. They compute it in {} cycles, {} \
+                "{model} is worth {worth}: {}. They compute it in {} cycles, {} \
                  at {mhz} MHz; {beyond}.",
-                best.elements(),
                 elements(best),
                 best.cycles,
                 microseconds(best.cycles, mhz),
@@ -152,50 +160,57 @@ fn zones(facts: &ProgramFacts, knee: &Knee) -> Vec<[String; 3]> {
     } else {
         "adders"
     };
-    let mut zones = Vec::new();
-    let range = |from: u32, to: u32| match from {
-        from if from >= to => format!("{to} elements"),
-        from => format!("{from} to {to} elements"),
+    let range = |from: u32, to: u32| {
+        if from >= to {
+            format!("{to} elements")
+        } else {
+            format!("{from} to {to} elements")
+        }
     };
-    if let Some(busiest) = &knee.busiest {
-        zones.push([
-            "Parallelisation".to_owned(),
-            range(2, busiest.elements()),
+    let busy = knee.busiest.map_or(0, |split| split.elements());
+    let saturated = knee.equal.map(|split| split.elements());
+    let parallel = match busy {
+        0 => "none of those tried".to_owned(),
+        busy => range(knee.single.map_or(busy, |_| 2), busy),
+    };
+    let between = match saturated {
+        // Equal numbers come in steps of two.
+        Some(saturated) if knee.is_exact && saturated <= busy + 2 => "none".to_owned(),
+        Some(saturated) if knee.is_exact => range(busy + 2, saturated - 2),
+        Some(saturated) => format!("between {busy} and {saturated} elements"),
+        None => format!("more than {busy} elements"),
+    };
+    let full = match saturated {
+        Some(saturated) => format!("{saturated} elements and more"),
+        None => "none of those tried".to_owned(),
+    };
+    let zone = |name: &str, range: String, why: String| [name.to_owned(), range, why];
+    vec![
+        zone(
+            "Parallelisation",
+            parallel,
             format!(
                 "limited by the {scarce}: they start an operation in at least {:.0} % of all \
                  cycles, so that every further one shortens the run",
                 100.0 / BUSY
             ),
-        ]);
-    }
-    let from = knee.busiest.map_or(2, |busiest| busiest.elements() + 2);
-    match &knee.equal {
-        Some(equal) => {
-            if from < equal.elements() {
-                zones.push([
-                    "Transition".to_owned(),
-                    range(from, equal.elements() - 2),
-                    "limited by both: elements wait for operands in some cycles, and operands \
-                     for elements in others"
-                        .to_owned(),
-                ]);
-            }
-            zones.push([
-                "Saturation".to_owned(),
-                format!("{} elements and more", equal.elements()),
-                format!(
-                    "limited by the longest chain: within {:.0} % of its {} cycles, more \
-                     elements are idle elements",
-                    100.0 * (SATURATED - 1.0),
-                    knee.chain
-                ),
-            ]);
-        }
-        None => zones.push([
-            "Transition".to_owned(),
-            format!("{from} elements and more, as far as was tried"),
-            "limited by both elements and chains".to_owned(),
-        ]),
-    }
-    zones
+        ),
+        zone(
+            "Transition",
+            between,
+            "limited by both: elements wait for operands in some cycles, and operands for \
+             elements in others"
+                .to_owned(),
+        ),
+        zone(
+            "Saturation",
+            full,
+            format!(
+                "limited by the longest chain: within {:.0} % of its {} cycles, more elements \
+                 are idle elements",
+                100.0 * (SATURATED - 1.0),
+                knee.chain
+            ),
+        ),
+    ]
 }

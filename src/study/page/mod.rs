@@ -69,11 +69,17 @@ fn fill(template: &str, parts: &[(&str, String)]) -> String {
 fn table(table: &Table) -> String {
     let mut text = String::new();
     let name = &table.name;
+    // Data of the thesis and long lists are there for whoever looks for them.
+    let open = if name.starts_with("table-1.") || table.rows.len() > 50 {
+        ""
+    } else {
+        " open"
+    };
     // Writing to a string cannot fail.
     let _ = write!(
         text,
-        "<h3 id=\"{name}\">{}</h3>\n<p class=\"caption\">{} <a href=\"#{name}\" title=\"link\">{name}.csv</a></p>\n\
-         <div class=\"scroll tall\"><table class=\"data\"><thead><tr>",
+        "<details id=\"{name}\"{open}><summary>{}</summary>\n<p class=\"caption\">{} \
+         File: tables/{name}.csv.</p>\n<div class=\"scroll tall\"><table class=\"data\"><thead><tr>",
         Escaped(&table.title),
         Escaped(&table.caption),
     );
@@ -88,7 +94,7 @@ fn table(table: &Table) -> String {
         }
         text.push_str("</tr>\n");
     }
-    text.push_str("</tbody></table></div>\n");
+    text.push_str("</tbody></table></div></details>\n");
     text
 }
 

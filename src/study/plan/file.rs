@@ -115,7 +115,10 @@ pub(super) struct SweepEntry {
 
 /// Adders and multipliers.
 #[derive(Deserialize, Clone, Copy, Debug)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "expected a number of adders and as many multipliers, or [adders, multipliers]"
+)]
 pub(super) enum ElementsEntry {
     /// As many of each.
     Equal(u32),

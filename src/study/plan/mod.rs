@@ -12,6 +12,7 @@ use robovec_ir::Machine;
 use robovec_passes::pipeline::Pipeline;
 use robovec_passes::place::{Choice, PlaceOptions, Priority};
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 pub use resolve::resolve;
 
@@ -50,6 +51,10 @@ pub struct Subject {
     pub name: String,
     /// A file of equations, a model file, or the name of a built-in model.
     pub source: String,
+    /// The folder of the plan, where files are looked for first; `None` for
+    /// a source from the command line.
+    #[serde(skip)]
+    pub folder: Option<PathBuf>,
     /// The function studied; by default the only one, or `dirdyna`.
     pub function: Option<String>,
     /// The system of the thesis' Table 3.1 it stands for.
@@ -175,6 +180,8 @@ impl Request {
 /// What the command line asks for in place of the plan's own choices.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Selection {
+    /// The folder of the plan's file, `None` for a built-in plan.
+    pub folder: Option<PathBuf>,
     /// Models of the plan, or sources of others.
     pub models: Option<Vec<String>>,
     /// Pipelines of the plan, or pipelines as text.

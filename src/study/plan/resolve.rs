@@ -20,6 +20,9 @@ use toml::Spanned;
 /// The name that stands for the model of the verdict.
 const HEADLINE: &str = "headline";
 
+/// The most placements of a study; what lies beyond is a slip of the pen.
+const MOST_PLACEMENTS: usize = 1_000_000;
+
 /// Reads a machine by name or file; messages are the reader's own.
 pub(super) type ReadMachine<'a> = &'a dyn Fn(&str) -> Result<robovec_ir::Machine, Report>;
 
@@ -91,6 +94,13 @@ impl Resolver<'_> {
         if self.foreign.has_errors() {
             return Err(self.foreign);
         }
+        if self.plan.requests.len() > MOST_PLACEMENTS {
+            let diagnostic = Diagnostic::error().with_message(format!(
+                "the plan asks for {} placements; there can be {MOST_PLACEMENTS}",
+                self.plan.requests.len()
+            ));
+            return Err(Report::of(name, text, vec![diagnostic]));
+        }
         if self.plan.requests.is_empty() {
             let diagnostic = Diagnostic::error()
                 .with_message("the plan and the options leave nothing to place")
@@ -127,6 +137,7 @@ impl Resolver<'_> {
                     .unwrap_or(&entry.name)
                     .get_ref()
                     .clone(),
+                folder: self.selection.folder.clone(),
                 function: entry.function.clone(),
                 printed: entry.printed.as_ref().map(|row| row.get_ref().clone()),
                 style: self.style(&[&entry.generate, &file.generate]),
@@ -167,7 +178,9 @@ impl Resolver<'_> {
         {
             let message = format!("there is no formulation '{}'", name.get_ref());
             let mut notes = suggestion(did_you_mean(name.get_ref(), Formulation::names()));
-            notes.push(format!("formulations: {}", Formulation::names().join(", ")));
+            if notes.is_empty() {
+                notes.push(format!("formulations: {}", Formulation::names().join(", ")));
+            }
             self.problem(name.span(), message, notes);
         }
         let usual = Formulation::default().name();
@@ -464,6 +477,7 @@ fn pick_model(all: &[Subject], wanted: &str, style: &Style) -> Subject {
             })
             .collect(),
         source: wanted.to_owned(),
+        folder: None,
         function: None,
         printed: None,
         style: style.clone(),

@@ -1,0 +1,203 @@
+//! `robovec study`: results of a small plan, what is drawn and written, what
+//! is left of an interrupted run, and messages about plans that are wrong.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn study(plan: &Path, folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_robovec"))
+        .arg("study")
+        .arg("--plan")
+        .arg(plan)
+        .arg("-o")
+        .arg(folder)
+        .args(arguments)
+        .output()
+        .expect("the program starts")
+}
+
+fn small_plan() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/study/plans/suspension.toml")
+}
+
+fn run_small(folder: &Path, arguments: &[&str]) -> String {
+    let output = study(&small_plan(), folder, arguments);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{message}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).expect("the study wrote it")
+}
+
+/// The files of a folder, by name.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("the folder is there");
+    let mut files: Vec<PathBuf> = entries
+        .map(|entry| entry.expect("readable").path())
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn a_small_plan_gives_these_numbers() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    run_small(folder, &[]);
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path("study/plans");
+    settings.set_prepend_module_to_snapshot(false);
+    settings.bind(|| {
+        for table in [
+            "programs",
+            "points",
+            "table-2.2",
+            "table-3.1",
+            "knee",
+            "split",
+        ] {
+            let text = read(&folder.join(format!("tables/{table}.csv")));
+            insta::assert_snapshot!(table, text);
+        }
+        for figure in ["cycles-suspension", "rate-chain", "memory-suspension"] {
+            let text = read(&folder.join(format!("figures/{figure}.csv")));
+            insta::assert_snapshot!(figure, text);
+        }
+        let results = read(&folder.join("results.json"));
+        let mut results: serde_json::Value = serde_json::from_str(&results).expect("JSON");
+        let points = results["points"].as_array_mut().expect("a list of points");
+        for kind in points
+            .iter_mut()
+            .flat_map(|point| point["kinds"].as_array_mut().into_iter().flatten())
+        {
+            let curve = kind["occupation"].as_array().expect("a curve");
+            assert_eq!(curve.len(), 201);
+            kind.as_object_mut()
+                .expect("an object")
+                .remove("occupation");
+        }
+        points.truncate(3);
+        let text = serde_json::to_string_pretty(&results).expect("JSON");
+        insta::assert_snapshot!("results", text);
+    });
+}
+
+#[test]
+fn drawings_are_well_formed_and_the_page_needs_nothing_else() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    run_small(folder, &[]);
+    let mut drawn = 0;
+    for path in files(&folder.join("figures")) {
+        if path.extension().is_some_and(|extension| extension == "svg") {
+            let text = read(&path);
+            let document = roxmltree::Document::parse(&text).expect("well-formed XML");
+            assert_eq!(document.root_element().tag_name().name(), "svg");
+            assert!(
+                document
+                    .descendants()
+                    .any(|node| node.has_tag_name("polyline") || node.has_tag_name("rect"))
+            );
+            assert!(
+                !text.contains("NaN") && !text.contains("inf"),
+                "{}",
+                path.display()
+            );
+            drawn += 1;
+        }
+    }
+    assert!(drawn > 10, "{drawn} figures");
+    let page = read(&folder.join("report.html"));
+    let data = page.split_once("id=\"data\">").expect("data").1;
+    let data = data.split_once("</script>").expect("the end of the data").0;
+    let data: serde_json::Value = serde_json::from_str(data).expect("JSON");
+    assert_eq!(data["points"].as_array().map(Vec::len), Some(54));
+    assert_eq!(data["verdicts"].as_array().map(Vec::len), Some(4));
+    let elsewhere = page.replace("http://www.w3.org/2000/svg", "");
+    for reference in [
+        "http:",
+        "https:",
+        "src=",
+        "url(",
+        "@import",
+        "fetch(",
+        "XMLHttpRequest",
+    ] {
+        assert!(!elsewhere.contains(reference), "{reference}");
+    }
+}
+
+#[test]
+fn an_interrupted_study_goes_on_where_it_stopped() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    assert!(run_small(folder, &["--jobs", "2"]).contains("54 placements; "));
+    let whole = read(&folder.join("results.json"));
+    let page = read(&folder.join("report.html"));
+    let points = files(&folder.join("points"));
+    assert_eq!(points.len(), 54);
+    fs::remove_file(&points[0]).expect("it is there");
+    fs::write(&points[1], "{\"key\": \"").expect("it can be written");
+    let point = read(&points[2]);
+    fs::write(&points[3], point).expect("it can be written");
+    let said = run_small(folder, &["--resume", "--jobs", "1"]);
+    assert!(
+        said.contains("54 placements, 51 of them from an earlier run"),
+        "{said}"
+    );
+    assert_eq!(read(&folder.join("results.json")), whole);
+    assert_eq!(read(&folder.join("report.html")), page);
+    assert!(run_small(folder, &["--resume"]).contains("54 of them"));
+    assert!(
+        run_small(folder, &[]).contains("54 placements; "),
+        "without --resume all is new"
+    );
+}
+
+#[test]
+fn the_command_line_chooses_among_models_pipelines_and_numbers() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let arguments = [
+        "--models",
+        "quarter-car",
+        "--pipelines",
+        "atomise,swap",
+        "--pe",
+        "1,3",
+    ];
+    let said = run_small(folder.path(), &arguments);
+    // 2 usual, 2 x 2 x 2 of orders and choices of which one is usual, 9 of the grid.
+    assert!(said.contains("placements"), "{said}");
+    let programs = read(&folder.path().join("tables/programs.csv"));
+    assert!(
+        programs.contains("quarter-car,\"atomise,swap\",thesis,"),
+        "{programs}"
+    );
+    assert_eq!(programs.lines().count(), 2, "{programs}");
+}
+
+#[test]
+fn plans_that_are_wrong_are_refused_with_a_caret() {
+    insta::glob!("study/errors/*.toml", |path| {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let results = folder.path().join("results");
+        let output = study(path, &results, &[]);
+        assert_eq!(output.status.code(), Some(1));
+        let left = results.join("results.json").exists() || results.join("report.html").exists();
+        assert!(!left, "something was written");
+        let mut settings = insta::Settings::clone_current();
+        settings.set_snapshot_path("study/errors");
+        settings.set_prepend_module_to_snapshot(false);
+        let name = path
+            .file_stem()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned();
+        settings.bind(|| {
+            insta::assert_snapshot!(name, String::from_utf8_lossy(&output.stderr));
+        });
+    });
+}
