@@ -89,6 +89,8 @@ pub(super) enum Atom {
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Body {
     Sum(Sum),
+    /// The scalar itself, with its sign.
+    Copy(Scalar),
     Sin(Scalar),
     Cos(Scalar),
     Sqrt(Scalar),
@@ -285,6 +287,22 @@ impl Equations {
         })
     }
 
+    /// The scalar under a name that others rely on, as the argument of a user
+    /// function: `label` if the scalar is not that equation already. An
+    /// equation of that name with the opposite sign gets another prefix.
+    pub(super) fn named(&mut self, label: Label, other: &'static str, scalar: Scalar) -> Scalar {
+        if let Atom::Equation(number) = self.atoms[scalar.atom() as usize] {
+            let equation = &mut self.equations[number as usize];
+            if equation.label == label {
+                if !scalar.is_negative() {
+                    return scalar;
+                }
+                equation.label.prefix = other;
+            }
+        }
+        self.push(label, Body::Copy(scalar), (0, 0))
+    }
+
     /// The sine of a scalar.
     pub(super) fn sin(&mut self, label: Label, angle: Scalar) -> Scalar {
         let negative = angle.is_negative();
@@ -325,7 +343,7 @@ impl Equations {
         match body {
             Body::Sin(a) | Body::Cos(a) | Body::Sqrt(a) => self.scratch.push(a.atom()),
             Body::Quotient(a, b) => self.scratch.extend([a.atom(), b.atom()]),
-            Body::Sum(_) => {}
+            Body::Sum(_) | Body::Copy(_) => {}
         }
         let hash = self.hash_scratch();
         let found = self.known.find(hash, |&(other, scalar)| {

@@ -49,6 +49,8 @@ fn one(
         rate.add(&[*component, value]);
     }
     let rate = equations.define(Label::new("Zd", 0, number), rate);
+    let length = equations.named(Label::new("Z", 0, number), "Zv", length);
+    let rate = equations.named(Label::new("Zd", 0, number), "Zv", rate);
     let force = call(equations, number, length, rate);
     let pull: Vector = [0, 1, 2].map(|k| {
         let mut sum = Sum::new();

@@ -18,6 +18,12 @@ const INPUT_ORDER: [&str; 11] = [
     "q", "qd", "qdd", "dpt", "l", "m", "In", "g", "frc", "trq", "lrod",
 ];
 
+/// The parameters of Robotran's functions, in their order; other outputs follow
+/// in order of appearance.
+const OUTPUT_ORDER: [&str; 11] = [
+    "M", "c", "Qq", "h", "Jac", "Jdqd", "frc", "trq", "Flink", "Z", "Zd",
+];
+
 /// The extents of arrays.
 pub(super) struct Extents {
     pub(super) joints: u32,
@@ -51,6 +57,21 @@ impl Extents {
             _ => Shape::Matrix(rows.max(used.0), columns.max(used.1)),
         }
     }
+}
+
+/// The largest number of a point whose coordinates the outputs need.
+pub(super) fn points(equations: &Equations) -> u32 {
+    let needed = needed(equations);
+    let atoms = equations.atoms.iter().zip(needed);
+    atoms
+        .filter_map(|(atom, needed)| match *atom {
+            Atom::Input { array, indices } if needed => {
+                (equations.arrays[array as usize].0 == "dpt").then_some(indices[1])
+            }
+            _ => None,
+        })
+        .max()
+        .unwrap_or(0)
 }
 
 /// Appends the function to the module.
@@ -117,7 +138,9 @@ fn needed(equations: &Equations) -> Vec<bool> {
         }
         match &equations.equations[equation as usize].body {
             Body::Sum(sum) => mark(sum, &mut needed, &mut pending),
-            Body::Sin(a) | Body::Cos(a) | Body::Sqrt(a) => needed[a.atom() as usize] = true,
+            Body::Copy(a) | Body::Sin(a) | Body::Cos(a) | Body::Sqrt(a) => {
+                needed[a.atom() as usize] = true
+            }
             Body::Quotient(a, b) => {
                 needed[a.atom() as usize] = true;
                 needed[b.atom() as usize] = true;
@@ -184,7 +207,7 @@ fn declare_inputs(
     equations.atoms.iter().map(element).collect()
 }
 
-/// Declares the output arrays in order of appearance; in the order of
+/// Declares the output arrays; gives them in the order of
 /// [`Equations::results`].
 fn declare_outputs(
     equations: &Equations,
@@ -198,14 +221,20 @@ fn declare_outputs(
         most.0 = most.0.max(indices[0]);
         most.1 = most.1.max(indices[1]);
     }
-    let named = equations.results.iter().zip(used);
-    named
-        .map(|(name, most)| {
-            let rank = usize::from(most.0 > 0) + usize::from(most.1 > 0);
-            let shape = extents.shape(name, rank, most);
-            function.add_output(tables.symbols.intern(name), shape)
-        })
-        .collect()
+    let rank = |name: &str| {
+        let known = OUTPUT_ORDER.iter().position(|known| *known == name);
+        known.unwrap_or(OUTPUT_ORDER.len())
+    };
+    let mut order: Vec<usize> = (0..used.len()).collect();
+    order.sort_by_key(|&array| rank(&equations.results[array]));
+    let mut declared = vec![None; used.len()];
+    for array in order {
+        let (name, most) = (&equations.results[array], used[array]);
+        let indices = usize::from(most.0 > 0) + usize::from(most.1 > 0);
+        let shape = extents.shape(name, indices, most);
+        declared[array] = Some(function.add_output(tables.symbols.intern(name), shape));
+    }
+    declared.into_iter().flatten().collect()
 }
 
 struct Writer<'a> {
@@ -233,6 +262,15 @@ impl Writer<'_> {
         let equation = &self.equations.equations[number as usize];
         let operand = match &equation.body {
             Body::Sum(sum) => self.sum(sum),
+            Body::Copy(a) => {
+                let operation = if a.is_negative() {
+                    Operation::Neg
+                } else {
+                    Operation::Copy
+                };
+                let operand = self.operand(*a);
+                self.node(operation, [operand, Operand::NONE])
+            }
             Body::Sin(a) => self.unary(Operation::Sin, *a),
             Body::Cos(a) => self.unary(Operation::Cos, *a),
             Body::Sqrt(a) => self.unary(Operation::Sqrt, *a),

@@ -231,51 +231,58 @@ pub fn generate_into(
     let cases = match request.function {
         FunctionKind::Sensor => model.sensors.len() + model.forces.len(),
         FunctionKind::Gensensor => model.joints.len(),
-        _ => {
-            module_function(module, model, request, None);
-            return Ok(());
-        }
+        _ => 1,
     };
-    for case in 0..cases {
-        module_function(module, model, request, Some(case));
+    let written: Vec<Equations> = (0..cases).map(|case| write(model, request, case)).collect();
+    // The cases of a file share their arrays.
+    let extents = Extents {
+        joints: model.joints.len() as u32,
+        points: written.iter().map(lower::points).max().unwrap_or(0),
+    };
+    for (case, equations) in written.iter().enumerate() {
+        let function = head(model, request, case);
+        lower::lower(equations, &extents, function, module);
     }
     Ok(())
 }
 
-/// Adds one function, or one case of a function of sensors (from 0).
-fn module_function(module: &mut Module, model: &Model, request: &Request, case: Option<usize>) {
+/// Writes the equations of a function, or of one case of a function of sensors
+/// (from 0).
+fn write(model: &Model, request: &Request, case: usize) -> Equations {
     let options = &request.options;
-    let mut equations = Equations::new(Style {
+    let mut written = Equations::new(Style {
         leading_signs: options.leading_signs,
     });
-    let parameters = Parameters::new(model, options, &mut equations);
-    let (equations_mut, parameters) = (&mut equations, &parameters);
+    let equations = &mut written;
+    let parameters = &Parameters::new(model, options, equations);
     match request.function {
-        FunctionKind::Dirdyna => formulation::direct(equations_mut, parameters, request),
-        FunctionKind::Invdyna => recursive::inverse(equations_mut, parameters, options),
-        FunctionKind::ConsHJ => constraints::position(equations_mut, parameters, options),
-        FunctionKind::ConsJdqd => constraints::acceleration(equations_mut, parameters, options),
-        FunctionKind::Link => link::write(equations_mut, parameters, options),
-        FunctionKind::Extforces => forces::write(equations_mut, parameters, options),
-        FunctionKind::Sensor => {
-            sensor::sensor(equations_mut, parameters, options, case.unwrap_or(0));
-        }
-        FunctionKind::Gensensor => sensor::frame(equations_mut, parameters, case.unwrap_or(0)),
+        FunctionKind::Dirdyna => formulation::direct(equations, parameters, request),
+        FunctionKind::Invdyna => recursive::inverse(equations, parameters, options),
+        FunctionKind::ConsHJ => constraints::position(equations, parameters, options),
+        FunctionKind::ConsJdqd => constraints::acceleration(equations, parameters, options),
+        FunctionKind::Link => link::write(equations, parameters, options),
+        FunctionKind::Extforces => forces::write(equations, parameters, options),
+        FunctionKind::Sensor => sensor::sensor(equations, parameters, options, case),
+        FunctionKind::Gensensor => sensor::frame(equations, parameters, case),
     }
+    written
+}
+
+/// A function without equations.
+fn head(model: &Model, request: &Request, case: usize) -> Function {
     let mut name = request.function.name().to_owned();
     let mut metadata = metadata(model, request);
-    if let Some(case) = case {
+    if matches!(
+        request.function,
+        FunctionKind::Sensor | FunctionKind::Gensensor
+    ) {
         // Cases count from 1 as sensors and joints do.
         name = format!("{name}_{}", case + 1);
         metadata.push(("case".to_owned(), (case + 1).to_string()));
     }
-    let extents = Extents {
-        joints: model.joints.len() as u32,
-        points: 0,
-    };
     let mut function = Function::new(&name, Level::Equations);
     function.metadata = metadata;
-    lower::lower(&equations, &extents, function, module);
+    function
 }
 
 /// What a reader of the equations wants to know of their origin.
