@@ -1,5 +1,6 @@
 //! robovec: a compiler for the equations of multibody systems.
 
+mod align;
 pub mod command;
 pub mod evaluate_command;
 pub mod generate;
@@ -9,4 +10,5 @@ pub mod motion;
 pub mod report;
 pub mod robotran;
 pub mod simulate;
+pub mod stale;
 pub mod study;

@@ -262,3 +262,49 @@ fn the_table_of_trees_is_right() {
     }
     assert_eq!(count, 16);
 }
+
+/// The hand-written files of the suspension belong to the model of the quarter
+/// car, in all languages; only their sensors are numbered otherwise.
+#[test]
+fn stale_equations_are_told_from_fresh_ones() {
+    let model = "examples/models/quarter-car.mbs";
+    let kinds = [
+        "dirdyna",
+        "invdyna",
+        "cons_hJ",
+        "cons_jdqd",
+        "link",
+        "extforces",
+    ];
+    let mut arguments = vec![
+        "model".to_owned(),
+        model.to_owned(),
+        "--equations".to_owned(),
+    ];
+    for language in ["c", "m", "py"] {
+        arguments.extend(
+            kinds.map(|kind| format!("examples/suspension/mbs_{kind}_suspension.{language}")),
+        );
+    }
+    let run = |arguments: &[String]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_robovec"));
+        let output = command.current_dir(root()).args(arguments).output();
+        output.expect("the program starts")
+    };
+    let output = run(&arguments);
+    let (said, complaints) = (
+        String::from_utf8_lossy(&output.stdout).into_owned(),
+        String::from_utf8_lossy(&output.stderr).into_owned(),
+    );
+    assert_eq!(output.status.code(), Some(0), "{complaints}");
+    assert_eq!(complaints, "");
+    assert_eq!(said.matches("belongs to the model").count(), 18, "{said}");
+    arguments.push("examples/suspension/mbs_sensor_suspension.c".to_owned());
+    let output = run(&arguments);
+    assert_eq!(output.status.code(), Some(1));
+    let complaints = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        complaints.contains("'sensor_1' does not use dpt[2,3]"),
+        "{complaints}"
+    );
+}

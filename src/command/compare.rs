@@ -6,7 +6,8 @@
 //! that happens to be zero, and a user wants to know how far rounding takes
 //! the results apart.
 
-use super::{Failure, align, input};
+use super::{Failure, input};
+use crate::align;
 use crate::model::Model;
 use crate::motion::parameter;
 use clap::Args;

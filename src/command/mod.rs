@@ -5,7 +5,6 @@
 //! ends in a diagnostic and exit code 1; wrong use of the command line is
 //! exit code 2.
 
-mod align;
 mod arguments;
 mod compare;
 mod dump;

@@ -5,8 +5,11 @@ use crate::model::Model;
 use crate::model::family::{Family, LARGEST};
 use crate::model::mbs::write_mbs;
 use crate::model::summary::summarise;
+use crate::stale;
 use clap::Args;
-use robovec_ir::diagnostic::{did_you_mean, termcolor::ColorChoice};
+use robovec_ir::diagnostic::{
+    Diagnostic, Label, Report, Severity, did_you_mean, termcolor::ColorChoice,
+};
 use std::path::{Path, PathBuf};
 
 /// The joints of a family that is given no number.
@@ -30,6 +33,10 @@ pub(super) struct ModelArguments {
     /// to the standard output
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
+    /// Tell whether these files of equations still belong to the model; exit
+    /// code 1 when one must be generated again
+    #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "output")]
+    equations: Vec<PathBuf>,
 }
 
 /// Runs the command.
@@ -53,8 +60,50 @@ pub(super) fn run(arguments: &ModelArguments) -> Result<String, Failure> {
         .unwrap_or_default();
     match &arguments.output {
         Some(path) => write(&read.model, Some(path)),
+        None if !arguments.equations.is_empty() => freshness(&read.model, &arguments.equations),
         None => Ok(summarise(&read.model)),
     }
+}
+
+/// One line for each file of equations; a failure when one is stale.
+fn freshness(model: &Model, files: &[PathBuf]) -> Result<String, Failure> {
+    let mut lines = String::new();
+    let mut report = Report::new();
+    for path in files {
+        let input = input::equations(path, None)?;
+        let comparison = stale::compare(model, &input.module);
+        let verdict = if comparison.is_stale() {
+            "stale".to_owned()
+        } else if comparison.equal.is_empty() {
+            "nothing to compare".to_owned()
+        } else {
+            format!("belongs to the model: {}", comparison.equal.join(", "))
+        };
+        lines += &format!("{}: {verdict}\n", input.name);
+        let text = input.text().unwrap_or_default();
+        let file = report.add_file(&input.name, text);
+        for finding in comparison.findings {
+            let severity = if finding.stale {
+                Severity::Error
+            } else {
+                Severity::Warning
+            };
+            let mut diagnostic = Diagnostic::new(severity)
+                .with_message(format!("{}: {}", input.name, finding.message))
+                .with_note(format!("help: {}", finding.help));
+            if let Some(place) = finding.place {
+                let range = report.range_of(file, place);
+                diagnostic = diagnostic.with_label(Label::primary(file, range));
+            }
+            report.push(diagnostic);
+        }
+    }
+    if !report.has_errors() {
+        report.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();
+        return Ok(lines);
+    }
+    output::write_stdout(|stdout| stdout.write_all(lines.as_bytes()))?;
+    Err(Failure(report))
 }
 
 fn unknown(name: &str) -> Failure {
