@@ -36,7 +36,7 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    const REST: Motion = Motion {
+    pub(super) const REST: Motion = Motion {
         velocity: ZERO,
         angular: ZERO,
         linear: ZERO,
@@ -95,14 +95,19 @@ impl<'a, 'm> Bias<'a, 'm> {
     }
 
     /// The base stands still, and what it does not fall with is gravity.
-    fn base(&self) -> Motion {
+    pub(super) fn base(&self) -> Motion {
         Motion {
             linear: self.parameters.gravity.map(|component| -component),
             ..Motion::REST
         }
     }
 
-    fn motion(&self, equations: &mut Equations, joint: usize, before: &Motion) -> Motion {
+    pub(super) fn motion(
+        &self,
+        equations: &mut Equations,
+        joint: usize,
+        before: &Motion,
+    ) -> Motion {
         let parameters = self.parameters;
         let turn = &parameters.turns[joint];
         let rate = parameters.qd[joint];
@@ -321,7 +326,7 @@ impl<'a, 'm> Bias<'a, 'm> {
 }
 
 /// `~OA + ~OM ~OM`, row by row, and the squares of `OM`.
-fn tilde(
+pub(super) fn tilde(
     equations: &mut Equations,
     joint: usize,
     velocity: &Vector,

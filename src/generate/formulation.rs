@@ -2,7 +2,7 @@
 
 use super::equations::Equations;
 use super::parameters::Parameters;
-use super::{FunctionKind, GenerateError, Request, composite, composite_base, recursive};
+use super::{FunctionKind, GenerateError, Request, composite, composite_base, prefix, recursive};
 
 /// A recursion.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -16,6 +16,42 @@ pub enum Formulation {
     /// Composite rigid bodies with the columns of `M` in one common frame, that
     /// of the first body with mass: the fewest operations for long chains.
     CompositeBase,
+    /// Everything in one common frame, as sums and products over paths: the
+    /// shortest critical path.
+    Prefix {
+        /// In which order paths and subtrees are combined.
+        network: Network,
+        /// Which frame is the common one.
+        origin: Origin,
+    },
+}
+
+/// In which order values along a path are combined.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Network {
+    /// One after another: the fewest operations.
+    Serial,
+    /// In twice logarithmic depth with at most twice the operations.
+    BrentKung,
+    /// In logarithmic depth: the shortest path.
+    #[default]
+    Sklansky,
+}
+
+impl Network {
+    /// All networks.
+    pub const ALL: [Network; 3] = [Network::Serial, Network::BrentKung, Network::Sklansky];
+}
+
+/// The frame whose origin moments are about.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Origin {
+    /// The base.
+    Base,
+    /// The first body with mass on each path: it moves with the system, so
+    /// that moments stay small and short number formats keep small entries.
+    #[default]
+    Body,
 }
 
 /// What equations ask of numbers.
@@ -32,11 +68,21 @@ pub struct Requirements {
 
 impl Formulation {
     /// All formulations.
-    pub const ALL: [Formulation; 3] = [
+    pub const ALL: [Formulation; 9] = [
         Formulation::Recursive,
         Formulation::Composite,
         Formulation::CompositeBase,
+        Formulation::prefix(Network::Serial, Origin::Body),
+        Formulation::prefix(Network::BrentKung, Origin::Body),
+        Formulation::prefix(Network::Sklansky, Origin::Body),
+        Formulation::prefix(Network::Serial, Origin::Base),
+        Formulation::prefix(Network::BrentKung, Origin::Base),
+        Formulation::prefix(Network::Sklansky, Origin::Base),
     ];
+
+    const fn prefix(network: Network, origin: Origin) -> Formulation {
+        Formulation::Prefix { network, origin }
+    }
 
     /// The formulation's name on the command line.
     pub fn name(self) -> &'static str {
@@ -44,6 +90,14 @@ impl Formulation {
             Formulation::Recursive => "recursive",
             Formulation::Composite => "composite",
             Formulation::CompositeBase => "composite-base",
+            Formulation::Prefix { network, origin } => match (network, origin) {
+                (Network::Serial, Origin::Body) => "prefix-serial",
+                (Network::BrentKung, Origin::Body) => "prefix-brent-kung",
+                (Network::Sklansky, Origin::Body) => "prefix-sklansky",
+                (Network::Serial, Origin::Base) => "prefix-serial-base",
+                (Network::BrentKung, Origin::Base) => "prefix-brent-kung-base",
+                (Network::Sklansky, Origin::Base) => "prefix-sklansky-base",
+            },
         }
     }
 
@@ -106,6 +160,9 @@ pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, req
         Formulation::Composite => composite::dynamics(equations, parameters).output(equations),
         Formulation::CompositeBase => {
             composite_base::dynamics(equations, parameters).output(equations);
+        }
+        Formulation::Prefix { network, origin } => {
+            prefix::dynamics(equations, parameters, network, origin).output(equations);
         }
     }
 }

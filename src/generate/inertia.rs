@@ -7,9 +7,11 @@
 
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, Label};
+use super::hub::Twist;
 use super::parameters::Parameters;
 use super::vector::{
-    Matrix, SumVector, Turn, Vector, ZERO, add_cross, cyclic, define, sums, sums_of,
+    Matrix, SumVector, Turn, Vector, ZERO, add_cross, add_matrix_product, cyclic, define, sums,
+    sums_of,
 };
 
 /// The inertia of a set of bodies about the origin of a frame and in its axes.
@@ -99,19 +101,9 @@ impl SumInertia {
         parameters: &Parameters<'_>,
         joint: usize,
     ) {
-        let own = Inertia {
-            mass: parameters.masses[joint],
-            first: ZERO,
-            moments: parameters.inertias[joint],
-        };
-        let center = &parameters.centers[joint];
-        self.mass.add(&[own.mass]);
-        for row in 0..3 {
-            for column in row..3 {
-                self.moments[row][column].add(&[own.moments[row][column]]);
-            }
-        }
-        self.refer(equations, ("ML", "SL"), joint, &own, center);
+        let mass = parameters.masses[joint];
+        let (moments, center) = (&parameters.inertias[joint], &parameters.centers[joint]);
+        self.add_body(equations, joint, mass, moments, center);
     }
 
     /// Adds what a child carries, referred to the origin of its parent.
@@ -220,14 +212,53 @@ impl SumInertia {
         entry(b, c, &[&[cos, swing], &[-moments[b][c]]]);
     }
 
+    /// Adds the inertia of a body whose moments are known about its centre.
+    pub(super) fn add_body(
+        &mut self,
+        equations: &mut Equations,
+        joint: usize,
+        mass: Scalar,
+        moments: &Matrix,
+        center: &Vector,
+    ) {
+        let own = Inertia {
+            mass,
+            first: ZERO,
+            moments: *moments,
+        };
+        self.add(&own);
+        self.refer(equations, ("ML", "SL"), joint, &own, center);
+    }
+
+    /// Adds an inertia about the same origin.
+    pub(super) fn add(&mut self, other: &Inertia) {
+        self.mass.add(&[other.mass]);
+        for (component, &value) in self.first.iter_mut().zip(&other.first) {
+            component.add(&[value]);
+        }
+        for row in 0..3 {
+            for column in row..3 {
+                self.moments[row][column].add(&[other.moments[row][column]]);
+            }
+        }
+    }
+
     /// Names everything.
-    pub(super) fn define(self, equations: &mut Equations, joint: usize) -> Inertia {
-        let mass = equations.define(Label::new("MC", 0, joint + 1), self.mass);
-        let first = define(equations, "HC", joint, 0, self.first);
+    pub(super) fn define(
+        self,
+        equations: &mut Equations,
+        [mass, first, moments]: [&'static str; 3],
+        joint: usize,
+        number: usize,
+    ) -> Inertia {
+        let label = moments;
+        let mass = Label::new(mass, 0, joint + 1).column(number);
+        let mass = equations.define(mass, self.mass);
+        let first = define(equations, first, joint, number, self.first);
         let mut moments = [ZERO; 3];
         for (row, sums) in self.moments.into_iter().enumerate() {
             for (column, sum) in sums.into_iter().enumerate().skip(row) {
-                let label = Label::new("JC", 3 * row + column + 1, joint + 1);
+                let label = Label::new(label, 3 * row + column + 1, joint + 1).column(number);
                 moments[row][column] = equations.define(label, sum);
                 moments[column][row] = moments[row][column];
             }
@@ -257,7 +288,7 @@ impl Inertia {
                 let (composite, offset) = (&composites[child], &offsets[child]);
                 sum.add_child(equations, parameters, child, composite, offset);
             }
-            composites[joint] = sum.define(equations, joint);
+            composites[joint] = sum.define(equations, ["MC", "HC", "JC"], joint, 0);
         }
         composites
     }
@@ -268,6 +299,25 @@ impl Inertia {
         first: ZERO,
         moments: [ZERO; 3],
     };
+
+    /// The wrench that a unit of acceleration along a twist takes: force
+    /// `m v + z x h`, torque `J z + h x v`.
+    pub(super) fn wrench(
+        &self,
+        equations: &mut Equations,
+        names: (&'static str, &'static str),
+        joint: usize,
+        twist: &Twist,
+    ) -> Wrench {
+        let mut wrench = SumWrench::new();
+        for (component, &velocity) in wrench.force.iter_mut().zip(&twist.linear) {
+            component.add(&[self.mass, velocity]);
+        }
+        add_cross(&mut wrench.force, &twist.angular, &self.first, false);
+        add_matrix_product(&mut wrench.torque, &self.moments, &twist.angular);
+        add_cross(&mut wrench.torque, &self.first, &twist.linear, false);
+        wrench.define(equations, names, joint, 0)
+    }
 
     /// The wrench that a unit of acceleration of a joint takes, in its frame.
     pub(super) fn column(&self, axis: usize, revolute: bool) -> Wrench {
@@ -313,6 +363,14 @@ impl Wrench {
             self.torque[axis]
         } else {
             self.force[axis]
+        }
+    }
+
+    /// The wrench as sums of one term.
+    pub(super) fn sums(&self) -> SumWrench {
+        SumWrench {
+            force: sums_of(&self.force),
+            torque: sums_of(&self.torque),
         }
     }
 }

@@ -22,13 +22,15 @@ mod inertia;
 mod link;
 mod loads;
 mod lower;
+mod network;
 mod parameters;
+mod prefix;
 mod recursive;
 mod sensor;
 mod vector;
 
 use self::equations::{Equations, Style};
-pub use self::formulation::{Formulation, Requirements};
+pub use self::formulation::{Formulation, Network, Origin, Requirements};
 use self::lower::Extents;
 use self::parameters::Parameters;
 use crate::model::Model;

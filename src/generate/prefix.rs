@@ -1,0 +1,555 @@
+//! The prefix form: `M` and `c` in logarithmic depth.
+//!
+//! In one common frame every recursion from joint to joint is a sum or a
+//! product over the path, and what joints carry is a sum over the joints
+//! behind; a network ([`super::network`]) combines them in any depth between
+//! logarithmic and linear. With `z_i` the axis of joint i, `D_i` the lever to
+//! its origin, both in the axes of the reference, and h the joint before it:
+//!
+//! ```text
+//! RO_i = Q_i RO_h             PO_i = PO_h + D_i
+//! OM_i = OM_h + z_i qd_i      OP_i = OP_h + OM_h x z_i qd_i
+//! AO_i = AO_h + BE_h D_i      BE   = ~OP + ~OM ~OM        (translations: qd_i in D_i's place)
+//! ```
+//!
+//! Every body gives a force, a torque, a mass, a first moment and moments of
+//! inertia about the reference's origin; their sums over the bodies behind a
+//! joint give `c_i = z.N + v.F` with `v_i = PO_i x z_i`, the wrench of its
+//! column, and `M_ij = z_j.n_i + v_j.f_i`.
+//!
+//! The reference is the base, or the hub of [`super::hub`]; the joints of its
+//! stem are then worked off in body frames, one after another.
+
+use super::algebra::{Scalar, Sum};
+use super::bias::{Bias, Motion, tilde};
+use super::composite::{Dynamics, carry};
+use super::equations::{Equations, Label};
+use super::formulation::{Network, Origin};
+use super::hub::{Pose, Twist, hubs, turned};
+use super::inertia::{Inertia, SumInertia, Wrench};
+use super::network::{Block, paths, subtrees};
+use super::parameters::Parameters;
+use super::vector::{
+    Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, cyclic, define, sums,
+};
+
+/// `M` and `c`.
+pub(super) fn dynamics(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    network: Network,
+    origin: Origin,
+) -> Dynamics {
+    let offsets = parameters.named_offsets(equations);
+    let hubs = match origin {
+        Origin::Base => vec![None; parameters.joints()],
+        Origin::Body => hubs(parameters),
+    };
+    let behind: Vec<bool> = (0..parameters.joints())
+        .map(|joint| origin == Origin::Base || hubs[joint].is_some_and(|hub| hub != joint))
+        .collect();
+    let mut form = Prefix {
+        equations,
+        parameters,
+        offsets: &offsets,
+        network,
+        origin,
+        behind,
+    };
+    form.dynamics()
+}
+
+/// What bodies add up to: a wrench and an inertia about the reference.
+#[derive(Clone, Copy)]
+struct Load {
+    wrench: Wrench,
+    inertia: Inertia,
+}
+
+/// The motion of the frames behind the joints, in the axes of the reference.
+struct Motions {
+    poses: Vec<Pose>,
+    motions: Vec<Motion>,
+}
+
+struct Prefix<'e, 'p, 'm> {
+    equations: &'e mut Equations,
+    parameters: &'p Parameters<'m>,
+    offsets: &'p [Vector],
+    network: Network,
+    origin: Origin,
+    /// True for joints that the networks combine, false for stems and hubs.
+    behind: Vec<bool>,
+}
+
+impl Prefix<'_, '_, '_> {
+    fn dynamics(&mut self) -> Dynamics {
+        let stem = self.stem();
+        let Motions { poses, motions } = self.motions(&stem);
+        let loads: Vec<Load> = (0..self.behind.len())
+            .map(|joint| self.own(joint, &poses[joint], &motions[joint]))
+            .collect();
+        let mut loads = self.sums(&loads);
+        self.collect_stem(&mut loads);
+        let twists: Vec<Twist> = poses
+            .iter()
+            .enumerate()
+            .map(|(joint, pose)| Twist::new(self.equations, self.parameters, joint, pose))
+            .collect();
+        let bias = (0..loads.len())
+            .map(|joint| {
+                if self.behind[joint] {
+                    let label = Label::new("c", 0, joint + 1);
+                    product(self.equations, label, &twists[joint], &loads[joint].wrench)
+                } else {
+                    loads[joint].wrench.along(self.parameters, joint)
+                }
+            })
+            .collect();
+        let mass = (0..loads.len())
+            .map(|joint| self.column(joint, &twists, &loads[joint].inertia))
+            .collect();
+        Dynamics { mass, bias }
+    }
+
+    /// The parents of the joints that networks combine; joints of stems and
+    /// hubs stand alone.
+    fn forest(&self) -> Vec<Option<usize>> {
+        (0..self.behind.len())
+            .map(|joint| {
+                let parent = self.parameters.parent(joint);
+                parent.filter(|&parent| self.behind[joint] && self.behind[parent])
+            })
+            .collect()
+    }
+
+    /// The motions of stems and hubs, in their own frames.
+    fn stem(&mut self) -> Vec<Motion> {
+        let bias = Bias::new(self.parameters, self.offsets, &[]);
+        let mut motions: Vec<Motion> = Vec::with_capacity(self.behind.len());
+        for joint in 0..self.behind.len() {
+            motions.push(if self.behind[joint] {
+                Motion::REST
+            } else {
+                let parent = self.parameters.parent(joint);
+                let before = parent.map_or_else(|| bias.base(), |parent| motions[parent]);
+                bias.motion(self.equations, joint, &before)
+            });
+        }
+        motions
+    }
+
+    /// Poses and motions behind all joints.
+    fn motions(&mut self, stem: &[Motion]) -> Motions {
+        let parameters = self.parameters;
+        let forest = self.forest();
+        let joints = 0..self.behind.len();
+        let axes = self.rotations(&forest);
+        let levers: Vec<Vector> = joints
+            .clone()
+            .map(|joint| {
+                let before = self.before(joint, &axes, Pose::HERE.axes);
+                let pose = Pose {
+                    axes: before,
+                    ..Pose::HERE
+                };
+                let offset = if self.behind[joint] {
+                    self.offsets[joint]
+                } else {
+                    ZERO
+                };
+                define(self.equations, "RL", joint, 0, pose.lever(&offset))
+            })
+            .collect();
+        let origins = self.path_sums("PO", &forest, &levers, |_| ZERO);
+        let mut poses = vec![Pose::HERE; self.behind.len()];
+        for joint in joints.clone().filter(|&joint| self.behind[joint]) {
+            poses[joint] = Pose {
+                axes: axes[joint],
+                origin: origins[joint],
+            };
+        }
+        let spins: Vec<Vector> = joints
+            .clone()
+            .map(|joint| {
+                let axis = axes[joint][parameters.axis(joint)];
+                let spin = axis.map(|component| {
+                    let mut sum = Sum::new();
+                    sum.add(&[component, parameters.qd[joint]]);
+                    sum
+                });
+                define(self.equations, "OS", joint, 0, spin)
+            })
+            .collect();
+        let motions = self.velocities(stem, &forest, &levers, &spins);
+        Motions { poses, motions }
+    }
+
+    /// The value of the frame before a joint.
+    fn before<T: Copy>(&self, joint: usize, values: &[T], reference: T) -> T {
+        match self.parameters.parent(joint) {
+            Some(parent) if self.behind[parent] => values[parent],
+            _ => reference,
+        }
+    }
+
+    /// `RO` of every joint: products of rotations over its path.
+    fn rotations(&mut self, forest: &[Option<usize>]) -> Vec<Matrix> {
+        let parameters = self.parameters;
+        let equations = &mut *self.equations;
+        let identity = Pose::HERE.axes;
+        let turns: Vec<Matrix> = (0..forest.len())
+            .map(|joint| {
+                if self.behind[joint] {
+                    turned(equations, "RO", joint, &identity, &parameters.turns[joint])
+                } else {
+                    identity
+                }
+            })
+            .collect();
+        paths(self.network, forest, &turns, |block, before, after| {
+            let mut rows = [ZERO; 3];
+            for (row, coefficients) in after.iter().enumerate() {
+                for column in 0..3 {
+                    let mut sum = Sum::new();
+                    for (k, &coefficient) in coefficients.iter().enumerate() {
+                        sum.add(&[coefficient, before[k][column]]);
+                    }
+                    let label = Label::new("RO", 3 * row + column + 1, block.joint + 1);
+                    rows[row][column] = equations.define(label.column(block.start), sum);
+                }
+            }
+            rows
+        })
+    }
+
+    /// Sums of vectors over paths, which begin with the value at the reference.
+    fn path_sums(
+        &mut self,
+        name: &'static str,
+        forest: &[Option<usize>],
+        values: &[Vector],
+        reference: impl Fn(usize) -> Vector,
+    ) -> Vec<Vector> {
+        let behind = &self.behind;
+        let equations = &mut *self.equations;
+        let mut add = |joint: usize, column: usize, one: Vector, other: Vector| {
+            let mut sum = one.map(Sum::of);
+            for (component, value) in sum.iter_mut().zip(other) {
+                component.add(&[value]);
+            }
+            define(equations, name, joint, column, sum)
+        };
+        let values: Vec<Vector> = values
+            .iter()
+            .enumerate()
+            .map(|(joint, &value)| {
+                if behind[joint] && forest[joint].is_none() {
+                    add(joint, 0, reference(joint), value)
+                } else {
+                    value
+                }
+            })
+            .collect();
+        paths(self.network, forest, &values, |block, before, after| {
+            add(block.joint, block.start, before, after)
+        })
+    }
+
+    /// Angular velocity, angular acceleration and acceleration of every frame.
+    fn velocities(
+        &mut self,
+        stem: &[Motion],
+        forest: &[Option<usize>],
+        levers: &[Vector],
+        spins: &[Vector],
+    ) -> Vec<Motion> {
+        let parameters = self.parameters;
+        let count = self.behind.len();
+        let base = Bias::new(parameters, self.offsets, &[]).base();
+        let reference = |joint: usize| match (self.origin, parameters.parent(joint)) {
+            (Origin::Body, Some(parent)) => stem[parent],
+            _ => base,
+        };
+        let references: Vec<Motion> = (0..count).map(reference).collect();
+        let revolute = |joint| parameters.is_revolute(joint);
+        let own: Vec<Vector> = (0..count)
+            .map(|joint| if revolute(joint) { spins[joint] } else { ZERO })
+            .collect();
+        let velocities = self.path_sums("OM", forest, &own, |joint| references[joint].velocity);
+        let before = |form: &Self, joint: usize, values: &[Vector], pick: fn(&Motion) -> Vector| {
+            form.before(joint, values, pick(&references[joint]))
+        };
+        let steps: Vec<Vector> = (0..count)
+            .map(|joint| {
+                let mut cross = sums();
+                let velocity = before(self, joint, &velocities, |motion| motion.velocity);
+                add_cross(&mut cross, &velocity, &own[joint], false);
+                define(self.equations, "OX", joint, 0, cross)
+            })
+            .collect();
+        let angulars = self.path_sums("OP", forest, &steps, |joint| references[joint].angular);
+        let mut motions: Vec<Motion> = (0..count)
+            .map(|joint| {
+                if !self.behind[joint] {
+                    return stem[joint];
+                }
+                let (velocity, angular) = (velocities[joint], angulars[joint]);
+                let (tilde, squares) = tilde(self.equations, joint, &velocity, &angular);
+                Motion {
+                    velocity,
+                    angular,
+                    linear: ZERO,
+                    tilde,
+                    squares,
+                }
+            })
+            .collect();
+        let steps: Vec<Vector> = (0..count)
+            .map(|joint| {
+                let tilde = match parameters.parent(joint) {
+                    Some(parent) => motions[parent].tilde,
+                    None => base.tilde,
+                };
+                let mut step = sums();
+                add_matrix_product(&mut step, &tilde, &levers[joint]);
+                if !revolute(joint) {
+                    let two = self.equations.number(2.0);
+                    let mut cross = sums();
+                    let velocity = before(self, joint, &velocities, |motion| motion.velocity);
+                    add_cross(&mut cross, &velocity, &spins[joint], false);
+                    for (component, cross) in step.iter_mut().zip(cross) {
+                        let group = self.equations.group(cross);
+                        component.add_term(group.and_then(|group| group.times(&[two])));
+                    }
+                }
+                define(self.equations, "AX", joint, 0, step)
+            })
+            .collect();
+        let linears = self.path_sums("AO", forest, &steps, |joint| references[joint].linear);
+        for joint in 0..count {
+            if self.behind[joint] {
+                motions[joint].linear = linears[joint];
+            }
+        }
+        motions
+    }
+
+    /// What a joint's own body gives, about the reference's origin.
+    fn own(&mut self, joint: usize, pose: &Pose, motion: &Motion) -> Load {
+        let parameters = self.parameters;
+        let equations = &mut *self.equations;
+        let mass = parameters.masses[joint];
+        let lever = define(
+            equations,
+            "LO",
+            joint,
+            0,
+            pose.lever(&parameters.centers[joint]),
+        );
+        let mut acceleration = motion.linear.map(Sum::of);
+        add_matrix_product(&mut acceleration, &motion.tilde, &lever);
+        let mut force = pose.lever(&parameters.forces[joint]).map(|external| {
+            let mut sum = Sum::new();
+            sum.add_scaled(&[-Scalar::ONE], &external);
+            sum
+        });
+        for (component, acceleration) in force.iter_mut().zip(acceleration) {
+            let group = equations.group(acceleration);
+            component.add_term(group.and_then(|group| group.times(&[mass])));
+        }
+        let force = define(equations, "FO", joint, 0, force);
+        let mut center = pose.origin.map(Sum::of);
+        for (component, &value) in center.iter_mut().zip(&lever) {
+            component.add(&[value]);
+        }
+        let center = define(equations, "PC", joint, 0, center);
+        let moments = turned_moments(equations, joint, &parameters.inertias[joint], pose);
+        let mut torque = euler(equations, joint, &moments, motion);
+        for (component, external) in torque
+            .iter_mut()
+            .zip(pose.lever(&parameters.torques[joint]))
+        {
+            component.add_scaled(&[-Scalar::ONE], &external);
+        }
+        add_cross(&mut torque, &center, &force, false);
+        let mut inertia = SumInertia::new();
+        inertia.add_body(equations, joint, mass, &moments, &center);
+        Load {
+            wrench: Wrench {
+                force,
+                torque: define(equations, "NO", joint, 0, torque),
+            },
+            inertia: inertia.define(equations, ["MO", "HO", "JO"], joint, 0),
+        }
+    }
+
+    /// Sums over the bodies behind every joint; stems and hubs keep their own.
+    fn sums(&mut self, loads: &[Load]) -> Vec<Load> {
+        let parameters = self.parameters;
+        // A hub takes what the joints behind it carry: the same frame.
+        let parents: Vec<Option<usize>> = (0..loads.len())
+            .map(|joint| parameters.parent(joint).filter(|_| self.behind[joint]))
+            .collect();
+        let equations = &mut *self.equations;
+        subtrees(self.network, &parents, loads, |block, parts| {
+            add_loads(equations, block, parts)
+        })
+    }
+
+    /// The loads of the stems, from the hubs to the base.
+    fn collect_stem(&mut self, loads: &mut [Load]) {
+        let parameters = self.parameters;
+        for joint in (0..loads.len()).rev() {
+            let Some(parent) = parameters.parent(joint).filter(|_| !self.behind[joint]) else {
+                continue;
+            };
+            let equations = &mut *self.equations;
+            let (turn, offset) = (&parameters.turns[joint], &self.offsets[joint]);
+            let mut wrench =
+                loads[joint]
+                    .wrench
+                    .to_parent(equations, "FT", (joint, 0), turn, offset);
+            wrench.add(&loads[parent].wrench.sums());
+            let mut inertia = SumInertia::new();
+            inertia.add_child(equations, parameters, joint, &loads[joint].inertia, offset);
+            inertia.add(&loads[parent].inertia);
+            loads[parent] = Load {
+                wrench: wrench.define(equations, ("FS", "NS"), parent, 0),
+                inertia: inertia.define(equations, ["MC", "HC", "JC"], parent, 0),
+            };
+        }
+    }
+
+    /// The entries of `M` of a joint with the joints on its path to the base.
+    fn column(
+        &mut self,
+        joint: usize,
+        twists: &[Twist],
+        inertia: &Inertia,
+    ) -> Vec<(usize, Scalar)> {
+        let parameters = self.parameters;
+        let mut entries = Vec::new();
+        let mut place = Some(joint);
+        let mut wrench = if self.behind[joint] {
+            inertia.wrench(self.equations, ("FM", "NM"), joint, &twists[joint])
+        } else {
+            inertia.column(parameters.axis(joint), parameters.is_revolute(joint))
+        };
+        while let Some(ancestor) = place.filter(|&ancestor| self.behind[ancestor]) {
+            let label = Label::new("MO", 0, joint + 1).column(ancestor + 1);
+            let entry = product(self.equations, label, &twists[ancestor], &wrench);
+            entries.push((ancestor, entry));
+            place = parameters.parent(ancestor);
+        }
+        // At the hub the wrench is in the hub's own frame.
+        while let Some(ancestor) = place {
+            entries.push((ancestor, wrench.along(parameters, ancestor)));
+            let offset = &self.offsets[ancestor];
+            let step = (ancestor, joint);
+            wrench = carry(self.equations, parameters, &wrench, step, offset);
+            place = parameters.parent(ancestor);
+        }
+        entries
+    }
+}
+
+/// The component of a wrench along a joint's twist.
+fn product(equations: &mut Equations, label: Label, twist: &Twist, wrench: &Wrench) -> Scalar {
+    let mut sum = Sum::new();
+    for (angular, torque) in twist.angular.iter().zip(&wrench.torque) {
+        sum.add(&[*angular, *torque]);
+    }
+    for (linear, force) in twist.linear.iter().zip(&wrench.force) {
+        sum.add(&[*linear, *force]);
+    }
+    equations.define(label, sum)
+}
+
+fn add_loads(equations: &mut Equations, block: Block, parts: &[Load]) -> Load {
+    let mut wrench = super::inertia::SumWrench::new();
+    let mut inertia = SumInertia::new();
+    for part in parts {
+        wrench.add(&part.wrench.sums());
+        inertia.add(&part.inertia);
+    }
+    let (joint, column) = (block.joint, block.start);
+    Load {
+        wrench: wrench.define(equations, ("FS", "NS"), joint, column),
+        inertia: inertia.define(equations, ["MS", "HS", "JS"], joint, column),
+    }
+}
+
+/// Moments of inertia in the axes of the reference. Since the axes are
+/// orthogonal, `R^T I R = I_11 E + R^T (I - I_11 E) R`, with an entry less.
+fn turned_moments(
+    equations: &mut Equations,
+    joint: usize,
+    moments: &Matrix,
+    pose: &Pose,
+) -> Matrix {
+    if pose.axes == Pose::HERE.axes {
+        return *moments;
+    }
+    let first = moments[0][0];
+    let mut rest = *moments;
+    for axis in 0..3 {
+        let mut sum = Sum::of(moments[axis][axis]);
+        sum.subtract(&[first]);
+        rest[axis][axis] = equations.define(Label::new("ID", axis + 1, joint + 1), sum);
+    }
+    let mut half = [ZERO; 3];
+    for (row, entries) in rest.iter().enumerate() {
+        half[row] = {
+            let sum = pose.lever(entries);
+            let mut component = 0;
+            sum.map(|sum| {
+                component += 1;
+                let label = Label::new("IR", 3 * row + component, joint + 1);
+                equations.define(label, sum)
+            })
+        };
+    }
+    let mut turned = [ZERO; 3];
+    for row in 0..3 {
+        for column in row..3 {
+            let mut sum = Sum::new();
+            if row == column {
+                sum.add(&[first]);
+            }
+            for (axis, half) in pose.axes.iter().zip(&half) {
+                sum.add(&[axis[row], half[column]]);
+            }
+            let label = Label::new("JB", 3 * row + column + 1, joint + 1);
+            turned[row][column] = equations.define(label, sum);
+            turned[column][row] = turned[row][column];
+        }
+    }
+    turned
+}
+
+/// The torque that a body's own rotation takes, about its centre of mass.
+fn euler(equations: &mut Equations, joint: usize, moments: &Matrix, motion: &Motion) -> SumVector {
+    let mut torque = sums();
+    for a in 0..3 {
+        let (b, c) = cyclic(a);
+        let (low, high) = (b.min(c), b.max(c));
+        let mut product = Sum::new();
+        product.add(&[motion.velocity[b], motion.velocity[c]]);
+        let label = Label::new("BS", 3 * low + high + 1, joint + 1);
+        let product = equations.define(label, product);
+        let mut squares = Sum::of(motion.squares[b]);
+        squares.subtract(&[motion.squares[c]]);
+        let squares = equations.define(Label::new("BD", a + 1, joint + 1), squares);
+        let mut difference = Sum::of(moments[c][c]);
+        difference.subtract(&[moments[b][b]]);
+        let difference = equations.define(Label::new("JE", a + 1, joint + 1), difference);
+        torque[a]
+            .add(&[moments[a][a], motion.angular[a]])
+            .add(&[difference, product])
+            .add(&[moments[b][c], squares])
+            .subtract(&[moments[a][b], motion.tilde[c][a]])
+            .add(&[moments[a][c], motion.tilde[b][a]]);
+    }
+    torque
+}
