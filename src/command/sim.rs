@@ -2,14 +2,14 @@
 
 use super::{Failure, input, output};
 use crate::generate::Formulation;
-use crate::model::Model;
+use crate::model::{Model, Nature};
 use crate::motion::{
     Laws, Method, MotionError, Plan, Precision, Run, Setting, System, plot, simulate,
 };
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
+use robovec_ir::diagnostic::{Report, clip, did_you_mean, termcolor::ColorChoice};
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -62,6 +62,9 @@ pub(super) struct SimArguments {
     /// Laws of springs, dampers, forces and driven joints (TOML)
     #[arg(long, value_name = "FILE")]
     laws: Option<PathBuf>,
+    /// Joints held where they start, whatever the model calls them
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    hold: Vec<String>,
     /// Numbers the equations are evaluated in
     #[arg(long, value_enum, default_value_t = Number::F64)]
     number: Number,
@@ -95,10 +98,11 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
     // Everything the user wrote is read before any work is done.
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let machine = input::machine(&arguments.machine)?;
-    let read = input::model(&arguments.model)?;
+    let mut read = input::model(&arguments.model)?;
     read.warnings
         .emit_to_stderr(ColorChoice::Auto)
         .unwrap_or_default();
+    hold(&mut read.model, &arguments.hold)?;
     let model = &read.model;
     let laws = match &arguments.laws {
         None => Laws::none(model),
@@ -134,6 +138,20 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
             Ok(String::new())
         }
     }
+}
+
+/// Makes joints driven, which holds them unless a law moves them.
+fn hold(model: &mut Model, names: &[String]) -> Result<(), Failure> {
+    for name in names {
+        let Some(joint) = model.joints.iter_mut().find(|joint| joint.name == *name) else {
+            let known = model.joints.iter().map(|joint| joint.name.as_str());
+            let near = did_you_mean(name, known).map(|near| format!("did you mean '{near}'?"));
+            let message = format!("the model has no joint '{}'", clip(name));
+            return Err(Failure::advised(message, near.into_iter().collect()));
+        };
+        joint.nature = Nature::Driven;
+    }
+    Ok(())
 }
 
 fn laws(model: &Model, path: &Path) -> Result<Laws, Failure> {

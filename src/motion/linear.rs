@@ -3,6 +3,7 @@
 /// A dense matrix, row by row.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Matrix {
+    rows: usize,
     columns: usize,
     entries: Vec<f64>,
 }
@@ -11,14 +12,15 @@ impl Matrix {
     /// A matrix of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Matrix {
         Matrix {
+            rows,
             columns,
             entries: vec![0.0; rows * columns],
         }
     }
 
-    /// The number of rows; 0 for a matrix without columns.
+    /// The number of rows.
     pub fn rows(&self) -> usize {
-        self.entries.len() / self.columns.max(1)
+        self.rows
     }
 
     /// The number of columns.
@@ -38,6 +40,7 @@ impl Matrix {
             columns.iter().map(move |&column| row[column])
         });
         Matrix {
+            rows: rows.len(),
             columns: columns.len(),
             entries: entries.collect(),
         }
@@ -76,6 +79,7 @@ impl Matrix {
     pub fn product(&self, other: &Matrix) -> Matrix {
         let entries = (0..self.rows()).flat_map(|row| other.transposed_times(self.row(row)));
         Matrix {
+            rows: self.rows,
             columns: other.columns,
             entries: entries.collect(),
         }

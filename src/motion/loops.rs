@@ -98,15 +98,20 @@ impl System<'_> {
         Err(self.open(state, &self.equations.constraints(state).0))
     }
 
-    /// Moves all joints but the driven ones, as little as possible, until the
-    /// loops are closed: steps of least squares (Levenberg's method).
+    /// Moves the joints of some natures, as little as possible, until the
+    /// loops are closed: steps of least squares (Levenberg's method). Unlike
+    /// Newton's it does not mind rows that say the same.
     ///
     /// # Errors
     ///
     /// [`MotionError::OpenLoop`].
-    pub(super) fn assemble(&self, state: &mut State) -> Result<(), MotionError> {
+    pub(super) fn assemble(
+        &self,
+        state: &mut State,
+        natures: &[Nature],
+    ) -> Result<(), MotionError> {
         let movable: Vec<usize> = (0..self.model.joints.len())
-            .filter(|&joint| self.model.joints[joint].nature != Nature::Driven)
+            .filter(|&joint| natures.contains(&self.model.joints[joint].nature))
             .collect();
         let all_rows: Vec<usize> = (0..self.equations.rows()).collect();
         let mut damping = 1e-3;

@@ -12,6 +12,20 @@ pub type DrawingError = DrawingAreaErrorKind<std::io::Error>;
 /// More curves than this cannot be told apart.
 const CURVES: usize = 10;
 
+/// Colours that colour-blind readers tell apart too (Okabe and Ito).
+const COLOURS: [RGBColor; CURVES] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+    RGBColor(120, 94, 240),
+    RGBColor(128, 128, 128),
+    RGBColor(120, 60, 20),
+];
+
 /// A curve with its name.
 struct Curve {
     name: String,
@@ -73,15 +87,18 @@ fn positions(model: &Model, run: &Run) -> Vec<Curve> {
         .collect()
 }
 
+/// The energies that are there, and what is left of them without work.
 fn energies(run: &Run) -> Vec<Curve> {
-    vec![
+    let curves = [
         Curve::new("kinetic", run, |sample| sample.energy.kinetic),
         Curve::new("gravity", run, |sample| sample.energy.gravity),
         Curve::new("springs", run, |sample| sample.energy.springs),
         Curve::new("less work", run, |sample| {
             sample.energy.total() - sample.work
         }),
-    ]
+    ];
+    let there = |curve: &Curve| curve.range() != (0.0, 0.0);
+    curves.into_iter().filter(there).collect()
 }
 
 /// A range with a margin, never empty.
@@ -108,17 +125,19 @@ fn chart(
     }
     let mut chart = ChartBuilder::on(area)
         .margin(12)
-        .x_label_area_size(36)
-        .y_label_area_size(64)
+        .x_label_area_size(44)
+        .y_label_area_size(76)
         .build_cartesian_2d(0.0..end, axis(low, high))?;
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
         .x_desc("time (s)")
         .y_desc(label)
+        .label_style(("sans-serif", 16))
+        .axis_desc_style(("sans-serif", 18))
         .draw()?;
     for (index, curve) in curves.iter().enumerate() {
-        let colour = Palette99::pick(index).to_rgba();
+        let colour = COLOURS[index % CURVES];
         let line = LineSeries::new(curve.points.iter().copied(), colour.stroke_width(2));
         chart
             .draw_series(line)?
@@ -127,6 +146,8 @@ fn chart(
     }
     chart
         .configure_series_labels()
+        .label_font(("sans-serif", 16))
+        .position(SeriesLabelPosition::UpperRight)
         .border_style(BLACK.mix(0.3))
         .background_style(WHITE.mix(0.8))
         .draw()?;

@@ -74,15 +74,15 @@ impl<'m> System<'m> {
         };
         system.drive(&mut state);
         if system.equations.rows() > 0 {
-            system.divide(&state);
+            // Where the joints that the model calls dependent cannot close the
+            // loops, all move.
             let start = state.clone();
-            if system.close(&mut state, &system.partition).is_err() {
-                // The named joints may be a poor start: let all move.
+            if system.assemble(&mut state, &[Nature::Dependent]).is_err() {
                 state = start;
-                system.assemble(&mut state)?;
+                system.assemble(&mut state, &[Nature::Dependent, Nature::Independent])?;
             }
         }
-        // Closed positions may have fewer independent rows than others.
+        // Only at a closed position do rows that say the same look the same.
         system.divide(&state);
         system.close(&mut state, &system.partition)?;
         system.initial.clone_from(&state.q);

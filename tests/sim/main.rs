@@ -1,4 +1,8 @@
 //! Models in motion: what physics demands of a simulation from end to end.
 
 mod conservation;
+mod equations;
+mod examples;
+mod failures;
+mod forces;
 mod models;

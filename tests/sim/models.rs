@@ -1,6 +1,8 @@
 //! Small models for simulations.
 
-use robovec::model::{Anchor, Body, Cut, CutKind, Joint, JointKind, Model, Nature, Point};
+use robovec::model::{
+    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, Nature, Point, Sensor,
+};
 use robovec::motion::{Laws, Method, Plan, Run, Setting, System, simulate};
 
 /// A builder of models body by body.
@@ -98,6 +100,46 @@ impl Builder {
             ignore: [false; 3],
         });
     }
+    /// A link between two places.
+    pub(crate) fn link(&mut self, ends: [Anchor; 2]) {
+        self.model.links.push(Link {
+            name: format!("link{}", self.model.links.len() + 1),
+            ends,
+        });
+    }
+}
+
+/// A pendulum behind a slide, with a link to the base and a force on its tip,
+/// and laws for them.
+pub(crate) fn spring_mechanism() -> (Model, &'static str) {
+    let mut builder = Builder::new(&[[0.0; 3], [0.7, -0.6, -0.9]]);
+    let base = builder.anchor(None, 0);
+    let solid = Solid {
+        mass: 2.0,
+        center: [0.2, 0.1, -0.4],
+        inertia: [0.2, 0.3, 0.25],
+        points: &[[0.1, 0.2, -0.7]],
+    };
+    let joints = [
+        ("T1", Independent, 0.2),
+        ("R2", Independent, 0.3),
+        ("R1", Independent, -0.2),
+    ];
+    let body = builder.body(base, &joints, &solid);
+    let ends = [builder.anchor(Some(body), 0), builder.anchor(None, 1)];
+    builder.link(ends);
+    let mut model = builder.model;
+    let point = ends[0].point.expect("the point is there");
+    model.forces.push(Sensor {
+        name: "push".to_owned(),
+        point,
+        asks: Asks::default(),
+    });
+    assert!(model.check());
+    let laws = "[[link]]\nname = 'link1'\nstiffness = 40.0\ndamping = 1.0\nneutral = 0.5\n\
+                force = 2.0\n\
+                [[force]]\nname = 'push'\nforce = [1.0, -2.0, 3.0]\ntorque = [0.3, 0.2, -0.1]\n";
+    (model, laws)
 }
 
 /// A rod along x with a point at its end.

@@ -1,0 +1,95 @@
+//! The same motion from equations in other numbers and after passes.
+
+use super::models::{
+    double_pendulum, four_bar, run, run_with, runge_kutta, spatial_chain, spring_mechanism,
+};
+use robovec::generate::{Formulation, FunctionKind};
+use robovec::model::Model;
+use robovec::motion::{Laws, Precision, Run, Setting};
+use robovec_ir::Machine;
+use robovec_passes::pipeline;
+
+fn models() -> [Model; 4] {
+    [
+        double_pendulum(),
+        spatial_chain(),
+        four_bar(),
+        spring_mechanism().0,
+    ]
+}
+
+/// The largest difference of positions over all samples.
+fn distance(left: &Run, right: &Run) -> f64 {
+    let samples = left.samples.iter().zip(&right.samples);
+    let positions = samples.flat_map(|(left, right)| left.state.q.iter().zip(&right.state.q));
+    let differences = positions.map(|(left, right)| (left - right).abs());
+    differences.fold(0.0, f64::max)
+}
+
+fn with(model: &Model, setting: &Setting<'_>) -> Run {
+    run_with(model, Laws::none(model), setting, 1.0, runge_kutta(0.005))
+}
+
+#[test]
+fn narrow_numbers_move_the_trajectory_by_their_rounding() {
+    for model in models() {
+        let wide = run(&model, 1.0, runge_kutta(0.005));
+        let narrow = with(
+            &model,
+            &Setting {
+                precision: Precision::Binary32,
+                ..Setting::default()
+            },
+        );
+        let moved = distance(&wide, &narrow);
+        assert!(moved < 1e-4, "{moved:e}");
+        assert!(
+            moved > 1e-10,
+            "equations in f32 cannot be this good: {moved:e}"
+        );
+    }
+}
+
+#[test]
+fn passes_leave_the_trajectory_where_it_is() {
+    let machine = Machine::built_in("thesis").expect("the thesis' machine");
+    for text in [
+        "atomise,zero-removal,balance,cse,dce",
+        "atomise,zero-removal,balance,cse,dce,place",
+    ] {
+        let pipeline = pipeline::parse(text).expect("a pipeline");
+        // The machine has no square roots, which links need.
+        let fits = |model: &Model| !text.ends_with("place") || model.links.is_empty();
+        for model in models().into_iter().filter(fits) {
+            let plain = run(&model, 1.0, runge_kutta(0.005));
+            let passed = with(
+                &model,
+                &Setting {
+                    passes: Some((&pipeline, &machine)),
+                    ..Setting::default()
+                },
+            );
+            let moved = distance(&plain, &passed);
+            assert!(moved < 1e-10, "{text}: {moved:e}");
+        }
+    }
+}
+
+#[test]
+fn formulations_give_the_same_motion() {
+    let formulations = Formulation::ALL.into_iter();
+    for formulation in formulations.filter(|it| it.gives(FunctionKind::Dirdyna)) {
+        for model in models() {
+            let plain = run(&model, 1.0, runge_kutta(0.005));
+            let other = with(
+                &model,
+                &Setting {
+                    formulation,
+                    ..Setting::default()
+                },
+            );
+            let moved = distance(&plain, &other);
+            assert!(moved < 1e-10, "{}: {moved:e}", formulation.name());
+        }
+    }
+}
