@@ -110,8 +110,8 @@ fn compute(arguments: &Arguments, plan: Plan, store: &Store) -> Result<Results, 
         .build()
         .map_err(|error| Failure::plain(format!("cannot start threads: {error}")))?;
     let bar = progress_bar(plan.requests.len());
-    let progress = |done: usize, model: &str| {
-        bar.inc(done as u64);
+    let progress = |model: &str| {
+        bar.inc(1);
         bar.set_message(model.to_owned());
     };
     let outcome = pool.install(|| run::run(&plan, &Files, store, &progress));
@@ -282,10 +282,7 @@ fn write(folder: &Path, results: &Results, times: &[CpuTime]) -> Result<(), Fail
         file(&format!("tables/{}.json", table.name), &json(table))?;
     }
     for figure in &figures {
-        file(
-            &format!("figures/{}.svg", figure.name),
-            &plot::draw(&figure),
-        )?;
+        file(&format!("figures/{}.svg", figure.name), &plot::draw(figure))?;
         file(&format!("figures/{}.csv", figure.name), &figure.to_csv())?;
     }
     file(
@@ -309,7 +306,7 @@ fn summary(results: &Results, folder: &Path) -> String {
     };
     format!(
         "{} placements{reused}; results in {}\n",
-        results.plan.requests.len(),
+        results.outcome.points.len(),
         folder.display()
     )
 }

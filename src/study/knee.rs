@@ -27,8 +27,8 @@ pub struct Knee {
     pub single: Option<Split>,
     /// The largest equal numbers that were placed and fall short of it.
     pub below: Option<Split>,
-    /// True when every equal number from one up to the knee was placed, so
-    /// that the knee is exact.
+    /// True when one element of each kind less was placed too and falls short,
+    /// so that the knee is exact.
     pub is_exact: bool,
 }
 
@@ -74,11 +74,15 @@ pub fn knee(results: &Results, model: usize, pipeline: usize, machine: usize) ->
     if placed.is_empty() {
         return None;
     }
-    let reaches = |placed: &&Placed<'_>| is_saturated(facts, **placed);
+    let reaches = |placed: &&Placed<'_>| is_saturated(facts, placed.point.cycles);
     let equal = || placed.iter().filter(|placed| placed.is_equal());
     let knee = equal().find(reaches);
-    let counts: Vec<u32> = equal().map(|placed| placed.request.n_add).collect();
-    let exact = knee.is_some_and(|knee| (1..=knee.request.n_add).all(|n| counts.contains(&n)));
+    let short =
+        |count: u32| equal().any(|placed| placed.request.n_add == count && !reaches(&placed));
+    let exact = knee.is_some_and(|knee| match knee.request.n_add {
+        1 => true,
+        count => short(count - 1),
+    });
     let busy = |placed: &&Placed<'_>| zone(facts, **placed) == Zone::Parallelisation;
     let split = |placed: Option<&Placed<'_>>| placed.copied().map(Split::of);
     Some(Knee {
@@ -86,18 +90,23 @@ pub fn knee(results: &Results, model: usize, pipeline: usize, machine: usize) ->
         number_y: facts.number_y(),
         equal: split(knee),
         cheapest: split(placed.iter().find(reaches)),
-        busiest: split(equal().filter(busy).last()),
+        busiest: split(equal().filter(busy).max_by_key(|placed| placed.elements())),
         fastest: split(
             placed
                 .iter()
                 .min_by_key(|placed| (placed.point.cycles, placed.elements())),
         ),
         single: split(equal().find(|placed| placed.request.n_add == 1)),
-        below: split(equal().take_while(|placed| !reaches(placed)).last()),
+        below: split(
+            equal()
+                .take_while(|placed| !reaches(placed))
+                .max_by_key(|placed| placed.elements()),
+        ),
         is_exact: exact,
     })
 }
 
-fn is_saturated(facts: &ProgramFacts, placed: Placed<'_>) -> bool {
-    f64::from(placed.point.cycles) <= SATURATED * f64::from(facts.asap_cycle)
+/// True when a run of so many cycles is as good as the longest chain.
+pub(super) fn is_saturated(facts: &ProgramFacts, cycles: u32) -> bool {
+    f64::from(cycles) <= SATURATED * f64::from(facts.asap_cycle)
 }

@@ -27,4 +27,5 @@ pub mod run;
 pub mod store;
 pub mod table;
 pub mod tables;
+mod variants;
 pub mod verdict;

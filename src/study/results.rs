@@ -1,6 +1,6 @@
 //! A plan and what it gave, with the questions that tables and figures ask.
 
-use super::plan::{ChoiceKey, Plan, Printed, PriorityKey, Request};
+use super::plan::{Plan, Printed, Request};
 use super::point::Point;
 use super::printed::{self, Row, System};
 use super::program::ProgramFacts;
@@ -40,14 +40,14 @@ impl Placed<'_> {
 impl Results {
     /// The placements that succeeded, in the plan's order.
     pub fn placed(&self) -> impl Iterator<Item = Placed<'_>> {
-        let all = self.plan.requests.iter().zip(&self.outcome.points);
+        let all = self.outcome.points.iter();
         let all = all.map(|(request, point)| Placed { request, point });
         all.filter(|placed| placed.point.failure.is_none())
     }
 
     /// The placements that failed, with the reason.
     pub fn failures(&self) -> impl Iterator<Item = (&Request, &str)> {
-        let all = self.plan.requests.iter().zip(&self.outcome.points);
+        let all = self.outcome.points.iter();
         all.filter_map(|(request, point)| Some((request, point.failure.as_deref()?)))
     }
 
@@ -62,8 +62,7 @@ impl Results {
         self.placed().filter(move |placed| {
             let request = placed.request;
             (request.model, request.pipeline, request.machine) == (model, pipeline, machine)
-                && request.priority == PriorityKey::Best
-                && request.choice == ChoiceKey::Preferential
+                && request.is_usual()
         })
     }
 
@@ -106,7 +105,7 @@ impl Results {
             value["number_y"] = json!(facts.number_y());
             value
         });
-        let all = self.plan.requests.iter().zip(&self.outcome.points);
+        let all = self.outcome.points.iter();
         let points = all.map(|(request, point)| {
             let machine = &self.plan.machines[request.machine];
             let mut value = json!({

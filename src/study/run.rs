@@ -3,9 +3,10 @@
 //!
 //! Models follow one another, so that only two of them are in memory: while
 //! one is placed, on all cores, the next is made ready. Results stand in the
-//! order of the plan's requests, whatever the order of work.
+//! order of their requests, whatever the order of work.
 
-use super::plan::{Plan, Request};
+use super::knee::is_saturated;
+use super::plan::{ChoiceKey, Plan, PriorityKey, Request};
 use super::point::{Point, measure};
 use super::program::{Equations, Program, ProgramFacts, Sources};
 use super::store::{self, Key, Store};
@@ -13,21 +14,20 @@ use rayon::prelude::*;
 use robovec_ir::diagnostic::{Diagnostic, Report};
 use robovec_passes::analysis::critical_path::Weights;
 use std::collections::BTreeMap;
-use std::sync::Mutex;
 
 /// What a plan gave.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Outcome {
-    /// One per request, in the plan's order.
-    pub points: Vec<Point>,
-    /// Programs by model, pipeline, machine; sorted.
+    /// Every placement, those that the search for knees added included.
+    pub points: BTreeMap<Request, Point>,
+    /// Programs by model, pipeline, machine.
     pub programs: BTreeMap<(usize, usize, usize), ProgramFacts>,
     /// Points that were found on disk.
     pub reused: usize,
 }
 
 /// Told of every finished placement.
-pub type Progress<'a> = &'a (dyn Fn(usize, &str) + Sync);
+pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
 
 /// Runs a plan.
 ///
@@ -49,7 +49,6 @@ pub fn run(
         progress,
         build: store::build_key(),
     };
-    let mut results: Vec<Option<Point>> = vec![None; plan.requests.len()];
     let mut outcome = Outcome::default();
     let models = runner.models();
     let mut next = models
@@ -64,15 +63,13 @@ pub fn run(
             || runner.place(&current),
             || following.map(|&model| runner.prepare(model)).transpose(),
         );
-        for (index, point) in placed?.into_iter().chain(current.found) {
-            results[index] = Some(point);
+        for (request, point, reused) in placed? {
+            outcome.reused += usize::from(reused);
+            outcome.points.insert(request, point);
         }
-        outcome.reused += current.reused;
         outcome.programs.extend(current.facts);
         next = prepared?;
     }
-    // Every request belongs to exactly one model.
-    outcome.points = results.into_iter().map(Option::unwrap_or_default).collect();
     Ok(outcome)
 }
 
@@ -84,29 +81,30 @@ struct Runner<'a> {
     build: Key,
 }
 
-/// A model made ready: its programs, and what is left to place.
+/// A model made ready.
 struct Prepared {
+    model: usize,
+    key: Key,
     programs: Vec<Program>,
-    /// Index of the request, its key, the index of its program.
-    tasks: Vec<(usize, Key, usize)>,
-    /// Points found on disk.
-    found: Vec<(usize, Point)>,
-    reused: usize,
-    facts: Vec<((usize, usize, usize), ProgramFacts)>,
+    /// The program of each pipeline and machine.
+    variant_of: BTreeMap<(usize, usize), usize>,
+    facts: BTreeMap<(usize, usize, usize), ProgramFacts>,
 }
 
+/// A placement, and whether it was found on disk.
+type Found = (Request, Point, bool);
+
 impl Runner<'_> {
-    /// The models that requests ask for, most work first, so that the last
-    /// model's placements are short.
+    /// The models that requests ask for.
     fn models(&self) -> Vec<usize> {
         let mut models: Vec<usize> = self.plan.requests.iter().map(|r| r.model).collect();
         models.dedup();
         models
     }
 
-    fn requests(&self, model: usize) -> impl Iterator<Item = (usize, &Request)> {
-        let requests = self.plan.requests.iter().enumerate();
-        requests.filter(move |(_, request)| request.model == model)
+    fn requests(&self, model: usize) -> impl Iterator<Item = &Request> {
+        let requests = self.plan.requests.iter();
+        requests.filter(move |request| request.model == model)
     }
 
     fn prepare(&self, model: usize) -> Result<Prepared, Report> {
@@ -115,7 +113,7 @@ impl Runner<'_> {
         // Machines with equal latencies share a program.
         let mut variants: Vec<(usize, usize, Weights)> = Vec::new();
         let mut variant_of: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-        for (_, request) in self.requests(model) {
+        for request in self.requests(model) {
             let pair = (request.pipeline, request.machine);
             if variant_of.contains_key(&pair) {
                 continue;
@@ -150,51 +148,97 @@ impl Runner<'_> {
             facts.machine.clone_from(&self.plan.machines[machine].name);
             ((model, pipeline, machine), facts)
         });
-        let facts = facts.collect();
-        let (mut tasks, mut found) = (Vec::new(), Vec::new());
-        for (index, request) in self.requests(model) {
-            let pipeline = &self.plan.pipelines[request.pipeline];
-            let machine = &self.plan.machines[request.machine];
-            let key = store::key(equations.key, self.build, pipeline, machine, request);
-            match self.store.load(key) {
-                Some(point) => {
-                    (self.progress)(1, &subject.name);
-                    found.push((index, point));
-                }
-                None => {
-                    let variant = variant_of[&(request.pipeline, request.machine)];
-                    tasks.push((index, key, variant));
-                }
-            }
-        }
         Ok(Prepared {
+            model,
+            key: equations.key,
+            facts: facts.collect(),
             programs,
-            tasks,
-            reused: found.len(),
-            found,
-            facts,
+            variant_of,
         })
     }
 
-    fn place(&self, prepared: &Prepared) -> Result<Vec<(usize, Point)>, Report> {
-        let unwritten = Mutex::new(None);
-        let place = |&(index, key, program): &(usize, Key, usize)| {
-            let request = &self.plan.requests[index];
-            let machine = &self.plan.machines[request.machine];
-            let point = measure(&prepared.programs[program], machine, request);
-            if let Err(error) = self.store.save(key, &point)
-                && let Ok(mut unwritten) = unwritten.lock()
-            {
-                unwritten.get_or_insert(format!("cannot store a point: {error}"));
-            }
-            (self.progress)(1, &self.plan.models[request.model].name);
-            (index, point)
-        };
-        let points = prepared.tasks.par_iter().map(place).collect();
-        match unwritten.into_inner() {
-            Ok(Some(reason)) => Err(failure(reason)),
-            Ok(None) | Err(_) => Ok(points),
+    /// Places a model as the plan asks, then searches for its knees.
+    fn place(&self, prepared: &Prepared) -> Result<Vec<Found>, Report> {
+        let requests: Vec<&Request> = self.requests(prepared.model).collect();
+        let placed: Result<Vec<Found>, Report> = requests
+            .par_iter()
+            .map(|request| self.point(prepared, **request))
+            .collect();
+        let mut placed = placed?;
+        if self.plan.exact_knees {
+            let pairs: Vec<&(usize, usize)> = prepared.variant_of.keys().collect();
+            let searches: Result<Vec<Vec<Found>>, Report> = pairs
+                .par_iter()
+                .map(|&&(pipeline, machine)| self.knee(prepared, pipeline, machine, &placed))
+                .collect();
+            placed.extend(searches?.into_iter().flatten());
         }
+        Ok(placed)
+    }
+
+    /// One placement, from disk if it is there.
+    fn point(&self, prepared: &Prepared, request: Request) -> Result<Found, Report> {
+        let pipeline = &self.plan.pipelines[request.pipeline];
+        let machine = &self.plan.machines[request.machine];
+        let key = store::key(prepared.key, self.build, pipeline, machine, &request);
+        (self.progress)(&self.plan.models[request.model].name);
+        if let Some(point) = self.store.load(key) {
+            return Ok((request, point, true));
+        }
+        let variant = prepared.variant_of[&(request.pipeline, request.machine)];
+        let point = measure(&prepared.programs[variant], machine, &request);
+        let stored = self.store.save(key, &point);
+        stored.map_err(|error| failure(format!("cannot store a point: {error}")))?;
+        Ok((request, point, false))
+    }
+
+    /// Halves the distance between the largest equal numbers that fall short
+    /// of the longest chain and the smallest that reach it, until they are
+    /// neighbours.
+    fn knee(
+        &self,
+        prepared: &Prepared,
+        pipeline: usize,
+        machine: usize,
+        placed: &[Found],
+    ) -> Result<Vec<Found>, Report> {
+        let facts = &prepared.facts[&(prepared.model, pipeline, machine)];
+        let usual = placed.iter().filter(|(request, point, _)| {
+            (request.pipeline, request.machine) == (pipeline, machine)
+                && request.n_add == request.n_multi
+                && request.is_usual()
+                && point.failure.is_none()
+        });
+        let mut equal: Vec<(u32, bool)> = usual
+            .map(|(request, point, _)| (request.n_add, is_saturated(facts, point.cycles)))
+            .collect();
+        equal.sort_unstable();
+        let mut added = Vec::new();
+        let Some(&(mut high, _)) = equal.iter().find(|(_, saturated)| *saturated) else {
+            return Ok(added);
+        };
+        let shorter = equal.iter().filter(|(count, _)| *count < high);
+        let mut low = shorter.map(|(count, _)| *count).max().unwrap_or(0);
+        while low + 1 < high {
+            let middle = low.midpoint(high);
+            let request = Request {
+                model: prepared.model,
+                pipeline,
+                machine,
+                n_add: middle,
+                n_multi: middle,
+                priority: PriorityKey::Best,
+                choice: ChoiceKey::Preferential,
+            };
+            let found = self.point(prepared, request)?;
+            if is_saturated(facts, found.1.cycles) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+            added.push(found);
+        }
+        Ok(added)
     }
 }
 

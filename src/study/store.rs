@@ -156,7 +156,7 @@ mod tests {
     fn the_hash_is_fnv_1a() {
         let mut key = Key::new();
         key.add(b"a");
-        assert_eq!(key.0, 0xd228_cb69_6f1a_8caf_78912_b70_4e4a_8964);
+        assert_eq!(key.0, 0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 use super::super::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
 use super::super::program::ProgramFacts;
 use super::super::results::{Placed, Results};
+use super::super::variants;
 use super::{ladder, pipeline_label, zone};
 
 /// Degrees of freedom and the numbers of their figures in the thesis.
@@ -58,7 +59,7 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
             ));
         }
         for model in 0..results.plan.models.len() {
-            if results.system(model).is_none() {
+            if results.system(model).is_none() && !variants::is_variant(results, model) {
                 let label = &results.plan.models[model].name;
                 let kind = if quantity == Quantity::Cycles {
                     "cycles"

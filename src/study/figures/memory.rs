@@ -9,8 +9,8 @@ use super::super::results::{Placed, Results};
 
 const CAPTION: &str = "Words per element: mean (marker), least and most over the elements of a \
     kind (bar). Naive: the first free element that its operands can reach; preferential: Table \
-    2.1. Both place in ALAP order. With one element of a kind there is no choice, \
-    but there still is when a result is computed.";
+    2.1. Both place in ALAP order. With one element of each kind the two differ in when results are \
+    computed only.";
 
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let pipelines = &results.plan.pipelines;

@@ -6,12 +6,14 @@
 
 mod couples;
 mod cycles;
+mod formulations;
 mod memory;
 mod occupation;
 mod projection;
 mod split;
 
 use super::figure::{Figure, Zone};
+use super::knee::is_saturated;
 use super::program::ProgramFacts;
 use super::results::{Placed, Results};
 
@@ -33,6 +35,7 @@ pub fn all(results: &Results) -> Vec<Figure> {
     figures.extend(cycles::figures(results));
     figures.extend(projection::figure(results));
     figures.extend(occupation::figures(results));
+    figures.extend(formulations::figure(results));
     figures.extend(split::figure(results));
     figures
 }
@@ -45,7 +48,7 @@ pub fn zone(facts: &ProgramFacts, placed: Placed<'_>) -> Zone {
     let request = placed.request;
     let add = facts.add_sub as f64 / f64::from(request.n_add);
     let multi = facts.mul as f64 / f64::from(request.n_multi);
-    if cycles <= SATURATED * f64::from(facts.asap_cycle) {
+    if is_saturated(facts, placed.point.cycles) {
         Zone::Saturation
     } else if cycles <= BUSY * add.max(multi) {
         Zone::Parallelisation

@@ -4,6 +4,7 @@ use super::super::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Sca
 use super::super::plan::Printed;
 use super::super::printed::Topology;
 use super::super::results::Results;
+use super::super::variants;
 use super::{ladder, pipeline_label};
 
 const CAPTION: &str = "Share of issue slots used, mean over 50 cycles that roll along, against \
@@ -16,7 +17,8 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
     };
     let mut figures = Vec::new();
     for pipeline in 0..results.plan.pipelines.len() {
-        for model in 0..results.plan.models.len() {
+        let models = 0..results.plan.models.len();
+        for model in models.filter(|&model| !variants::is_variant(results, model)) {
             figures.extend(figure(results, model, pipeline, machine));
         }
     }

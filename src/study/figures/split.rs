@@ -94,8 +94,8 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
             "Cycles by adders and multipliers, {}",
             results.plan.models[model].name
         ),
-        caption: "Light is short. Framed: the best split of each total number of elements. There \
-            are more multiplications than additions, so the best split has more multipliers."
+        caption: "Light is short. Framed: the best split of each total number of elements, as far \
+            as all its splits were placed."
             .to_owned(),
         columns: panels.len().min(2),
         panels,

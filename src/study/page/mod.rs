@@ -28,11 +28,13 @@ pub fn page(results: &Results, tables: &[Table], figures: &[Figure], cpu: &[CpuT
         "{}. {} models, {} placements, computed by robovec {}.",
         plan.description.trim_end_matches('.'),
         plan.models.len(),
-        plan.requests.len(),
+        results.outcome.points.len(),
         env!("CARGO_PKG_VERSION")
     );
+    let measured = cpu_table(results, cpu);
     let shown = tables
         .iter()
+        .chain(&measured)
         .filter(|table| table.rows.len() <= LONGEST_TABLE);
     let parts = [
         (
@@ -66,6 +68,58 @@ fn fill(template: &str, parts: &[(&str, String)]) -> String {
     text + rest
 }
 
+/// Times on one core beside those of the elements each program is worth.
+fn cpu_table(results: &Results, cpu: &[CpuTime]) -> Option<Table> {
+    let verdicts = verdicts(results);
+    let mhz = results
+        .main_machine()
+        .map(|machine| results.plan.machines[machine].machine.clock_mhz)?;
+    let first = cpu.first()?;
+    let rows = cpu.iter().map(|time| {
+        let verdict = verdicts
+            .iter()
+            .find(|verdict| (&verdict.model, &verdict.pipeline) == (&time.model, &time.pipeline));
+        let best = verdict.and_then(|verdict| verdict.knee.cheapest.or(verdict.knee.fastest));
+        let own = best.map(|best| f64::from(best.cycles) / mhz);
+        let number = |value: Option<f64>, decimals| {
+            value.map_or(Cell::Empty, |value| Cell::number(value, decimals))
+        };
+        vec![
+            Cell::text(&time.model),
+            Cell::text(&time.pipeline),
+            Cell::count(time.operations),
+            number(time.microseconds, 2),
+            best.map_or(Cell::Empty, |best| Cell::text(best.text())),
+            number(own, 2),
+            number(time.microseconds.zip(own).map(|(core, own)| core / own), 2),
+            Cell::text(&time.remark),
+        ]
+    });
+    Some(Table {
+        name: "cpu".to_owned(),
+        title: "The same functions on one core of a processor".to_owned(),
+        caption: format!(
+            "{}, double precision, sines and cosines included, least of many repetitions; {}. \
+             Beside it the elements each program is worth, at {mhz} MHz and without sines and \
+             cosines. A measurement, in cpu.json.",
+            first.processor, first.compiler
+        ),
+        columns: [
+            "model",
+            "pipeline",
+            "operations",
+            "one core (µs)",
+            "elements",
+            "elements (µs)",
+            "core / elements",
+            "remark",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
+        rows: rows.collect(),
+    })
+}
+
 fn table(table: &Table) -> String {
     let mut text = String::new();
     let name = &table.name;
@@ -75,11 +129,15 @@ fn table(table: &Table) -> String {
     } else {
         " open"
     };
+    let file = match name.as_str() {
+        "cpu" => String::new(),
+        name => format!("File: tables/{name}.csv."),
+    };
     // Writing to a string cannot fail.
     let _ = write!(
         text,
         "<details id=\"{name}\"{open}><summary>{}</summary>\n<p class=\"caption\">{} \
-         File: tables/{name}.csv.</p>\n<div class=\"scroll tall\"><table class=\"data\"><thead><tr>",
+         {file}</p>\n<div class=\"scroll tall\"><table class=\"data\"><thead><tr>",
         Escaped(&table.title),
         Escaped(&table.caption),
     );
@@ -128,7 +186,7 @@ fn data(results: &Results, cpu: &[CpuTime]) -> Value {
     let machine = results
         .main_machine()
         .map(|machine| &plan.machines[machine]);
-    let all = results.plan.requests.iter().zip(&results.outcome.points);
+    let all = results.outcome.points.iter();
     let points = all.map(|(request, point)| {
         let placed = super::results::Placed { request, point };
         let facts = results.program(request.model, request.pipeline, request.machine);

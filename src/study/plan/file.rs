@@ -16,6 +16,9 @@ pub(super) struct PlanFile {
     /// The model that the verdict at the top of the report is about.
     #[serde(default)]
     pub(super) headline: Option<Spanned<String>>,
+    /// Whether the exact knees are searched for.
+    #[serde(default, rename = "exact-knees")]
+    pub(super) exact_knees: bool,
     /// How equations are generated.
     #[serde(default)]
     pub(super) generate: StyleEntry,

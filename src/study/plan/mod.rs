@@ -40,6 +40,9 @@ pub struct Plan {
     pub pipelines: Vec<NamedPipeline>,
     /// The machines.
     pub machines: Vec<NamedMachine>,
+    /// Whether the smallest equal numbers that reach the longest chain are
+    /// searched for.
+    pub exact_knees: bool,
     /// The placements, sorted, each once.
     pub requests: Vec<Request>,
 }
@@ -160,6 +163,11 @@ pub enum ChoiceKey {
 }
 
 impl Request {
+    /// True for the order and the choice of ordinary figures.
+    pub fn is_usual(&self) -> bool {
+        self.priority == PriorityKey::Best && self.choice == ChoiceKey::Preferential
+    }
+
     /// The options of the placer.
     pub fn options(&self) -> PlaceOptions {
         PlaceOptions {

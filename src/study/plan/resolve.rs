@@ -53,6 +53,7 @@ pub fn resolve(
             models: Vec::new(),
             pipelines: Vec::new(),
             machines: Vec::new(),
+            exact_knees: file.exact_knees,
             requests: Vec::new(),
         },
         problems: Vec::new(),

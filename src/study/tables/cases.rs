@@ -5,12 +5,14 @@ use super::super::printed::{Row, System};
 use super::super::program::ProgramFacts;
 use super::super::results::Results;
 use super::super::table::{Cell, Table};
+use super::super::variants;
 use super::reasons;
 
 pub(super) fn table(results: &Results) -> Option<Table> {
     let machine = results.main_machine()?;
     let mut rows = Vec::new();
-    for model in 0..results.plan.models.len() {
+    let models = 0..results.plan.models.len();
+    for model in models.filter(|&model| !variants::is_variant(results, model)) {
         for pipeline in 0..results.plan.pipelines.len() {
             let Some(facts) = results.program(model, pipeline, machine) else {
                 continue;

@@ -51,7 +51,7 @@ pub(super) fn programs(results: &Results) -> Table {
 
 /// Every placement.
 pub(super) fn points(results: &Results) -> Table {
-    let all = results.plan.requests.iter().zip(&results.outcome.points);
+    let all = results.outcome.points.iter();
     let rows = all.map(|(request, point)| {
         let machine = &results.plan.machines[request.machine];
         let placed = super::super::results::Placed { request, point };
