@@ -383,7 +383,11 @@ impl Lowering<'_, '_> {
         let has_equations = runs.any(|index| {
             matches!(self.syntax.statements[index].kind, Kind::Equation { first, end, .. } if first < end)
         });
-        if !has_equations {
+        // robovec's own files keep Robotran's signature even for a function
+        // that sets only some of the outputs; that nothing was lost, their
+        // closing comment tells.
+        let ours = self.header.generator.as_deref();
+        if !has_equations || ours.is_some_and(|name| name.starts_with("robovec ")) {
             return;
         }
         let declared = head.map_or(&[][..], |head| &head.outputs);
