@@ -5,6 +5,7 @@ use robovec::generate::{FunctionKind, Request, generate};
 use robovec::model::mbs::read_mbs;
 use robovec::robotran::write::{WriteOptions, write};
 use robovec::robotran::{Language, read};
+use robovec_ir::parse::parse_module;
 use robovec_ir::print::print_module;
 use robovec_ir::verify::verify;
 use robovec_ir::{
@@ -178,6 +179,34 @@ fn equation_files(folder: &Path, files: &mut Vec<PathBuf>) {
         }
     }
     files.sort();
+}
+
+/// Every module of `tests/write` in every language, as it is written; each
+/// must also read back.
+#[test]
+fn modules_become_files() {
+    insta::glob!("write/*.rvir", |path| {
+        let source = std::fs::read_to_string(path).expect("a readable file");
+        let name = path.file_name().expect("a file").to_string_lossy();
+        let module = parse_module(&name, &source).expect("a well-formed test file");
+        let mut text = String::new();
+        for language in Language::ALL {
+            let files = write(&module, language, &WriteOptions::default());
+            for (name, content) in files.expect("it can be written") {
+                text += &format!("==> {name} <==\n{content}\n");
+            }
+            around(&module, language);
+        }
+        let text = text.replace(env!("CARGO_PKG_VERSION"), "VERSION");
+        let mut settings = insta::Settings::clone_current();
+        let folder = path.parent().expect("files lie in folders");
+        settings.set_snapshot_path(folder.join("snapshots"));
+        settings.set_prepend_module_to_snapshot(false);
+        settings.remove_snapshot_suffix();
+        settings.set_omit_expression(true);
+        settings.remove_input_file();
+        settings.bind(|| insta::assert_snapshot!(name.into_owned(), text.trim_end()));
+    });
 }
 
 #[test]
