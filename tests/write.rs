@@ -5,15 +5,20 @@ use robovec::generate::{FunctionKind, Request, generate};
 use robovec::model::mbs::read_mbs;
 use robovec::robotran::write::{WriteOptions, write};
 use robovec::robotran::{Language, read};
+use robovec_ir::arithmetic::Binary64;
+use robovec_ir::count::Counts;
+use robovec_ir::evaluate::evaluate;
 use robovec_ir::parse::parse_module;
-use robovec_ir::print::print_module;
+use robovec_ir::print::{print_module, print_output};
 use robovec_ir::verify::verify;
 use robovec_ir::{
-    Array, Assignment, Function, Input, Module, Name, Node, Operand, OperandKind, Output, Symbol,
-    View, same_equations,
+    Array, Assignment, Function, Input, Machine, Module, Name, Node, Operand, OperandKind, Output,
+    Symbol, View, same_equations,
 };
+use robovec_passes::manager::{self, Config};
+use robovec_passes::pipeline;
 use robovec_passes::rewrite::lay_out;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -261,6 +266,203 @@ fn written_c_compiles_to_the_same_numbers() {
         let message = String::from_utf8_lossy(&compared.stderr);
         assert!(compared.status.success(), "{}: {message}", path.display());
     }
+}
+
+/// What a pipeline of exact passes makes of an example is written, read and
+/// still the same function.
+#[test]
+fn optimised_equations_are_written() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension");
+    let pipeline = pipeline::parse("atomise,fold,cse,dce,inline").expect("a good pipeline");
+    let machine = Machine::built_in("thesis").expect("it ships");
+    let mut files = Vec::new();
+    equation_files(&root, &mut files);
+    for path in files {
+        let original = read_file(&path).expect("a good file");
+        let mut module = original.clone();
+        let mut log = Vec::new();
+        manager::run(&mut module, &pipeline, Config::new(&machine, &mut log)).expect("it runs");
+        for language in Language::ALL {
+            let again = around(&module, language);
+            for (before, after) in original.functions.iter().zip(&again.functions) {
+                let before = View {
+                    tables: &original.tables,
+                    function: before,
+                };
+                let after = View {
+                    tables: &again.tables,
+                    function: after,
+                };
+                assert!(
+                    operations(after) <= operations(before),
+                    "{}",
+                    path.display()
+                );
+                assert_eq!(numbers(before), numbers(after), "{}", path.display());
+            }
+        }
+    }
+}
+
+fn operations(view: View<'_>) -> usize {
+    Counts::of(view.function).operations
+}
+
+/// The outputs' bits by name, zeros without their signs, where every input
+/// has a number that depends on its name alone.
+fn numbers(view: View<'_>) -> BTreeMap<String, u64> {
+    let inputs: Vec<f64> = (0..view.function.input_len() as u32)
+        .map(|input| number(&input_name(view, Input(input))))
+        .collect();
+    let results = evaluate(view.function, &Binary64, &inputs);
+    let outputs = view.function.assignments.iter().zip(results);
+    outputs
+        .map(|(assignment, result)| {
+            (
+                print_output(view, assignment.output),
+                (result + 0.0).to_bits(),
+            )
+        })
+        .collect()
+}
+
+fn input_name(view: View<'_>, input: Input) -> String {
+    let (array, indices, rank) = view.function.input_element(input);
+    let name = view.tables.symbols.text(array.name);
+    format!("{name}{:?}", &indices[..rank])
+}
+
+fn number(name: &str) -> f64 {
+    let mix = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325, mix);
+    0.25 + (hash >> 40) as f64 / f64::from(1 << 24)
+}
+
+/// Written Python runs, and gives the evaluator's numbers.
+#[test]
+fn written_python_computes_the_same_numbers() {
+    if Command::new("python3").arg("--version").output().is_err() {
+        eprintln!("no python3: the written Python is not run");
+        return;
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (kind, call) in [
+        ("dirdyna", "dirdyna(out['M'], out['c'], s, 0.0)"),
+        ("invdyna", "invdyna(out['Qq'], s, 0.0)"),
+        ("cons_hJ", "cons_hJ(out['h'], out['Jac'], s)"),
+        ("cons_jdqd", "cons_jdqd(out['Jdqd'], s)"),
+    ] {
+        let module = read_file(&root.join(format!("mbs_{kind}_suspension.c"))).expect("good");
+        let view = View {
+            tables: &module.tables,
+            function: &module.functions[0],
+        };
+        let files = write(&module, Language::Python, &WriteOptions::default()).expect("Python");
+        // Arrays that take one index or two, and a structure that holds them.
+        let mut script = "import struct\nclass S: pass\ns = S()\nout = {}\n".to_owned();
+        for array in view.function.inputs() {
+            let name = module.tables.symbols.text(array.name);
+            script += &format!("s.{name} = {{}}\n");
+        }
+        for array in view.function.outputs() {
+            script += &format!("out['{}'] = {{}}\n", module.tables.symbols.text(array.name));
+        }
+        for input in 0..view.function.input_len() as u32 {
+            let (array, indices, rank) = view.function.input_element(Input(input));
+            let name = module.tables.symbols.text(array.name);
+            let indices: Vec<String> = indices[..rank].iter().map(u32::to_string).collect();
+            let number = number(&input_name(view, Input(input)));
+            script += &format!("s.{name}[{}] = {number:?}\n", indices.join(","));
+        }
+        script += &files[0].1;
+        script += &format!(
+            "\n{call}\nfor name in out:\n  for at in sorted(out[name]):\n    \
+             index = ','.join(map(str, at)) if isinstance(at, tuple) else str(at)\n    \
+             bits = struct.unpack('<Q', struct.pack('<d', out[name][at] + 0.0))[0]\n    \
+             print('%s[%s] %d' % (name, index, bits))\n"
+        );
+        let path = folder.path().join(format!("{kind}.py"));
+        std::fs::write(&path, script).expect("a temporary file");
+        let run = Command::new("python3")
+            .arg(&path)
+            .output()
+            .expect("it runs");
+        let errors = String::from_utf8_lossy(&run.stderr);
+        assert!(run.status.success(), "{kind}: {errors}");
+        let found: BTreeMap<String, u64> = String::from_utf8_lossy(&run.stdout)
+            .lines()
+            .filter_map(|line| line.split_once(' '))
+            .map(|(name, bits)| (name.to_owned(), bits.parse().expect("bits")))
+            .collect();
+        assert_eq!(found, numbers(view), "{kind}");
+    }
+}
+
+fn refusal(text: &str) -> String {
+    let module = parse_module("test", text).expect("a well-formed module");
+    let error = write(&module, Language::C, &WriteOptions::default());
+    error.expect_err("this cannot be written").to_string()
+}
+
+#[test]
+fn what_cannot_be_written_is_refused() {
+    assert!(refusal("").contains("no function"));
+    let unknown =
+        "function equation_2_1 equations {\n  in q[1..2]\n  out a[1..1]\n\n  a[1] = q[1]\n}\n";
+    assert!(refusal(unknown).contains("equation_2_1"));
+    let part = "function accelred_part_1 equations {\n  meta kind \"accelred\"\n  meta part \"1 of 2\"\n}\n";
+    assert!(refusal(part).contains("part"));
+    let scalar = "function invdyna equations {\n  in q[1..2]\n  out energy\n\n  energy = q[1]\n}\n";
+    assert!(refusal(scalar).contains("energy"));
+    let name =
+        "function invdyna equations {\n  in while[1..2]\n  out Qq[1..1]\n\n  Qq[1] = while[1]\n}\n";
+    assert!(refusal(name).contains("while"));
+    let cycle = "function link equations {\n  in F1\n  out Z1\n  \
+         call \"user_LinkForces\"(\"Z1\") -> \"F1\"\n\n  %Z1 = F1*F1\n\n  Z1 = %Z1\n}\n";
+    assert!(refusal(cycle).contains("user_LinkForces"));
+    let callee = "function link equations {\n  call \"printf\"(\"1\")\n}\n";
+    assert!(refusal(callee).contains("printf"));
+    let twice = "function sensor_1 equations {\n}\n\nfunction mbs_sensor_1 equations {\n}\n";
+    assert!(refusal(twice).contains("same place"));
+    let number =
+        "function sensor equations {\n  in q[1..2]\n  out sens.P[1..3]\n\n  sens.P[1] = q[1]\n}\n";
+    assert!(refusal(number).contains("_1, _2"));
+}
+
+#[test]
+fn the_command_writes_files_and_names_them() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let input =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension/mbs_cons_hJ_suspension.m");
+    let written = Command::new(env!("CARGO_BIN_EXE_robovec"))
+        .arg("write")
+        .arg(&input)
+        .args(["--language", "c", "--model", "other", "--zeros"])
+        .args(["--passes", "atomise,cse,inline", "-o"])
+        .arg(folder.path())
+        .output()
+        .expect("it runs");
+    assert!(written.status.success());
+    let names = String::from_utf8_lossy(&written.stdout).into_owned();
+    assert_eq!(names.lines().count(), 2);
+    let text = std::fs::read_to_string(folder.path().join("mbs_cons_hJ_other.c"));
+    let text = text.expect("the file is there");
+    assert!(text.contains("==> Project name : other"));
+    // Every element is set, those that are zero whatever the state too.
+    let jacobian = text.matches("\nJac[").count();
+    let rows = text.matches("\nh[").count();
+    assert_eq!(jacobian, 5 * rows);
+    assert!(text.contains("\nJac[1][1] = 0;\n"));
+    let refused = Command::new(env!("CARGO_BIN_EXE_robovec"))
+        .arg("write")
+        .arg(input.with_file_name("README.md"))
+        .args(["--language", "matlab", "-o"])
+        .arg(folder.path().join("none"))
+        .output()
+        .expect("it runs");
+    assert!(!refused.status.success());
+    assert!(!folder.path().join("none").exists());
 }
 
 /// The same for any other folder, which the environment names.

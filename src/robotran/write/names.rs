@@ -267,3 +267,52 @@ fn push_number(text: &mut String, number: u32) {
     text.push('_');
     text.push_str(&number.to_string());
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identifiers_are_valid_and_each_for_one_name() {
+        let mut symbols = Symbols::new();
+        let texts = ["x.1", "x_1", "x", "lambda", "q", "a b", "1st", "é", "x.2"];
+        let given: Vec<Name> = texts
+            .iter()
+            .map(|text| {
+                let (base, suffix) = Name::split(text);
+                let base = symbols.intern(base);
+                Name { base, suffix }
+            })
+            .collect();
+        let mut names = Names::new();
+        names.reserve("x_2");
+        names.keep(given.iter().copied(), &symbols);
+        names.derive(given.iter().copied(), &symbols);
+        let found: Vec<&str> = given
+            .iter()
+            .map(|&name| names.text(name, &symbols))
+            .collect();
+        let expected = [
+            "x_1_1", "x_1", "x", "lambda_1", "q_1", "a_b", "v1st", "v_", "x_2_1",
+        ];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn many_names_that_look_alike_take_linear_time() {
+        let mut symbols = Symbols::new();
+        let mut names = Names::new();
+        for number in 0..100_000u32 {
+            let symbol = symbols.intern(&format!(
+                "\u{e9}{}",
+                char::from_u32(0x4e00 + number % 20_000).unwrap_or('x')
+            ));
+            let name = Name {
+                base: symbol,
+                suffix: number / 20_000,
+            };
+            names.derive(std::iter::once(name), &symbols);
+        }
+        assert!(names.made.values().any(|name| name.len() > 6));
+    }
+}
