@@ -58,8 +58,9 @@ fn dressed(raw: &Function, tables: &mut Tables, calls: bool) -> Function {
             "on" if calls => "SWr1",
             "on" => "tsim_",
             other => other,
-        };
-        let name = tables.symbols.intern(name);
+        }
+        .to_owned();
+        let name = tables.symbols.intern(&name);
         let new = function.add_input(name, shape(array.shape));
         map(&mut input_places, array, new);
     }
@@ -69,8 +70,9 @@ fn dressed(raw: &Function, tables: &mut Tables, calls: bool) -> Function {
             "out" => "h",
             "Z1" if calls => "PxF1",
             other => other,
-        };
-        let name = tables.symbols.intern(name);
+        }
+        .to_owned();
+        let name = tables.symbols.intern(&name);
         let given = function.inputs().iter().find(|input| input.name == name);
         let given = given.map(|input| input.shape);
         let shape = match (given, shape(array.shape)) {
