@@ -15,7 +15,7 @@ type Signature = Vec<(String, Shape)>;
 /// Both functions with the union of their arrays. An output element that only
 /// one of them sets keeps in the other what the caller put there: the input
 /// element of the same name (`frc`), else zero.
-pub(crate) fn align(
+pub fn align(
     (before, before_tables): (&Function, &mut Tables),
     (after, after_tables): (&Function, &mut Tables),
 ) -> (Function, Function) {

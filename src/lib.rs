@@ -1,6 +1,6 @@
 //! robovec: a compiler for the equations of multibody systems.
 
-mod align;
+pub mod align;
 pub mod command;
 pub mod evaluate_command;
 pub mod generate;

@@ -2,6 +2,7 @@
 //! tests run briefly and cargo-fuzz runs at length.
 
 pub mod generate;
+pub mod generated;
 pub mod images;
 pub mod inlined;
 pub mod mutants;

@@ -27,6 +27,8 @@ pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, opti
         let names = Names::of_force(number);
         sensor::outputs(equations, parameters, &chain, asks, &names);
         let result = format!("SWr{number}");
+        // What acts on the base moves nothing.
+        let joint = model.last_joint(model.points[force.point].body);
         equations.calls.push(Boundary {
             callee: "user_ExtForces".to_owned(),
             arguments: ["PxF", "RxF", "VxF", "OMxF", "AxF", "OMPxF"]
@@ -34,11 +36,10 @@ pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, opti
                 .map(|name| format!("{name}{number}"))
                 .chain(["s".to_owned(), "tsim".to_owned(), number.to_string()])
                 .collect(),
-            result: Some(result.clone()),
+            result: joint.map(|_| result.clone()),
             sources: SourceSet::EMPTY,
         });
-        // What acts on the base moves nothing.
-        let Some(joint) = model.last_joint(model.points[force.point].body) else {
+        let Some(joint) = joint else {
             continue;
         };
         let mut part = |first: usize| [0, 1, 2].map(|k| equations.input(&result, &[first + k]));

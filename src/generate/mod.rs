@@ -29,6 +29,7 @@ mod recursive;
 mod sensor;
 mod vector;
 
+use self::algebra::Scalar;
 use self::equations::{Equations, Style};
 pub use self::formulation::{Formulation, Network, Origin, Requirements};
 use self::lower::Extents;
@@ -258,7 +259,13 @@ fn write(model: &Model, request: &Request, case: usize) -> Equations {
     let equations = &mut written;
     let parameters = &Parameters::new(model, options, equations);
     match request.function {
-        FunctionKind::Dirdyna => formulation::direct(equations, parameters, request),
+        FunctionKind::Dirdyna => {
+            formulation::direct(equations, parameters, request);
+            // Without masses nothing is left of M; it is an output all the same.
+            if !equations.results.iter().any(|name| name == "M") {
+                equations.output("M", &[1, 1], Scalar::ZERO);
+            }
+        }
         FunctionKind::Invdyna => recursive::inverse(equations, parameters, options),
         FunctionKind::ConsHJ => constraints::position(equations, parameters, options),
         FunctionKind::ConsJdqd => constraints::acceleration(equations, parameters, options),

@@ -84,6 +84,11 @@ pub(super) struct Emitter<'e, 'a, 't> {
     pub(super) statement: usize,
 }
 
+/// The fields of Robotran's structure of a sensor, in its order.
+const SENSOR_FIELDS: [&str; 7] = [
+    "sens.P", "sens.R", "sens.V", "sens.OM", "sens.A", "sens.OMP", "sens.J",
+];
+
 /// The inputs in the order in which the field lists them.
 const INPUT_ORDER: [&str; 11] = [
     "q", "qd", "qdd", "dpt", "l", "m", "In", "g", "frc", "trq", "lrod",
@@ -169,7 +174,14 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         let rank = |array: &u32| {
             let name = self.storage.arrays[*array as usize].name;
             let place = self.parameters.get(&name);
-            place.copied().unwrap_or(usize::MAX)
+            // The fields of a sensor stand in the order of its structure, so
+            // that no case of a file depends on what the others ask for.
+            let text = self.shared.tables.symbols.text(name.symbol());
+            let field = SENSOR_FIELDS.iter().position(|field| *field == text);
+            (
+                place.copied().unwrap_or(usize::MAX),
+                field.unwrap_or(SENSOR_FIELDS.len()),
+            )
         };
         let mut written: Vec<u32> = (0..self.storage.arrays.len() as u32)
             .filter(|&array| {
