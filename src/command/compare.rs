@@ -131,7 +131,7 @@ fn distance(
         let other = evaluate(after.function, &Binary64, &inputs);
         for (name, difference) in differences(before, &one, &other) {
             // A NaN must not pass for a small difference.
-            if !(difference <= worst.0) {
+            if difference.is_nan() || difference > worst.0 {
                 worst = (difference, name);
             }
         }
@@ -172,7 +172,7 @@ fn differences(view: View<'_>, one: &[f64], other: &[f64]) -> Vec<(String, f64)>
         let (largest, difference) = &mut arrays[after - 1];
         *largest = largest.max(a.abs()).max(b.abs());
         let distance = (a - b).abs();
-        if !(distance <= *difference) {
+        if distance.is_nan() || distance > *difference {
             *difference = distance;
         }
     }

@@ -88,7 +88,7 @@ pub(super) enum Atom {
 /// A right-hand side.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Body {
-    Sum(Sum),
+    Sum(Box<Sum>),
     /// The scalar itself, with its sign.
     Copy(Scalar),
     Sin(Scalar),
@@ -245,7 +245,7 @@ impl Equations {
         self.key_words.extend_from_slice(&self.scratch);
         let key = (start, self.key_words.len() as u32);
         let flipped = self.order_signs(&mut sum);
-        let scalar = self.push(label, Body::Sum(sum), key);
+        let scalar = self.push(label, Body::Sum(Box::new(sum)), key);
         self.known.insert_unique(
             hash,
             (hash, scalar.negated_if(negated ^ flipped)),

@@ -7,6 +7,9 @@
 //! arrays, indices from 1, `M qdd + c = Qq`, forces and torques of a body at
 //! its centre of mass and in its frame.
 
+// An axis is an index into several vectors at once.
+#![allow(clippy::needless_range_loop)]
+
 mod algebra;
 mod bias;
 mod chain;

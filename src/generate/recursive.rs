@@ -76,17 +76,6 @@ pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, opt
     }
 }
 
-/// Writes the bias force `c` alone.
-pub(super) fn bias(
-    equations: &mut Equations,
-    parameters: &Parameters<'_>,
-    options: &Options,
-) -> Vec<Scalar> {
-    let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
-    recursion.forward(&[]);
-    recursion.backward()
-}
-
 /// Writes `Qq`, the joint forces that cause the accelerations `qdd`.
 pub(super) fn inverse(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
     let accelerations: Vec<Scalar> = (0..parameters.joints())
