@@ -11,7 +11,9 @@
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, Label};
 use super::parameters::Parameters;
-use super::vector::{Matrix, SumVector, Turn, Vector, ZERO, add_cross, cyclic, sums, unit};
+use super::vector::{
+    Matrix, SumVector, Turn, Vector, ZERO, add_cross, cyclic, define_as, sums, unit,
+};
 
 /// One joint of a chain.
 #[derive(Clone, Copy)]
@@ -105,12 +107,8 @@ impl Chain {
         column: usize,
         vector: SumVector,
     ) -> Vector {
-        let mut component = 0;
-        vector.map(|sum| {
-            component += 1;
-            let label = self.label(prefix, component, joint).column(column);
-            equations.define(label, sum)
-        })
+        let label = |component| self.label(prefix, component, joint).column(column);
+        define_as(equations, label, vector)
     }
 
     /// A vector given in a frame, in the axes of the reference.
@@ -121,11 +119,8 @@ impl Chain {
         offset: SumVector,
         joint: usize,
     ) -> Vector {
-        let mut component = 0;
-        let offset = offset.map(|sum| {
-            component += 1;
-            equations.define(Label::new("Dz", 0, 10 * joint + component), sum)
-        });
+        let label = |component| Label::new("Dz", 0, 10 * joint + component);
+        let offset = define_as(equations, label, offset);
         let mut lever = sums();
         for (component, sum) in lever.iter_mut().enumerate() {
             for (axis, length) in axes.iter().zip(&offset) {

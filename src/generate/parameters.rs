@@ -5,9 +5,9 @@
 //! appears, unless all parameter symbols are asked for. A joint whose velocity
 //! has no symbol is at rest.
 
-use super::algebra::{Scalar, Sum};
+use super::algebra::Scalar;
 use super::equations::{Equations, Label};
-use super::vector::{Matrix, SumVector, Turn, Vector, ZERO, sums};
+use super::vector::{Matrix, SumVector, Turn, Vector, ZERO, define_as, sums};
 use super::{Binding, Options};
 use crate::model::Model;
 
@@ -170,12 +170,8 @@ impl<'m> Parameters<'m> {
 
     /// The offset with a name for each sum (`Dz`).
     pub(super) fn named_offset(&self, equations: &mut Equations, joint: usize) -> Vector {
-        let offset = self.offset(joint);
-        let mut component = 0;
-        offset.map(|sum: Sum| {
-            component += 1;
-            equations.define(Label::new("Dz", 0, 10 * (joint + 1) + component), sum)
-        })
+        let label = |component| Label::new("Dz", 0, 10 * (joint + 1) + component);
+        define_as(equations, label, self.offset(joint))
     }
 
     /// The named offsets of all joints.

@@ -22,9 +22,7 @@ pub(super) struct Names {
 }
 
 impl Names {
-    /// The fields of Robotran's structure of sensors.
-    pub(super) fn of_sensor() -> Names {
-        let name = |field: &str| format!("sens.{field}");
+    fn new(name: impl Fn(&str) -> String) -> Names {
         Names {
             position: name("P"),
             rotation: name("R"),
@@ -36,18 +34,14 @@ impl Names {
         }
     }
 
+    /// The fields of Robotran's structure of sensors.
+    pub(super) fn of_sensor() -> Names {
+        Names::new(|field| format!("sens.{field}"))
+    }
+
     /// The arguments of the user's law of an external force.
     pub(super) fn of_force(number: usize) -> Names {
-        let name = |field: &str| format!("{field}xF{number}");
-        Names {
-            position: name("P"),
-            rotation: name("R"),
-            velocity: name("V"),
-            angular_velocity: name("OM"),
-            acceleration: name("A"),
-            angular_acceleration: name("OMP"),
-            jacobian: name("J"),
-        }
+        Names::new(|field| format!("{field}xF{number}"))
     }
 }
 

@@ -77,11 +77,20 @@ pub(super) fn define(
     column: usize,
     vector: SumVector,
 ) -> Vector {
+    let label = |component| Label::new(prefix, component, joint + 1).column(column);
+    define_as(equations, label, vector)
+}
+
+/// Names the components of a vector, which count from 1.
+pub(super) fn define_as(
+    equations: &mut Equations,
+    label: impl Fn(usize) -> Label,
+    vector: SumVector,
+) -> Vector {
     let mut component = 0;
     vector.map(|sum| {
         component += 1;
-        let label = Label::new(prefix, component, joint + 1).column(column);
-        equations.define(label, sum)
+        equations.define(label(component), sum)
     })
 }
 
