@@ -8,6 +8,7 @@
 mod arguments;
 mod compare;
 mod dump;
+mod eval;
 mod generation;
 mod input;
 mod listing;

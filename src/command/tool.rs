@@ -1,16 +1,14 @@
 //! `robovec`: what can be done with equations and programs besides compiling
 //! them.
 
-use super::arguments::InputLanguage;
 use super::compare::{self, CheckArguments};
+use super::eval::{self, EvalArguments};
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
 use super::sim::{self, SimArguments};
 use super::{Failure, input, output, write};
-use crate::evaluate_command::evaluate_at_states;
 use crate::simulate::Program;
 use clap::{Parser, Subcommand};
-use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::fs;
@@ -27,17 +25,8 @@ struct Arguments {
 
 #[derive(Subcommand, Debug)]
 enum Command {
-    /// Evaluate every function at the states of a file, in 64-bit floats
-    Eval {
-        /// Robotran file or robovec text
-        file: PathBuf,
-        /// Lines `name[indices] number`; a line `state` starts the next state
-        #[arg(long, value_name = "FILE")]
-        states: PathBuf,
-        /// Language of the file; by default told by its name and content
-        #[arg(long, value_enum)]
-        language: Option<InputLanguage>,
-    },
+    /// Evaluate functions at given or random states
+    Eval(EvalArguments),
     /// Generate the equations of a model
     Gen(GenArguments),
     /// Summarise a model, or write one of a family
@@ -71,11 +60,7 @@ enum Command {
 pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let arguments = Arguments::parse_from(arguments);
     let result = match &arguments.command {
-        Command::Eval {
-            file,
-            states,
-            language,
-        } => eval(file, states, *language),
+        Command::Eval(arguments) => eval::run(arguments),
         Command::Gen(arguments) => generation::run(arguments),
         Command::Model(arguments) => model::run(arguments),
         Command::Sim(arguments) => sim::run(arguments),
@@ -100,18 +85,6 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
 pub(super) fn read_text(path: &Path) -> Result<String, Failure> {
     fs::read_to_string(path)
         .map_err(|error| Failure::plain(format!("cannot read {}: {error}", path.display())))
-}
-
-fn eval(file: &Path, states: &Path, language: Option<InputLanguage>) -> Result<String, Failure> {
-    let input = input::equations(file, language)?;
-    input
-        .warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
-    let text = read_text(states)?;
-    evaluate_at_states(&input.module, &text).map_err(|diagnostics| {
-        Failure(Report::of(&states.display().to_string(), text, diagnostics))
-    })
 }
 
 fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, Failure> {

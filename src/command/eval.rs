@@ -1,0 +1,162 @@
+//! `robovec eval`: outputs of functions at given or random states.
+
+use super::arguments::InputLanguage;
+use super::{Failure, generation, input};
+use crate::evaluate_command::{self, Format, Number, evaluate_at_states};
+use crate::generate::{Formulation, FunctionKind, Options};
+use crate::model::Model;
+use clap::builder::PossibleValuesParser;
+use clap::{Args, ValueEnum};
+use robovec_ir::Module;
+use robovec_ir::diagnostic::{Report, clip, termcolor::ColorChoice};
+use std::path::{Path, PathBuf};
+
+/// How the result is written.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
+enum FormatName {
+    /// Lines, floats in hexadecimal
+    Text,
+    /// A table
+    Csv,
+    /// A list of objects
+    Json,
+}
+
+/// What is evaluated, and how.
+#[derive(Args, Debug)]
+pub(super) struct EvalArguments {
+    /// Robotran file, robovec text, or model (.mbs)
+    file: PathBuf,
+    /// Lines `name[indices] number`; a line `state` starts the next state
+    #[arg(long, value_name = "FILE", required_unless_present = "random")]
+    states: Option<PathBuf>,
+    /// Draw this many states, with the scales of what the inputs mean
+    #[arg(long, value_name = "N", conflicts_with = "states",
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    random: Option<u32>,
+    /// Seed of the random states
+    #[arg(long, default_value_t = 1, requires = "random")]
+    seed: u64,
+    /// Model (.mbs) that parameters are taken from where states do not give
+    /// them; a model as FILE is its own
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Functions, separated by commas; by default all of a file of equations,
+    /// and dirdyna of a model
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    function: Vec<String>,
+    /// Recursion that a model's equations come from
+    #[arg(long, default_value = "recursive",
+          value_parser = PossibleValuesParser::new(Formulation::names()))]
+    formulation: String,
+    /// Numbers: f32, f64, double-double, field (a prime field), or a number
+    /// of bits
+    #[arg(long, value_name = "KIND", default_value = "f64")]
+    number: Number,
+    /// How the result is written
+    #[arg(long, value_enum, default_value_t = FormatName::Text)]
+    format: FormatName,
+    /// Language of the file; by default told by its name and content
+    #[arg(long, value_enum)]
+    language: Option<InputLanguage>,
+}
+
+/// Runs the command: the text for the standard output.
+pub(super) fn run(arguments: &EvalArguments) -> Result<String, Failure> {
+    let own = is_model(&arguments.file);
+    let model_path = arguments.model.as_deref();
+    let model_path = model_path.or(own.then_some(arguments.file.as_path()));
+    let model = model_path.map(read_model).transpose()?;
+    let module = match &model {
+        Some(model) if own => generated(arguments, model)?,
+        _ => read(arguments)?,
+    };
+    let text = arguments.states.as_deref().map(input::text).transpose()?;
+    let states = match (&text, arguments.random) {
+        (Some(text), _) => evaluate_command::Source::Text(text),
+        (None, count) => evaluate_command::Source::Random {
+            count: count.unwrap_or(1),
+            seed: arguments.seed,
+        },
+    };
+    let request = evaluate_command::Request {
+        module: &module,
+        model: model.as_ref(),
+        states,
+        number: arguments.number,
+        format: match arguments.format {
+            FormatName::Text => Format::Text,
+            FormatName::Csv => Format::Csv,
+            FormatName::Json => Format::Json,
+        },
+    };
+    evaluate_at_states(&request).map_err(|diagnostics| {
+        let name = arguments.states.as_deref().unwrap_or(Path::new("<random>"));
+        let text = text.clone().unwrap_or_default();
+        Failure(Report::of(&name.display().to_string(), text, diagnostics))
+    })
+}
+
+fn is_model(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("mbs"))
+}
+
+fn read_model(path: &Path) -> Result<Model, Failure> {
+    let read = input::model(path)?;
+    read.warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
+    Ok(read.model)
+}
+
+/// The functions of a model.
+fn generated(arguments: &EvalArguments, model: &Model) -> Result<Module, Failure> {
+    let kind = |name: &String| {
+        FunctionKind::from_name(name).ok_or_else(|| {
+            let known = FunctionKind::ALL.map(FunctionKind::name);
+            unknown(name, &known)
+        })
+    };
+    let mut kinds: Vec<FunctionKind> = arguments
+        .function
+        .iter()
+        .map(kind)
+        .collect::<Result<_, _>>()?;
+    if kinds.is_empty() {
+        kinds.push(FunctionKind::Dirdyna);
+    }
+    let formulation = Formulation::from_name(&arguments.formulation).unwrap_or_default();
+    generation::functions(model, &kinds, formulation, &Options::default())
+}
+
+/// The functions of a file of equations.
+fn read(arguments: &EvalArguments) -> Result<Module, Failure> {
+    let input = input::equations(&arguments.file, arguments.language)?;
+    input
+        .warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
+    let mut module = input.module;
+    let asked = &arguments.function;
+    if let Some(name) = asked.iter().find(|name| module.function(name).is_none()) {
+        let known = module
+            .functions
+            .iter()
+            .map(|function| function.name.as_str());
+        return Err(unknown(name, &known.collect::<Vec<_>>()));
+    }
+    if !asked.is_empty() {
+        module
+            .functions
+            .retain(|function| asked.contains(&function.name));
+    }
+    Ok(module)
+}
+
+fn unknown(name: &str, known: &[&str]) -> Failure {
+    Failure::advised(
+        format!("there is no function '{}'", clip(name)),
+        vec![format!("functions: {}", known.join(", "))],
+    )
+}

@@ -1,0 +1,102 @@
+//! How results are written.
+
+use std::fmt::Write;
+
+/// How results are written.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Format {
+    /// Lines `state 2 dirdyna M[1,1] 0x1.8p+1`; floats in hexadecimal, so
+    /// that no bit is lost.
+    #[default]
+    Text,
+    /// A table with the columns state, function, output and value; decimal.
+    Csv,
+    /// A list of objects with state, function and outputs; decimal, and as a
+    /// text where a number of JSON would lose digits.
+    Json,
+}
+
+/// A value as it is to be written.
+pub(super) struct Shown {
+    /// The number.
+    pub(super) text: String,
+    /// True where JSON has no number for it.
+    pub(super) quoted: bool,
+}
+
+/// Writes results in order.
+pub(super) struct Writer {
+    format: Format,
+    text: String,
+    head: (usize, String),
+    first_element: bool,
+    first_group: bool,
+}
+
+impl Writer {
+    pub(super) fn new(format: Format) -> Writer {
+        let text = match format {
+            Format::Text => String::new(),
+            Format::Csv => "state,function,output,value\n".to_owned(),
+            Format::Json => "[".to_owned(),
+        };
+        Writer {
+            format,
+            text,
+            head: (0, String::new()),
+            first_element: true,
+            first_group: true,
+        }
+    }
+
+    /// Starts the outputs of a function at a state.
+    pub(super) fn start(&mut self, state: usize, function: &str) {
+        self.head = (state, function.to_owned());
+        if self.format == Format::Json {
+            let separator = if self.first_group { "\n" } else { ",\n" };
+            // Writing to a string cannot fail, here and below.
+            let _ = write!(
+                self.text,
+                "{separator}  {{\"state\": {state}, \"function\": {}, \"outputs\": {{",
+                json(function)
+            );
+        }
+        self.first_group = false;
+        self.first_element = true;
+    }
+
+    pub(super) fn element(&mut self, element: &str, shown: &Shown) {
+        let (state, function) = &self.head;
+        let value = &shown.text;
+        let _ = match self.format {
+            Format::Text => writeln!(self.text, "state {state} {function} {element} {value}"),
+            Format::Csv => writeln!(self.text, "{state},{function},\"{element}\",{value}"),
+            Format::Json => {
+                let separator = if self.first_element { "\n" } else { ",\n" };
+                let quote = if shown.quoted { "\"" } else { "" };
+                let name = json(element);
+                write!(self.text, "{separator}    {name}: {quote}{value}{quote}")
+            }
+        };
+        self.first_element = false;
+    }
+
+    pub(super) fn end(&mut self) {
+        if self.format == Format::Json {
+            let end = if self.first_element { "}}" } else { "\n  }}" };
+            self.text.push_str(end);
+        }
+    }
+
+    pub(super) fn finish(mut self) -> String {
+        if self.format == Format::Json {
+            self.text.push_str("\n]\n");
+        }
+        self.text
+    }
+}
+
+/// A text in JSON.
+fn json(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}

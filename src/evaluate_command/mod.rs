@@ -1,0 +1,182 @@
+//! `robovec eval`: the functions of a module evaluated at states that a file
+//! lists or that are drawn, in a kind of number of the user's choice.
+//!
+//! The result of 64-bit floats is written without the loss of a bit, one line
+//! for each output element that is assigned: `state 2 dirdyna M[1,1]
+//! 0x1.8p+1`; see [`Format`] for tables.
+
+mod format;
+mod given;
+mod number;
+
+pub use format::Format;
+pub use number::Number;
+
+use crate::model::Model;
+use crate::motion::{element_name, parameter};
+use format::Writer;
+use given::{missing, read_states};
+use number::{Bits, Show};
+use robovec_ir::arithmetic::{Binary32, Binary64};
+use robovec_ir::diagnostic::Diagnostic;
+use robovec_ir::double_double::DoubleDouble;
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::field::PrimeField;
+use robovec_ir::print::print_output;
+use robovec_ir::states::States;
+use robovec_ir::{Input, Module, View};
+
+/// Where states come from.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Source<'t> {
+    /// Lines `name[indices] number`; a line `state` starts the next state.
+    /// Numbers are decimal, or hexadecimal as C's `%a` writes them; `#` starts
+    /// a comment. A state may hold more than a function reads.
+    Text(&'t str),
+    /// Drawn with the physical scales of [`States`].
+    Random {
+        /// How many.
+        count: u32,
+        /// Where they come from.
+        seed: u64,
+    },
+}
+
+/// What is evaluated, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// The functions.
+    pub module: &'a Module,
+    /// The model that parameters are taken from, unless a state gives them.
+    pub model: Option<&'a Model>,
+    /// The states.
+    pub states: Source<'a>,
+    /// What is computed with.
+    pub number: Number,
+    /// How the result is written.
+    pub format: Format,
+}
+
+/// Evaluates every function of a module at every state.
+///
+/// # Errors
+///
+/// Messages that point into the text of states (file 0): a line that is not
+/// understood, no state at all, an input element to which a state gives no
+/// number.
+pub fn evaluate_at_states(request: &Request<'_>) -> Result<String, Vec<Diagnostic>> {
+    let states = inputs(request)?;
+    let text = match request.number {
+        Number::Binary32 => write(request, &Binary32, &states),
+        Number::Binary64 => write(request, &Binary64, &states),
+        Number::DoubleDouble => write(request, &DoubleDouble, &states),
+        Number::Field => {
+            let seed = match request.states {
+                Source::Text(_) => 1,
+                Source::Random { seed, .. } => seed,
+            };
+            write(request, &PrimeField { seed, circle: true }, &states)
+        }
+        Number::Bits(bits) => write(request, &Bits::new(bits), &states),
+    };
+    Ok(text)
+}
+
+/// The flattened inputs of every function, for every state.
+type Inputs = Vec<Vec<Vec<f64>>>;
+
+fn inputs(request: &Request<'_>) -> Result<Inputs, Vec<Diagnostic>> {
+    match request.states {
+        Source::Text(text) => given_inputs(request, text),
+        Source::Random { count, seed } => Ok(random_inputs(request, count, seed)),
+    }
+}
+
+fn given_inputs(request: &Request<'_>, text: &str) -> Result<Inputs, Vec<Diagnostic>> {
+    let tables = &request.module.tables;
+    let mut inputs = Vec::new();
+    let mut errors = Vec::new();
+    for state in read_states(text)? {
+        let mut functions = Vec::new();
+        for function in &request.module.functions {
+            match state.inputs(tables, function, request.model) {
+                Ok(inputs) => functions.push(inputs),
+                Err(name) => errors.push(missing(&name, function, &state)),
+            }
+            if errors.len() >= 20 {
+                return Err(errors);
+            }
+        }
+        inputs.push(functions);
+    }
+    if errors.is_empty() {
+        Ok(inputs)
+    } else {
+        Err(errors)
+    }
+}
+
+fn random_inputs(request: &Request<'_>, count: u32, seed: u64) -> Inputs {
+    let states = States::new(seed);
+    let draw = |index: u32| {
+        let functions = request.module.functions.iter();
+        let inputs = functions.map(|function| {
+            let view = View {
+                tables: &request.module.tables,
+                function,
+            };
+            let mut inputs = states.draw(view, index);
+            if let Some(model) = request.model {
+                take_parameters(model, view, &mut inputs);
+            }
+            inputs
+        });
+        inputs.collect()
+    };
+    (0..count).map(draw).collect()
+}
+
+/// Replaces what the model has a parameter for.
+fn take_parameters(model: &Model, view: View<'_>, inputs: &mut [f64]) {
+    for (index, number) in inputs.iter_mut().enumerate() {
+        let (array, indices, rank) = view.function.input_element(Input(index as u32));
+        let name = view.tables.symbols.text(array.name);
+        if let Some(given) = parameter(model, name, &indices[..rank]) {
+            *number = given;
+        }
+    }
+}
+
+/// The name of an input element.
+fn input_name(view: View<'_>, input: Input) -> String {
+    let (array, indices, rank) = view.function.input_element(input);
+    element_name(view.tables.symbols.text(array.name), &indices[..rank])
+}
+
+fn write<A: Show>(request: &Request<'_>, arithmetic: &A, states: &Inputs) -> String {
+    let mut writer = Writer::new(request.format);
+    for (state, functions) in states.iter().enumerate() {
+        for (function, inputs) in request.module.functions.iter().zip(functions) {
+            let view = View {
+                tables: &request.module.tables,
+                function,
+            };
+            arithmetic.clear();
+            let literals: Vec<A::Number> = inputs
+                .iter()
+                .map(|&number| arithmetic.literal(number))
+                .collect();
+            let numbers = evaluate(function, arithmetic, &literals);
+            writer.start(state + 1, &function.name);
+            for (assignment, number) in function.assignments.iter().zip(numbers) {
+                let element = print_output(view, assignment.output);
+                writer.element(&element, &arithmetic.show(number, request.format));
+            }
+            writer.end();
+        }
+    }
+    writer.finish()
+}
+
+#[cfg(test)]
+mod tests;

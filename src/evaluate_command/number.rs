@@ -1,0 +1,219 @@
+//! The kinds of numbers, and how each is written.
+
+use super::format::{Format, Shown};
+use crate::hexadecimal;
+use astro_float::{BigFloat, Consts, Radix, RoundingMode};
+use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_ir::double_double::DoubleDouble;
+use robovec_ir::field::PrimeField;
+use std::cell::RefCell;
+use std::str::FromStr;
+
+/// What is computed with.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Number {
+    /// IEEE binary32.
+    Binary32,
+    /// IEEE binary64.
+    #[default]
+    Binary64,
+    /// Pairs of binary64, about 106 bits.
+    DoubleDouble,
+    /// The prime field of 2^61 - 1, with sines and cosines on a circle.
+    Field,
+    /// Floats of at least this many bits; the mantissa is made of whole
+    /// 64-bit words.
+    Bits(usize),
+}
+
+/// The widest floats; an operation on them still takes microseconds.
+const WIDEST: usize = 16_384;
+
+impl FromStr for Number {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Number, String> {
+        match text {
+            "f32" => Ok(Number::Binary32),
+            "f64" => Ok(Number::Binary64),
+            "double-double" => Ok(Number::DoubleDouble),
+            "field" => Ok(Number::Field),
+            _ => match text.parse() {
+                Ok(bits) if (1..=WIDEST).contains(&bits) => Ok(Number::Bits(bits)),
+                _ => Err(format!(
+                    "expected f32, f64, double-double, field, or a number of bits up to {WIDEST}"
+                )),
+            },
+        }
+    }
+}
+
+/// Arithmetic whose numbers can be shown.
+pub(super) trait Show: Arithmetic {
+    /// A number as it is to be written.
+    fn show(&self, number: Self::Number, format: Format) -> Shown;
+
+    /// Forgets all numbers made so far.
+    fn clear(&self) {}
+}
+
+/// A float: hexadecimal in lines, the shortest decimal elsewhere.
+fn float(number: f64, decimal: String, format: Format) -> Shown {
+    Shown {
+        text: match format {
+            Format::Text => hexadecimal::format(number),
+            Format::Csv | Format::Json => decimal,
+        },
+        quoted: !number.is_finite(),
+    }
+}
+
+impl Show for Binary32 {
+    fn show(&self, number: f32, format: Format) -> Shown {
+        float(number.into(), format!("{number:?}"), format)
+    }
+}
+
+impl Show for Binary64 {
+    fn show(&self, number: f64, format: Format) -> Shown {
+        float(number, format!("{number:?}"), format)
+    }
+}
+
+impl Show for PrimeField {
+    fn show(&self, number: u64, _: Format) -> Shown {
+        let undefined = PrimeField::is_undefined(number);
+        Shown {
+            text: if undefined {
+                "undefined".to_owned()
+            } else {
+                number.to_string()
+            },
+            quoted: true,
+        }
+    }
+}
+
+/// Bits that hold the sum of a pair whose halves are next to each other.
+const PAIR: usize = 128;
+const ROUNDING: RoundingMode = RoundingMode::ToEven;
+
+impl Show for DoubleDouble {
+    fn show(&self, number: Self::Number, _: Format) -> Shown {
+        let bits = Bits::new(PAIR);
+        let [high, low] = [number.high, number.low].map(|half| bits.literal(half));
+        let sum = bits.add(high, low);
+        bits.show(sum, Format::Csv)
+    }
+}
+
+/// Floats of a precision. Numbers are places in a list, as the evaluator
+/// copies them.
+pub(super) struct Bits {
+    precision: usize,
+    numbers: RefCell<Vec<BigFloat>>,
+    /// Digits of pi and the like, computed when first needed; `None` when
+    /// there is no memory for them.
+    constants: RefCell<Option<Consts>>,
+}
+
+impl Bits {
+    pub(super) fn new(precision: usize) -> Bits {
+        Bits {
+            precision,
+            numbers: RefCell::default(),
+            constants: RefCell::new(Consts::new().ok()),
+        }
+    }
+
+    fn push(&self, number: BigFloat) -> usize {
+        let mut numbers = self.numbers.borrow_mut();
+        numbers.push(number);
+        numbers.len() - 1
+    }
+
+    fn unary(&self, a: usize, operation: impl Fn(&BigFloat) -> BigFloat) -> usize {
+        let result = operation(&self.numbers.borrow()[a]);
+        self.push(result)
+    }
+
+    fn binary(
+        &self,
+        a: usize,
+        b: usize,
+        operation: impl Fn(&BigFloat, &BigFloat, usize, RoundingMode) -> BigFloat,
+    ) -> usize {
+        let result = {
+            let numbers = self.numbers.borrow();
+            operation(&numbers[a], &numbers[b], self.precision, ROUNDING)
+        };
+        self.push(result)
+    }
+
+    fn angle(
+        &self,
+        a: usize,
+        operation: impl Fn(&BigFloat, usize, RoundingMode, &mut Consts) -> BigFloat,
+    ) -> usize {
+        let result = match self.constants.borrow_mut().as_mut() {
+            Some(constants) => operation(
+                &self.numbers.borrow()[a],
+                self.precision,
+                ROUNDING,
+                constants,
+            ),
+            None => astro_float::NAN,
+        };
+        self.push(result)
+    }
+}
+
+impl Arithmetic for Bits {
+    type Number = usize;
+
+    fn literal(&self, number: f64) -> usize {
+        self.push(BigFloat::from_f64(number, self.precision.max(64)))
+    }
+    fn neg(&self, a: usize) -> usize {
+        self.unary(a, BigFloat::neg)
+    }
+    fn add(&self, a: usize, b: usize) -> usize {
+        self.binary(a, b, BigFloat::add)
+    }
+    fn sub(&self, a: usize, b: usize) -> usize {
+        self.binary(a, b, BigFloat::sub)
+    }
+    fn mul(&self, a: usize, b: usize) -> usize {
+        self.binary(a, b, BigFloat::mul)
+    }
+    fn div(&self, a: usize, b: usize) -> usize {
+        self.binary(a, b, BigFloat::div)
+    }
+    fn sin(&self, a: usize) -> usize {
+        self.angle(a, BigFloat::sin)
+    }
+    fn cos(&self, a: usize) -> usize {
+        self.angle(a, BigFloat::cos)
+    }
+    fn sqrt(&self, a: usize) -> usize {
+        self.unary(a, |number| number.sqrt(self.precision, ROUNDING))
+    }
+}
+
+impl Show for Bits {
+    fn show(&self, number: usize, _: Format) -> Shown {
+        let numbers = self.numbers.borrow();
+        let text = match self.constants.borrow_mut().as_mut() {
+            Some(constants) => numbers[number].format(Radix::Dec, ROUNDING, constants),
+            None => Ok("NaN".to_owned()),
+        };
+        Shown {
+            text: text.unwrap_or_else(|_| "NaN".to_owned()),
+            quoted: true,
+        }
+    }
+
+    fn clear(&self) {
+        self.numbers.borrow_mut().clear();
+    }
+}

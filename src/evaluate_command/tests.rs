@@ -1,0 +1,134 @@
+use super::*;
+use crate::model::mbs::read_mbs;
+use robovec_ir::parse::parse_module;
+
+const TEXT: &str = "\
+// robovec 1
+function f equations {
+  in q[1..2]
+  in m[1..1]
+  out y[1..2]
+
+  %a = sin(q[1])*m[1]
+  y[1] = %a + q[2]/3.0
+  y[2] = sqrt(q[2])
+}
+";
+
+fn module() -> Module {
+    parse_module("f", TEXT).unwrap_or_else(|errors| panic!("{errors:?}"))
+}
+
+fn evaluated(number: Number, format: Format) -> String {
+    let states = "state\nq[1] 1\nq[2] 2\nm[1] 0x1p+1\n";
+    let request = Request {
+        module: &module(),
+        model: None,
+        states: Source::Text(states),
+        number,
+        format,
+    };
+    evaluate_at_states(&request).unwrap_or_else(|errors| panic!("{errors:?}"))
+}
+
+/// The first output, from the table.
+fn first(number: Number) -> String {
+    let table = evaluated(number, Format::Csv);
+    let line = table.lines().nth(1).expect("a line");
+    line.rsplit(',').next().expect("a value").to_owned()
+}
+
+#[test]
+fn every_kind_of_number_has_its_digits() {
+    // 2 sin 1 + 2/3.
+    let exact = "2.349608636282459679971671309927264665911792788263";
+    let close = |number: Number, digits: usize| {
+        let found = first(number);
+        assert!(found.starts_with(&exact[..digits]), "{number:?}: {found}");
+    };
+    close(Number::Binary32, 8);
+    close(Number::Binary64, 16);
+    close(Number::DoubleDouble, 31);
+    close(Number::Bits(53), 18);
+    close(Number::Bits(150), 46);
+    let field: u64 = first(Number::Field).parse().expect("a natural number");
+    assert!(field < PrimeField::MODULUS);
+}
+
+#[test]
+fn formats_hold_the_same() {
+    let text = evaluated(Number::Binary64, Format::Text);
+    assert_eq!(
+        text,
+        "state 1 f y[1] 0x1.2cbff9cd9dbccp+1\nstate 1 f y[2] 0x1.6a09e667f3bcdp+0\n"
+    );
+    let table = evaluated(Number::Binary64, Format::Csv);
+    assert_eq!(
+        table,
+        "state,function,output,value\n1,f,\"y[1]\",2.3496086362824595\n\
+         1,f,\"y[2]\",1.4142135623730951\n"
+    );
+    for number in [Number::Binary32, Number::Bits(100)] {
+        let json: serde_json::Value =
+            serde_json::from_str(&evaluated(number, Format::Json)).expect("JSON");
+        let value = &json[0]["outputs"]["y[2]"];
+        let value = value.as_f64().or_else(|| value.as_str()?.parse().ok());
+        let error = value.expect("a number") - 2f64.sqrt();
+        assert!(error.abs() < 1e-7, "{json}");
+        assert_eq!(
+            (&json[0]["state"], &json[0]["function"]),
+            (&1.into(), &"f".into())
+        );
+    }
+}
+
+#[test]
+fn numbers_are_named() {
+    assert_eq!("f32".parse(), Ok(Number::Binary32));
+    assert_eq!("double-double".parse(), Ok(Number::DoubleDouble));
+    assert_eq!("200".parse(), Ok(Number::Bits(200)));
+    for wrong in ["f16", "0", "-3", "1e3", "99999999"] {
+        assert!(wrong.parse::<Number>().is_err(), "{wrong}");
+    }
+}
+
+const MODEL: &[u8] = b"<mbsDescR7><mbsname>one</mbsname>\
+    <base><gravity><coordinates><x>0</x><y>0</y><z>-9.81</z></coordinates></gravity></base>\
+    <bodytree><body><bodyname>b</bodyname>\
+    <parent><bodyname>base</bodyname><pointname>origin</pointname></parent>\
+    <joint><jointname>j</jointname><type>R2</type><nature>independent</nature></joint>\
+    <mass>7</mass></body></bodytree></mbsDescR7>";
+
+#[test]
+fn a_model_gives_the_parameters() {
+    let model = read_mbs("one.mbs", MODEL).expect("a model").model;
+    let module = module();
+    let evaluate = |states, model| {
+        evaluate_at_states(&Request {
+            module: &module,
+            model,
+            states,
+            number: Number::Binary64,
+            format: Format::Csv,
+        })
+    };
+    let partial = Source::Text("state\nq[1] 0.5\nq[2] 0\n");
+    let with = evaluate(partial, Some(&model)).expect("the mass is the model's");
+    assert!(
+        with.contains(&format!("\"y[1]\",{:?}", 7.0 * 0.5f64.sin())),
+        "{with}"
+    );
+    let errors = evaluate(partial, None).expect_err("there is no mass");
+    assert!(errors[0].message.contains("m[1]"), "{errors:?}");
+    let own = Source::Text("state\nq[1] 0.5\nq[2] 0\nm[1] 1\n");
+    let own = evaluate(own, Some(&model)).expect("all is given");
+    assert!(
+        own.contains(&format!("\"y[1]\",{:?}", 0.5f64.sin())),
+        "{own}"
+    );
+    let drawn = |seed, model| evaluate(Source::Random { count: 3, seed }, model);
+    assert_eq!(drawn(1, Some(&model)), drawn(1, Some(&model)));
+    assert_ne!(drawn(1, Some(&model)), drawn(2, Some(&model)));
+    assert_ne!(drawn(1, Some(&model)), drawn(1, None));
+    assert_eq!(drawn(1, None).expect("three states").lines().count(), 7);
+}
