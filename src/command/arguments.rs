@@ -8,8 +8,8 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Reads equations of a multibody system (Robotran C, Matlab or Python, or
-/// robovec's own text), runs a pipeline of passes over them and writes the
-/// result.
+/// robovec's own text) or makes them from a model (.mbs), runs a pipeline of
+/// passes over them and writes the result.
 #[derive(Parser, Debug)]
 #[command(
     name = "robovec-opt",
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum)]
     pub(crate) language: Option<InputLanguage>,
 
-    /// Only this function of the input
+    /// Only this function of the input; of a model, the one to generate
     #[arg(long, value_name = "NAME")]
     pub(crate) function: Option<String>,
 

@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::arguments::InputLanguage;
+use crate::generate::{FunctionKind, Request, generate};
 use crate::model::mbs::{ReadModel, read_mbs};
 use crate::robotran::{self, Language};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
@@ -71,6 +72,44 @@ impl Input {
         let bytes = fs::read(&self.path).ok()?;
         Some(String::from_utf8_lossy(&bytes).into_owned())
     }
+}
+
+/// Reads equations in any language, or generates them from a model: the
+/// function asked for, else direct dynamics.
+pub(crate) fn equations_or_model(
+    path: &Path,
+    language: Option<InputLanguage>,
+    function: Option<&str>,
+) -> Result<Input, Failure> {
+    let is_model = path.extension().is_some_and(|extension| extension == "mbs");
+    if !is_model || language.is_some() {
+        return equations(path, language);
+    }
+    let read = model(path)?;
+    let kind = function.map_or(Some(FunctionKind::Dirdyna), |name| {
+        // Cases of sensors are chosen from all.
+        let bare = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        FunctionKind::from_name(name)
+            .or_else(|| FunctionKind::from_name(bare.trim_end_matches('_')))
+    });
+    let Some(kind) = kind else {
+        let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
+        return Err(Failure::advised(
+            format!(
+                "no function '{}' is generated",
+                function.unwrap_or_default()
+            ),
+            vec![format!("functions of a model: {names}")],
+        ));
+    };
+    let module = generate(&read.model, &Request::new(kind))
+        .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+    Ok(Input {
+        module,
+        name: display_name(path),
+        path: path.to_owned(),
+        warnings: read.warnings,
+    })
 }
 
 /// Reads equations in any language.

@@ -46,7 +46,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         let _ = writeln!(io::stderr(), "-passes={pipeline}");
     }
     let start = usage().0;
-    let mut input = input::equations(path, arguments.language)?;
+    let function = arguments.function.as_deref();
+    let mut input = input::equations_or_model(path, arguments.language, function)?;
     let (now, peak_mb) = usage();
     let mut stages = vec![Stage {
         name: "(read)",
@@ -129,7 +130,14 @@ fn completion(shell: &str) -> Result<String, Failure> {
 
 fn select(module: &mut Module, name: &str) -> Result<(), Failure> {
     let names: Vec<String> = module.functions.iter().map(|f| f.name.clone()).collect();
-    module.functions.retain(|function| function.name == name);
+    // The name of a kind stands for all its cases: `sensor` for `sensor_1` ….
+    let case = |function: &Function| {
+        let rest = function.name.strip_prefix(name)?.strip_prefix('_')?;
+        rest.bytes().all(|byte| byte.is_ascii_digit()).then_some(())
+    };
+    module
+        .functions
+        .retain(|function| function.name == name || case(function).is_some());
     if module.functions.is_empty() {
         let notes = vec![format!("functions: {}", names.join(", "))];
         return Err(Failure::advised(

@@ -1,0 +1,121 @@
+//! `robovec gen` and `robovec-opt` on models, as a user meets them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn model(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("examples/models")
+        .join(name)
+}
+
+fn robovec(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_robovec"))
+        .args(arguments)
+        .output()
+        .expect("the program starts")
+}
+
+fn stdout(output: &Output) -> String {
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{message}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn path(path: &Path) -> &str {
+    path.to_str().expect("paths of tests are plain")
+}
+
+#[test]
+fn the_text_reads_back_and_a_pipeline_runs_on_it() {
+    let bogie = model("bogie.mbs");
+    let text = stdout(&robovec(&["gen", path(&bogie), "--function", "all"]));
+    let module = robovec_ir::parse::parse_module("stdout", &text).expect("it reads back");
+    assert_eq!(robovec_ir::print::print_module(&module), text);
+    assert!(module.function("dirdyna").is_some() && module.function("sensor_1").is_some());
+    let short = stdout(&robovec(&[
+        "gen",
+        path(&bogie),
+        "--passes",
+        "atomise,cse,dce",
+    ]));
+    assert!(short.contains("function dirdyna atomic"));
+}
+
+#[test]
+fn every_language_gets_its_files() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let bogie = model("bogie.mbs");
+    for (language, extension) in [("c", "c"), ("matlab", "m"), ("python", "py")] {
+        let target = folder.path().join(language);
+        let arguments = [
+            "gen",
+            path(&bogie),
+            "--function",
+            "all",
+            "--language",
+            language,
+        ];
+        let names = stdout(&robovec(&[&arguments[..], &["-o", path(&target)]].concat()));
+        for kind in [
+            "dirdyna",
+            "invdyna",
+            "link",
+            "extforces",
+            "sensor",
+            "gensensor",
+        ] {
+            let file = target.join(format!("mbs_{kind}_bogie.{extension}"));
+            assert!(names.contains(path(&file)), "{names}");
+            assert!(fs::metadata(&file).is_ok_and(|file| file.len() > 1000));
+        }
+    }
+}
+
+#[test]
+fn a_model_can_be_optimised_at_once() {
+    let pendulum = model("double-pendulum.mbs");
+    let opt = |function: &str| {
+        Command::new(env!("CARGO_BIN_EXE_robovec-opt"))
+            .args([
+                path(&pendulum),
+                "--function",
+                function,
+                "-passes=atomise,place",
+            ])
+            .output()
+            .expect("the program starts")
+    };
+    assert!(stdout(&opt("dirdyna")).contains("function dirdyna placed"));
+    assert!(stdout(&opt("sensor")).contains("function sensor_1 placed"));
+    let output = opt("dirdina");
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        message.contains("functions of a model: dirdyna"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_bad_model_writes_nothing() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let text = fs::read_to_string(model("bogie.mbs")).expect("it ships");
+    let bad = folder.path().join("bad.mbs");
+    for (from, to) in [
+        ("</mass>", "x</mass>"),
+        ("<type>R2</type>", "<type>R9</type>"),
+    ] {
+        fs::write(&bad, text.replacen(from, to, 1)).expect("room for the model");
+        let result = folder.path().join("result");
+        for language in [&[][..], &["--language", "c"]] {
+            let arguments = ["gen", path(&bad), "-o", path(&result)];
+            let output = robovec(&[&arguments[..], language].concat());
+            assert_eq!(output.status.code(), Some(1));
+            let message = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(message.contains("bad.mbs:"), "{message}");
+            assert!(!result.exists());
+        }
+    }
+}
