@@ -61,11 +61,37 @@ fn main() {
             row(&label, size, command, seconds);
         }
     }
+    generation(folder.path());
     if let [Some(small), Some(large)] = own[..] {
         println!(
             "\nCPU time at 600,000 operations over 100,000: {:.2}",
             large / small
         );
+    }
+}
+
+/// The equations of a chain of 130 joints, as the thesis counts them and in
+/// the formulation with the fewest operations.
+fn generation(folder: &Path) {
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/serial-130.mbs");
+    let printed = [
+        "--no-forces",
+        "--expanded",
+        "--child-first",
+        "--leading-signs",
+    ];
+    for (label, size, arguments) in [
+        (
+            "robovec gen serial-130.mbs, as printed",
+            599_024,
+            &printed[..],
+        ),
+        ("robovec gen serial-130.mbs", 543_457, &["--no-forces"][..]),
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_robovec"));
+        command.arg("gen").arg(&model).args(arguments);
+        command.arg("-o").arg(folder.join("generated.rvir"));
+        row(label, size, command, None);
     }
 }
 
