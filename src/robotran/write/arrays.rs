@@ -41,6 +41,7 @@ pub(super) struct FileArray {
 pub(super) struct Arrays {
     pub(super) all: Vec<FileArray>,
     numbers: HashMap<Symbol, usize, FxBuildHasher>,
+    by_name: HashMap<String, usize, FxBuildHasher>,
 }
 
 impl Arrays {
@@ -54,6 +55,7 @@ impl Arrays {
         let mut arrays = Arrays {
             all: Vec::new(),
             numbers: HashMap::default(),
+            by_name: HashMap::default(),
         };
         for function in functions {
             let roles = Roles::new(function, kind);
@@ -98,6 +100,7 @@ impl Arrays {
         let next = self.all.len();
         let number = *self.numbers.entry(array.name).or_insert(next);
         if number == next {
+            self.by_name.insert(name.to_owned(), number);
             self.all.push(FileArray {
                 name: name.to_owned(),
                 shape: array.shape,
@@ -120,7 +123,7 @@ impl Arrays {
 
     /// The array of a name.
     pub(super) fn find(&self, name: &str) -> Option<&FileArray> {
-        self.all.iter().find(|array| array.name == name)
+        self.by_name.get(name).map(|&number| &self.all[number])
     }
 }
 

@@ -25,11 +25,14 @@
 //! Everything is linear in the size of the function, and nothing recurses.
 
 mod arrays;
+mod body;
 mod calls;
+mod common;
 mod error;
 mod expression;
 mod extents;
 mod file;
+mod identifiers;
 mod kind;
 mod names;
 mod plan;
@@ -40,8 +43,10 @@ pub use error::WriteError;
 
 use super::Language;
 use file::File;
+use hashbrown::HashMap;
 use kind::Kind;
 use robovec_ir::{Function, Module};
+use rustc_hash::FxBuildHasher;
 
 /// How files are written.
 #[derive(Clone, Default, Debug)]
@@ -75,23 +80,25 @@ pub fn write(
     options: &WriteOptions,
 ) -> Result<Vec<(String, String)>, WriteError> {
     let mut groups: Vec<Vec<Member<'_>>> = Vec::new();
+    let mut places: HashMap<(&str, Option<u32>), &str, FxBuildHasher> = HashMap::default();
     for function in &module.functions {
         let member = place(function)?;
+        let kind = member.kind.name;
+        let same = places.insert((kind, member.case), &function.name);
         let mut known = groups.iter_mut();
-        match known.find(|group| group[0].kind == member.kind) {
+        let group = known.find(|group| group[0].kind == member.kind);
+        // A file has either one function or numbered ones.
+        let mixed = group.as_ref().map(|group| group[0]);
+        let mixed = mixed.filter(|first| first.case.is_some() != member.case.is_some());
+        if let Some(first) = same.or(mixed.map(|first| first.function.name.as_str())) {
+            return Err(WriteError::Twice {
+                first: first.to_owned(),
+                second: function.name.clone(),
+            });
+        }
+        match group {
             None => groups.push(vec![member]),
-            Some(group) => {
-                let twin = group.iter().find(|other| {
-                    other.case == member.case || other.case.is_none() || member.case.is_none()
-                });
-                if let Some(twin) = twin {
-                    return Err(WriteError::Twice {
-                        first: twin.function.name.clone(),
-                        second: function.name.clone(),
-                    });
-                }
-                group.push(member);
-            }
+            Some(group) => group.push(member),
         }
     }
     if groups.is_empty() {

@@ -9,9 +9,7 @@
 
 use super::error::WriteError;
 use hashbrown::{HashMap, HashSet};
-use robovec_ir::{
-    Boundary, Function, Input, Node, Operand, OperandKind, Operation, Symbols, Value,
-};
+use robovec_ir::{Array, Boundary, Function, Input, Operand, OperandKind, Symbol, Symbols, Value};
 use rustc_hash::FxBuildHasher;
 
 /// A statement of a function.
@@ -55,7 +53,7 @@ pub(super) fn plan(
 struct Calls<'a> {
     function: &'a Function,
     /// Per input array: the call whose result it is.
-    results: HashMap<u32, usize, FxBuildHasher>,
+    results: HashMap<Symbol, usize, FxBuildHasher>,
     /// Per assignment: the first call that is given its output.
     passed: Vec<Option<usize>>,
     /// Per call: the assignments that fill its arguments, in order.
@@ -87,7 +85,7 @@ impl<'a> Calls<'a> {
             }
             for array in function.inputs() {
                 if let Some(&call) = given.get(symbols.text(array.name)) {
-                    results.insert(array.offset, call);
+                    results.insert(array.name, call);
                 }
             }
             for (index, assignment) in function.assignments.iter().enumerate() {
@@ -113,7 +111,7 @@ impl<'a> Calls<'a> {
             OperandKind::Value(value) => before[value.index()],
             OperandKind::Input(input) if !self.results.is_empty() => {
                 let (array, _, _) = self.function.input_element(input);
-                let call = self.results.get(&array.offset);
+                let call = self.results.get(&array.name);
                 call.map_or(0, |&call| call as u32 + 1)
             }
             OperandKind::Input(_) | OperandKind::Constant(_) | OperandKind::None => 0,
@@ -241,17 +239,14 @@ impl<'a> Calls<'a> {
 /// The input elements that an output overwrites while a later output still
 /// reads them, in order of being read.
 fn overwritten(function: &Function, passed: &[Option<usize>]) -> Vec<Input> {
-    let same_memory: HashMap<u32, u32, FxBuildHasher> = function
-        .outputs()
+    let given: HashMap<Symbol, Array, FxBuildHasher> = function
+        .inputs()
         .iter()
-        .filter_map(|output| {
-            let mut inputs = function.inputs().iter();
-            let input = inputs.find(|input| input.name == output.name)?;
-            Some((output.offset, input.offset))
-        })
+        .map(|input| (input.name, *input))
         .collect();
     let mut kept = Vec::new();
-    if same_memory.is_empty() {
+    let mut outputs = function.outputs().iter();
+    if !outputs.any(|output| given.contains_key(&output.name)) {
         return kept;
     }
     let mut written: HashSet<Input, FxBuildHasher> = HashSet::default();
@@ -275,75 +270,11 @@ fn overwritten(function: &Function, passed: &[Option<usize>]) -> Vec<Input> {
             }
         }
         let (array, indices, rank) = function.output_element(assignment.output);
-        if let Some(&offset) = same_memory.get(&array.offset) {
-            let mut inputs = function.inputs().iter();
-            let place = inputs
-                .find(|input| input.offset == offset && input.name == array.name)
-                .and_then(|input| input.shape.offset(&indices[..rank]));
-            written.extend(place.map(|place| Input(offset + place)));
-        }
+        let place = given.get(&array.name).and_then(|input| {
+            let place = input.shape.offset(&indices[..rank])?;
+            Some(Input(input.offset + place))
+        });
+        written.extend(place);
     }
     kept
-}
-
-/// How many nodes at the start are the same in all cases of a sensor file:
-/// what Robotran computes before the switch. It ends behind a definition.
-pub(super) fn common_prefix(functions: &[&Function]) -> usize {
-    let Some((&first, others)) = functions.split_first() else {
-        return 0;
-    };
-    if functions
-        .iter()
-        .any(|function| !function.boundaries.is_empty())
-    {
-        return 0;
-    }
-    let same = |index: usize, node: &Node| {
-        others.iter().all(|&other| {
-            let twin = other.nodes().get(index);
-            twin.is_some_and(|twin| same_node(first, node, other, twin))
-        })
-    };
-    let alike = |&(index, node): &(usize, &Node)| match others {
-        // Of a single case only what Robotran always puts there.
-        [] => matches!(node.operation, Operation::Sin | Operation::Cos) && !node.name.is_none(),
-        _ => same(index, node),
-    };
-    let nodes = first.nodes().iter().enumerate();
-    let end = nodes.take_while(alike).count();
-    let named = first.nodes()[..end]
-        .iter()
-        .rposition(|node| !node.name.is_none());
-    let end = named.map_or(0, |last| last + 1);
-    // Inner nodes of outputs stand behind all definitions; a prefix that
-    // holds one would cut its expression in two.
-    let mut used = vec![false; end];
-    for node in &first.nodes()[..end] {
-        for value in node.operands().iter().filter_map(|operand| operand.value()) {
-            used[value.index()] = true;
-        }
-    }
-    let whole = |(node, used): (&Node, &bool)| *used || !node.name.is_none();
-    match first.nodes()[..end].iter().zip(&used).all(whole) {
-        true => end,
-        false => 0,
-    }
-}
-
-fn same_node(a: &Function, left: &Node, b: &Function, right: &Node) -> bool {
-    let mut pairs = left.operands().iter().zip(right.operands());
-    left.operation == right.operation
-        && left.name == right.name
-        && pairs.all(|(&x, &y)| match (x.kind(), y.kind()) {
-            (OperandKind::Value(x), OperandKind::Value(y)) => x == y,
-            (OperandKind::Constant(x), OperandKind::Constant(y)) => {
-                a.constant_number(x).to_bits() == b.constant_number(y).to_bits()
-            }
-            (OperandKind::Input(x), OperandKind::Input(y)) => {
-                let (left, i, m) = a.input_element(x);
-                let (right, j, n) = b.input_element(y);
-                left.name == right.name && i[..m] == j[..n]
-            }
-            _ => false,
-        })
 }

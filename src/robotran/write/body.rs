@@ -1,0 +1,293 @@
+//! The statements of a file.
+
+use super::arrays::Role;
+use super::calls;
+use super::common::common_prefix;
+use super::error::WriteError;
+use super::expression::{Printer, Source};
+use super::file::File;
+use super::plan::Statement;
+use super::text::Text;
+use crate::robotran::Language;
+use hashbrown::HashSet;
+use robovec_ir::{Assignment, Function, Output, Shape, Symbol, Value};
+use rustc_hash::FxBuildHasher;
+
+/// The text being written, and what it has come to.
+pub(super) struct Body {
+    pub(super) text: Text,
+    pub(super) printer: Printer,
+    /// The temporaries of C, in order, each once.
+    pub(super) declared: Vec<Box<str>>,
+    known: HashSet<Box<str>, FxBuildHasher>,
+    section: Section,
+}
+
+/// What stands under the title printed last.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Debug)]
+enum Section {
+    Start,
+    Trigonometry,
+    Main,
+    Outputs,
+}
+
+impl File<'_> {
+    /// Writes them.
+    pub(super) fn statements(&self, body: &mut Body) -> Result<(), WriteError> {
+        body.text.indent(match self.language {
+            Language::C => 0,
+            Language::Matlab => 2,
+            Language::Python => 4,
+        });
+        if self.cases.iter().all(Option::is_none) {
+            let function = self.functions[0];
+            self.function(body, 0, 0, u32::MAX)?;
+            let nothing = function.assignments.is_empty() && function.nodes().is_empty();
+            if nothing && self.language == Language::Python {
+                body.text.statement("pass");
+            }
+            return Ok(());
+        }
+        let common = common_prefix(&self.functions) as u32;
+        self.function(body, 0, 0, common)?;
+        self.title(body, Section::Main);
+        match self.language {
+            Language::C => {
+                body.text.line("switch(isens)");
+                body.text.line("{");
+            }
+            Language::Matlab => body.text.line("switch isens"),
+            Language::Python => body.text.indent(8),
+        }
+        for (index, case) in self.cases.iter().enumerate() {
+            let case = case.unwrap_or(0);
+            match self.language {
+                Language::C => body.text.line(&format!("case {case}:")),
+                Language::Matlab => body.text.line(&format!("case {case},")),
+                Language::Python => body.text.line(&format!("    if (isens == {case}):")),
+            }
+            if self.language == Language::Python && self.is_empty_case(index, common) {
+                body.text.statement("pass");
+            }
+            body.text.line("");
+            self.function(body, index, common, u32::MAX)?;
+            if self.language == Language::C {
+                body.text.line("");
+                body.text.line("break;");
+            }
+            body.text.line("");
+        }
+        match self.language {
+            Language::C => {
+                body.text.line("default:");
+                body.text.line("break;");
+                body.text.line("}");
+            }
+            Language::Matlab => body.text.line("end"),
+            Language::Python => {}
+        }
+        Ok(())
+    }
+
+    fn is_empty_case(&self, index: usize, common: u32) -> bool {
+        self.plans[index]
+            .iter()
+            .all(|statement| matches!(statement, Statement::Define(value) if value.0 < common))
+    }
+
+    /// The statements of a function whose nodes lie in a range; its outputs
+    /// and calls belong to the end of it.
+    fn function(
+        &self,
+        body: &mut Body,
+        index: usize,
+        first: u32,
+        end: u32,
+    ) -> Result<(), WriteError> {
+        let function = self.functions[index];
+        let inputs: Vec<String> = function
+            .inputs()
+            .iter()
+            .map(|array| self.arrays.of(array.name).input_text(self.language))
+            .collect();
+        let outputs: Vec<String> = function
+            .outputs()
+            .iter()
+            .map(|array| self.arrays.of(array.name).output_text(self.language))
+            .collect();
+        let source = Source {
+            function,
+            symbols: self.symbols,
+            names: &self.names,
+            inputs: &inputs,
+            kept: &self.kept[index],
+        };
+        for &statement in &self.plans[index] {
+            let here = match statement {
+                Statement::Define(value) => (first..end).contains(&value.0),
+                _ => end == u32::MAX,
+            };
+            if !here {
+                continue;
+            }
+            match statement {
+                Statement::Define(value) => self.define(body, &source, value),
+                Statement::Call(call) => {
+                    let call = &function.boundaries[call];
+                    let statement = calls::statement(function, call, self.language)?;
+                    self.title(body, Section::Main);
+                    if let Some(result) = &call.result
+                        && self
+                            .arrays
+                            .find(result)
+                            .is_none_or(|array| array.shape == Shape::Scalar)
+                    {
+                        body.declare(result);
+                    }
+                    body.text.statement(&statement);
+                }
+                Statement::Argument(index) => {
+                    self.title(body, Section::Main);
+                    self.assign(body, &source, &outputs, &function.assignments[index], false);
+                }
+                Statement::Output(index) => {
+                    if self.cases[0].is_none() {
+                        self.title(body, Section::Outputs);
+                    }
+                    self.assign(body, &source, &outputs, &function.assignments[index], true);
+                }
+                Statement::Keep(input) => {
+                    let name = &source.kept[&input];
+                    body.declare(name);
+                    body.text.begin();
+                    body.text.push(name);
+                    body.text.push(" = ");
+                    body.printer
+                        .right_side(&mut body.text, &source, input.into(), false);
+                    body.text.end();
+                }
+            }
+        }
+        if self.zeros && end == u32::MAX {
+            self.set_zeros(body, function, &outputs);
+        }
+        Ok(())
+    }
+
+    fn define(&self, body: &mut Body, source: &Source<'_>, value: Value) {
+        let node = source.function.node(value);
+        let trigonometric = node.operation.is_trigonometric() && body.section < Section::Main;
+        self.title(
+            body,
+            if trigonometric {
+                Section::Trigonometry
+            } else {
+                Section::Main
+            },
+        );
+        let name = self.names.text(node.name, self.symbols);
+        body.declare(name);
+        body.text.begin();
+        body.text.push(name);
+        body.text.push(" = ");
+        body.printer.definition(&mut body.text, source, value);
+        body.text.end();
+    }
+
+    fn assign(
+        &self,
+        body: &mut Body,
+        source: &Source<'_>,
+        outputs: &[String],
+        assignment: &Assignment,
+        last: bool,
+    ) {
+        let function = source.function;
+        let (array, indices, rank) = function.output_element(assignment.output);
+        if rank == 0 && self.is_its_own(function, array.name, assignment) {
+            return;
+        }
+        let place = function.outputs().iter().position(|other| other == array);
+        let name = place.map_or("", |place| &outputs[place]);
+        if rank == 0 {
+            body.declare(name);
+        }
+        body.text.begin();
+        body.text.element(name, &indices[..rank]);
+        body.text.push(" = ");
+        body.printer
+            .right_side(&mut body.text, source, assignment.operand, last);
+        body.text.end();
+    }
+
+    /// True for a number handed to a user function under the name that its
+    /// temporary bears anyhow.
+    fn is_its_own(&self, function: &Function, name: Symbol, assignment: &Assignment) -> bool {
+        assignment.operand.value().is_some_and(|value| {
+            let own = function.node(value).name;
+            own.base == name && self.names.text(own, self.symbols) == self.symbols.text(name)
+        })
+    }
+
+    fn set_zeros(&self, body: &mut Body, function: &Function, outputs: &[String]) {
+        let mut set = vec![false; function.output_len()];
+        for assignment in &function.assignments {
+            set[assignment.output.index()] = true;
+        }
+        for (array, name) in function.outputs().iter().zip(outputs) {
+            let known = self.arrays.of(array.name);
+            // What is also given keeps what it was given.
+            if known.is_input || matches!(known.role, Role::Argument) {
+                continue;
+            }
+            let first = array.offset as usize;
+            for output in (first..first + array.shape.len()).filter(|&output| !set[output]) {
+                let (_, indices, rank) = function.output_element(Output(output as u32));
+                body.text.begin();
+                body.text.element(name, &indices[..rank]);
+                body.text.push(" = 0");
+                body.text.end();
+            }
+        }
+    }
+
+    /// Prints the title of a section where it begins.
+    fn title(&self, body: &mut Body, section: Section) {
+        if section <= body.section {
+            return;
+        }
+        body.section = section;
+        let title = match (section, self.kind.name) {
+            (Section::Start | Section::Trigonometry, _) => "Trigonometric functions",
+            (Section::Outputs, _) => "Symbolic model output",
+            (Section::Main, "dirdyna" | "invdyna" | "dirdyna_odn") => "Kinematics and Dynamics",
+            (Section::Main, "sensor" | "gensensor") => "Sensor Kinematics",
+            (Section::Main, "link" | "link3D") => "Link Kinematics and Forces",
+            (Section::Main, "extforces") => "Sensor Kinematics and Forces",
+            (Section::Main, "cons_hJ" | "cons_jdqd") => "Constraints",
+            (Section::Main, _) => "Equations",
+        };
+        body.text.section(title);
+    }
+}
+
+impl Body {
+    pub(super) fn new(language: Language) -> Body {
+        Body {
+            text: Text::new(language),
+            printer: Printer::default(),
+            declared: Vec::new(),
+            known: HashSet::default(),
+            section: Section::Start,
+        }
+    }
+
+    /// Notes a temporary, for the header of C.
+    fn declare(&mut self, name: &str) {
+        if self.text.language == Language::C && !self.known.contains(name) {
+            self.known.insert(name.into());
+            self.declared.push(name.into());
+        }
+    }
+}
