@@ -20,7 +20,7 @@ use std::path::PathBuf;
 pub(super) struct GenArguments {
     /// Model (.mbs)
     model: PathBuf,
-    /// Functions, separated by commas; 'all' for every one
+    /// Functions, separated by commas; 'all' for every one but accelred
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "dirdyna",
           value_parser = PossibleValuesParser::new(function_names()))]
     function: Vec<String>,
@@ -90,10 +90,11 @@ fn function_names() -> Vec<&'static str> {
 
 /// The functions asked for, each once, in the order of Robotran's numbers.
 fn kinds(names: &[String]) -> Vec<FunctionKind> {
+    // Accelerations are generated on request only, as in Robotran.
     let asked = |kind: &FunctionKind| {
         names
             .iter()
-            .any(|name| name == kind.name() || name == "all")
+            .any(|name| name == kind.name() || name == "all" && *kind != FunctionKind::Accelred)
     };
     FunctionKind::ALL.into_iter().filter(asked).collect()
 }

@@ -24,6 +24,24 @@ pub(super) struct Dynamics {
 }
 
 impl Dynamics {
+    /// Takes back what was set as outputs `M` and `c`.
+    pub(super) fn take(equations: &mut Equations, joints: usize) -> Dynamics {
+        let mut dynamics = Dynamics {
+            mass: vec![Vec::new(); joints],
+            bias: vec![Scalar::ZERO; joints],
+        };
+        for (array, [row, column], value) in std::mem::take(&mut equations.outputs) {
+            let (row, column) = (row as usize, column as usize);
+            match equations.results[array as usize].as_str() {
+                "M" if column <= row => dynamics.mass[row - 1].push((column - 1, value)),
+                "c" => dynamics.bias[row - 1] = value,
+                _ => {}
+            }
+        }
+        equations.results.clear();
+        dynamics
+    }
+
     /// Sets the outputs `M` and `c`; entries that are structurally zero are
     /// left out.
     pub(super) fn output(&self, equations: &mut Equations) {

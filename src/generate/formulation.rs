@@ -1,8 +1,13 @@
 //! The recursions equations can be made by, what each needs and gives.
 
+use super::composite::Dynamics;
 use super::equations::Equations;
 use super::parameters::Parameters;
-use super::{FunctionKind, GenerateError, Request, composite, composite_base, prefix, recursive};
+use super::{
+    FunctionKind, GenerateError, Request, articulated, composite, composite_base, prefix,
+    recursive, reduced,
+};
+use crate::model::Model;
 
 /// A recursion.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -24,6 +29,9 @@ pub enum Formulation {
         /// Which frame is the common one.
         origin: Origin,
     },
+    /// Articulated bodies: accelerations of trees in a number of operations
+    /// that grows with the number of joints alone. Gives no `M` and `c`.
+    Articulated,
 }
 
 /// In which order values along a path are combined.
@@ -68,7 +76,7 @@ pub struct Requirements {
 
 impl Formulation {
     /// All formulations.
-    pub const ALL: [Formulation; 9] = [
+    pub const ALL: [Formulation; 10] = [
         Formulation::Recursive,
         Formulation::Composite,
         Formulation::CompositeBase,
@@ -78,6 +86,7 @@ impl Formulation {
         Formulation::prefix(Network::Serial, Origin::Base),
         Formulation::prefix(Network::BrentKung, Origin::Base),
         Formulation::prefix(Network::Sklansky, Origin::Base),
+        Formulation::Articulated,
     ];
 
     const fn prefix(network: Network, origin: Origin) -> Formulation {
@@ -90,6 +99,7 @@ impl Formulation {
             Formulation::Recursive => "recursive",
             Formulation::Composite => "composite",
             Formulation::CompositeBase => "composite-base",
+            Formulation::Articulated => "articulated",
             Formulation::Prefix { network, origin } => match (network, origin) {
                 (Network::Serial, Origin::Body) => "prefix-serial",
                 (Network::BrentKung, Origin::Body) => "prefix-brent-kung",
@@ -116,41 +126,61 @@ impl Formulation {
             .find(|formulation| formulation.name() == name)
     }
 
-    /// True when the formulation makes a difference to the function and can
-    /// give it, or when it makes none (constraints of loops have one form).
+    /// True when the formulation gives the function. Those that concern
+    /// neither masses nor forces of joints have one form, which all give.
     pub fn gives(self, function: FunctionKind) -> bool {
         match function {
+            FunctionKind::Dirdyna => self != Formulation::Articulated,
             FunctionKind::Invdyna => self == Formulation::Recursive,
             _ => true,
         }
     }
 
-    /// What the equations of the formulation need.
-    pub fn requirements(self) -> Requirements {
+    /// True when the formulation gives accelerations of models with loops.
+    pub fn closes_loops(self) -> bool {
+        self != Formulation::Articulated
+    }
+
+    /// What the equations of a function need.
+    pub fn requirements(self, function: FunctionKind) -> Requirements {
+        let dynamics = matches!(function, FunctionKind::Dirdyna | FunctionKind::Accelred);
         Requirements {
-            true_sin_cos: self != Formulation::Recursive,
-            division: false,
-            square_root: false,
+            // The recursive family does with or without, see `Options`.
+            true_sin_cos: self != Formulation::Recursive && dynamics,
+            division: matches!(function, FunctionKind::Accelred | FunctionKind::Link),
+            square_root: function == FunctionKind::Link,
         }
     }
 }
 
 /// Refuses what a formulation cannot give, with what can.
-pub(super) fn check(request: &Request) -> Result<(), GenerateError> {
-    let (formulation, function) = (request.formulation, request.function);
-    if formulation.gives(function) {
-        return Ok(());
+pub(super) fn check(model: &Model, request: &Request) -> Result<(), GenerateError> {
+    let (chosen, function) = (request.formulation, request.function);
+    let formulation = chosen.name();
+    let names = |fits: &dyn Fn(Formulation) -> bool| {
+        let fitting = Formulation::ALL.into_iter().filter(|&one| fits(one));
+        fitting
+            .map(Formulation::name)
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    if !chosen.gives(function) {
+        return Err(GenerateError::NotGiven {
+            formulation,
+            function: function.name(),
+            possible: names(&|one| one.gives(function)),
+        });
     }
-    let possible: Vec<&str> = Formulation::ALL
-        .into_iter()
-        .filter(|one| one.gives(function))
-        .map(Formulation::name)
-        .collect();
-    Err(GenerateError::NotGiven {
-        formulation: formulation.name(),
-        function: function.name(),
-        possible: possible.join(", "),
-    })
+    if function == FunctionKind::Accelred && !model.cuts.is_empty() && !chosen.closes_loops() {
+        return Err(GenerateError::NoLoops {
+            formulation,
+            possible: names(&|one| one.gives(function) && one.closes_loops()),
+        });
+    }
+    if chosen.requirements(function).true_sin_cos && !request.options.true_angles {
+        return Err(GenerateError::NeedsTrueAngles { formulation });
+    }
+    Ok(())
 }
 
 /// Writes `M` and `c`.
@@ -164,5 +194,22 @@ pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, req
         Formulation::Prefix { network, origin } => {
             prefix::dynamics(equations, parameters, network, origin).output(equations);
         }
+        // It gives neither, and was refused.
+        Formulation::Articulated => {}
     }
+}
+
+/// Writes `qdd`.
+pub(super) fn accelerations(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    request: &Request,
+) -> Result<(), GenerateError> {
+    if request.formulation == Formulation::Articulated {
+        return articulated::accelerations(equations, parameters)
+            .map_err(|joint| reduced::singular(parameters.model, joint));
+    }
+    direct(equations, parameters, request);
+    let dynamics = Dynamics::take(equations, parameters.joints());
+    reduced::accelerations(equations, parameters, &request.options, &dynamics)
 }

@@ -117,28 +117,38 @@ pub(super) fn make(model: &Model, function: FunctionKind, formulation: Formulati
     generate(model, &request).expect("the formulation gives the function")
 }
 
+/// The elements of an input array at a random point of the prime field.
+pub(super) fn input_point(name: &str, seed: u64, array: &robovec_ir::Array) -> Vec<u64> {
+    let salt = name
+        .bytes()
+        .fold(seed, |hash, byte| hash * 31 + u64::from(byte));
+    let field = PrimeField {
+        seed: salt,
+        circle: false,
+    };
+    field.point(array.shape.len())
+}
+
 /// The output arrays of the first function at a random point of the prime
 /// field; sines and cosines lie on the circle where asked. Elements that are
 /// not set are zero.
-fn at_point(module: &Module, seed: u64, circle: bool) -> Vec<(String, Vec<u64>)> {
+pub(super) fn at_point(module: &Module, seed: u64, circle: bool) -> Vec<(String, Vec<u64>)> {
     let function = &module.functions[0];
-    let name = |array: &robovec_ir::Array| module.tables.symbols.text(array.name).to_owned();
-    let field = |seed| PrimeField { seed, circle };
-    let mut inputs = Vec::new();
-    for array in function.inputs() {
-        let salt = name(array)
-            .bytes()
-            .fold(seed, |hash, byte| hash * 31 + u64::from(byte));
-        inputs.extend(field(salt).point(array.shape.len()));
-    }
-    let values = evaluate(function, &field(seed), &inputs);
+    let name = |array: &robovec_ir::Array| module.tables.symbols.text(array.name);
+    let inputs: Vec<u64> = function
+        .inputs()
+        .iter()
+        .flat_map(|array| input_point(name(array), seed, array))
+        .collect();
+    let values = evaluate(function, &PrimeField { seed, circle }, &inputs);
     let mut flat = vec![0; function.output_len()];
     for (assignment, value) in function.assignments.iter().zip(values) {
         flat[assignment.output.index()] = value;
     }
     let outputs = function.outputs().iter().map(|array| {
         let start = array.offset as usize;
-        (name(array), flat[start..start + array.shape.len()].to_vec())
+        let values = flat[start..start + array.shape.len()].to_vec();
+        (name(array).to_owned(), values)
     });
     outputs.collect()
 }
@@ -154,7 +164,7 @@ fn assert_equal_to_recursive(function: FunctionKind) {
             if !formulation.gives(function) {
                 continue;
             }
-            let circle = formulation.requirements().true_sin_cos;
+            let circle = formulation.requirements(function).true_sin_cos;
             let found = make(&model, function, formulation);
             assert_eq!(
                 at_point(&found, seed, circle),

@@ -14,12 +14,11 @@ use super::vector::{Matrix, SumVector, Turn, Vector, ZERO, add_cross, cyclic, de
 /// For every joint its hub: itself for a hub, none for joints of a stem.
 pub(super) fn hubs(parameters: &Parameters<'_>) -> Vec<Option<usize>> {
     let mut hubs: Vec<Option<usize>> = Vec::with_capacity(parameters.joints());
-    let children = parameters.children();
-    for joint in 0..parameters.joints() {
+    for (joint, children) in parameters.children().iter().enumerate() {
         let before = parameters.parent(joint).and_then(|parent| hubs[parent]);
         let carries =
             !parameters.masses[joint].is_zero() || parameters.inertias[joint] != [ZERO; 3];
-        let own = (carries || children[joint].len() != 1).then_some(joint);
+        let own = (carries || children.len() != 1).then_some(joint);
         hubs.push(before.or(own));
     }
     hubs

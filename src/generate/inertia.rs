@@ -121,7 +121,12 @@ impl SumInertia {
             first: define(equations, "HT", child, 0, turn.up(&inertia.first)),
             ..*inertia
         };
-        self.add_turned(equations, child, turn, &inertia.moments);
+        let moments = turn_symmetric(equations, ["JD", "JW", "JV"], child, turn, &inertia.moments);
+        for (row, turned) in self.moments.iter_mut().zip(moments) {
+            for (entry, turned) in row.iter_mut().zip(turned) {
+                entry.add_sum(&turned);
+            }
+        }
         self.refer(equations, ("HS", "SS"), child, &turned, offset);
     }
 
@@ -161,55 +166,6 @@ impl SumInertia {
                 .subtract(&[moved[row], offset[column]])
                 .subtract(&[inertia.first[column], offset[row]]);
         }
-    }
-
-    /// Adds moments of a joint's frame, turned into its parent's. In the plane
-    /// of the rotation, with `t = J_bb - J_cc` and `w = S t + 2 C J_bc`, the
-    /// three entries become `J_bb - S w`, `J_cc + S w` and `C w - J_bc`:
-    /// ten operations, but only where `S^2 + C^2 = 1`.
-    fn add_turned(
-        &mut self,
-        equations: &mut Equations,
-        joint: usize,
-        turn: &Turn,
-        moments: &Matrix,
-    ) {
-        let a = turn.axis;
-        let (b, c) = cyclic(a);
-        let mut entry = |row: usize, column: usize, terms: &[&[Scalar]]| {
-            let sum = &mut self.moments[row.min(column)][row.max(column)];
-            for term in terms {
-                sum.add(term);
-            }
-        };
-        let (cos, sin) = (turn.cos, turn.sin);
-        entry(a, a, &[&[moments[a][a]]]);
-        let (ab, ac) = (moments[a][b], moments[a][c]);
-        entry(a, b, &[&[cos, ab], &[-sin, ac]]);
-        entry(a, c, &[&[sin, ab], &[cos, ac]]);
-        if sin.is_zero() {
-            // Only a joint without rotation, whose cosine is one.
-            entry(b, b, &[&[moments[b][b]]]);
-            entry(c, c, &[&[moments[c][c]]]);
-            entry(b, c, &[&[moments[b][c]]]);
-            return;
-        }
-        let label = |prefix, component| Label::new(prefix, component, joint + 1);
-        let mut twice = Sum::of(cos);
-        twice.add(&[cos]);
-        let twice = equations.define(label("CC", 0), twice);
-        let mut difference = Sum::of(moments[b][b]);
-        difference.subtract(&[moments[c][c]]);
-        let difference = equations.define(label("JD", 0), difference);
-        let mut swing = Sum::new();
-        swing.add(&[sin, difference]).add(&[twice, moments[b][c]]);
-        let swing = equations.define(label("JW", 0), swing);
-        let mut part = Sum::new();
-        part.add(&[sin, swing]);
-        let part = equations.define(label("JV", 0), part);
-        entry(b, b, &[&[moments[b][b]], &[-part]]);
-        entry(c, c, &[&[moments[c][c]], &[part]]);
-        entry(b, c, &[&[cos, swing], &[-moments[b][c]]]);
     }
 
     /// Adds the inertia of a body whose moments are known about its centre.
@@ -340,7 +296,7 @@ impl Wrench {
     /// A wrench of a joint's frame in its parent's, about the parent's origin.
     /// The turned force bears `name`.
     pub(super) fn to_parent(
-        &self,
+        self,
         equations: &mut Equations,
         name: &'static str,
         (joint, column): (usize, usize),
@@ -373,4 +329,58 @@ impl Wrench {
             torque: sums_of(&self.torque),
         }
     }
+}
+
+/// A symmetric matrix of a joint's frame, turned into its parent's: its upper
+/// triangle. In the plane of the rotation, with `t = J_bb - J_cc` and
+/// `w = S t + 2 C J_bc`, the three entries become `J_bb - S w`, `J_cc + S w` and
+/// `C w - J_bc`: ten operations, but only where `S^2 + C^2 = 1`.
+pub(super) fn turn_symmetric(
+    equations: &mut Equations,
+    [difference, swing, part]: [&'static str; 3],
+    joint: usize,
+    turn: &Turn,
+    matrix: &Matrix,
+) -> [SumVector; 3] {
+    let a = turn.axis;
+    let (b, c) = cyclic(a);
+    let (cos, sin) = (turn.cos, turn.sin);
+    let mut turned = [sums(), sums(), sums()];
+    let mut entry = |row: usize, column: usize, terms: &[&[Scalar]]| {
+        for term in terms {
+            turned[row.min(column)][row.max(column)].add(term);
+        }
+    };
+    let (bb, cc, bc) = (matrix[b][b], matrix[c][c], matrix[b][c]);
+    entry(a, a, &[&[matrix[a][a]]]);
+    entry(a, b, &[&[cos, matrix[a][b]], &[-sin, matrix[a][c]]]);
+    entry(a, c, &[&[sin, matrix[a][b]], &[cos, matrix[a][c]]]);
+    if sin.is_zero() {
+        // Only a joint without rotation, whose cosine is one.
+        entry(b, b, &[&[bb]]);
+        entry(c, c, &[&[cc]]);
+        entry(b, c, &[&[bc]]);
+        return turned;
+    }
+    let twice = twice_cos(equations, joint, turn);
+    let mut sum = Sum::of(bb);
+    sum.subtract(&[cc]);
+    let difference = equations.define(Label::new(difference, 0, joint + 1), sum);
+    let mut sum = Sum::new();
+    sum.add(&[sin, difference]).add(&[twice, bc]);
+    let swing = equations.define(Label::new(swing, 0, joint + 1), sum);
+    let mut sum = Sum::new();
+    sum.add(&[sin, swing]);
+    let part = equations.define(Label::new(part, 0, joint + 1), sum);
+    entry(b, b, &[&[bb], &[-part]]);
+    entry(c, c, &[&[cc], &[part]]);
+    entry(b, c, &[&[cos, swing], &[-bc]]);
+    turned
+}
+
+/// `2 C`.
+fn twice_cos(equations: &mut Equations, joint: usize, turn: &Turn) -> Scalar {
+    let mut twice = Sum::of(turn.cos);
+    twice.add(&[turn.cos]);
+    equations.define(Label::new("CC", 0, joint + 1), twice)
 }

@@ -11,6 +11,7 @@
 #![allow(clippy::needless_range_loop)]
 
 mod algebra;
+mod articulated;
 mod bias;
 mod chain;
 mod columns;
@@ -18,6 +19,7 @@ mod composite;
 mod composite_base;
 mod constraints;
 mod equations;
+mod factor;
 mod forces;
 mod formulation;
 mod hub;
@@ -29,6 +31,7 @@ mod network;
 mod parameters;
 mod prefix;
 mod recursive;
+mod reduced;
 mod sensor;
 mod vector;
 
@@ -60,11 +63,13 @@ pub enum FunctionKind {
     Sensor,
     /// Everything about the frame of every joint, one function each (F6).
     Gensensor,
+    /// Accelerations `qdd` for given joint forces (F10).
+    Accelred,
 }
 
 impl FunctionKind {
     /// All functions.
-    pub const ALL: [FunctionKind; 8] = [
+    pub const ALL: [FunctionKind; 9] = [
         FunctionKind::Dirdyna,
         FunctionKind::Invdyna,
         FunctionKind::ConsHJ,
@@ -73,6 +78,7 @@ impl FunctionKind {
         FunctionKind::Extforces,
         FunctionKind::Sensor,
         FunctionKind::Gensensor,
+        FunctionKind::Accelred,
     ];
 
     /// Robotran's name, without `mbs_`.
@@ -86,6 +92,7 @@ impl FunctionKind {
             FunctionKind::Extforces => "extforces",
             FunctionKind::Sensor => "sensor",
             FunctionKind::Gensensor => "gensensor",
+            FunctionKind::Accelred => "accelred",
         }
     }
 
@@ -99,6 +106,7 @@ impl FunctionKind {
             FunctionKind::Link => "F7",
             FunctionKind::Extforces => "F19",
             FunctionKind::Sensor | FunctionKind::Gensensor => "F6",
+            FunctionKind::Accelred => "F10",
         }
     }
 
@@ -206,6 +214,32 @@ pub enum GenerateError {
         /// The names of those that give it.
         possible: String,
     },
+    /// The formulation knows no loops.
+    #[error("the formulation '{formulation}' does not close loops; these do: {possible}")]
+    NoLoops {
+        /// The name of the formulation.
+        formulation: &'static str,
+        /// The names of those that close them.
+        possible: String,
+    },
+    /// The formulation uses what the options forbid.
+    #[error(
+        "the formulation '{formulation}' needs sin^2 + cos^2 = 1, which the options exclude; \
+         'recursive' does not need it"
+    )]
+    NeedsTrueAngles {
+        /// The name of the formulation.
+        formulation: &'static str,
+    },
+    /// Forces cannot move a joint in a determined way.
+    #[error(
+        "no acceleration of the joint '{0}' is determined: \
+         what it moves has no mass or inertia of its own in that direction"
+    )]
+    Singular(String),
+    /// The loops cannot be closed at the model's initial state.
+    #[error("the dependent joints cannot be chosen: {0}")]
+    Loops(String),
 }
 
 /// Generates a function of a model, at the equations level. Sensor functions
@@ -233,13 +267,15 @@ pub fn generate_into(
     if !model.check() {
         return Err(GenerateError::Inconsistent(model.name.clone()));
     }
-    formulation::check(request)?;
+    formulation::check(model, request)?;
     let cases = match request.function {
         FunctionKind::Sensor => model.sensors.len() + model.forces.len(),
         FunctionKind::Gensensor => model.joints.len(),
         _ => 1,
     };
-    let written: Vec<Equations> = (0..cases).map(|case| write(model, request, case)).collect();
+    let written: Vec<Equations> = (0..cases)
+        .map(|case| write(model, request, case))
+        .collect::<Result<_, _>>()?;
     // The cases of a file share their arrays.
     let extents = Extents {
         joints: model.joints.len() as u32,
@@ -254,7 +290,7 @@ pub fn generate_into(
 
 /// Writes the equations of a function, or of one case of a function of sensors
 /// (from 0).
-fn write(model: &Model, request: &Request, case: usize) -> Equations {
+fn write(model: &Model, request: &Request, case: usize) -> Result<Equations, GenerateError> {
     let options = &request.options;
     let mut written = Equations::new(Style {
         leading_signs: options.leading_signs,
@@ -276,8 +312,9 @@ fn write(model: &Model, request: &Request, case: usize) -> Equations {
         FunctionKind::Extforces => forces::write(equations, parameters, options),
         FunctionKind::Sensor => sensor::sensor(equations, parameters, options, case),
         FunctionKind::Gensensor => sensor::frame(equations, parameters, case),
+        FunctionKind::Accelred => formulation::accelerations(equations, parameters, request)?,
     }
-    written
+    Ok(written)
 }
 
 /// A function without equations.
@@ -323,6 +360,9 @@ fn metadata(model: &Model, request: &Request) -> Vec<(String, String)> {
 
 #[cfg(test)]
 mod tests;
+
+#[cfg(test)]
+mod acceleration_tests;
 
 #[cfg(test)]
 mod formulation_tests;

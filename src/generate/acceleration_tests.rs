@@ -1,0 +1,209 @@
+//! Accelerations against `M qdd + c = Qq`, and against loops.
+
+use super::formulation_tests::{at_point, make, tree};
+use super::tests::serial;
+use super::*;
+use crate::model::{JointKind, Nature, systems};
+use crate::motion::linear::{Matrix, solve_square};
+use crate::motion::{self, Inputs, Setting, State};
+use robovec_ir::View;
+use robovec_ir::arithmetic::{Arithmetic, Binary64};
+use robovec_ir::count::Counts;
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::field::PrimeField;
+
+/// A random tree without what makes a mass matrix singular: bodies without
+/// mass, and joints of one kind in a row.
+fn regular_tree(seed: u64) -> Model {
+    let mut model = tree(seed, 1 + seed as usize % 6);
+    for body in &mut model.bodies {
+        body.mass = 1.5;
+        body.inertia = [0.3, 0.0, 0.02, 0.4, 0.0, 0.5];
+        body.center = [0.1, 0.2, -0.3];
+    }
+    for point in &mut model.points {
+        point.coordinates = [0.5, 0.25, -0.75];
+    }
+    for joint in 1..model.joints.len() {
+        let place = |kind| JointKind::ALL.iter().position(|&one| one == kind);
+        while place(model.joints[joint].kind) == place(model.joints[joint - 1].kind)
+            || joint >= 2 && model.joints[joint].kind == model.joints[joint - 2].kind
+        {
+            let next = place(model.joints[joint].kind).map_or(0, |place| (place + 1) % 6);
+            model.joints[joint].kind = JointKind::ALL[next];
+        }
+    }
+    model
+}
+
+fn array<'a>(outputs: &'a [(String, Vec<u64>)], name: &str) -> &'a [u64] {
+    let found = outputs.iter().find(|(array, _)| array == name);
+    found.map_or(&[], |(_, values)| values)
+}
+
+#[test]
+fn accelerations_solve_the_equations_of_motion_exactly() {
+    for seed in 0..24 {
+        let model = regular_tree(seed);
+        let count = model.joints.len();
+        let field = PrimeField { seed, circle: true };
+        let dynamics = make(&model, FunctionKind::Dirdyna, Formulation::Composite);
+        let dynamics = at_point(&dynamics, seed, true);
+        let (mass, bias) = (array(&dynamics, "M"), array(&dynamics, "c"));
+        for formulation in Formulation::ALL {
+            let module = make(&model, FunctionKind::Accelred, formulation);
+            let function = &module.functions[0];
+            let outputs = at_point(&module, seed, true);
+            let accelerations = array(&outputs, "qdd");
+            // The joint forces are the inputs of the same point.
+            let inputs = function.inputs().iter();
+            let forces = inputs
+                .filter(|array| module.tables.symbols.text(array.name) == "Qq")
+                .flat_map(|array| super::formulation_tests::input_point("Qq", seed, array))
+                .collect::<Vec<u64>>();
+            for (joint, state) in model.joints.iter().enumerate() {
+                if state.nature == Nature::Driven {
+                    continue;
+                }
+                let row = &mass[joint * count..(joint + 1) * count];
+                let mut sum = bias[joint];
+                for (&entry, &acceleration) in row.iter().zip(accelerations) {
+                    sum = field.add(sum, field.mul(entry, acceleration));
+                }
+                assert_eq!(
+                    sum,
+                    forces[joint],
+                    "{}, tree {seed}, joint {joint}",
+                    formulation.name()
+                );
+            }
+        }
+    }
+}
+
+/// `qdd` in a state, in binary64.
+fn accelerations(model: &Model, formulation: Formulation, state: &State) -> Vec<f64> {
+    let module = make(model, FunctionKind::Accelred, formulation);
+    let view = View {
+        tables: &module.tables,
+        function: &module.functions[0],
+    };
+    let inputs = Inputs::new(model, view).expect("the function belongs to the model");
+    evaluate(view.function, &Binary64, &inputs.gather(state))
+}
+
+/// The state after closing the loops, with joint forces and velocities that
+/// are nothing special: no velocity needs to satisfy the loops for the
+/// equations between `M`, `c`, `Jac` and `Jdqd` to hold.
+fn some_state(model: &Model) -> State {
+    let setting = Setting::default();
+    let laws = motion::Laws::none(model);
+    let (_, mut state) = motion::System::new(model, laws, &setting).expect("loops close");
+    for joint in 0..model.joints.len() {
+        state.qd[joint] = 0.3 + joint as f64;
+        state.joint_forces[joint] = 2.0 - 3.0 * joint as f64;
+    }
+    state
+}
+
+#[test]
+fn accelerations_satisfy_loops() {
+    for model in [systems::four_bar(), systems::slider_crank()] {
+        let state = some_state(&model);
+        let equations = motion::Equations::new(&model, &Setting::default()).expect("it generates");
+        let (mass, bias) = equations.dynamics(&state);
+        let (_, jacobian) = equations.constraints(&state);
+        let (n, rows) = (model.joints.len(), jacobian.rows());
+        assert!(rows > 0);
+        let mut matrix = Matrix::zeros(n + rows, n + rows);
+        let mut right = Matrix::zeros(n + rows, 1);
+        for i in 0..n {
+            for j in 0..n {
+                matrix[(i, j)] = mass[(i, j)];
+            }
+            for row in 0..rows {
+                matrix[(i, n + row)] = -jacobian[(row, i)];
+                matrix[(n + row, i)] = jacobian[(row, i)];
+            }
+            right[(i, 0)] = state.joint_forces[i] - bias[i];
+        }
+        for (row, value) in equations.quadratic(&state).into_iter().enumerate() {
+            right[(n + row, 0)] = -value;
+        }
+        let expected = solve_square(matrix, right).expect("no row is redundant");
+        for formulation in Formulation::ALL {
+            if !formulation.closes_loops() {
+                continue;
+            }
+            let found = accelerations(&model, formulation, &state);
+            assert_eq!(found.len(), n);
+            for (joint, &value) in found.iter().enumerate() {
+                let error = (value - expected[(joint, 0)]).abs();
+                assert!(
+                    error <= 1e-10 * (1.0 + value.abs()),
+                    "{} of {}, joint {joint}: {error:e}",
+                    formulation.name(),
+                    model.name
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_given_says_what_can() {
+    let mut request = Request::new(FunctionKind::Dirdyna);
+    request.formulation = Formulation::Articulated;
+    let refused = generate(&serial(3), &request)
+        .map(|_| ())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        refused.contains("'articulated' does not give dirdyna"),
+        "{refused}"
+    );
+    assert!(refused.contains("composite-base"), "{refused}");
+    request.function = FunctionKind::Accelred;
+    let refused = generate(&systems::four_bar(), &request)
+        .map(|_| ())
+        .unwrap_err()
+        .to_string();
+    assert!(refused.contains("does not close loops"), "{refused}");
+    request.options.true_angles = false;
+    let refused = generate(&serial(3), &request)
+        .map(|_| ())
+        .unwrap_err()
+        .to_string();
+    assert!(refused.contains("sin^2 + cos^2 = 1"), "{refused}");
+    request.options.true_angles = true;
+    let mut model = serial(2);
+    model.bodies[1].mass = 0.0;
+    model.bodies[1].inertia = [0.0; 6];
+    for formulation in [Formulation::Articulated, Formulation::Composite] {
+        request.formulation = formulation;
+        let refused = generate(&model, &request)
+            .map(|_| ())
+            .unwrap_err()
+            .to_string();
+        assert!(refused.contains("'joint1'"), "{refused}");
+    }
+}
+
+#[test]
+fn operations_for_accelerations_stay_low() {
+    let operations = |joints, formulation| {
+        let mut request = Request::new(FunctionKind::Accelred);
+        request.formulation = formulation;
+        request.options.external_forces = false;
+        let module = generate(&serial(joints), &request).expect("the chain is regular");
+        Counts::of(&module.functions[0]).operations
+    };
+    for (joints, formulation, most) in [
+        (23, Formulation::Articulated, 7_000),
+        (50, Formulation::Articulated, 16_000),
+        (23, Formulation::Composite, 12_000),
+    ] {
+        let operations = operations(joints, formulation);
+        assert!(operations <= most, "{}: {operations}", formulation.name());
+    }
+}

@@ -1,0 +1,148 @@
+//! Linear equations solved with symbols.
+//!
+//! A mass matrix is eliminated from the leaves to the base: `L^T D L` with unit
+//! triangular `L`. In this order two joints get an entry only where one is an
+//! ancestor of the other, so a tree's zeros stay zeros. Every entry is one
+//! sum over the joints eliminated before, which later passes may balance.
+
+use super::algebra::{Scalar, Sum};
+use super::equations::{Equations, Label};
+use std::collections::BTreeMap;
+
+/// A row of a sparse matrix: columns in ascending order, no zeros.
+pub(super) type Row = Vec<(usize, Scalar)>;
+
+/// The entry of a row.
+pub(super) fn entry(row: &[(usize, Scalar)], column: usize) -> Scalar {
+    row.binary_search_by_key(&column, |&(column, _)| column)
+        .map_or(Scalar::ZERO, |place| row[place].1)
+}
+
+/// Solves `M x = b` for a symmetric matrix given by the rows of its lower
+/// triangle. `joints` names rows and columns. The number of a row without a
+/// pivot is an error.
+pub(super) fn solve_symmetric(
+    equations: &mut Equations,
+    rows: &[Row],
+    right: &[Scalar],
+    joints: &[usize],
+) -> Result<Vec<Scalar>, usize> {
+    let count = rows.len();
+    let mut factors: Vec<Row> = vec![Vec::new(); count];
+    let mut entries: Vec<Row> = vec![Vec::new(); count];
+    let mut behind: Vec<Vec<usize>> = vec![Vec::new(); count];
+    let mut halves = vec![Scalar::ZERO; count];
+    let mut middle = vec![Scalar::ZERO; count];
+    for i in (0..count).rev() {
+        let label = |name: &'static str| Label::new(name, 0, joints[i] + 1);
+        let mut row: BTreeMap<usize, Sum> = BTreeMap::new();
+        for &(column, value) in &rows[i] {
+            row.entry(column).or_default().add(&[value]);
+        }
+        let mut half = Sum::of(right[i]);
+        for &k in &behind[i] {
+            let factor = entry(&factors[k], i);
+            half.subtract(&[factor, halves[k]]);
+            for &(column, value) in entries[k].iter().take_while(|&&(column, _)| column <= i) {
+                row.entry(column).or_default().subtract(&[factor, value]);
+            }
+        }
+        halves[i] = equations.define(label("qppb"), half);
+        for (column, sum) in row {
+            let value = equations.define(label("Mrd").column(joints[column] + 1), sum);
+            if !value.is_zero() {
+                entries[i].push((column, value));
+            }
+        }
+        let pivot = entry(&entries[i], i);
+        if pivot.is_zero() {
+            return Err(i);
+        }
+        let inverse = equations.quotient(label("Mri"), Scalar::ONE, pivot);
+        middle[i] = product(equations, label("qppd"), halves[i], inverse);
+        for &(column, value) in entries[i].iter().filter(|&&(column, _)| column < i) {
+            let label = label("Mrlu").column(joints[column] + 1);
+            factors[i].push((column, product(equations, label, value, inverse)));
+            behind[column].push(i);
+        }
+    }
+    let mut solution = Vec::with_capacity(count);
+    for i in 0..count {
+        let mut sum = Sum::of(middle[i]);
+        for &(column, factor) in &factors[i] {
+            sum.subtract(&[factor, solution[column]]);
+        }
+        solution.push(equations.define(Label::new("qppu", 0, joints[i] + 1), sum));
+    }
+    Ok(solution)
+}
+
+/// The product of two scalars.
+pub(super) fn product(
+    equations: &mut Equations,
+    label: Label,
+    one: Scalar,
+    other: Scalar,
+) -> Scalar {
+    let mut sum = Sum::new();
+    sum.add(&[one, other]);
+    equations.define(label, sum)
+}
+
+/// Solves `A X = B` for a square matrix whose rows and columns already stand in
+/// the order of their pivots. A row holds its columns, then those of the right
+/// sides. The number of a row without a pivot is an error.
+pub(super) fn solve_square(
+    equations: &mut Equations,
+    rows: &[Row],
+    sides: usize,
+) -> Result<Vec<Row>, usize> {
+    let count = rows.len();
+    let mut inverses = Vec::with_capacity(count);
+    let mut upper: Vec<Row> = Vec::with_capacity(count);
+    for (i, given) in rows.iter().enumerate() {
+        let label = |column: usize| Label::new("Jvlu", 0, i + 1).column(column + 1);
+        let mut row: BTreeMap<usize, Sum> = BTreeMap::new();
+        for &(column, value) in given {
+            row.entry(column).or_default().add(&[value]);
+        }
+        for k in 0..i {
+            let Some(sum) = row.remove(&k) else { continue };
+            let value = equations.define(label(k), sum);
+            let name = Label::new("Jvl", 0, i + 1).column(k + 1);
+            let factor = product(equations, name, value, inverses[k]);
+            for &(column, value) in upper[k].iter().filter(|&&(column, _)| column > k) {
+                row.entry(column).or_default().subtract(&[factor, value]);
+            }
+        }
+        let mut named = Row::new();
+        for (column, sum) in row {
+            let value = equations.define(label(column), sum);
+            if !value.is_zero() {
+                named.push((column, value));
+            }
+        }
+        let pivot = entry(&named, i);
+        if pivot.is_zero() {
+            return Err(i);
+        }
+        inverses.push(equations.quotient(Label::new("Jvi", 0, i + 1), Scalar::ONE, pivot));
+        upper.push(named);
+    }
+    let mut solution: Vec<Row> = vec![Row::new(); count];
+    for i in (0..count).rev() {
+        for column in count..count + sides {
+            let mut sum = Sum::of(entry(&upper[i], column));
+            for &(k, value) in upper[i].iter().filter(|&&(k, _)| k > i && k < count) {
+                sum.subtract(&[value, entry(&solution[k], column - count)]);
+            }
+            let label = |name| Label::new(name, 0, i + 1).column(column - count + 1);
+            let value = equations.define(label("Jvx"), sum);
+            let value = product(equations, label("Bvx"), value, inverses[i]);
+            if !value.is_zero() {
+                solution[i].push((column - count, value));
+            }
+        }
+    }
+    Ok(solution)
+}

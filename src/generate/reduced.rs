@@ -1,0 +1,297 @@
+//! Reduced accelerations: `qdd` from `M`, `c` and the loops.
+//!
+//! The constraints of loops give the accelerations of dependent joints v by
+//! those of independent joints u: `qdd_v = B qdd_u + b` with `B = -Jv^-1 Ju` and
+//! `b = -Jv^-1 (jdqd + Jc qdd_c)`. Put into `M qdd + c = Qq + J^T lambda`, the
+//! multipliers drop out (coordinate partitioning):
+//!
+//! ```text
+//! Mr = Muu + Muv B + (Muv B)^T + B^T Mvv B
+//! Mr qdd_u = f_u - Muv b + B^T (f_v - Mvv b),    f = Qq - c - M_c qdd_c
+//! ```
+//!
+//! The accelerations of driven joints c are inputs. Positions and velocities
+//! must satisfy the loops. Which joints depend, which rows are redundant, and
+//! the order of pivots are decided when the equations are made, at the closed
+//! initial state of the model: like Robotran's, the equations lose accuracy
+//! near states where these pivots vanish.
+
+use super::algebra::{Scalar, Sum};
+use super::composite::Dynamics;
+use super::constraints::{self, Part};
+use super::equations::{Equations, Label};
+use super::factor::{Row, entry, solve_square, solve_symmetric};
+use super::parameters::Parameters;
+use super::{GenerateError, Options};
+use crate::model::{Model, Nature};
+use crate::motion;
+
+/// The acceleration of a driven joint: an input, or zero.
+pub(super) fn acceleration_input(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    joint: usize,
+) -> Scalar {
+    if parameters.model.joints[joint].has_acceleration {
+        equations.input("qdd", &[joint + 1])
+    } else {
+        Scalar::ZERO
+    }
+}
+
+/// `Qq - c` of a joint, less what given accelerations take.
+pub(super) fn residual_input(
+    equations: &mut Equations,
+    joint: usize,
+    bias: Scalar,
+    given: &[(Scalar, Scalar)],
+) -> Scalar {
+    let force = equations.input("Qq", &[joint + 1]);
+    let mut sum = Sum::of(force);
+    sum.subtract(&[bias]);
+    for &(mass, acceleration) in given {
+        sum.subtract(&[mass, acceleration]);
+    }
+    equations.define(Label::new("FMB", 0, joint + 1), sum)
+}
+
+/// Writes `qdd`.
+pub(super) fn accelerations(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    options: &Options,
+    dynamics: &Dynamics,
+) -> Result<(), GenerateError> {
+    let model = parameters.model;
+    let mut reduction = Reduction {
+        equations,
+        parameters,
+        masses: dynamics.mass.iter().map(|row| sorted(row)).collect(),
+        given: vec![Scalar::ZERO; model.joints.len()],
+    };
+    let partition = Partition::new(model)?;
+    for joint in 0..model.joints.len() {
+        if model.joints[joint].nature == Nature::Driven {
+            reduction.given[joint] = acceleration_input(reduction.equations, parameters, joint);
+        }
+    }
+    let loops = reduction.loops(&partition, options)?;
+    let forces: Vec<Scalar> = (0..model.joints.len())
+        .map(|joint| reduction.residual(joint, dynamics.bias[joint]))
+        .collect();
+    let (rows, right) = reduction.reduced(&partition, &loops, &forces);
+    let joints = &partition.independent;
+    let solution = solve_symmetric(reduction.equations, &rows, &right, joints)
+        .map_err(|place| singular(model, joints[place]))?;
+    reduction.output(&partition, &loops, &solution);
+    Ok(())
+}
+
+/// The error of a joint that forces cannot move in a determined way.
+pub(super) fn singular(model: &Model, joint: usize) -> GenerateError {
+    GenerateError::Singular(model.joints[joint].name.clone())
+}
+
+fn sorted(row: &[(usize, Scalar)]) -> Row {
+    let mut row: Row = row.to_vec();
+    row.retain(|(_, value)| !value.is_zero());
+    row.sort_unstable_by_key(|&(column, _)| column);
+    row
+}
+
+/// The roles of joints and rows.
+struct Partition {
+    independent: Vec<usize>,
+    /// Dependent joints in the order of their pivots.
+    dependent: Vec<usize>,
+    /// The row of each dependent joint.
+    rows: Vec<usize>,
+}
+
+impl Partition {
+    /// Decides the roles at the closed initial state.
+    fn new(model: &Model) -> Result<Partition, GenerateError> {
+        let free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
+        if model.cuts.is_empty() {
+            return Ok(Partition {
+                independent: (0..model.joints.len()).filter(free).collect(),
+                dependent: Vec::new(),
+                rows: Vec::new(),
+            });
+        }
+        let failed = |error: motion::MotionError| GenerateError::Loops(error.to_string());
+        let setting = motion::Setting::default();
+        let laws = motion::Laws::none(model);
+        let (system, state) = motion::System::new(model, laws, &setting).map_err(failed)?;
+        let roles = system.partition();
+        let equations = motion::Equations::new(model, &setting).map_err(failed)?;
+        let jacobian = equations.constraints(&state).1;
+        let square = jacobian.select(&roles.rows, &roles.dependent);
+        let pivots = motion::linear::eliminate(square, &vec![1.0; roles.dependent.len()], 0.0);
+        Ok(Partition {
+            independent: roles.independent.clone(),
+            dependent: pivots
+                .iter()
+                .map(|pivot| roles.dependent[pivot.column])
+                .collect(),
+            rows: pivots.iter().map(|pivot| roles.rows[pivot.row]).collect(),
+        })
+    }
+}
+
+/// Dependent accelerations: `B` by rows (columns count independent joints) and
+/// `b`.
+struct Loops {
+    matrix: Vec<Row>,
+    rest: Vec<Scalar>,
+}
+
+struct Reduction<'e, 'p, 'm> {
+    equations: &'e mut Equations,
+    parameters: &'p Parameters<'m>,
+    /// Rows of the lower triangle of `M`.
+    masses: Vec<Row>,
+    /// Accelerations of driven joints, zero for others.
+    given: Vec<Scalar>,
+}
+
+impl Reduction<'_, '_, '_> {
+    fn mass(&self, i: usize, j: usize) -> Scalar {
+        entry(&self.masses[i.max(j)], i.min(j))
+    }
+
+    /// `f`.
+    fn residual(&mut self, joint: usize, bias: Scalar) -> Scalar {
+        if self.parameters.model.joints[joint].nature == Nature::Driven {
+            return Scalar::ZERO;
+        }
+        let given: Vec<(Scalar, Scalar)> = (0..self.given.len())
+            .filter(|&driven| !self.given[driven].is_zero())
+            .map(|driven| (self.mass(joint, driven), self.given[driven]))
+            .collect();
+        residual_input(self.equations, joint, bias, &given)
+    }
+
+    /// Solves the loops for the dependent accelerations.
+    fn loops(&mut self, partition: &Partition, options: &Options) -> Result<Loops, GenerateError> {
+        let (u, v) = (&partition.independent, &partition.dependent);
+        if v.is_empty() {
+            return Ok(Loops {
+                matrix: Vec::new(),
+                rest: Vec::new(),
+            });
+        }
+        let constraints =
+            constraints::rows(self.equations, self.parameters, options, Part::Acceleration);
+        let mut rows = Vec::with_capacity(v.len());
+        for &number in &partition.rows {
+            let constraint = &constraints[number];
+            let mut row = Row::new();
+            let mut rest = Sum::of(constraint.jdqd);
+            for &(joint, value) in &constraint.jacobian {
+                rest.add(&[value, self.given[joint]]);
+                if let Some(place) = v.iter().position(|&other| other == joint) {
+                    row.push((place, value));
+                } else if let Ok(place) = u.binary_search(&joint) {
+                    row.push((v.len() + place, value));
+                }
+            }
+            let label = Label::new("bp", 0, number + 1);
+            row.push((v.len() + u.len(), self.equations.define(label, rest)));
+            row.retain(|(_, value)| !value.is_zero());
+            row.sort_unstable_by_key(|&(column, _)| column);
+            rows.push(row);
+        }
+        let solution = solve_square(self.equations, &rows, u.len() + 1)
+            .map_err(|place| singular(self.parameters.model, v[place]))?;
+        let rest = solution.iter().map(|row| -entry(row, u.len())).collect();
+        let column =
+            |&(column, value): &(usize, Scalar)| (column < u.len()).then_some((column, -value));
+        let matrix = solution
+            .iter()
+            .map(|row| row.iter().filter_map(column).collect())
+            .collect();
+        Ok(Loops { matrix, rest })
+    }
+
+    /// The lower triangle of `Mr`, and the right side.
+    fn reduced(
+        &mut self,
+        partition: &Partition,
+        loops: &Loops,
+        forces: &[Scalar],
+    ) -> (Vec<Row>, Vec<Scalar>) {
+        let (u, v) = (&partition.independent, &partition.dependent);
+        // Mvu + Mvv B, and f_v - Mvv b.
+        let mut inner: Vec<Vec<Scalar>> = Vec::with_capacity(v.len());
+        let mut rest = Vec::with_capacity(v.len());
+        for &row in v {
+            let mut sums: Vec<Sum> = u.iter().map(|&j| Sum::of(self.mass(row, j))).collect();
+            let mut force = Sum::of(forces[row]);
+            for (place, &other) in v.iter().enumerate() {
+                let mass = self.mass(row, other);
+                force.subtract(&[mass, loops.rest[place]]);
+                for &(column, value) in &loops.matrix[place] {
+                    sums[column].add(&[mass, value]);
+                }
+            }
+            let label = |name| Label::new(name, 0, row + 1);
+            rest.push(self.equations.define(label("FMv"), force));
+            let named = sums.into_iter().enumerate().map(|(column, sum)| {
+                self.equations
+                    .define(label("MMB").column(u[column] + 1), sum)
+            });
+            inner.push(named.collect());
+        }
+        let mut rows = Vec::with_capacity(u.len());
+        let mut right = Vec::with_capacity(u.len());
+        for (i, &joint) in u.iter().enumerate() {
+            let mut sums: Vec<Sum> = u[..=i]
+                .iter()
+                .map(|&j| Sum::of(self.mass(joint, j)))
+                .collect();
+            let mut force = Sum::of(forces[joint]);
+            for (place, &other) in v.iter().enumerate() {
+                let mass = self.mass(joint, other);
+                let own = entry(&loops.matrix[place], i);
+                force
+                    .subtract(&[mass, loops.rest[place]])
+                    .add(&[own, rest[place]]);
+                for &(column, value) in loops.matrix[place].iter().take_while(|entry| entry.0 <= i)
+                {
+                    sums[column].add(&[mass, value]);
+                }
+                for (column, sum) in sums.iter_mut().enumerate() {
+                    sum.add(&[own, inner[place][column]]);
+                }
+            }
+            let label = |name| Label::new(name, 0, joint + 1);
+            right.push(self.equations.define(label("Fr"), force));
+            let named = sums.into_iter().enumerate().map(|(column, sum)| {
+                let label = label("Mr").column(u[column] + 1);
+                (column, self.equations.define(label, sum))
+            });
+            let row: Row = named.collect();
+            rows.push(sorted(&row));
+        }
+        (rows, right)
+    }
+
+    /// Sets the accelerations of all joints.
+    fn output(&mut self, partition: &Partition, loops: &Loops, solution: &[Scalar]) {
+        let mut accelerations = self.given.clone();
+        for (&joint, &value) in partition.independent.iter().zip(solution) {
+            accelerations[joint] = value;
+        }
+        for (place, &joint) in partition.dependent.iter().enumerate() {
+            let mut sum = Sum::of(loops.rest[place]);
+            for &(column, value) in &loops.matrix[place] {
+                sum.add(&[value, solution[column]]);
+            }
+            accelerations[joint] = self.equations.define(Label::new("qppv", 0, joint + 1), sum);
+        }
+        for (joint, value) in accelerations.into_iter().enumerate() {
+            self.equations.output("qdd", &[joint + 1], value);
+        }
+    }
+}
