@@ -9,11 +9,15 @@
 //! the model whoever wrote them. Only when they differ does the comparison of
 //! used parameters say why.
 
+mod explain;
+mod inputs;
+
+use self::explain::{reasons, superfluous};
+use self::inputs::{merge_calls, zero};
 use crate::align::align;
 use crate::generate::{FunctionKind, Options, Request, generate};
-use crate::model::{Model, Point};
-use crate::motion::parameter;
-use robovec_ir::{Function, Input, Module, Operand, OperandKind, Place, Tables, Value, View};
+use crate::model::{CutKind, Model};
+use robovec_ir::{Function, Input, Module, OperandKind, Place, Tables, View};
 use robovec_passes::NumericClass;
 use robovec_passes::check::check;
 use std::collections::BTreeMap;
@@ -21,9 +25,6 @@ use std::collections::BTreeMap;
 /// Random points of the comparison. A wrong function passes one with a
 /// probability of the equations' degree in 2^61.
 const POINTS: u32 = 2;
-
-/// No more parameters than this are named in one message.
-const NAMED: usize = 6;
 
 /// Something about a file of equations and a model.
 #[derive(Clone, PartialEq, Debug)]
@@ -171,7 +172,7 @@ fn element(tables: &Tables, function: &Function, input: Input) -> Element {
 fn extent(model: &Model, array: &str) -> Option<(&'static str, usize)> {
     let rods = || {
         let rods = model.cuts.iter();
-        rods.filter(|cut| matches!(cut.kind, crate::model::CutKind::Rod(_)))
+        rods.filter(|cut| matches!(cut.kind, CutKind::Rod(_)))
             .count()
     };
     Some(match array {
@@ -326,206 +327,6 @@ fn difference(
         1,
     );
     verdict.failure.map(|failure| failure.name)
-}
-
-/// True when an input is a constant zero for the model.
-fn is_zero(model: &Model, (array, indices): &Element) -> bool {
-    let rank = indices.iter().filter(|&&index| index > 0).count();
-    let symbol = |has: fn(&crate::model::Joint) -> bool| {
-        let joint = indices[0].checked_sub(1);
-        joint
-            .and_then(|joint| model.joints.get(joint as usize))
-            .is_some_and(|joint| !has(joint))
-    };
-    match array.as_str() {
-        "qd" => symbol(|joint| joint.has_velocity),
-        "qdd" => symbol(|joint| joint.has_acceleration),
-        _ => parameter(model, array, &indices[..rank]) == Some(0.0),
-    }
-}
-
-/// Replaces the inputs that are zero for the model by zero.
-fn zero(model: &Model, tables: &Tables, function: &mut Function) {
-    let zeros: Vec<bool> = (0..function.input_len() as u32)
-        .map(|input| is_zero(model, &element(tables, function, Input(input))))
-        .collect();
-    let constant = Operand::from(function.constant(0.0));
-    replace(function, |input| zeros[input.index()].then_some(constant));
-}
-
-/// Generator 6.6 calls the law of a link again wherever its force is used
-/// once; the results of equal calls are equal.
-fn merge_calls(original: &Function, tables: &Tables, function: &mut Function) {
-    let calls = &original.boundaries;
-    let first_of = |name: &str| {
-        let call = calls
-            .iter()
-            .find(|call| call.result.as_deref() == Some(name))?;
-        let mut equal = calls
-            .iter()
-            .filter(|other| other.callee == call.callee && other.arguments == call.arguments);
-        equal.find_map(|other| other.result.as_deref())
-    };
-    let places: Vec<Option<Operand>> = (0..function.input_len() as u32)
-        .map(|input| {
-            let (array, ..) = function.input_element(Input(input));
-            let first = first_of(tables.symbols.text(array.name))?;
-            let mut arrays = function.inputs().iter();
-            let target = arrays.find(|other| tables.symbols.text(other.name) == first)?;
-            let within = input - array.offset;
-            let there = (within as usize) < target.shape.len();
-            there.then(|| Input(target.offset + within).into())
-        })
-        .collect();
-    replace(function, |input| places[input.index()]);
-}
-
-/// Replaces inputs wherever they are used.
-fn replace(function: &mut Function, by: impl Fn(Input) -> Option<Operand>) {
-    let replaced = |operand: Operand| match operand.kind() {
-        OperandKind::Input(input) => by(input).unwrap_or(operand),
-        _ => operand,
-    };
-    for index in 0..function.nodes().len() {
-        let node = function.node_mut(Value(index as u32));
-        node.operands = node.operands.map(replaced);
-    }
-    for assignment in &mut function.assignments {
-        assignment.operand = replaced(assignment.operand);
-    }
-}
-
-/// True when a function depends on an input that it uses: terms may cancel.
-fn depends(tables: &Tables, function: &Function, on: &Element) -> bool {
-    let mut without = function.clone();
-    let constant = Operand::from(without.constant(0.0));
-    let named = |input| element(tables, function, input) == *on;
-    replace(&mut without, |input| named(input).then_some(constant));
-    let view = |function| View { tables, function };
-    !check(view(function), view(&without), NumericClass::RealTrig, 1, 1).holds()
-}
-
-/// A parameter as a user knows it.
-fn describe(model: &Model, (array, indices): &Element) -> String {
-    let [first, second] = *indices;
-    let name = match second {
-        0 => format!("{array}[{first}]"),
-        _ => format!("{array}[{first},{second}]"),
-    };
-    let of_body = |joint: u32| {
-        let body = (joint as usize).checked_sub(1);
-        body.filter(|&joint| joint < model.joints.len())
-            .and_then(|joint| model.body_of(joint))
-            .map(|body| format!("body {}", body.name))
-    };
-    let owner = match array.as_str() {
-        "dpt" => {
-            let point = (second as usize).checked_sub(1);
-            point
-                .and_then(|point| model.points.get(point))
-                .map(|point| {
-                    let Point { name, body, .. } = point;
-                    let body = body.map_or("base", |body| &model.bodies[body].name);
-                    format!("point {name} of {body}")
-                })
-        }
-        "l" | "In" => of_body(second),
-        "m" => of_body(first),
-        _ => None,
-    };
-    match owner {
-        Some(owner) => format!("{name} ({owner})"),
-        None => name,
-    }
-}
-
-fn describe_all<'a>(model: &Model, elements: impl Iterator<Item = &'a Element>) -> String {
-    let all: Vec<String> = elements.map(|element| describe(model, element)).collect();
-    match all.len().checked_sub(NAMED) {
-        Some(more @ 1..) => format!("{} and {more} more", all[..NAMED].join(", ")),
-        _ => all.join(", "),
-    }
-}
-
-/// Says why a function is not the model's.
-fn reasons(
-    model: &Model,
-    equations: &Module,
-    function: &Function,
-    expected: &Module,
-    index: usize,
-    output: &str,
-    comparison: &mut Comparison,
-) {
-    let name = &function.name;
-    let theirs = used(&equations.tables, function);
-    let ours = used(&expected.tables, &expected.functions[index]);
-    let missing: Vec<&Element> = ours
-        .keys()
-        .filter(|key| !theirs.contains_key(key))
-        .collect();
-    let extra: Vec<&Element> = theirs
-        .keys()
-        .filter(|key| !ours.contains_key(key) && is_zero(model, key))
-        .collect();
-    let mut explained = false;
-    if !missing.is_empty() {
-        explained = true;
-        comparison.stale(
-            format!(
-                "'{name}' does not use {}, which the model needs",
-                describe_all(model, missing.iter().copied())
-            ),
-            None,
-            "a parameter that is zero when equations are generated is left out of them: changing \
-             it has no effect until the file is generated again",
-        );
-    }
-    if let Some(first) = extra.first() {
-        explained = true;
-        comparison.remark(
-            format!(
-                "'{name}' uses {}, which the model sets to zero",
-                describe_all(model, extra.iter().copied())
-            ),
-            theirs.get(*first).copied().flatten(),
-            "it had another value when the file was generated",
-        );
-    }
-    if !explained || missing.is_empty() {
-        comparison.stale(
-            format!("'{name}' is not the model's: {output} differs"),
-            None,
-            "both use the same parameters; the type or order of joints, a parent or a point \
-             changed since; generate the file again",
-        );
-    }
-}
-
-/// Remarks on parameters that a right file uses without need.
-fn superfluous(
-    model: &Model,
-    equations: &Module,
-    function: &Function,
-    expected: &Function,
-    comparison: &mut Comparison,
-) {
-    if metadata(expected, "all_parameter_symbols").is_some() {
-        return;
-    }
-    let theirs = used(&equations.tables, function);
-    let zeros: Vec<&Element> = theirs.keys().filter(|key| is_zero(model, key)).collect();
-    if let Some(first) = zeros.first() {
-        comparison.remark(
-            format!(
-                "'{}' is right, but longer than needed: it uses {}, which the model sets to zero",
-                function.name,
-                describe_all(model, zeros.iter().copied())
-            ),
-            theirs.get(*first).copied().flatten(),
-            "generate the file again to drop them, unless they change at run time",
-        );
-    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ pub mod generate;
 pub mod generated;
 pub mod images;
 pub mod inlined;
+pub mod models;
 pub mod mutants;
 pub mod pipelines;
 pub mod robotran;
@@ -13,6 +14,7 @@ pub mod written;
 
 pub use images::simulate_garbage;
 pub use inlined::inline_undoes_atomise;
+pub use models::{model_round_trip, read_model};
 pub use mutants::check_catches_mutants;
 pub use robotran::read_robotran;
 pub use text::{parse_text, round_trip};

@@ -14,7 +14,7 @@ use std::ops::Range;
 
 /// Files beyond this size are refused. The largest public model has 150 kB,
 /// drawings included.
-const LARGEST_FILE: usize = 64 << 20;
+const LARGEST_FILE: usize = 16 << 20;
 
 /// The most equals signs, hence attributes, of one tag.
 const ATTRIBUTE_LIMIT: usize = 200;
@@ -23,7 +23,7 @@ const ATTRIBUTE_LIMIT: usize = 200;
 pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
     if bytes.len() > LARGEST_FILE {
         return Err(Diagnostic::error()
-            .with_message("the file is larger than 64 MiB")
+            .with_message("the file is larger than 16 MiB")
             .with_note("no model comes near this; check that it is the right file"));
     }
     robotran::decode_text(bytes, "a model is XML")

@@ -1,8 +1,8 @@
 //! Cuts of loops and links: what has two ends.
 
-use super::bodies::Scope;
 use super::fields::{Fields, Messages, place};
 use super::number::number;
+use super::scope::Scope;
 use crate::model::{Anchor, Cut, CutKind, Link, Model};
 use robovec_ir::diagnostic::clip;
 use roxmltree::Node;

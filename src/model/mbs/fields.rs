@@ -263,7 +263,9 @@ impl<'a> Fields<'a> {
 /// equations.
 pub(super) fn project_name(root: &Fields<'_>, file: &str, messages: &mut Messages) -> String {
     if root.one("mbsname").is_none() {
-        let stem = file.strip_suffix(".mbs").unwrap_or(file);
+        let stem = file.strip_suffix(".mbs").unwrap_or(file).trim();
+        let usable = !stem.is_empty() && !stem.contains(['/', '\\', '\n', '\r', '\t']);
+        let stem = if usable { stem } else { "model" };
         messages.warn(
             place(root.node),
             "the model has no name",

@@ -3,9 +3,9 @@
 //!
 //! A file passes through [`document`] (bytes to a tree, with guards against
 //! hostile files), [`fields`] (what an element may hold, and messages about
-//! the rest), [`bodies`] (base, bodies, joints, points, sensors), [`ends`]
-//! (cuts and links) and [`user`] (user models). Drawings are passed over.
-//! [`write_mbs`] gives the canonical text.
+//! the rest), [`bodies`] with [`joints`], [`points`] and [`tree`], [`ends`]
+//! (cuts and links) and [`user`] (user models); [`scope`] knows the names.
+//! Drawings are passed over. [`write_mbs`] gives the canonical text.
 //!
 //! **Invariants.** A model that is returned upholds
 //! [`Model::check`](super::Model::check); a file with any error returns none.
@@ -16,8 +16,12 @@ mod bodies;
 mod document;
 mod ends;
 mod fields;
+mod joints;
 mod number;
 mod physics;
+mod points;
+mod scope;
+mod tree;
 mod user;
 mod write;
 

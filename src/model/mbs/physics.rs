@@ -1,7 +1,7 @@
 //! Remarks on models that can be read but hardly be meant.
 
-use super::bodies::{Scope, body_title};
 use super::fields::Messages;
+use super::scope::{Scope, body_title};
 use crate::model::{Body, Model, Nature};
 
 /// Warns of massless ends of the tree and of impossible inertias.

@@ -1,6 +1,6 @@
 //! The canonical text of a model.
 
-use super::bodies::{BASE, ORIGIN};
+use super::scope::{BASE, ORIGIN};
 use crate::model::{Anchor, Asks, Body, CutKind, Joint, Link, Model, Nature, Sensor};
 
 /// A model as compact `.mbs` text: no drawings, and nothing that is zero or
@@ -50,6 +50,10 @@ fn escaped(text: &str) -> String {
             '<' => result.push_str("&lt;"),
             '>' => result.push_str("&gt;"),
             '"' => result.push_str("&quot;"),
+            // A line break as such would be read as a blank of the layout.
+            control if control.is_control() => {
+                result.push_str(&format!("&#{};", u32::from(control)));
+            }
             other => result.push(other),
         }
     }
