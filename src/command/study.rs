@@ -304,9 +304,21 @@ fn summary(results: &Results, folder: &Path) -> String {
         0 => String::new(),
         reused => format!(", {reused} of them from an earlier run"),
     };
-    format!(
+    let mut text = format!(
         "{} placements{reused}; results in {}\n",
         results.outcome.points.len(),
         folder.display()
-    )
+    );
+    let mut failures = results.failures();
+    if let Some((request, reason)) = failures.next() {
+        text += &format!(
+            "{} of them are impossible, the first is {} on {} with {}+{} elements: {reason}\n",
+            1 + failures.count(),
+            results.plan.models[request.model].name,
+            results.plan.machines[request.machine].name,
+            request.n_add,
+            request.n_multi,
+        );
+    }
+    text
 }

@@ -4,6 +4,7 @@ use super::figures::{BUSY, SATURATED};
 use super::knee::{Knee, Split, knee};
 use super::program::ProgramFacts;
 use super::results::Results;
+use super::variants;
 use serde::Serialize;
 
 /// The verdict about one program.
@@ -11,6 +12,10 @@ use serde::Serialize;
 pub struct Verdict {
     /// The model.
     pub model: String,
+    /// The system, which models with other equations share.
+    pub system: String,
+    /// What tells its equations from others of the system.
+    pub formulation: String,
     /// The pipeline.
     pub pipeline: String,
     /// The answer in one sentence.
@@ -43,8 +48,11 @@ fn verdict(results: &Results, model: usize, pipeline: usize, machine: usize) -> 
     let facts = results.program(model, pipeline, machine)?;
     let knee = knee(results, model, pipeline, machine)?;
     let mhz = results.plan.machines[machine].machine.clock_mhz;
+    let subject = &results.plan.models[model];
     Some(Verdict {
         model: facts.model.clone(),
+        system: subject.source.clone(),
+        formulation: variants::label(subject),
         pipeline: facts.pipeline.clone(),
         answer: answer(facts, &knee, mhz),
         reasons: reasons(facts, &knee, mhz),
@@ -180,6 +188,15 @@ fn zones(facts: &ProgramFacts, knee: &Knee) -> Vec<[String; 3]> {
         Some(saturated) => format!("between {busy} and {saturated} elements"),
         None => format!("more than {busy} elements"),
     };
+    let transition = match saturated {
+        Some(saturated) if between == "none" => format!(
+            "the step from {busy} to {saturated} elements leads over it: the placer keeps elements \
+             busy until the longest chain decides"
+        ),
+        _ => "limited by both: elements wait for operands in some cycles, and operands for \
+              elements in others"
+            .to_owned(),
+    };
     let full = match saturated {
         Some(saturated) => format!("{saturated} elements and more"),
         None => "none of those tried".to_owned(),
@@ -195,13 +212,7 @@ fn zones(facts: &ProgramFacts, knee: &Knee) -> Vec<[String; 3]> {
                 100.0 / BUSY
             ),
         ),
-        zone(
-            "Transition",
-            between,
-            "limited by both: elements wait for operands in some cycles, and operands for \
-             elements in others"
-                .to_owned(),
-        ),
+        zone("Transition", between, transition),
         zone(
             "Saturation",
             full,

@@ -79,8 +79,24 @@ const cpuSentence = (verdict) => {
     : ` The elements take ${own.toFixed(2)} µs: the core is ${(1 / ratio).toFixed(1)} times as fast.`;
   return `The same function on one core of ${found.processor}: ${found.microseconds.toFixed(2)} µs in double precision (${found.compiler}).${relation}`;
 };
+// One line per kind of equations and pipeline of the same system.
+function inShort(system) {
+  const rows = data.verdicts.filter((verdict) => verdict.system === system).map((verdict) => {
+    const best = verdict.knee.cheapest ?? verdict.knee.fastest;
+    const core = data.cpu.find((cpu) => cpu.model === verdict.model && cpu.pipeline === verdict.pipeline)?.microseconds;
+    const number = (value) => make("td", { class: "n" }, value === undefined || value === null ? "" : value.toFixed(2));
+    return make("tr", {},
+      make("td", {}, verdict.formulation), make("td", {}, verdict.pipeline),
+      make("td", {}, best ? `${verdict.knee.cheapest ? "" : "more than "}${best.n_add + best.n_multi} = ${best.n_add} adders + ${best.n_multi} multipliers` : ""),
+      number(best && best.cycles / data.mhz), number(core));
+  });
+  const heads = ["equations", "pipeline", "worth (processing elements)", "time with them (µs)", "one CPU core (µs)"];
+  const head = make("thead", {}, make("tr", {}, ...heads.map((text) => make("th", {}, text))));
+  return make("table", {}, head, make("tbody", {}, ...rows));
+}
 function showVerdicts(model) {
   const list = data.verdicts.filter((verdict) => verdict.model === model);
+  byId("short").replaceChildren(...(list.length ? [inShort(list[0].system)] : []));
   cards.replaceChildren(...list.map((verdict) => {
     const zones = make("table", { class: "zones" }, make("tbody", {},
       ...verdict.zones.map((zone) => make("tr", {}, ...zone.map((text) => make("td", {}, text))))));
