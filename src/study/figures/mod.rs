@@ -57,14 +57,19 @@ pub fn zone(facts: &ProgramFacts, placed: Placed<'_>) -> Zone {
     }
 }
 
-/// The placements with as many adders as multipliers, in ascending number;
-/// of many, those whose number is a power of two.
+/// The placements the plan asks for with as many adders as multipliers, in
+/// ascending number; of many, those whose number is a power of two.
 pub fn ladder(results: &Results, model: usize, pipeline: usize, machine: usize) -> Vec<Placed<'_>> {
     let usual = results.usual(model, pipeline, machine);
-    let mut equal: Vec<Placed<'_>> = usual.filter(Placed::is_equal).collect();
+    let asked = |placed: &Placed<'_>| {
+        let found = results.plan.requests.binary_search(placed.request);
+        placed.is_equal() && found.is_ok()
+    };
+    let mut equal: Vec<Placed<'_>> = usual.filter(asked).collect();
     equal.sort_by_key(Placed::elements);
-    if equal.len() > 8 {
-        equal.retain(|placed| placed.request.n_add.is_power_of_two());
+    let is_power = |placed: &Placed<'_>| placed.request.n_add.is_power_of_two();
+    if equal.len() > 8 && equal.iter().filter(|&placed| is_power(placed)).count() >= 4 {
+        equal.retain(is_power);
     }
     equal
 }

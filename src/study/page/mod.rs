@@ -259,9 +259,10 @@ fn method(results: &Results) -> String {
             .map_or(String::new(), |row| format!(", for the thesis' {row}"));
         let _ = write!(
             text,
-            "<li>Model <b>{}</b>: {}{}</li>",
+            "<li>Model <b>{}</b>: {}, equations {}{}</li>",
             Escaped(&model.name),
             Escaped(&model.source),
+            Escaped(&super::variants::label(model)),
             Escaped(&stands)
         );
     }

@@ -54,8 +54,8 @@ pub(super) fn table(results: &Results) -> Option<Table> {
         title: "How many elements each program is worth".to_owned(),
         caption: "Adders + multipliers (all). Busy: the largest equal numbers whose scarcer kind \
             starts an operation in nine of ten cycles. Knee: the smallest equal numbers within \
-            2 % of the longest chain, exact where all smaller ones were placed. Cheapest: the \
-            fewest elements within 2 %, unequal numbers included."
+            2 % of the longest chain, exact where one of each kind less was placed too. Cheapest: \
+            the fewest elements within 2 %, unequal numbers included where they were placed."
             .to_owned(),
         columns: columns(&[
             "model",

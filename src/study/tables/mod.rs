@@ -8,6 +8,7 @@ mod orders;
 mod points;
 mod ranks;
 mod reasons;
+mod resources;
 
 use super::results::Results;
 use super::table::Table;
@@ -15,6 +16,7 @@ use super::table::Table;
 /// All tables for which the study has points.
 pub fn all(results: &Results) -> Vec<Table> {
     let mut tables = operators::tables();
+    tables.extend(resources::table(results));
     tables.extend(ranks::table(results));
     tables.extend(orders::table(results));
     tables.extend(cases::table(results));
