@@ -19,9 +19,6 @@ use crate::model::{Anchor, Cut, CutKind};
 
 /// One row.
 pub(super) struct Row {
-    /// Its place in the model: cut and row of the cut, from 0.
-    pub(super) cut: usize,
-    pub(super) row: usize,
     pub(super) h: Scalar,
     /// Entries of the Jacobian by joint; joints that are missing are zero.
     pub(super) jacobian: Vec<(usize, Scalar)>,
@@ -191,8 +188,6 @@ impl Writer<'_, '_, '_> {
             let h = self.difference("h", k, positions[0][k], positions[1][k]);
             let jdqd = self.difference("jdqd", k, seconds[0].0[k], seconds[1].0[k]);
             rows.push(Row {
-                cut: self.number,
-                row: k,
                 h,
                 jacobian: Self::entries(&jacobians, |column| column.1[k]),
                 jdqd,
@@ -223,8 +218,6 @@ impl Writer<'_, '_, '_> {
             let h = self.equations.define(self.label("h", 3 + k), sum);
             let jdqd = self.difference("jdqd", 3 + k, seconds[0].1[k], seconds[1].1[k]);
             rows.push(Row {
-                cut: self.number,
-                row: 3 + k,
                 h,
                 jacobian: Self::entries(&jacobians, |column| column.2[k]),
                 jdqd,
@@ -273,8 +266,6 @@ impl Writer<'_, '_, '_> {
         }
         jacobian.sort_unstable_by_key(|&(joint, _)| joint);
         rows.push(Row {
-            cut: self.number,
-            row: 0,
             h,
             jacobian,
             jdqd: self.rod_acceleration(ends, &span),
