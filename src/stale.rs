@@ -219,6 +219,10 @@ fn body(model: &Model, equations: &Module, function: &Function, comparison: &mut
     let Some(kind) = kind_of(function) else {
         return;
     };
+    if kind == FunctionKind::Accelred {
+        // Its calls of the user's functions differ from generator to generator.
+        return;
+    }
     let request = Request {
         options: Options {
             all_parameters: metadata(function, "all_parameter_symbols").is_some(),

@@ -195,6 +195,21 @@ fn huge_and_hostile_files_are_refused_in_time() {
 }
 
 #[test]
+fn equations_that_would_fill_the_memory_are_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let model = folder.path().join("chain.mbs");
+    fs::write(&model, write_mbs(&Family::Serial.build(JOINT_LIMIT, 1))).expect("room for it");
+    let model = model.to_str().expect("a plain name");
+    for function in ["dirdyna", "gensensor"] {
+        let output = robovec(&["gen", model, "--function", function]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(message.contains("2001000 ancestors"), "{message}");
+        assert!(output.stdout.is_empty());
+    }
+}
+
+#[test]
 fn encodings_are_told_apart() {
     let text = "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n".to_owned()
         + &write_mbs(&Family::DoublePendulum.build(2, 1)).replace("Upper", "Père");

@@ -204,6 +204,20 @@ pub enum GenerateError {
     /// The lists of the model do not fit together.
     #[error("the model '{0}' is inconsistent")]
     Inconsistent(String),
+    /// The equations would fill the memory.
+    #[error(
+        "the joints of '{model}' have {pairs} ancestors, themselves included; more than {limit} \
+         would give hundreds of millions of bytes of equations (the formulation 'articulated' has \
+         no such limit)"
+    )]
+    TooLarge {
+        /// The name of the model.
+        model: String,
+        /// The pairs of a joint and an ancestor or itself.
+        pairs: usize,
+        /// The most that are allowed.
+        limit: usize,
+    },
     /// The formulation cannot give the function.
     #[error("the formulation '{formulation}' does not give {function}; these do: {possible}")]
     NotGiven {
@@ -242,6 +256,31 @@ pub enum GenerateError {
     Loops(String),
 }
 
+/// The most pairs of a joint and one of its ancestors or itself: those of a
+/// chain of 446 joints. Each takes some 70 operations.
+const PAIR_LIMIT: usize = 100_000;
+
+/// Refuses functions that grow with the pairs of a joint and its ancestors, for
+/// models that have too many.
+fn within_limit(model: &Model, request: &Request) -> Result<(), GenerateError> {
+    let grows = match request.function {
+        FunctionKind::Dirdyna | FunctionKind::Accelred => {
+            request.formulation != Formulation::Articulated
+        }
+        FunctionKind::Gensensor => true,
+        _ => false,
+    };
+    let pairs = model.pairs();
+    if grows && pairs > PAIR_LIMIT {
+        return Err(GenerateError::TooLarge {
+            model: model.name.clone(),
+            pairs,
+            limit: PAIR_LIMIT,
+        });
+    }
+    Ok(())
+}
+
 /// Generates a function of a model, at the equations level. Sensor functions
 /// come as one function for each sensor (`sensor_1`).
 ///
@@ -268,6 +307,7 @@ pub fn generate_into(
         return Err(GenerateError::Inconsistent(model.name.clone()));
     }
     formulation::check(model, request)?;
+    within_limit(model, request)?;
     let cases = match request.function {
         FunctionKind::Sensor => model.sensors.len() + model.forces.len(),
         FunctionKind::Gensensor => model.joints.len(),

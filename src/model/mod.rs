@@ -383,6 +383,17 @@ impl Model {
         std::iter::successors(joint, |&joint| self.joints[joint].parent)
     }
 
+    /// The number of pairs of a joint and one of its ancestors or itself: the
+    /// entries of a triangle of the mass matrix that are not structurally zero.
+    pub fn pairs(&self) -> usize {
+        let mut depths = Vec::with_capacity(self.joints.len());
+        for joint in &self.joints {
+            // A parent has a smaller index.
+            depths.push(1 + joint.parent.map_or(0, |parent| depths[parent]));
+        }
+        depths.iter().sum()
+    }
+
     /// Derives from the bodies what joints hang on.
     pub(crate) fn connect(&mut self) {
         for index in 0..self.bodies.len() {

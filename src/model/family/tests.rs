@@ -30,6 +30,7 @@ fn known_topologies_have_the_joints_and_operations_of_the_thesis() {
     ];
     for (topology, joints, operations) in table {
         assert_eq!(topology.joints(), joints);
+        assert_eq!(tree("t", &topology, 1).pairs(), topology.pairs());
         let ratio = topology.pairs() as f64 * 72.5 / operations;
         // A body on the base costs less than a pair on average.
         let allowed = if topology.trunk == 0 { 0.08 } else { 0.03 };
