@@ -17,8 +17,9 @@ use rustc_hash::FxBuildHasher;
 pub(super) struct Body {
     pub(super) text: Text,
     pub(super) printer: Printer,
-    /// The temporaries of C, in order, each once.
-    pub(super) declared: Vec<Box<str>>,
+    /// C's declarations of the temporaries, in order.
+    pub(super) declarations: String,
+    /// Those that several cases of a sensor file may have.
     known: HashSet<Box<str>, FxBuildHasher>,
     section: Section,
 }
@@ -187,7 +188,11 @@ impl File<'_> {
             },
         );
         let name = self.names.text(node.name, self.symbols);
-        body.declare(name);
+        // The names of one function differ; those of its cases need not.
+        match self.functions.len() {
+            1 => body.declare(name),
+            _ => body.declare_once(name),
+        }
         body.text.begin();
         body.text.push(name);
         body.text.push(" = ");
@@ -277,17 +282,26 @@ impl Body {
         Body {
             text: Text::new(language),
             printer: Printer::default(),
-            declared: Vec::new(),
+            declarations: String::new(),
             known: HashSet::default(),
             section: Section::Start,
         }
     }
 
-    /// Notes a temporary, for the header of C.
+    /// Declares a temporary, for the header of C.
     fn declare(&mut self, name: &str) {
+        if self.text.language == Language::C {
+            self.declarations.push_str("double    ");
+            self.declarations.push_str(name);
+            self.declarations.push_str(";\n");
+        }
+    }
+
+    /// As [`Body::declare`], for what other cases may have declared before.
+    fn declare_once(&mut self, name: &str) {
         if self.text.language == Language::C && !self.known.contains(name) {
             self.known.insert(name.into());
-            self.declared.push(name.into());
+            self.declare(name);
         }
     }
 }

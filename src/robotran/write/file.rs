@@ -135,7 +135,7 @@ impl<'a> File<'a> {
         };
         let mut files = vec![(format!("{stem}.{extension}"), file)];
         if self.language == Language::C {
-            files.push((format!("{stem}.h"), declarations(&body.declared)));
+            files.push((format!("{stem}.h"), body.declarations));
         }
         Ok(files)
     }
@@ -201,14 +201,4 @@ fn stem(model: &str) -> String {
     } else {
         stem
     }
-}
-
-fn declarations(declared: &[Box<str>]) -> String {
-    let mut text = String::with_capacity(24 * declared.len());
-    for name in declared {
-        text.push_str("double    ");
-        text.push_str(name);
-        text.push_str(";\n");
-    }
-    text
 }
