@@ -22,7 +22,7 @@ use super::bias::Bias;
 use super::equations::{Equations, Label};
 use super::inertia::{Inertia, SumInertia, SumWrench, Wrench, turn_symmetric};
 use super::parameters::Parameters;
-use super::reduced::{acceleration_input, residual_input};
+use super::reduced::residual_input;
 use super::vector::{Matrix, SumVector, Turn, Vector, ZERO, add_cross, cyclic, define, sums};
 use crate::model::Nature;
 
@@ -103,7 +103,7 @@ impl Articulated<'_, '_, '_> {
             let (blocks, wrench) = self.collect(joint, &carried);
             let unit = blocks.column(parameters.axis(joint), parameters.is_revolute(joint));
             if self.is_driven(joint) {
-                let alone = acceleration_input(self.equations, parameters, joint);
+                let alone = parameters.acceleration(self.equations, joint);
                 shares[joint].alone = alone;
                 let wrench = self.moved(joint, &wrench, &unit, alone);
                 carried[joint] = (blocks, wrench);
@@ -161,10 +161,7 @@ impl Articulated<'_, '_, '_> {
     /// A wrench and a multiple of another.
     fn moved(&mut self, joint: usize, wrench: &Wrench, unit: &Wrench, factor: Scalar) -> Wrench {
         let mut sum = wrench.sums();
-        for k in 0..3 {
-            sum.force[k].add(&[unit.force[k], factor]);
-            sum.torque[k].add(&[unit.torque[k], factor]);
-        }
+        sum.add_scaled(unit, factor);
         sum.define(self.equations, ("FQ", "NQ"), joint, 0)
     }
 

@@ -50,6 +50,8 @@ pub(super) struct Bias<'a, 'm> {
     parameters: &'a Parameters<'m>,
     offsets: &'a [Vector],
     composites: &'a [Inertia],
+    /// Accelerations of the joints; none at all when empty.
+    accelerations: &'a [Scalar],
 }
 
 impl<'a, 'm> Bias<'a, 'm> {
@@ -62,7 +64,24 @@ impl<'a, 'm> Bias<'a, 'm> {
             parameters,
             offsets,
             composites,
+            accelerations: &[],
         }
+    }
+
+    /// The same with accelerations of the joints: their forces are those of
+    /// inverse dynamics.
+    pub(super) fn accelerated(self, accelerations: &'a [Scalar]) -> Self {
+        Bias {
+            accelerations,
+            ..self
+        }
+    }
+
+    fn acceleration(&self, joint: usize) -> Scalar {
+        self.accelerations
+            .get(joint)
+            .copied()
+            .unwrap_or(Scalar::ZERO)
     }
 
     /// `c` of every joint.
@@ -119,6 +138,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         if !parameters.is_revolute(joint) {
             let velocity = before.velocity;
             let [_, slide_b, slide_c] = self.slide(equations, joint, &velocity);
+            linear[a].add(&[self.acceleration(joint)]);
             linear[b].add(&[slide_b]);
             linear[c].add(&[slide_c]);
             return Motion {
@@ -129,6 +149,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         velocity[a].add(&[rate]);
         let velocity = define(equations, "OM", joint, 0, velocity);
         let [_, rate_b, rate_c] = self.rates(equations, joint, &velocity);
+        angular[a].add(&[self.acceleration(joint)]);
         angular[b].add(&[rate_c]);
         angular[c].subtract(&[rate_b]);
         let angular = define(equations, "OA", joint, 0, angular);
@@ -254,9 +275,9 @@ impl<'a, 'm> Bias<'a, 'm> {
         equations.define(Label::new("JE", 0, joint + 1), sum)
     }
 
-    /// The wrench that a joint's velocity adds to the rigid motion of its
-    /// composite; its component along the axis is zero. `before` is the
-    /// angular velocity of the frame before the joint.
+    /// The wrench that a joint's velocity and acceleration add to the rigid
+    /// motion of its composite; the velocity's has no component along the axis.
+    /// `before` is the angular velocity of the frame before the joint.
     fn change(
         &self,
         equations: &mut Equations,
@@ -269,6 +290,8 @@ impl<'a, 'm> Bias<'a, 'm> {
         let a = self.parameters.axis(joint);
         let (b, c) = cyclic(a);
         let mut wrench = SumWrench::new();
+        let column = composite.column(a, self.parameters.is_revolute(joint));
+        wrench.add_scaled(&column, self.acceleration(joint));
         if !self.parameters.is_revolute(joint) {
             let [_, slide_b, slide_c] = self.slide(equations, joint, &motion.velocity);
             wrench.force[b].add(&[composite.mass, slide_b]);

@@ -73,6 +73,19 @@ pub(super) fn dynamics(equations: &mut Equations, parameters: &Parameters<'_>) -
     Dynamics { mass, bias }
 }
 
+/// Joint forces for given accelerations of the joints.
+pub(super) fn inverse(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    accelerations: &[Scalar],
+) -> Vec<Scalar> {
+    let offsets = parameters.named_offsets(equations);
+    let composites = Inertia::composites(equations, parameters, &offsets);
+    Bias::new(parameters, &offsets, &composites)
+        .accelerated(accelerations)
+        .forces(equations)
+}
+
 /// The entries of `M` of a joint with the joints on its path to the base.
 fn column(
     equations: &mut Equations,

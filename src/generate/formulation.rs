@@ -1,5 +1,6 @@
 //! The recursions equations can be made by, what each needs and gives.
 
+use super::algebra::Scalar;
 use super::composite::Dynamics;
 use super::equations::Equations;
 use super::parameters::Parameters;
@@ -130,8 +131,7 @@ impl Formulation {
     /// neither masses nor forces of joints have one form, which all give.
     pub fn gives(self, function: FunctionKind) -> bool {
         match function {
-            FunctionKind::Dirdyna => self != Formulation::Articulated,
-            FunctionKind::Invdyna => self == Formulation::Recursive,
+            FunctionKind::Dirdyna | FunctionKind::Invdyna => self != Formulation::Articulated,
             _ => true,
         }
     }
@@ -143,7 +143,10 @@ impl Formulation {
 
     /// What the equations of a function need.
     pub fn requirements(self, function: FunctionKind) -> Requirements {
-        let dynamics = matches!(function, FunctionKind::Dirdyna | FunctionKind::Accelred);
+        let dynamics = matches!(
+            function,
+            FunctionKind::Dirdyna | FunctionKind::Invdyna | FunctionKind::Accelred
+        );
         Requirements {
             // The recursive family does with or without, see `Options`.
             true_sin_cos: self != Formulation::Recursive && dynamics,
@@ -196,6 +199,30 @@ pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, req
         }
         // It gives neither, and was refused.
         Formulation::Articulated => {}
+    }
+}
+
+/// Writes `Qq`, the joint forces that cause the accelerations `qdd`.
+pub(super) fn inverse(equations: &mut Equations, parameters: &Parameters<'_>, request: &Request) {
+    let accelerations: Vec<Scalar> = (0..parameters.joints())
+        .map(|joint| parameters.acceleration(equations, joint))
+        .collect();
+    let given = &accelerations;
+    let forces = match request.formulation {
+        Formulation::Recursive => {
+            recursive::inverse(equations, parameters, &request.options, given)
+        }
+        Formulation::Composite | Formulation::CompositeBase => {
+            composite::inverse(equations, parameters, given)
+        }
+        Formulation::Prefix { network, origin } => {
+            prefix::inverse(equations, parameters, (network, origin), given)
+        }
+        // It gives none, and was refused.
+        Formulation::Articulated => Vec::new(),
+    };
+    for (joint, value) in forces.into_iter().enumerate() {
+        equations.output("Qq", &[joint + 1], value);
     }
 }
 

@@ -70,6 +70,14 @@ impl SumWrench {
         }
     }
 
+    /// Adds a multiple of a wrench about the same origin.
+    pub(super) fn add_scaled(&mut self, other: &Wrench, factor: Scalar) {
+        for k in 0..3 {
+            self.force[k].add(&[other.force[k], factor]);
+            self.torque[k].add(&[other.torque[k], factor]);
+        }
+    }
+
     /// Names the components.
     pub(super) fn define(
         self,

@@ -345,7 +345,7 @@ fn write(model: &Model, request: &Request, case: usize) -> Result<Equations, Gen
                 equations.output("M", &[1, 1], Scalar::ZERO);
             }
         }
-        FunctionKind::Invdyna => recursive::inverse(equations, parameters, options),
+        FunctionKind::Invdyna => formulation::inverse(equations, parameters, request),
         FunctionKind::ConsHJ => constraints::position(equations, parameters, options),
         FunctionKind::ConsJdqd => constraints::acceleration(equations, parameters, options),
         FunctionKind::Link => link::write(equations, parameters, options),

@@ -181,6 +181,15 @@ impl<'m> Parameters<'m> {
             .collect()
     }
 
+    /// The acceleration of a joint: an input, or zero for one at rest.
+    pub(super) fn acceleration(&self, equations: &mut Equations, joint: usize) -> Scalar {
+        if self.model.joints[joint].has_acceleration {
+            equations.input("qdd", &[joint + 1])
+        } else {
+            Scalar::ZERO
+        }
+    }
+
     /// The joints of the direct children of every joint.
     pub(super) fn children(&self) -> Vec<Vec<usize>> {
         let mut children = vec![Vec::new(); self.joints()];

@@ -41,22 +41,27 @@ pub(super) fn dynamics(
     origin: Origin,
 ) -> Dynamics {
     let offsets = parameters.named_offsets(equations);
-    let hubs = match origin {
-        Origin::Base => vec![None; parameters.joints()],
-        Origin::Body => hubs(parameters),
-    };
-    let behind: Vec<bool> = (0..parameters.joints())
-        .map(|joint| origin == Origin::Base || hubs[joint].is_some_and(|hub| hub != joint))
+    let mut form = Prefix::new(equations, parameters, (network, origin), &offsets, &[]);
+    let (twists, loads) = form.loads();
+    let bias = form.forces(&twists, &loads);
+    let mass = (0..loads.len())
+        .map(|joint| form.column(joint, &twists, &loads[joint].inertia))
         .collect();
-    let mut form = Prefix {
-        equations,
-        parameters,
-        offsets: &offsets,
-        network,
-        origin,
-        behind,
-    };
-    form.dynamics()
+    Dynamics { mass, bias }
+}
+
+/// Joint forces for given accelerations of the joints.
+pub(super) fn inverse(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    (network, origin): (Network, Origin),
+    accelerations: &[Scalar],
+) -> Vec<Scalar> {
+    let offsets = parameters.named_offsets(equations);
+    let form = (network, origin);
+    let mut form = Prefix::new(equations, parameters, form, &offsets, accelerations);
+    let (twists, loads) = form.loads();
+    form.forces(&twists, &loads)
 }
 
 /// What bodies add up to: a wrench and an inertia about the reference.
@@ -76,14 +81,44 @@ struct Prefix<'e, 'p, 'm> {
     equations: &'e mut Equations,
     parameters: &'p Parameters<'m>,
     offsets: &'p [Vector],
+    /// Accelerations of the joints; none at all when empty.
+    accelerations: &'p [Scalar],
     network: Network,
     origin: Origin,
     /// True for joints that the networks combine, false for stems and hubs.
     behind: Vec<bool>,
 }
 
-impl Prefix<'_, '_, '_> {
-    fn dynamics(&mut self) -> Dynamics {
+impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
+    fn new(
+        equations: &'e mut Equations,
+        parameters: &'p Parameters<'m>,
+        (network, origin): (Network, Origin),
+        offsets: &'p [Vector],
+        accelerations: &'p [Scalar],
+    ) -> Self {
+        let behind = match origin {
+            Origin::Base => vec![true; parameters.joints()],
+            Origin::Body => {
+                let hubs = hubs(parameters);
+                let is_behind =
+                    |(joint, hub): (usize, &Option<usize>)| hub.is_some_and(|hub| hub != joint);
+                hubs.iter().enumerate().map(is_behind).collect()
+            }
+        };
+        Prefix {
+            equations,
+            parameters,
+            offsets,
+            accelerations,
+            network,
+            origin,
+            behind,
+        }
+    }
+
+    /// The twists of all joints, and what they carry.
+    fn loads(&mut self) -> (Vec<Twist>, Vec<Load>) {
         let stem = self.stem();
         let Motions { poses, motions } = self.motions(&stem);
         let loads: Vec<Load> = (0..self.behind.len())
@@ -91,25 +126,30 @@ impl Prefix<'_, '_, '_> {
             .collect();
         let mut loads = self.sums(&loads);
         self.collect_stem(&mut loads);
-        let twists: Vec<Twist> = poses
-            .iter()
-            .enumerate()
-            .map(|(joint, pose)| Twist::new(self.equations, self.parameters, joint, pose))
-            .collect();
-        let bias = (0..loads.len())
-            .map(|joint| {
-                if self.behind[joint] {
-                    let label = Label::new("c", 0, joint + 1);
-                    product(self.equations, label, &twists[joint], &loads[joint].wrench)
-                } else {
-                    loads[joint].wrench.along(self.parameters, joint)
-                }
-            })
-            .collect();
-        let mass = (0..loads.len())
-            .map(|joint| self.column(joint, &twists, &loads[joint].inertia))
-            .collect();
-        Dynamics { mass, bias }
+        let twist = |(joint, pose)| Twist::new(self.equations, self.parameters, joint, pose);
+        (poses.iter().enumerate().map(twist).collect(), loads)
+    }
+
+    /// The components of what joints carry along their axes.
+    fn forces(&mut self, twists: &[Twist], loads: &[Load]) -> Vec<Scalar> {
+        let force = |(joint, load): (usize, &Load)| {
+            if self.behind[joint] {
+                let label = Label::new("c", 0, joint + 1);
+                product(self.equations, label, &twists[joint], &load.wrench)
+            } else {
+                load.wrench.along(self.parameters, joint)
+            }
+        };
+        loads.iter().enumerate().map(force).collect()
+    }
+
+    /// A multiple of a joint's acceleration, zero without accelerations.
+    fn accelerate(&self, joint: usize, axis: &Vector, step: &mut SumVector) {
+        if let Some(&acceleration) = self.accelerations.get(joint) {
+            for (component, &direction) in step.iter_mut().zip(axis) {
+                component.add(&[direction, acceleration]);
+            }
+        }
     }
 
     /// The parents of the joints that networks combine; joints of stems and
@@ -125,7 +165,7 @@ impl Prefix<'_, '_, '_> {
 
     /// The motions of stems and hubs, in their own frames.
     fn stem(&mut self) -> Vec<Motion> {
-        let bias = Bias::new(self.parameters, self.offsets, &[]);
+        let bias = Bias::new(self.parameters, self.offsets, &[]).accelerated(self.accelerations);
         let mut motions: Vec<Motion> = Vec::with_capacity(self.behind.len());
         for joint in 0..self.behind.len() {
             motions.push(if self.behind[joint] {
@@ -181,7 +221,10 @@ impl Prefix<'_, '_, '_> {
                 define(self.equations, "OS", joint, 0, spin)
             })
             .collect();
-        let motions = self.velocities(stem, &forest, &levers, &spins);
+        let directions: Vec<Vector> = joints
+            .map(|joint| axes[joint][parameters.axis(joint)])
+            .collect();
+        let motions = self.velocities(stem, &forest, &levers, [&spins, &directions]);
         Motions { poses, motions }
     }
 
@@ -262,7 +305,7 @@ impl Prefix<'_, '_, '_> {
         stem: &[Motion],
         forest: &[Option<usize>],
         levers: &[Vector],
-        spins: &[Vector],
+        [spins, directions]: [&[Vector]; 2],
     ) -> Vec<Motion> {
         let parameters = self.parameters;
         let count = self.behind.len();
@@ -285,6 +328,9 @@ impl Prefix<'_, '_, '_> {
                 let mut cross = sums();
                 let velocity = before(self, joint, &velocities, |motion| motion.velocity);
                 add_cross(&mut cross, &velocity, &own[joint], false);
+                if revolute(joint) {
+                    self.accelerate(joint, &directions[joint], &mut cross);
+                }
                 define(self.equations, "OX", joint, 0, cross)
             })
             .collect();
@@ -314,6 +360,7 @@ impl Prefix<'_, '_, '_> {
                 let mut step = sums();
                 add_matrix_product(&mut step, &tilde, &levers[joint]);
                 if !revolute(joint) {
+                    self.accelerate(joint, &directions[joint], &mut step);
                     let two = self.equations.number(2.0);
                     let mut cross = sums();
                     let velocity = before(self, joint, &velocities, |motion| motion.velocity);

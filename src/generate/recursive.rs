@@ -76,23 +76,16 @@ pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, opt
     }
 }
 
-/// Writes `Qq`, the joint forces that cause the accelerations `qdd`.
-pub(super) fn inverse(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
-    let accelerations: Vec<Scalar> = (0..parameters.joints())
-        .map(|joint| {
-            if parameters.model.joints[joint].has_acceleration {
-                equations.input("qdd", &[joint + 1])
-            } else {
-                Scalar::ZERO
-            }
-        })
-        .collect();
+/// Joint forces for given accelerations of the joints.
+pub(super) fn inverse(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    options: &Options,
+    accelerations: &[Scalar],
+) -> Vec<Scalar> {
     let mut recursion = Recursion::new(equations, parameters, options, &INVERSE);
-    recursion.forward(&accelerations);
-    let forces = recursion.backward();
-    for (joint, value) in forces.into_iter().enumerate() {
-        recursion.equations.output("Qq", &[joint + 1], value);
-    }
+    recursion.forward(accelerations);
+    recursion.backward()
 }
 
 pub(super) struct Recursion<'e, 'p, 'm> {

@@ -26,19 +26,6 @@ use super::{GenerateError, Options};
 use crate::model::{Model, Nature};
 use crate::motion;
 
-/// The acceleration of a driven joint: an input, or zero.
-pub(super) fn acceleration_input(
-    equations: &mut Equations,
-    parameters: &Parameters<'_>,
-    joint: usize,
-) -> Scalar {
-    if parameters.model.joints[joint].has_acceleration {
-        equations.input("qdd", &[joint + 1])
-    } else {
-        Scalar::ZERO
-    }
-}
-
 /// `Qq - c` of a joint, less what given accelerations take.
 pub(super) fn residual_input(
     equations: &mut Equations,
@@ -72,7 +59,7 @@ pub(super) fn accelerations(
     let partition = Partition::new(model)?;
     for joint in 0..model.joints.len() {
         if model.joints[joint].nature == Nature::Driven {
-            reduction.given[joint] = acceleration_input(reduction.equations, parameters, joint);
+            reduction.given[joint] = parameters.acceleration(reduction.equations, joint);
         }
     }
     let loops = reduction.loops(&partition, options)?;
