@@ -201,3 +201,53 @@ fn plans_that_are_wrong_are_refused_with_a_caret() {
         });
     });
 }
+
+#[test]
+fn the_thesis_bogie_is_within_four_per_cent_of_its_rows() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let output = study(
+        Path::new("thesis"),
+        folder,
+        &[
+            "--models",
+            "bogie,serial-23",
+            "--pe",
+            "1,4",
+            "--machines",
+            "thesis",
+        ],
+    );
+    assert!(output.status.success());
+    let table = read(&folder.join("tables/table-3.1.json"));
+    let table: serde_json::Value = serde_json::from_str(&table).expect("JSON");
+    let rows = table["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 4);
+    // Columns 11 to 13: the ratios of operations, ASAP and ASAPCycle.
+    for row in rows.iter().filter(|row| row[2] == "printed") {
+        for ratio in (11..14).map(|column| row[column].as_f64().expect("a ratio")) {
+            assert!((0.96..1.04).contains(&ratio), "{row}");
+        }
+    }
+    // The figure Y of the modified serial system cannot be right.
+    assert_eq!(rows[3][10]["doubtful"].as_f64(), Some(12.25));
+    assert!(rows[3][14].is_null());
+    assert!(
+        rows[3][15]
+            .as_str()
+            .is_some_and(|reason| reason.contains("16.12"))
+    );
+    for name in [
+        "figure-1.9",
+        "figure-2.4",
+        "figure-3.4",
+        "figure-3.9",
+        "figure-3.15",
+        "figure-3.33",
+    ] {
+        assert!(
+            folder.join(format!("figures/{name}.svg")).is_file(),
+            "{name}"
+        );
+    }
+}

@@ -1,6 +1,7 @@
 //! Tables of results: one structure, written as CSV, JSON and HTML.
 
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 /// A table.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -18,22 +19,38 @@ pub struct Table {
 }
 
 /// A cell.
-#[derive(Clone, PartialEq, Debug, Serialize)]
-#[serde(untagged)]
+#[derive(Clone, PartialEq, Debug)]
 pub enum Cell {
     /// Nothing to tell.
     Empty,
     /// A whole number.
     Count(u64),
     /// A number, printed with at most this many decimals.
-    Number(f64, #[serde(skip)] u8),
+    Number(f64, u8),
     /// Text.
     Text(String),
-    /// A figure of the thesis that cannot be right, shown struck through.
+    /// A figure of the thesis that cannot be right, shown struck through; in
+    /// JSON `{"doubtful": 12488}`.
     Doubtful {
         /// The figure as printed.
         doubtful: f64,
     },
+}
+
+impl Serialize for Cell {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Cell::Empty => serializer.serialize_none(),
+            Cell::Count(count) => serializer.serialize_u64(*count),
+            Cell::Number(number, _) => serializer.serialize_f64(*number),
+            Cell::Text(text) => serializer.serialize_str(text),
+            Cell::Doubtful { doubtful } => {
+                let mut map = serializer.serialize_map(Some(1))?;
+                map.serialize_entry("doubtful", doubtful)?;
+                map.end()
+            }
+        }
+    }
 }
 
 impl Cell {
@@ -122,6 +139,9 @@ mod tests {
                 Cell::Doubtful { doubtful: 12488.0 },
             ]],
         };
+        let json = serde_json::to_value(&table.rows).expect("plain data");
+        let expected = serde_json::json!([["a \"bogie\"", 7.42, { "doubtful": 12488.0 }]]);
+        assert_eq!(json, expected);
         assert_eq!(
             table.to_csv(),
             "\"system, name\",Y,path\n\"a \"\"bogie\"\"\",7.42,12488?\n"

@@ -2,7 +2,7 @@
 
 use super::super::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
 use super::super::plan::Printed;
-use super::super::printed::Topology;
+use super::super::printed::{System, Topology};
 use super::super::results::Results;
 use super::super::variants;
 use super::{ladder, pipeline_label};
@@ -86,11 +86,17 @@ fn figure(
 
 /// The number `n` of Figure 3.n that shows this program's counterpart.
 fn number(results: &Results, model: usize, pipeline: usize) -> Option<u32> {
-    let system = results.system(model)?;
+    number_of(
+        results.system(model)?,
+        results.plan.pipelines[pipeline].printed?,
+    )
+}
+
+fn number_of(system: &System, printed: Printed) -> Option<u32> {
     let size = [23, 50, 70, 100, 130]
         .iter()
         .position(|&dof| dof == system.dof)? as u32;
-    match results.plan.pipelines[pipeline].printed? {
+    match printed {
         Printed::Original => Some(match system.topology {
             Topology::Bogie => 15,
             Topology::Mixed => 16,
@@ -109,5 +115,23 @@ fn number(results: &Results, model: usize, pipeline: usize) -> Option<u32> {
                 Topology::Parallel => Some(first + 2),
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::printed::thesis;
+    use super::*;
+
+    #[test]
+    fn every_figure_from_3_15_to_3_38_has_one_counterpart() {
+        let mut numbers: Vec<u32> = thesis()
+            .systems
+            .iter()
+            .flat_map(|system| [(system, Printed::Original), (system, Printed::Modified)])
+            .filter_map(|(system, printed)| number_of(system, printed))
+            .collect();
+        numbers.sort_unstable();
+        assert_eq!(numbers, (15..=38).collect::<Vec<u32>>());
     }
 }

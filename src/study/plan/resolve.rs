@@ -154,10 +154,16 @@ impl Resolver<'_> {
         }
         self.plan.models = match &self.selection.models {
             None => all,
-            Some(wanted) => wanted
-                .iter()
-                .map(|wanted| pick_model(&all, wanted, &usual))
-                .collect(),
+            Some(wanted) => {
+                let mut models: Vec<Subject> = Vec::new();
+                for wanted in wanted {
+                    let model = pick_model(&all, wanted, &usual);
+                    if !models.contains(&model) {
+                        models.push(unique(model, &models));
+                    }
+                }
+                models
+            }
         };
         let headline = headline.map(|headline| headline.get_ref());
         let found = self.plan.models.iter();
@@ -219,6 +225,14 @@ impl Resolver<'_> {
             return;
         };
         for wanted in wanted {
+            if self
+                .plan
+                .pipelines
+                .iter()
+                .any(|known| known.name == *wanted)
+            {
+                continue;
+            }
             if let Some(known) = all.iter().find(|known| known.name == *wanted) {
                 self.plan.pipelines.push(known.clone());
                 continue;
@@ -485,6 +499,18 @@ fn pick_model(all: &[Subject], wanted: &str, style: &Style) -> Subject {
     }
 }
 
+/// The model with a name that no other has: files in different folders may
+/// share theirs.
+fn unique(mut model: Subject, others: &[Subject]) -> Subject {
+    let stem = model.name.clone();
+    let mut number = 1;
+    while others.iter().any(|other| other.name == model.name) {
+        number += 1;
+        model.name = format!("{stem}-{number}");
+    }
+    model
+}
+
 /// A pipeline that leaves its function ready to be placed.
 fn read_pipeline(text: &str) -> Result<Pipeline, String> {
     let pipeline = pipeline::parse(text).map_err(|error| {
@@ -503,4 +529,50 @@ fn read_pipeline(text: &str) -> Result<Pipeline, String> {
         return Err("the pipeline does not contain 'atomise', which placement needs".to_owned());
     }
     Ok(pipeline)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_ir::Machine;
+
+    fn machine(name: &str) -> Result<Machine, Report> {
+        Machine::built_in(name).ok_or_else(Report::new)
+    }
+
+    fn thesis(selection: &Selection) -> Plan {
+        resolve("thesis.toml", super::super::THESIS, selection, &machine)
+            .expect("the built-in plan is right")
+    }
+
+    #[test]
+    fn the_plan_of_the_thesis_has_a_model_for_every_system() {
+        let plan = thesis(&Selection::default());
+        for system in printed::systems() {
+            let stands = |model: &&Subject| model.printed.as_deref() == Some(system);
+            assert_eq!(plan.models.iter().filter(stands).count(), 1, "{system}");
+        }
+        assert_eq!(plan.models[plan.headline].name, "bogie");
+        assert!(plan.requests.is_sorted());
+        // All couples of Table 1.3 and the machine of the thesis.
+        assert_eq!(plan.machines.len(), 16);
+    }
+
+    #[test]
+    fn files_of_one_name_become_two_models_and_repetitions_one() {
+        let words = |words: &[&str]| Some(words.iter().map(|&word| word.to_owned()).collect());
+        let plan = thesis(&Selection {
+            models: words(&["a/x.m", "b/x.m", "a/x.m", "serial-23", "serial-23"]),
+            pipelines: words(&["printed", "printed", "atomise,cse"]),
+            ..Selection::default()
+        });
+        let names: Vec<&str> = plan
+            .models
+            .iter()
+            .map(|model| model.name.as_str())
+            .collect();
+        assert_eq!(names, ["x", "x-2", "serial-23"]);
+        assert_eq!(plan.headline, 0);
+        assert_eq!(plan.pipelines.len(), 2);
+    }
 }
