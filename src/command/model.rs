@@ -69,8 +69,16 @@ pub(super) fn run(arguments: &ModelArguments) -> Result<String, Failure> {
 fn freshness(model: &Model, files: &[PathBuf]) -> Result<String, Failure> {
     let mut lines = String::new();
     let mut report = Report::new();
+    let mut unreadable = 0;
     for path in files {
-        let input = input::equations(path, None)?;
+        let input = match input::equations(path, None) {
+            Ok(input) => input,
+            Err(failure) => {
+                failure.emit();
+                unreadable += 1;
+                continue;
+            }
+        };
         let comparison = stale::compare(model, &input.module);
         let verdict = if comparison.is_stale() {
             "stale".to_owned()
@@ -97,6 +105,12 @@ fn freshness(model: &Model, files: &[PathBuf]) -> Result<String, Failure> {
             }
             report.push(diagnostic);
         }
+    }
+    if unreadable > 0 {
+        report.push(Diagnostic::error().with_message(format!(
+            "{unreadable} of {} files cannot be compared: they are no equations",
+            files.len()
+        )));
     }
     if !report.has_errors() {
         report.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();

@@ -40,8 +40,7 @@ fn read_cut(
     let kind = node.tag_name().name();
     let one: &[&str] = match kind {
         "rod" => &["name", "endpoint1", "endpoint2", "length"],
-        "ball" => &["name", "endpoint1", "endpoint2", "ignore"],
-        _ => &["name", "endpoint1", "endpoint2"],
+        _ => &["name", "endpoint1", "endpoint2", "ignore"],
     };
     let fields = Fields::of(node, one, &[], messages);
     let (name, ends) = name_and_ends(&fields, scope, model, messages);
@@ -52,7 +51,16 @@ fn read_cut(
         _ => CutKind::Solid,
     };
     let mut ignore = [false; 3];
-    if let Some(node) = fields.one("ignore") {
+    if let Some(node) = fields.one("ignore")
+        && kind == CutKind::Solid
+    {
+        messages.error(
+            place(node),
+            &format!("{owner} ignores directions"),
+            "only a ball can",
+            "close the loop with a ball, or with rods, where less than six directions are held",
+        );
+    } else if let Some(node) = fields.one("ignore") {
         let axes = ["x", "y", "z"];
         let listed = Fields::of(node, &axes, &[], messages);
         ignore = axes.map(|axis| listed.one(axis).is_some());
