@@ -57,16 +57,17 @@ fn compare(
 #[test]
 fn sensors_agree_with_the_motion_of_their_points() {
     each(DEVICES, |case| {
+        // The points of external forces count behind the sensors.
+        let sensors = case.model.sensors.iter().chain(&case.model.forces);
+        let points = sensors.map(|sensor| of_point(case, sensor.point));
+        let points: Vec<Point<Double>> = points.collect();
         for request in requests(FunctionKind::Sensor) {
             let module = case.generate(&request);
-            // The points of external forces count behind the sensors.
-            let sensors = case.model.sensors.iter().chain(&case.model.forces);
-            for (index, sensor) in sensors.enumerate() {
+            for (index, expected) in points.iter().enumerate() {
                 let name = format!("sensor_{}", index + 1);
                 let outputs = Outputs::of(case, &module, &name, &case.inputs());
                 let jacobian = index < case.model.sensors.len();
-                let expected = of_point(case, sensor.point);
-                compare(case, &outputs, ("sens.", ""), jacobian, &expected);
+                compare(case, &outputs, ("sens.", ""), jacobian, expected);
             }
         }
     });
@@ -77,13 +78,14 @@ fn frames_agree_with_their_motion() {
     each(DEVICES, |case| {
         let (tree, state) = case.exact();
         let frames = frames(&tree, &state, zeros());
+        let origin = |joint| point(&tree, &frames, Some(joint), zeros());
+        let origins: Vec<Point<Double>> = (0..frames.len()).map(origin).collect();
         for request in requests(FunctionKind::Gensensor) {
             let module = case.generate(&request);
-            for joint in 0..case.model.joints.len() {
+            for (joint, expected) in origins.iter().enumerate() {
                 let name = format!("gensensor_{}", joint + 1);
                 let outputs = Outputs::of(case, &module, &name, &case.inputs());
-                let expected = point(&tree, &frames, Some(joint), zeros());
-                compare(case, &outputs, ("sens.", ""), false, &expected);
+                compare(case, &outputs, ("sens.", ""), false, expected);
             }
         }
     });
@@ -158,6 +160,9 @@ fn external_forces_agree_with_their_loads_and_their_points() {
         inputs.external.copy_from_slice(&given);
         let given = given.map(|numbers| numbers.map(Double::from));
         let expected = add_external(&case.model, &state, &given);
+        let forces = case.model.forces.iter();
+        let points = forces.map(|force| of_point(case, force.point));
+        let points: Vec<Point<Double>> = points.collect();
         for request in requests(FunctionKind::Extforces) {
             let module = case.generate(&request);
             let outputs = Outputs::of(case, &module, "extforces", &inputs);
@@ -165,10 +170,9 @@ fn external_forces_agree_with_their_loads_and_their_points() {
             case.compare("frc", &frc, &expected_loads(&case.model, &expected.frc));
             let trq = loads(case, &outputs, "trq", &inputs.trq);
             case.compare("trq", &trq, &expected_loads(&case.model, &expected.trq));
-            for (index, force) in case.model.forces.iter().enumerate() {
+            for (index, expected) in points.iter().enumerate() {
                 let suffix = format!("xF{}", index + 1);
-                let expected = of_point(case, force.point);
-                compare(case, &outputs, ("", &suffix), false, &expected);
+                compare(case, &outputs, ("", &suffix), false, expected);
             }
         }
     });

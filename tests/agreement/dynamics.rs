@@ -3,26 +3,30 @@
 use super::{Case, Outputs, PLAIN, each, requests};
 use crate::reference::dynamics::{bias, cholesky, inverse_dynamics, mass_matrix};
 use crate::reference::random::Recipe;
-use robovec::generate::{FunctionKind, Request};
+use robovec::align::align;
+use robovec::generate::{Formulation, FunctionKind, Request};
+use robovec_ir::View;
 use robovec_ir::double_double::Double;
+use robovec_passes::NumericClass;
+use robovec_passes::check::check;
 
-fn check_direct(case: &Case, request: &Request) {
-    let (tree, state) = case.exact();
+fn check_direct(case: &Case, request: &Request, matrix: &[Double], forces: &[Double]) {
     let module = case.generate(request);
     let outputs = Outputs::of(case, &module, "dirdyna", &case.inputs());
-    let matrix = mass_matrix(&tree, &state).concat();
     let none = vec![0.0; matrix.len()];
-    case.compare("M", outputs.array("M").unwrap_or(&none), &matrix);
-    let expected = bias(&tree, &state);
-    let none = vec![0.0; expected.len()];
-    case.compare("c", outputs.array("c").unwrap_or(&none), &expected);
+    case.compare("M", outputs.array("M").unwrap_or(&none), matrix);
+    let none = vec![0.0; forces.len()];
+    case.compare("c", outputs.array("c").unwrap_or(&none), forces);
 }
 
 #[test]
 fn mass_matrix_and_bias_agree_in_every_formulation() {
     each(PLAIN, |case| {
+        let (tree, state) = case.exact();
+        let matrix = mass_matrix(&tree, &state).concat();
+        let forces = bias(&tree, &state);
         for request in requests(FunctionKind::Dirdyna) {
-            check_direct(case, &request);
+            check_direct(case, &request, &matrix, &forces);
         }
     });
 }
@@ -31,10 +35,10 @@ fn mass_matrix_and_bias_agree_in_every_formulation() {
 fn inverse_dynamics_agree_in_every_formulation() {
     each(PLAIN, |case| {
         let (tree, state) = case.exact();
+        let expected = inverse_dynamics(&tree, &state);
         for request in requests(FunctionKind::Invdyna) {
             let module = case.generate(&request);
             let outputs = Outputs::of(case, &module, "invdyna", &case.inputs());
-            let expected = inverse_dynamics(&tree, &state);
             let none = vec![0.0; expected.len()];
             case.compare("Qq", outputs.array("Qq").unwrap_or(&none), &expected);
         }
@@ -63,6 +67,40 @@ fn the_mass_matrix_is_symmetric_and_positive_definite() {
                 }
             }
             assert!(cholesky(&mut rows).is_some(), "seed {}", case.seed);
+        }
+    });
+}
+
+/// Formulations that are polynomials are the same one: their outputs agree at
+/// random points of a prime field, where nothing is rounded.
+#[test]
+fn formulations_are_equal_over_the_real_numbers() {
+    each(PLAIN, |case| {
+        let mut first = case.generate(&Request::new(FunctionKind::Dirdyna));
+        let polynomial = |formulation: &Formulation| {
+            let needs = formulation.requirements();
+            !needs.division && !needs.square_root && *formulation != Formulation::default()
+        };
+        for formulation in Formulation::ALL.into_iter().filter(polynomial) {
+            let mut other = case.generate(&Request {
+                formulation,
+                ..Request::new(FunctionKind::Dirdyna)
+            });
+            let (before, after) = align(
+                (&first.functions[0], &mut first.tables),
+                (&other.functions[0], &mut other.tables),
+            );
+            let views = [(&before, &first), (&after, &other)].map(|(function, module)| View {
+                tables: &module.tables,
+                function,
+            });
+            let verdict = check(views[0], views[1], NumericClass::RealTrig, 2, case.seed);
+            assert!(
+                verdict.holds(),
+                "seed {}, {}: {verdict}",
+                case.seed,
+                formulation.name()
+            );
         }
     });
 }
