@@ -124,18 +124,42 @@ pub(super) fn energies(model: &Model, state: &State) -> (f64, f64) {
     (kinetic, potential)
 }
 
-/// The distance between two places.
-pub(super) fn distance(model: &Model, state: &State, ends: &[Anchor; 2]) -> f64 {
+/// The positions of places.
+pub(super) fn positions<'a>(
+    model: &'a Model,
+    state: &State,
+    places: impl IntoIterator<Item = Anchor> + 'a,
+) -> impl Iterator<Item = Vector> + 'a {
     let frames = frames(model, state);
-    let [a, b] = ends.each_ref().map(|end| {
+    places.into_iter().map(move |place| {
         let frame = model
-            .last_joint(end.body)
+            .last_joint(place.body)
             .map_or(BASE, |joint| frames[joint]);
-        let place = end
+        let coordinates = place
             .point
             .map_or([0.0; 3], |point| model.points[point].coordinates);
-        frame.point(place).0
+        frame.point(coordinates).0
+    })
+}
+
+/// The lengths of all links.
+pub(super) fn lengths(model: &Model, state: &State) -> Vec<f64> {
+    let ends = model.links.iter().flat_map(|link| link.ends);
+    let positions: Vec<Vector> = positions(model, state, ends).collect();
+    positions
+        .chunks_exact(2)
+        .map(|ends| {
+            let span = add(ends[1], scaled(ends[0], -1.0));
+            dot(span, span).sqrt()
+        })
+        .collect()
+}
+
+/// The positions of the points of all external forces.
+pub(super) fn force_points(model: &Model, state: &State) -> Vec<Vector> {
+    let places = model.forces.iter().map(|force| Anchor {
+        body: model.points[force.point].body,
+        point: Some(force.point),
     });
-    let span = add(b, scaled(a, -1.0));
-    dot(span, span).sqrt()
+    positions(model, state, places).collect()
 }

@@ -163,9 +163,9 @@ impl Equations {
             .collect()
     }
 
-    /// Velocity and angular velocity of the point of each external force, in
-    /// the base frame.
-    pub fn force_motion(&self, state: &State) -> Vec<[[f64; 3]; 2]> {
+    /// Position, velocity and angular velocity of the point of each external
+    /// force, in the base frame.
+    pub fn force_motion(&self, state: &State) -> Vec<[[f64; 3]; 3]> {
         let Some(compiled) = &self.forces else {
             return Vec::new();
         };
@@ -175,7 +175,7 @@ impl Equations {
             [vector[0], vector[1], vector[2]]
         };
         (1..=state.external.len())
-            .map(|number| [vector("VxF", number), vector("OMxF", number)])
+            .map(|number| ["PxF", "VxF", "OMxF"].map(|prefix| vector(prefix, number)))
             .collect()
     }
 

@@ -19,9 +19,11 @@
 //! force = 0.0          # constant pull, N
 //!
 //! [[force]]
-//! name = "push"        # an external force of the model, or "*"
-//! force = [0, 0, 10]   # in the base frame, N
-//! torque = [0, 0, 0]   # in the base frame, N m
+//! name = "tyre"        # an external force of the model, or "*"; all along the
+//! force = [0, 0, 3e3]  # axes of the base: constant, N
+//! torque = [0, 0, 0]   # constant, N m
+//! stiffness = [0, 0, 2e5]  # against the way from the initial place, N/m
+//! damping = [0, 0, 5e2]    # against the velocity, N s/m
 //!
 //! [[driven]]
 //! name = "steering"    # position = offset + amplitude sin(frequency t + phase)
@@ -53,14 +55,19 @@ pub struct Spring {
     pub force: f64,
 }
 
-/// A constant external force at its point.
+/// An external force on a point, along the axes of the base: constant, and
+/// springs and dampers that hold the point where it starts.
 #[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Constant {
-    /// Force in the base frame, N.
+pub struct Support {
+    /// Support force, N.
     pub force: [f64; 3],
-    /// Torque in the base frame, N m.
+    /// Support torque, N m.
     pub torque: [f64; 3],
+    /// Force per displacement, N/m.
+    pub stiffness: [f64; 3],
+    /// Force per velocity, N s/m.
+    pub damping: [f64; 3],
 }
 
 /// The motion of a driven joint.
@@ -99,7 +106,7 @@ pub struct Laws {
     /// One for each link.
     pub links: Vec<Spring>,
     /// One for each external force.
-    pub forces: Vec<Constant>,
+    pub forces: Vec<Support>,
     /// One for each joint; only those of driven joints count.
     pub drives: Vec<Drive>,
 }
@@ -134,7 +141,7 @@ impl Laws {
         Laws {
             joints: vec![Spring::default(); model.joints.len()],
             links: vec![Spring::default(); model.links.len()],
-            forces: vec![Constant::default(); model.forces.len()],
+            forces: vec![Support::default(); model.forces.len()],
             drives: vec![Drive::default(); model.joints.len()],
         }
     }

@@ -21,7 +21,7 @@ mod system;
 pub use equations::{Equations, Precision, Setting};
 pub use error::MotionError;
 pub use inputs::{Inputs, State, element_name, parameter};
-pub use laws::{Constant, Drive, Laws, Spring};
+pub use laws::{Drive, Laws, Spring, Support};
 pub use partition::Partition;
 pub use simulation::{Method, Plan, Run, Sample, simulate};
 pub use system::{Energy, System};

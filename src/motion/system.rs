@@ -6,10 +6,9 @@
 //! predicts for them only serves as a start.
 
 use super::equations::Setting;
-use super::laws::Constant;
 use super::linear::{Matrix, dot, solve_positive, solve_square};
 use super::loops::{column, largest};
-use super::{Equations, Laws, MotionError, Partition, Spring, State, energy};
+use super::{Equations, Laws, MotionError, Partition, Spring, State, Support, energy};
 use crate::model::{Model, Nature};
 
 /// A model with its equations and the laws of its forces.
@@ -22,6 +21,8 @@ pub struct System<'m> {
     /// The lengths of links there, as the equations give them. Along one axis
     /// of the common frame they have the axis' sign, and keep it.
     lengths: Vec<f64>,
+    /// Where the points of external forces start.
+    places: Vec<[f64; 3]>,
     partition: Partition,
 }
 
@@ -70,6 +71,7 @@ impl<'m> System<'m> {
             laws,
             initial: state.q.clone(),
             lengths: Vec::new(),
+            places: Vec::new(),
             partition: Partition::default(),
         };
         system.drive(&mut state);
@@ -86,6 +88,7 @@ impl<'m> System<'m> {
         system.divide(&state);
         system.close(&mut state, &system.partition)?;
         system.initial.clone_from(&state.q);
+        system.places = energy::force_points(model, &state);
         let lengths = system.equations.link_lengths(&state);
         system.lengths = lengths.into_iter().map(|[length, _]| length).collect();
         Ok((system, state))
@@ -136,7 +139,7 @@ impl<'m> System<'m> {
             .laws
             .forces
             .iter()
-            .any(|law| *law != Constant::default())
+            .any(|law| *law != Support::default())
         {
             power += self.load_points(state);
         }
@@ -164,13 +167,17 @@ impl<'m> System<'m> {
         let motions = self.equations.force_motion(state);
         for (index, (motion, law)) in motions.iter().zip(&self.laws.forces).enumerate() {
             let point = &self.model.points[self.model.forces[index].point];
+            let [place, velocity, spin] = motion;
+            let mut outside = [0.0; 3];
             for k in 0..3 {
-                state.external[index][k] = law.force[k];
+                outside[k] = law.force[k] - law.damping[k] * velocity[k];
+                let spring = law.stiffness[k] * (place[k] - self.places[index][k]);
+                state.external[index][k] = outside[k] - spring;
                 state.external[index][3 + k] = law.torque[k];
                 state.external[index][6 + k] = point.coordinates[k];
             }
             if point.body.is_some() {
-                power += dot(&law.force, &motion[0]) + dot(&law.torque, &motion[1]);
+                power += dot(&outside, velocity) + dot(&law.torque, spin);
             }
         }
         self.equations.add_forces(state);
@@ -370,11 +377,16 @@ impl<'m> System<'m> {
             let neutral = law.neutral.unwrap_or(self.initial[index]);
             springs += of(law.stiffness, state.q[index] - neutral);
         }
+        let lengths = energy::lengths(self.model, state);
         for (index, law) in self.laws.links.iter().enumerate() {
-            if law.stiffness != 0.0 {
-                let length = energy::distance(self.model, state, &self.model.links[index].ends);
-                let neutral = law.neutral.unwrap_or(self.lengths[index].abs());
-                springs += of(law.stiffness, length - neutral);
+            let neutral = law.neutral.unwrap_or(self.lengths[index].abs());
+            springs += of(law.stiffness, lengths[index] - neutral);
+        }
+        let places = energy::force_points(self.model, state);
+        for (index, law) in self.laws.forces.iter().enumerate() {
+            for k in 0..3 {
+                let way = places[index][k] - self.places[index][k];
+                springs += of(law.stiffness[k], way);
             }
         }
         Energy {

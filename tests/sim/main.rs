@@ -1,5 +1,6 @@
 //! Models in motion: what physics demands of a simulation from end to end.
 
+mod command;
 mod conservation;
 mod equations;
 mod examples;

@@ -138,7 +138,8 @@ pub(crate) fn spring_mechanism() -> (Model, &'static str) {
     assert!(model.check());
     let laws = "[[link]]\nname = 'link1'\nstiffness = 40.0\ndamping = 1.0\nneutral = 0.5\n\
                 force = 2.0\n\
-                [[force]]\nname = 'push'\nforce = [1.0, -2.0, 3.0]\ntorque = [0.3, 0.2, -0.1]\n";
+                [[force]]\nname = 'push'\nforce = [1.0, -2.0, 3.0]\ntorque = [0.3, 0.2, -0.1]\n\
+                stiffness = [5.0, 0.0, 9.0]\ndamping = [0.0, 0.4, 0.2]\n";
     (model, laws)
 }
 
