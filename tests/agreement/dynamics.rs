@@ -76,31 +76,34 @@ fn the_mass_matrix_is_symmetric_and_positive_definite() {
 #[test]
 fn formulations_are_equal_over_the_real_numbers() {
     each(PLAIN, |case| {
-        let mut first = case.generate(&Request::new(FunctionKind::Dirdyna));
-        let polynomial = |formulation: &Formulation| {
-            let needs = formulation.requirements();
-            !needs.division && !needs.square_root && *formulation != Formulation::default()
-        };
-        for formulation in Formulation::ALL.into_iter().filter(polynomial) {
-            let mut other = case.generate(&Request {
-                formulation,
-                ..Request::new(FunctionKind::Dirdyna)
+        for function in [FunctionKind::Dirdyna, FunctionKind::Invdyna] {
+            let mut first = case.generate(&Request::new(function));
+            let others = Formulation::ALL.into_iter().filter(|&formulation| {
+                let needs = formulation.requirements(function);
+                let polynomial = !needs.division && !needs.square_root;
+                formulation.gives(function) && polynomial && formulation != Formulation::default()
             });
-            let (before, after) = align(
-                (&first.functions[0], &mut first.tables),
-                (&other.functions[0], &mut other.tables),
-            );
-            let views = [(&before, &first), (&after, &other)].map(|(function, module)| View {
-                tables: &module.tables,
-                function,
-            });
-            let verdict = check(views[0], views[1], NumericClass::RealTrig, 2, case.seed);
-            assert!(
-                verdict.holds(),
-                "seed {}, {}: {verdict}",
-                case.seed,
-                formulation.name()
-            );
+            for formulation in others {
+                let mut other = case.generate(&Request {
+                    formulation,
+                    ..Request::new(function)
+                });
+                let (before, after) = align(
+                    (&first.functions[0], &mut first.tables),
+                    (&other.functions[0], &mut other.tables),
+                );
+                let views = [(&before, &first), (&after, &other)].map(|(function, module)| View {
+                    tables: &module.tables,
+                    function,
+                });
+                let verdict = check(views[0], views[1], NumericClass::RealTrig, 2, case.seed);
+                assert!(
+                    verdict.holds(),
+                    "seed {}, {}: {verdict}",
+                    case.seed,
+                    formulation.name()
+                );
+            }
         }
     });
 }
