@@ -322,4 +322,16 @@ fn stale_equations_are_told_from_fresh_ones() {
         complaints.contains("'sensor_1' does not use dpt[2,3]"),
         "{complaints}"
     );
+    // One file that is none does not keep the others from being compared.
+    let mut mixed = arguments[..4].to_vec();
+    mixed.insert(3, "examples/suspension/README.md".to_owned());
+    let output = run(&mixed);
+    let said = String::from_utf8_lossy(&output.stdout);
+    let complaints = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said.contains("belongs to the model: dirdyna"), "{said}");
+    assert!(
+        complaints.contains("1 of 2 files cannot be compared"),
+        "{complaints}"
+    );
 }
