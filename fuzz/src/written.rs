@@ -10,7 +10,8 @@ use robovec_ir::evaluate::evaluate;
 use robovec_ir::print::print_output;
 use robovec_ir::verify::verify;
 use robovec_ir::{
-    Array, Boundary, Function, Input, Module, Operand, OperandKind, Shape, SourceSet, Tables, View,
+    Array, Boundary, Function, Input, Module, Operand, OperandKind, Operation, Shape, SourceSet,
+    Tables, View,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -22,7 +23,11 @@ use std::fmt::Write;
 /// When what is read is another function, or cannot be read.
 pub fn written_reads_back(data: &[u8]) {
     // Too few bytes for a function are no finding.
-    if let Ok(module) = module(&mut Unstructured::new(data)) {
+    let made = [
+        module(&mut Unstructured::new(data)),
+        sensors(&mut Unstructured::new(data)),
+    ];
+    for module in made.into_iter().flatten() {
         for language in Language::ALL {
             check(&module, language);
         }
@@ -38,6 +43,57 @@ fn module(bytes: &mut Unstructured<'_>) -> Result<Module> {
     let function = dressed(&raw, &mut module.tables, calls);
     module.functions.push(function);
     Ok(module)
+}
+
+/// Sensors that begin alike: each but the first has one operation changed.
+fn sensors(bytes: &mut Unstructured<'_>) -> Result<Module> {
+    let mut module = Module::new();
+    let raw = generate::function(bytes, &mut module.tables, "sensor_1", Kind::Tame)?;
+    let mut first = dressed(&raw, &mut module.tables, false);
+    let fields = ["sens.P", "sens.R", "sens.V", "sens.OM", "sens.A", "sens.J"];
+    let mut renamed = Function::new(&first.name, first.level);
+    for array in first.inputs() {
+        renamed.add_input(array.name, array.shape);
+    }
+    for (array, field) in first.outputs().iter().zip(fields) {
+        let name = module.tables.symbols.intern(field);
+        renamed.add_output(name, array.shape);
+    }
+    first = with_body(renamed, &first);
+    if first.assignments.is_empty() {
+        return Ok(module);
+    }
+    for number in 2..=bytes.int_in_range(1..=4)? {
+        let mut other = first.clone();
+        other.name = format!("sensor_{number}");
+        if !other.nodes().is_empty() {
+            let last = other.nodes().len() as u32 - 1;
+            let value = robovec_ir::Value(bytes.int_in_range(0..=last)?);
+            let node = other.node_mut(value);
+            node.operation = match node.operation {
+                Operation::Add => Operation::Sub,
+                Operation::Sub => Operation::Add,
+                Operation::Mul => Operation::Div,
+                Operation::Sin => Operation::Cos,
+                other => other,
+            };
+        }
+        module.functions.push(other);
+    }
+    module.functions.insert(0, first);
+    Ok(module)
+}
+
+/// A signature with the body of another function of equal arrays.
+fn with_body(mut signature: Function, body: &Function) -> Function {
+    for &number in body.constants() {
+        signature.constant(number);
+    }
+    for &node in body.nodes() {
+        signature.push(node);
+    }
+    signature.assignments = body.assignments.clone();
+    signature
 }
 
 /// The function with arrays as Robotran's files can have them: no scalars but
@@ -150,14 +206,9 @@ fn map(places: &mut [u32], old: &Array, new: Array) {
 }
 
 fn check(module: &Module, language: Language) {
-    let before = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
-    assert_eq!(verify(before), []);
     let files = match write(module, language, &WriteOptions::default()) {
         Ok(files) => files,
-        Err(WriteError::CallOrder { .. }) => return,
+        Err(WriteError::CallOrder { .. } | WriteError::Empty) => return,
         Err(error) => panic!("{error}"),
     };
     let (name, text) = &files[0];
@@ -165,18 +216,34 @@ fn check(module: &Module, language: Language) {
         Ok(read) => read.module,
         Err(error) => panic!("{}\n{text}", error.report.render_plain()),
     };
-    let after = View {
-        tables: &again.tables,
-        function: &again.functions[0],
-    };
-    assert_eq!(verify(after), []);
+    assert_eq!(module.functions.len(), again.functions.len(), "{text}");
+    for (before, after) in module.functions.iter().zip(&again.functions) {
+        let before = View {
+            tables: &module.tables,
+            function: before,
+        };
+        let after = View {
+            tables: &again.tables,
+            function: after,
+        };
+        compare(before, after, text);
+    }
+}
+
+fn compare(before: View<'_>, after: View<'_>, text: &str) {
+    assert_eq!(verify(before), []);
+    assert_eq!(verify(after), [], "{text}");
     assert_eq!(values(before), values(after), "{text}");
     let overwritten = before.function.inputs().iter().any(|input| {
         let mut outputs = before.function.outputs().iter();
         outputs.any(|output| output.name == input.name)
     });
     if before.function.boundaries.is_empty() && !overwritten {
-        assert_eq!(structure(before), structure(after), "{text}");
+        let (before, after) = (structure(before), structure(after));
+        for (left, right) in before.lines().zip(after.lines()) {
+            assert_eq!(left, right, "{text}");
+        }
+        assert_eq!(before.len(), after.len(), "{text}");
     }
 }
 
@@ -250,9 +317,10 @@ mod tests {
     fn random_functions_read_back() {
         let mut checked = 0;
         arbtest(|bytes| {
-            let module = module(bytes)?;
-            for language in Language::ALL {
-                check(&module, language);
+            for module in [module(bytes)?, sensors(bytes)?] {
+                for language in Language::ALL {
+                    check(&module, language);
+                }
             }
             checked += 1;
             Ok(())

@@ -59,6 +59,7 @@ impl Arrays {
         };
         for function in functions {
             let roles = Roles::new(function, kind);
+            check_sensor(function, kind, symbols)?;
             for (array, is_output) in (function.inputs().iter().map(|array| (array, false)))
                 .chain(function.outputs().iter().map(|array| (array, true)))
             {
@@ -225,6 +226,19 @@ impl<'a> Roles<'a> {
         } else {
             Role::Data
         }
+    }
+}
+
+/// Of a sensor's function Matlab gives back the sensor only.
+fn check_sensor(function: &Function, kind: Kind, symbols: &Symbols) -> Result<(), WriteError> {
+    let mut outputs = function.outputs().iter();
+    let foreign = outputs.find(|array| !symbols.text(array.name).starts_with("sens."));
+    match foreign {
+        Some(array) if kind.is_sensor() => Err(WriteError::SensorOutput {
+            function: function.name.clone(),
+            output: symbols.text(array.name).to_owned(),
+        }),
+        Some(_) | None => Ok(()),
     }
 }
 

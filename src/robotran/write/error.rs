@@ -52,6 +52,16 @@ pub enum WriteError {
         /// The output.
         output: String,
     },
+    /// A sensor function sets something else than the sensor.
+    #[error(
+        "the output '{output}' of '{function}' is no field of the sensor, which is all such a function gives back"
+    )]
+    SensorOutput {
+        /// The function.
+        function: String,
+        /// The output.
+        output: String,
+    },
     /// A call that is not one of a user function.
     #[error("'{function}' calls '{callee}' in a way that Robotran's files cannot say")]
     Call {
