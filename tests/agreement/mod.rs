@@ -1,5 +1,6 @@
 //! What the functions of random models must agree with.
 
+mod accelerations;
 mod devices;
 mod dynamics;
 mod loops;
@@ -139,7 +140,11 @@ pub(crate) fn requests(function: FunctionKind) -> Vec<Request> {
             options.iter().map(move |options| Request {
                 function,
                 formulation,
-                options: options.clone(),
+                options: Options {
+                    true_angles: options.true_angles
+                        || formulation.requirements(function).true_sin_cos,
+                    ..options.clone()
+                },
             })
         })
         .collect()
