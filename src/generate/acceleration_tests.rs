@@ -199,9 +199,9 @@ fn operations_for_accelerations_stay_low() {
         Counts::of(&module.functions[0]).operations
     };
     for (joints, formulation, most) in [
-        (23, Formulation::Articulated, 7_000),
-        (50, Formulation::Articulated, 16_000),
-        (23, Formulation::Composite, 12_000),
+        (23, Formulation::Articulated, 5_885),
+        (50, Formulation::Articulated, 14_000),
+        (23, Formulation::Composite, 11_735),
     ] {
         let operations = operations(joints, formulation);
         assert!(operations <= most, "{}: {operations}", formulation.name());

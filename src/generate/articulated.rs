@@ -13,27 +13,27 @@
 //! The forces left over after the bias, `Qq - c`, are carried the same way, and
 //! the accelerations follow from the base to the leaves. Driven joints hide
 //! nothing; their accelerations are inputs. The bias is that of
-//! [`super::bias`], so that nothing here depends on velocities.
+//! [`super::recursive`], so that nothing here depends on velocities.
 //!
 //! Needs one division for each joint, and `sin^2 + cos^2 = 1`.
 
 use super::algebra::{Scalar, Sum};
-use super::bias::Bias;
 use super::equations::{Equations, Label};
 use super::inertia::{Inertia, SumInertia, SumWrench, Wrench, turn_symmetric};
 use super::parameters::Parameters;
 use super::reduced::residual_input;
 use super::vector::{Matrix, SumVector, Turn, Vector, ZERO, add_cross, cyclic, define, sums};
+use super::{Options, recursive};
 use crate::model::Nature;
 
 /// Writes `qdd`; the first joint that moves nothing is an error.
 pub(super) fn accelerations(
     equations: &mut Equations,
     parameters: &Parameters<'_>,
+    options: &Options,
 ) -> Result<(), usize> {
     let offsets = parameters.named_offsets(equations);
-    let composites = Inertia::composites(equations, parameters, &offsets);
-    let bias = Bias::new(parameters, &offsets, &composites).forces(equations);
+    let bias = recursive::bias(equations, parameters, options);
     let mut bodies = Articulated {
         equations,
         parameters,

@@ -10,10 +10,12 @@
 
 use super::algebra::Scalar;
 use super::bias::Bias;
-use super::equations::Equations;
+use super::equations::{Equations, Style};
 use super::inertia::{Inertia, Wrench};
+use super::lower::operations;
 use super::parameters::Parameters;
 use super::vector::Vector;
+use super::{Options, recursive};
 
 /// `M`, its lower triangle by rows, and `c`.
 pub(super) struct Dynamics {
@@ -63,27 +65,93 @@ impl Dynamics {
 }
 
 /// `M` and `c` in body frames.
-pub(super) fn dynamics(equations: &mut Equations, parameters: &Parameters<'_>) -> Dynamics {
+pub(super) fn dynamics(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    options: &Options,
+) -> Dynamics {
     let offsets = parameters.named_offsets(equations);
     let composites = Inertia::composites(equations, parameters, &offsets);
-    let bias = Bias::new(parameters, &offsets, &composites).forces(equations);
+    let bias = bias(equations, parameters, options, &offsets, &composites);
     let mass = (0..parameters.joints())
         .map(|joint| column(equations, parameters, &offsets, &composites, joint))
         .collect();
     Dynamics { mass, bias }
 }
 
-/// Joint forces for given accelerations of the joints.
+/// Joint forces for given accelerations of the joints, with composites where
+/// that takes fewer operations than body by body.
 pub(super) fn inverse(
     equations: &mut Equations,
     parameters: &Parameters<'_>,
+    options: &Options,
     accelerations: &[Scalar],
 ) -> Vec<Scalar> {
+    if body_by_body(parameters, options, true) {
+        return recursive::inverse(equations, parameters, options, accelerations);
+    }
     let offsets = parameters.named_offsets(equations);
     let composites = Inertia::composites(equations, parameters, &offsets);
     Bias::new(parameters, &offsets, &composites)
         .accelerated(accelerations)
         .forces(equations)
+}
+
+/// `c`, with the composites that `M` needs anyway or body by body, whichever
+/// takes fewer operations. Joints of fictitious bodies favour the latter, full
+/// inertias and long chains the former.
+pub(super) fn bias(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    options: &Options,
+    offsets: &[Vector],
+    composites: &[Inertia],
+) -> Vec<Scalar> {
+    if body_by_body(parameters, options, false) {
+        recursive::bias(equations, parameters, options)
+    } else {
+        Bias::new(parameters, offsets, composites).forces(equations)
+    }
+}
+
+/// Writes forces both ways to see which takes fewer operations: those for
+/// given accelerations, or the bias beside composites that are needed anyway.
+fn body_by_body(parameters: &Parameters<'_>, options: &Options, accelerated: bool) -> bool {
+    let count = |bodies: bool| {
+        let mut trial = Equations::new(Style {
+            leading_signs: options.leading_signs,
+        });
+        let equations = &mut trial;
+        let parameters = &Parameters::new(parameters.model, options, equations);
+        let offsets = parameters.named_offsets(equations);
+        let composites = Inertia::composites(equations, parameters, &offsets);
+        let accelerations: Vec<Scalar> = if accelerated {
+            let joints = 0..parameters.joints();
+            joints
+                .map(|joint| parameters.acceleration(equations, joint))
+                .collect()
+        } else {
+            for composite in &composites {
+                let moments = composite.moments.iter().flatten();
+                for &value in moments.chain(&composite.first).chain([&composite.mass]) {
+                    equations.output("composite", &[], value);
+                }
+            }
+            Vec::new()
+        };
+        let forces = if bodies {
+            recursive::inverse(equations, parameters, options, &accelerations)
+        } else {
+            Bias::new(parameters, &offsets, &composites)
+                .accelerated(&accelerations)
+                .forces(equations)
+        };
+        for value in forces {
+            equations.output("force", &[], value);
+        }
+        operations(equations)
+    };
+    count(true) < count(false)
 }
 
 /// The entries of `M` of a joint with the joints on its path to the base.

@@ -8,9 +8,9 @@
 //! a change of frame, and all entries at the same time. The entry with a
 //! joint's parent is taken in the parent's frame, where it costs less.
 
+use super::Options;
 use super::algebra::{Scalar, Sum};
-use super::bias::Bias;
-use super::composite::{Dynamics, carry};
+use super::composite::{Dynamics, bias, carry};
 use super::equations::{Equations, Label};
 use super::hub::{Pose, Twist, hubs};
 use super::inertia::{Inertia, Wrench};
@@ -18,16 +18,24 @@ use super::parameters::Parameters;
 use super::vector::{Vector, add_cross, define};
 
 /// `M` and `c`.
-pub(super) fn dynamics(equations: &mut Equations, parameters: &Parameters<'_>) -> Dynamics {
+pub(super) fn dynamics(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    options: &Options,
+) -> Dynamics {
     let offsets = parameters.named_offsets(equations);
     let composites = Inertia::composites(equations, parameters, &offsets);
-    let bias = Bias::new(parameters, &offsets, &composites).forces(equations);
+    let bias = bias(equations, parameters, options, &offsets, &composites);
     let frames = Frames::new(equations, parameters, &offsets);
     let mass = (0..parameters.joints())
         .map(|joint| frames.column(equations, joint, &composites[joint]))
         .collect();
     Dynamics { mass, bias }
 }
+
+/// Joints at most this far behind their hub are carried in body frames: the
+/// common frame of so few would cost more than it saves.
+const NEAR: usize = 7;
 
 /// The common frames and where the joints are in them.
 struct Frames<'a, 'm> {
@@ -79,7 +87,7 @@ impl<'a, 'm> Frames<'a, 'm> {
         let mut entries = vec![(joint, wrench.along(parameters, joint))];
         let mut below = joint;
         if let (Some(hub), Some(parent)) = (self.hubs[joint], parameters.parent(joint))
-            && hub != joint
+            && self.steps(joint, hub) > NEAR
         {
             let near = self.carry(equations, &wrench, joint, joint);
             entries.push((parent, near.along(parameters, parent)));
@@ -101,6 +109,12 @@ impl<'a, 'm> Frames<'a, 'm> {
             below = parent;
         }
         entries
+    }
+
+    /// The number of joints from behind the hub to a joint, the joint included.
+    fn steps(&self, joint: usize, hub: usize) -> usize {
+        let path = self.parameters.model.path(Some(joint));
+        path.take_while(|&ancestor| ancestor != hub).count()
     }
 
     fn carry(

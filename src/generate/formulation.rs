@@ -188,11 +188,14 @@ pub(super) fn check(model: &Model, request: &Request) -> Result<(), GenerateErro
 
 /// Writes `M` and `c`.
 pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, request: &Request) {
+    let options = &request.options;
     match request.formulation {
-        Formulation::Recursive => recursive::direct(equations, parameters, &request.options),
-        Formulation::Composite => composite::dynamics(equations, parameters).output(equations),
+        Formulation::Recursive => recursive::direct(equations, parameters, options),
+        Formulation::Composite => {
+            composite::dynamics(equations, parameters, options).output(equations);
+        }
         Formulation::CompositeBase => {
-            composite_base::dynamics(equations, parameters).output(equations);
+            composite_base::dynamics(equations, parameters, options).output(equations);
         }
         Formulation::Prefix { network, origin } => {
             prefix::dynamics(equations, parameters, network, origin).output(equations);
@@ -213,7 +216,7 @@ pub(super) fn inverse(equations: &mut Equations, parameters: &Parameters<'_>, re
             recursive::inverse(equations, parameters, &request.options, given)
         }
         Formulation::Composite | Formulation::CompositeBase => {
-            composite::inverse(equations, parameters, given)
+            composite::inverse(equations, parameters, &request.options, given)
         }
         Formulation::Prefix { network, origin } => {
             prefix::inverse(equations, parameters, (network, origin), given)
@@ -233,7 +236,7 @@ pub(super) fn accelerations(
     request: &Request,
 ) -> Result<(), GenerateError> {
     if request.formulation == Formulation::Articulated {
-        return articulated::accelerations(equations, parameters)
+        return articulated::accelerations(equations, parameters, &request.options)
             .map_err(|joint| reduced::singular(parameters.model, joint));
     }
     direct(equations, parameters, request);

@@ -120,6 +120,38 @@ pub(super) fn lower(
     module.functions.push(writer.function);
 }
 
+/// How many operations the outputs need, as written: signs in front not counted.
+pub(super) fn operations(equations: &Equations) -> usize {
+    let needed = needed(equations);
+    let mut groups: Vec<usize> = Vec::with_capacity(equations.groups.len());
+    for group in &equations.groups {
+        let operations = operations_of(group, &groups);
+        groups.push(operations);
+    }
+    let atoms = equations.atoms.iter().zip(&needed);
+    let bodies = atoms.filter_map(|(atom, needed)| match *atom {
+        Atom::Equation(equation) if *needed => Some(&equations.equations[equation as usize].body),
+        _ => None,
+    });
+    let operations = bodies.map(|body| match body {
+        Body::Sum(sum) => operations_of(sum, &groups),
+        Body::Sqrt(_) | Body::Quotient(..) => 1,
+        _ => 0,
+    });
+    operations.sum()
+}
+
+fn operations_of(sum: &Sum, groups: &[usize]) -> usize {
+    let term = |term: &Term| {
+        let inner = term.factors.iter().map(|factor| match *factor {
+            Factor::Group(group) => groups[group as usize],
+            Factor::Atom(_) => 0,
+        });
+        inner.sum::<usize>() + term.factors.len().saturating_sub(1)
+    };
+    sum.terms.iter().map(term).sum::<usize>() + sum.terms.len().saturating_sub(1)
+}
+
 /// Which atoms the outputs need.
 fn needed(equations: &Equations) -> Vec<bool> {
     let mut needed = vec![false; equations.atoms.len()];

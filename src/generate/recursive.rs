@@ -76,6 +76,17 @@ pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, opt
     }
 }
 
+/// The bias force `c` alone.
+pub(super) fn bias(
+    equations: &mut Equations,
+    parameters: &Parameters<'_>,
+    options: &Options,
+) -> Vec<Scalar> {
+    let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
+    recursion.forward(&[]);
+    recursion.backward()
+}
+
 /// Joint forces for given accelerations of the joints.
 pub(super) fn inverse(
     equations: &mut Equations,
