@@ -190,6 +190,27 @@ fn huge_and_hostile_files_are_refused_in_time() {
         .collect();
     let shown = refusal(model_of(&chain).as_bytes());
     assert!(shown.contains("bodies hang on each other"), "{shown}");
+    // Work that grows with the square of the file would take minutes here.
+    let joint_less = model_of(&"<body><bodyname>B</bodyname></body>".repeat(100_000));
+    assert!(refusal(joint_less.as_bytes()).contains("100000 bodies"));
+    let body = format!(
+        "<body><bodyname>B</bodyname><parent><bodyname>base</bodyname><pointname>origin\
+         </pointname></parent>{joint}<mass>1</mass>{}</body>",
+        (0..50_000)
+            .map(|n| format!("<point><pointname>P{n}</pointname><coordinates/></point>"))
+            .collect::<String>()
+    );
+    let lost = "<link><name>L</name><endpoint1><bodyname>B</bodyname><pointname>Q123</pointname>\
+                </endpoint1><endpoint2><bodyname>C</bodyname><pointname>P</pointname></endpoint2>\
+                </link>";
+    let links = model_of(&body).replace(
+        "</bodytree>",
+        &format!("</bodytree><links>{}</links>", lost.repeat(50_000)),
+    );
+    assert!(refusal(links.as_bytes()).contains("there are more"));
+    let repeated = model_of(&body.replace("</body>", &"<mass>1</mass>".repeat(200_000)));
+    let repeated = repeated.replace("</bodytree>", "</body></bodytree>");
+    assert!(refusal(repeated.as_bytes()).contains("given twice"));
     assert!(refusal(&[0, 159, 146, 150]).contains("not text"));
     assert!(refusal(b"").contains("no element"));
 }

@@ -53,8 +53,20 @@ pub(super) fn read(root: &Fields<'_>, model: &mut Model, messages: &mut Messages
     Some(scope)
 }
 
-/// Counts joints before anything is done with them.
+/// Counts bodies and joints before anything is done with them.
 fn within_limit(bodies: &[Node<'_, '_>], messages: &mut Messages) -> bool {
+    if let Some(first_beyond) = bodies.get(JOINT_LIMIT) {
+        messages.error(
+            place(*first_beyond),
+            &format!(
+                "the model has {} bodies, more than the {JOINT_LIMIT} joints that are allowed",
+                bodies.len()
+            ),
+            &format!("body {}", JOINT_LIMIT + 1),
+            "every body has a joint; split the model, or replace chains of small bodies by fewer ones",
+        );
+        return false;
+    }
     let joints = bodies.iter().flat_map(|body| body.children());
     let mut joints = joints.filter(|child| child.has_tag_name("joint"));
     let Some(first_beyond) = joints.nth(JOINT_LIMIT) else {

@@ -65,6 +65,17 @@ impl Messages {
         }
     }
 
+    /// False when further errors are only counted, so that there is no point in
+    /// searching for advice.
+    pub(super) fn has_room(&self) -> bool {
+        self.errors.len() < LIMIT
+    }
+
+    /// Remembers an error that there is no room for.
+    pub(super) fn count_error(&mut self) {
+        self.more_errors = true;
+    }
+
     pub(super) fn has_errors(&self) -> bool {
         !self.errors.is_empty()
     }
@@ -145,23 +156,27 @@ impl<'a> Fields<'a> {
         messages: &mut Messages,
     ) -> Fields<'a> {
         let mut children: Vec<Node<'a, 'a>> = Vec::new();
+        let mut single: Vec<Node<'a, 'a>> = Vec::new();
         let parent = node.tag_name().name();
         for child in node.children().filter(|child| child.is_element()) {
             let name = child.tag_name().name();
             if many.contains(&name) {
                 children.push(child);
             } else if one.contains(&name) {
-                match children
-                    .iter()
-                    .find(|other| other.tag_name().name() == name)
-                {
-                    None => children.push(child),
-                    Some(first) => messages.push_error(second(
+                // At most one of each is in this list, so that searching it
+                // takes no time.
+                match single.iter().find(|other| other.tag_name().name() == name) {
+                    None => {
+                        single.push(child);
+                        children.push(child);
+                    }
+                    Some(first) if messages.has_room() => messages.push_error(second(
                         &format!("`{name}` is given twice in one `{parent}`"),
                         place(child),
                         place(*first),
                         "remove one of them",
                     )),
+                    Some(_) => messages.count_error(),
                 }
             } else if !IGNORED.contains(&name) {
                 let known = one.iter().chain(many).copied();

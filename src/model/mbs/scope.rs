@@ -40,52 +40,76 @@ impl Scope {
         if body_name.is_empty() || point_name.is_empty() {
             return None;
         }
-        let body = if body_name == BASE {
-            None
-        } else if let Some(&index) = self.bodies.get(&body_name) {
-            Some(index)
-        } else {
-            let names = model.bodies.iter().map(|body| body.name.as_str());
-            let help = match did_you_mean(&body_name, names.chain([BASE])) {
-                Some(near) => format!("did you mean '{near}'?"),
-                None => "name one of the bodies, or base".to_owned(),
-            };
-            messages.error(
-                fields.one("bodyname").map_or(0..0, place),
-                &format!(
-                    "{owner} names a body '{}', which does not exist",
-                    clip(&body_name)
-                ),
-                "no body has this name",
-                &help,
-            );
-            return None;
+        let body = (body_name != BASE).then(|| self.bodies.get(&body_name).copied());
+        let body = match body {
+            Some(None) => {
+                no_body(fields, owner, &body_name, model, messages);
+                return None;
+            }
+            Some(known) => known,
+            None => None,
         };
         let point = self.points.get(&(body, point_name.clone())).copied();
         if point.is_none() && point_name != ORIGIN {
-            let title = body.map_or("the base".to_owned(), |body| {
-                body_title(&model.bodies[body].name)
-            });
-            let names = model.points.iter().filter(|point| point.body == body);
-            let names = names.map(|point| point.name.as_str());
-            let help = match did_you_mean(&point_name, names.clone().chain([ORIGIN])) {
-                Some(near) => format!("did you mean '{near}'?"),
-                None => {
-                    let all: Vec<&str> = names.chain([ORIGIN]).take(8).collect();
-                    format!("the points of {title} are: {}", all.join(", "))
-                }
-            };
-            messages.error(
-                fields.one("pointname").map_or(0..0, place),
-                &format!(
-                    "{owner} names a point '{}', which {title} does not have",
-                    clip(&point_name)
-                ),
-                "no point of that body has this name",
-                &help,
-            );
+            no_point(fields, owner, body, &point_name, model, messages);
             return None;
         }
         Some(Anchor { body, point })
     }
+}
+
+fn no_body(fields: &Fields<'_>, owner: &str, name: &str, model: &Model, messages: &mut Messages) {
+    // The search for similar names takes time.
+    if !messages.has_room() {
+        return messages.count_error();
+    }
+    let names = model.bodies.iter().map(|body| body.name.as_str());
+    let help = match did_you_mean(name, names.chain([BASE])) {
+        Some(near) => format!("did you mean '{near}'?"),
+        None => "name one of the bodies, or base".to_owned(),
+    };
+    messages.error(
+        fields.one("bodyname").map_or(0..0, place),
+        &format!(
+            "{owner} names a body '{}', which does not exist",
+            clip(name)
+        ),
+        "no body has this name",
+        &help,
+    );
+}
+
+fn no_point(
+    fields: &Fields<'_>,
+    owner: &str,
+    body: Option<usize>,
+    name: &str,
+    model: &Model,
+    messages: &mut Messages,
+) {
+    // As above.
+    if !messages.has_room() {
+        return messages.count_error();
+    }
+    let title = body.map_or("the base".to_owned(), |body| {
+        body_title(&model.bodies[body].name)
+    });
+    let names = model.points.iter().filter(|point| point.body == body);
+    let names = names.map(|point| point.name.as_str());
+    let help = match did_you_mean(name, names.clone().chain([ORIGIN])) {
+        Some(near) => format!("did you mean '{near}'?"),
+        None => {
+            let all: Vec<&str> = names.chain([ORIGIN]).take(8).collect();
+            format!("the points of {title} are: {}", all.join(", "))
+        }
+    };
+    messages.error(
+        fields.one("pointname").map_or(0..0, place),
+        &format!(
+            "{owner} names a point '{}', which {title} does not have",
+            clip(name)
+        ),
+        "no point of that body has this name",
+        &help,
+    );
 }

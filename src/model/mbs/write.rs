@@ -79,7 +79,9 @@ fn numbers(element: &str, names: &[&str], values: &[f64]) -> String {
 /// The sensors, or external forces, at a point.
 fn sensors(element: &str, sensors: &[Sensor], point: usize) -> String {
     let mut text = String::new();
-    for sensor in sensors.iter().filter(|sensor| sensor.point == point) {
+    // They are in the order of their points.
+    let start = sensors.partition_point(|sensor| sensor.point < point);
+    for sensor in sensors[start..].iter().take_while(|s| s.point == point) {
         let mut asks = sensor.asks;
         text += &format!("<{element} name=\"{}\"", escaped(&sensor.name));
         for name in Asks::NAMES {
@@ -170,8 +172,10 @@ impl Writer {
     }
 
     fn points(&mut self, model: &Model, body: Option<usize>) {
-        let points = model.points.iter().enumerate();
-        for (index, point) in points.filter(|(_, point)| point.body == body) {
+        // They are in the order of their bodies.
+        let start = model.points.partition_point(|point| point.body < body);
+        let points = model.points.iter().enumerate().skip(start);
+        for (index, point) in points.take_while(|(_, point)| point.body == body) {
             let measured = sensors("sensor", &model.sensors, index);
             let forces = sensors("extforce", &model.forces, index);
             self.line(&format!(
