@@ -454,6 +454,24 @@ fn the_command_writes_files_and_names_them() {
     let rows = text.matches("\nh[").count();
     assert_eq!(jacobian, 5 * rows);
     assert!(text.contains("\nJac[1][1] = 0;\n"));
+    let over = Command::new(env!("CARGO_BIN_EXE_robovec"))
+        .arg("write")
+        .arg(folder.path().join("mbs_cons_hJ_other.c"))
+        .args(["--language", "c", "-o"])
+        .arg(folder.path())
+        .output()
+        .expect("it runs");
+    assert!(!over.status.success());
+    assert!(String::from_utf8_lossy(&over.stderr).contains("would be overwritten"));
+    let several = Command::new(env!("CARGO_BIN_EXE_robovec"))
+        .arg("write")
+        .arg(&input)
+        .arg(input.with_file_name("mbs_link_suspension.py"))
+        .args(["--language", "matlab", "-o"])
+        .arg(folder.path())
+        .output()
+        .expect("it runs");
+    assert_eq!(String::from_utf8_lossy(&several.stdout).lines().count(), 2);
     let refused = Command::new(env!("CARGO_BIN_EXE_robovec"))
         .arg("write")
         .arg(input.with_file_name("README.md"))

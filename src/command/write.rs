@@ -8,14 +8,17 @@ use clap::{Args, ValueEnum};
 use robovec_ir::Module;
 use robovec_ir::diagnostic::termcolor::ColorChoice;
 use robovec_passes::manager::{self, Config};
+use robovec_passes::pipeline::Pipeline;
+use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Options of `robovec write`.
 #[derive(Args, Debug)]
 pub(crate) struct WriteArguments {
-    /// Robotran file or robovec text
-    file: PathBuf,
+    /// Robotran files or robovec texts
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
     /// Language to write
     #[arg(long, value_enum)]
     language: OutputLanguage,
@@ -60,29 +63,67 @@ impl From<OutputLanguage> for Language {
 /// Writes the files; gives their names, one per line.
 pub(crate) fn run(arguments: &WriteArguments) -> Result<String, Failure> {
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
-    let mut input = input::equations(&arguments.file, arguments.input_language)?;
+    let options = WriteOptions {
+        model: arguments.model.clone(),
+        zeros: arguments.zeros,
+    };
+    let mut files = Vec::new();
+    for path in &arguments.files {
+        let module = equations(path, arguments.input_language, &pipeline)?;
+        let written = write(&module, arguments.language.into(), &options)
+            .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+        files.extend(written);
+    }
+    refuse_losses(&arguments.files, &files, &arguments.output)?;
+    save(&files, &arguments.output)
+}
+
+/// Reads a file and runs the passes.
+fn equations(
+    path: &Path,
+    language: Option<InputLanguage>,
+    pipeline: &Pipeline,
+) -> Result<Module, Failure> {
+    let mut input = input::equations(path, language)?;
+    // When the standard error is closed there is nobody left to warn.
     input
         .warnings
         .emit_to_stderr(ColorChoice::Auto)
         .unwrap_or_default();
     let machine = input::machine("thesis")?;
     let mut log = std::io::stderr().lock();
-    manager::run(
-        &mut input.module,
-        &pipeline,
-        Config::new(&machine, &mut log),
-    )
-    .map_err(|error| Failure::plain(error.to_string()))?;
-    let options = WriteOptions {
-        model: arguments.model.clone(),
-        zeros: arguments.zeros,
-    };
-    write_files(
-        &input.module,
-        arguments.language,
-        &options,
-        &arguments.output,
-    )
+    manager::run(&mut input.module, pipeline, Config::new(&machine, &mut log))
+        .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+    Ok(input.module)
+}
+
+/// An error when one file would take the place of another, or of an input.
+fn refuse_losses(
+    inputs: &[PathBuf],
+    files: &[(String, String)],
+    folder: &Path,
+) -> Result<(), Failure> {
+    let inputs: Vec<PathBuf> = inputs
+        .iter()
+        .filter_map(|path| path.canonicalize().ok())
+        .collect();
+    let mut known = HashSet::new();
+    for (name, _) in files {
+        if !known.insert(name.as_str()) {
+            return Err(Failure::advised(
+                format!("two of the files give a {name}"),
+                vec!["write them one by one, into folders of their own".to_owned()],
+            ));
+        }
+        let path = folder.join(name);
+        if path.canonicalize().is_ok_and(|path| inputs.contains(&path)) {
+            return Err(Failure::advised(
+                format!("{} is the input and would be overwritten", path.display()),
+                vec!["name another folder: -o FOLDER".to_owned()],
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Writes all functions of a module into a folder; gives the names of the
@@ -95,9 +136,13 @@ pub(super) fn write_files(
 ) -> Result<String, Failure> {
     let files = write(module, language.into(), options)
         .map_err(|error| Failure::plain(error.to_string()))?;
+    save(&files, folder)
+}
+
+fn save(files: &[(String, String)], folder: &Path) -> Result<String, Failure> {
     output::make_folder(folder)?;
     let mut names = String::new();
-    for (name, text) in &files {
+    for (name, text) in files {
         let path = folder.join(name);
         output::write_file(&path, |writer| writer.write_all(text.as_bytes()))?;
         // Writing to a string cannot fail.

@@ -5,19 +5,23 @@
 //! array of another extent is named in a line of the header, which means
 //! nothing to Robotran.
 
-use super::arrays::{Arrays, FileArray, Role};
+use super::arrays::{Arrays, Role};
 use crate::robotran::storage::known_extent;
+use hashbrown::HashSet;
 use robovec_ir::{Function, Shape};
+use rustc_hash::FxBuildHasher;
 use std::fmt::Write;
 
 /// The entry of the header, `dpt(3,12) h(4)`; `None` when nothing needs to be
 /// said.
 pub(super) fn line(functions: &[&Function], arrays: &Arrays, joints: u32) -> Option<String> {
+    let forces = forces(functions);
     let mut line = String::new();
     for array in arrays.all.iter().filter(|array| array.is_used()) {
         let (rows, columns) = array.largest;
         let (known_rows, known_columns) = known_extent(&array.name, joints).unwrap_or((0, 0));
-        let nine = if is_force(functions, array) { 9 } else { 0 };
+        let force = array.role == Role::Result && forces.contains(array.name.as_str());
+        let nine = if force { 9 } else { 0 };
         let rows = rows.max(known_rows).max(nine).max(1);
         let columns = columns.max(known_columns).max(1);
         // Writing to a string cannot fail.
@@ -32,17 +36,14 @@ pub(super) fn line(functions: &[&Function], arrays: &Arrays, joints: u32) -> Opt
     (!line.is_empty()).then(|| line.trim_start().to_owned())
 }
 
-/// True for the result of an external force, which has nine numbers.
-fn is_force(functions: &[&Function], array: &FileArray) -> bool {
-    array.role == Role::Result
-        && functions
-            .iter()
-            .flat_map(|function| &function.boundaries)
-            .any(|call| {
-                call.result.as_deref() == Some(&array.name)
-                    && matches!(
-                        call.callee.as_str(),
-                        "user_ExtForces" | "user_call_ExtForces" | "usrfun.fext"
-                    )
-            })
+/// The results of external forces, which have nine numbers.
+fn forces<'a>(functions: &[&'a Function]) -> HashSet<&'a str, FxBuildHasher> {
+    let calls = functions.iter().flat_map(|function| &function.boundaries);
+    let external = calls.filter(|call| {
+        matches!(
+            call.callee.as_str(),
+            "user_ExtForces" | "user_call_ExtForces" | "usrfun.fext"
+        )
+    });
+    external.filter_map(|call| call.result.as_deref()).collect()
 }
