@@ -17,7 +17,7 @@ use std::process::Command;
 
 /// Functions with more operations are not compiled unless asked for: C
 /// compilers take a second for some ten thousand operations.
-pub const LARGEST: usize = 100_000;
+pub const LARGEST: usize = 200_000;
 
 /// How the C is compiled.
 const FLAGS: [&str; 3] = ["-std=c99", "-O1", "-ffp-contract=off"];

@@ -168,7 +168,8 @@ fn guidance(facts: &ProgramFacts, from: u32, to: u32, quantity: Quantity) -> Vec
         let cycles = (facts.operations as f64 / elements).max(f64::from(facts.asap_cycle));
         match quantity {
             Quantity::Cycles => cycles,
-            Quantity::Rate => 100.0 * facts.operations as f64 / (elements * cycles),
+            // Rounding may lead over full use.
+            Quantity::Rate => (100.0 * facts.operations as f64 / (elements * cycles)).min(100.0),
         }
     };
     places

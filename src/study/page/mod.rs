@@ -216,6 +216,11 @@ fn data(results: &Results, cpu: &[CpuTime]) -> Value {
         "headline": plan.models.get(plan.headline).map(|model| &model.name),
         "machine": machine.map(|machine| &machine.name),
         "mhz": machine.map(|machine| machine.machine.clock_mhz),
+        "pipelines": plan
+            .pipelines
+            .iter()
+            .map(|pipeline| (pipeline.name.clone(), json!(pipeline.pipeline.to_string())))
+            .collect::<serde_json::Map<_, _>>(),
         "points": points.collect::<Vec<_>>(),
         "verdicts": verdicts(results),
         "cpu": cpu,

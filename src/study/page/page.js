@@ -101,7 +101,7 @@ function showVerdicts(model) {
     const zones = make("table", { class: "zones" }, make("tbody", {},
       ...verdict.zones.map((zone) => make("tr", {}, ...zone.map((text) => make("td", {}, text))))));
     return make("div", { class: "card" },
-      make("h3", {}, `${verdict.model}, ${verdict.pipeline}`),
+      make("h3", {}, `${verdict.model}, ${verdict.pipeline}: `, make("code", {}, data.pipelines[verdict.pipeline])),
       make("p", { class: "answer" }, verdict.answer),
       make("ul", {}, ...verdict.reasons.map((reason) => make("li", {}, reason))),
       zones,
