@@ -18,6 +18,7 @@ mod output;
 mod sim;
 mod simulation;
 mod study;
+mod subjects;
 mod tables;
 pub mod tool;
 mod write;

@@ -1,24 +1,17 @@
 //! `robovec study`.
 
-use super::{Failure, generation, input, output};
-use crate::generate::{Formulation, FunctionKind, Options, TermOrder};
-use crate::model::Model;
-use crate::model::family::{Family, LARGEST};
+use super::subjects::{Files, locate};
+use super::{Failure, input, output};
 use crate::study::cpu::{self, Computer, CpuTime};
-use crate::study::plan::{self, Plan, Selection, Subject};
-use crate::study::program::{Equations, Sources};
+use crate::study::plan::{self, Plan, Selection};
+use crate::study::program::Equations;
 use crate::study::results::Results;
 use crate::study::store::Store;
 use crate::study::{figures, page, plot, run, tables};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use robovec_ir::Module;
-use robovec_ir::diagnostic::{Report, did_you_mean};
 use std::fs;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
-
-/// Seed of the parameters of built-in models; equations do not depend on it.
-const SEED: u64 = 1;
 
 /// Place sets of models on sets of machines, and write tables, figures and a
 /// report for the browser.
@@ -61,6 +54,10 @@ pub(super) struct Arguments {
 /// Runs the study; the text is for the standard output.
 pub(super) fn study(arguments: &Arguments) -> Result<String, Failure> {
     let plan = read_plan(arguments)?;
+    // A slip in a name is told before hours of work, not after them.
+    for subject in &plan.models {
+        locate(subject)?;
+    }
     output::make_folder(&arguments.output)?;
     let store = Store::open(&arguments.output.join("points"), arguments.resume)
         .map_err(|error| Failure::plain(format!("cannot make the folder for points: {error}")))?;
@@ -133,101 +130,6 @@ fn progress_bar(length: usize) -> ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-/// Programs from files and from built-in models.
-struct Files;
-
-impl Sources for Files {
-    fn equations(&self, subject: &Subject) -> Result<Module, Report> {
-        equations(subject).map_err(|failure| failure.0)
-    }
-}
-
-fn equations(subject: &Subject) -> Result<Module, Failure> {
-    let near = subject
-        .folder
-        .as_ref()
-        .map(|folder| folder.join(&subject.source));
-    let near = near.filter(|path| path.is_file());
-    let path = near.unwrap_or_else(|| PathBuf::from(&subject.source));
-    let model = match built_in(&subject.source) {
-        Some(model) => model,
-        None if path.extension().is_some_and(|extension| extension == "mbs") => {
-            input::model(&path)?.model
-        }
-        None if path.extension().is_none() && !path.exists() => {
-            return Err(unknown(&subject.source));
-        }
-        None => return Ok(input::equations(&path, None)?.module),
-    };
-    let wanted = subject.function.as_deref().unwrap_or("dirdyna");
-    // Sensors are functions with numbers: sensor_1.
-    let name = wanted
-        .trim_end_matches(|c: char| c.is_ascii_digit())
-        .trim_end_matches('_');
-    let Some(kind) = FunctionKind::from_name(name) else {
-        let names = FunctionKind::ALL.map(FunctionKind::name);
-        let note = match did_you_mean(name, names.iter().copied()) {
-            Some(near) => format!("did you mean '{near}'?"),
-            None => format!("functions: {}", names.join(", ")),
-        };
-        return Err(Failure::advised(
-            format!(
-                "model '{}': there is no function '{wanted}' to generate",
-                subject.name
-            ),
-            vec![note],
-        ));
-    };
-    let style = &subject.style;
-    let options = Options {
-        order: if style.child_first {
-            TermOrder::ChildFirst
-        } else {
-            TermOrder::OwnFirst
-        },
-        all_parameters: style.all_parameters,
-        external_forces: style.forces,
-        leading_signs: style.leading_signs,
-        expanded: style.expanded,
-        true_angles: !style.any_angles,
-        ..Options::default()
-    };
-    let formulation = Formulation::from_name(&style.formulation).unwrap_or_default();
-    generation::functions(&model, &[kind], formulation, &options)
-}
-
-/// The built-in model of a name like `bogie` or `serial-23`.
-fn built_in(name: &str) -> Option<Model> {
-    if let Some(family) = Family::from_name(name) {
-        return family.joints().map(|joints| family.build(joints, SEED));
-    }
-    let (family, joints) = name.rsplit_once('-')?;
-    let family = Family::from_name(family).filter(|family| family.joints().is_none())?;
-    let joints = joints
-        .parse()
-        .ok()
-        .filter(|joints| (1..=LARGEST).contains(joints))?;
-    Some(family.build(joints, SEED))
-}
-
-fn unknown(name: &str) -> Failure {
-    let names: Vec<String> = Family::ALL
-        .iter()
-        .map(|family| match family.joints() {
-            Some(_) => family.name().to_owned(),
-            None => format!("{}-N", family.name()),
-        })
-        .collect();
-    let note = match did_you_mean(name, names.iter().map(String::as_str)) {
-        Some(near) => format!("did you mean '{near}'?"),
-        None => format!("models: {} with N joints, or a file", names.join(", ")),
-    };
-    Failure::advised(
-        format!("there is no file or built-in model '{name}'"),
-        vec![note],
-    )
 }
 
 /// Times every program on one core, one after the other; times of an earlier

@@ -7,6 +7,7 @@
 
 mod file;
 mod resolve;
+mod sweeps;
 
 use robovec_ir::Machine;
 use robovec_passes::pipeline::Pipeline;

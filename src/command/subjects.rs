@@ -1,0 +1,132 @@
+//! Where the programs of a study come from: files, model files, built-in
+//! models.
+
+use super::{Failure, generation, input};
+use crate::generate::{Formulation, FunctionKind, Options, TermOrder};
+use crate::model::Model;
+use crate::model::family::{Family, LARGEST};
+use crate::study::plan::Subject;
+use crate::study::program::Sources;
+use robovec_ir::Module;
+use robovec_ir::diagnostic::{Report, did_you_mean};
+use std::path::PathBuf;
+
+/// Seed of the parameters of built-in models; equations do not depend on it.
+const SEED: u64 = 1;
+
+/// Programs from files and from built-in models.
+pub(super) struct Files;
+
+impl Sources for Files {
+    fn equations(&self, subject: &Subject) -> Result<Module, Report> {
+        equations(subject).map_err(|failure| failure.0)
+    }
+}
+
+/// A model, or a file of equations.
+pub(super) enum Source {
+    Model(Box<Model>),
+    ModelFile(PathBuf),
+    Equations(PathBuf),
+}
+
+/// Where a subject comes from.
+pub(super) fn locate(subject: &Subject) -> Result<Source, Failure> {
+    if let Some(model) = built_in(&subject.source) {
+        return Ok(Source::Model(Box::new(model)));
+    }
+    let near = subject.folder.as_ref();
+    let near = near.map(|folder| folder.join(&subject.source));
+    let near = near.filter(|path| path.is_file());
+    let path = near.unwrap_or_else(|| PathBuf::from(&subject.source));
+    let extension = path.extension();
+    if extension.is_none() && !path.exists() {
+        return Err(unknown(&subject.source));
+    }
+    if !path.is_file() {
+        return Err(Failure::plain(format!(
+            "model '{}': there is no file {}",
+            subject.name,
+            path.display()
+        )));
+    }
+    if extension.is_some_and(|extension| extension == "mbs") {
+        return Ok(Source::ModelFile(path));
+    }
+    Ok(Source::Equations(path))
+}
+
+fn equations(subject: &Subject) -> Result<Module, Failure> {
+    let model = match locate(subject)? {
+        Source::Model(model) => *model,
+        Source::ModelFile(path) => input::model(&path)?.model,
+        Source::Equations(path) => return Ok(input::equations(&path, None)?.module),
+    };
+    let wanted = subject.function.as_deref().unwrap_or("dirdyna");
+    // Sensors are functions with numbers: sensor_1.
+    let name = wanted
+        .trim_end_matches(|c: char| c.is_ascii_digit())
+        .trim_end_matches('_');
+    let Some(kind) = FunctionKind::from_name(name) else {
+        let names = FunctionKind::ALL.map(FunctionKind::name);
+        let note = match did_you_mean(name, names.iter().copied()) {
+            Some(near) => format!("did you mean '{near}'?"),
+            None => format!("functions: {}", names.join(", ")),
+        };
+        return Err(Failure::advised(
+            format!(
+                "model '{}': there is no function '{wanted}' to generate",
+                subject.name
+            ),
+            vec![note],
+        ));
+    };
+    let style = &subject.style;
+    let options = Options {
+        order: if style.child_first {
+            TermOrder::ChildFirst
+        } else {
+            TermOrder::OwnFirst
+        },
+        all_parameters: style.all_parameters,
+        external_forces: style.forces,
+        leading_signs: style.leading_signs,
+        expanded: style.expanded,
+        true_angles: !style.any_angles,
+        ..Options::default()
+    };
+    let formulation = Formulation::from_name(&style.formulation).unwrap_or_default();
+    generation::functions(&model, &[kind], formulation, &options)
+}
+
+/// The built-in model of a name like `bogie` or `serial-23`.
+fn built_in(name: &str) -> Option<Model> {
+    if let Some(family) = Family::from_name(name) {
+        return family.joints().map(|joints| family.build(joints, SEED));
+    }
+    let (family, joints) = name.rsplit_once('-')?;
+    let family = Family::from_name(family).filter(|family| family.joints().is_none())?;
+    let joints = joints
+        .parse()
+        .ok()
+        .filter(|joints| (1..=LARGEST).contains(joints))?;
+    Some(family.build(joints, SEED))
+}
+
+fn unknown(name: &str) -> Failure {
+    let names: Vec<String> = Family::ALL
+        .iter()
+        .map(|family| match family.joints() {
+            Some(_) => family.name().to_owned(),
+            None => format!("{}-N", family.name()),
+        })
+        .collect();
+    let note = match did_you_mean(name, names.iter().map(String::as_str)) {
+        Some(near) => format!("did you mean '{near}'?"),
+        None => format!("models: {} with N joints, or a file", names.join(", ")),
+    };
+    Failure::advised(
+        format!("there is no file or built-in model '{name}'"),
+        vec![note],
+    )
+}
