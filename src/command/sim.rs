@@ -10,8 +10,8 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use robovec_ir::diagnostic::{Report, clip, did_you_mean, termcolor::ColorChoice};
-use std::fmt::Write;
-use std::io::IsTerminal;
+use std::fmt::Write as _;
+use std::io::{IsTerminal, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Steps of the progress bar.
@@ -45,7 +45,7 @@ pub(super) struct SimArguments {
     time: f64,
     /// Rows of the result after the first, at equal intervals
     #[arg(long, value_name = "N", default_value_t = 200,
-          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
     samples: u32,
     /// Integrator
     #[arg(long, value_enum, default_value_t = Integrator::Dopri)]
@@ -72,6 +72,10 @@ pub(super) struct SimArguments {
     #[arg(long, default_value = "recursive",
           value_parser = PossibleValuesParser::new(Formulation::names()))]
     formulation: String,
+    /// Take accelerations from the generated function accelred instead of
+    /// solving M qdd + c = Qq
+    #[arg(long)]
+    accelred: bool,
     /// Pipeline run over the equations before they are evaluated
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
@@ -115,6 +119,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
             Number::F32 => Precision::Binary32,
             Number::F64 => Precision::Binary64,
         },
+        accelerations: arguments.accelred,
     };
     let (mut system, initial) = System::new(model, laws, &setting).map_err(failure)?;
     let remark = roles(model, &system);
@@ -129,7 +134,9 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
             .map_err(|error| Failure::plain(format!("cannot draw: {error}")))?;
         output::write_file(path, |writer| writer.write_all(svg.as_bytes()))?;
     }
-    eprint!("{remark}{}", summary(arguments, &run));
+    // When the standard error is closed there is nobody left to tell.
+    let text = remark + &summary(arguments, &run);
+    let _ = std::io::stderr().write_all(text.as_bytes());
     let table = csv(model, &run);
     match &arguments.output {
         None => Ok(table),

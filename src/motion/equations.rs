@@ -48,6 +48,10 @@ pub struct Setting<'a> {
     pub passes: Option<(&'a Pipeline, &'a Machine)>,
     /// The numbers they are evaluated in.
     pub precision: Precision,
+    /// Take accelerations from the function `accelred` instead of solving
+    /// `M qdd + c = Qq`. Formulations that give nothing else are taken so
+    /// whatever is asked.
+    pub accelerations: bool,
 }
 
 /// The equations of a model.
@@ -57,6 +61,7 @@ pub struct Equations {
     dynamics: Compiled,
     position: Option<Compiled>,
     acceleration: Option<Compiled>,
+    solved: Option<Compiled>,
     links: Option<Compiled>,
     forces: Option<Compiled>,
     /// The cut of each row of the constraints.
@@ -85,6 +90,16 @@ impl Equations {
             position = Some(compiled(FunctionKind::ConsHJ)?);
             acceleration = Some(compiled(FunctionKind::ConsJdqd)?);
         }
+        let given = setting.formulation.gives(FunctionKind::Dirdyna);
+        // The mass matrix still tells what drives have to do.
+        let dynamics = Setting {
+            formulation: if given {
+                setting.formulation
+            } else {
+                Formulation::default()
+            },
+            ..*setting
+        };
         let optional = |needed: bool, function| {
             let function = needed.then(|| compiled(function));
             function.transpose()
@@ -94,7 +109,8 @@ impl Equations {
             forces: optional(!model.forces.is_empty(), FunctionKind::Extforces)?,
             precision: setting.precision,
             joints: model.joints.len(),
-            dynamics: compiled(FunctionKind::Dirdyna)?,
+            dynamics: compile(model, FunctionKind::Dirdyna, &dynamics)?,
+            solved: optional(setting.accelerations || !given, FunctionKind::Accelred)?,
             position,
             acceleration,
             row_cuts,
@@ -123,6 +139,26 @@ impl Equations {
             outputs.matrix("M", self.joints, self.joints),
             outputs.vector("c", self.joints),
         )
+    }
+
+    /// The accelerations of all joints but the driven ones, which keep those
+    /// of the state; `None` when they are to be solved for.
+    pub fn accelerations(&self, state: &State) -> Option<Vec<f64>> {
+        let outputs = self.evaluate(self.solved.as_ref()?, state);
+        let mut accelerations = state.qdd.clone();
+        let array = outputs
+            .compiled
+            .outputs
+            .iter()
+            .find(|array| array.0 == "qdd")?;
+        for assignment in &outputs.compiled.function.assignments {
+            let place = assignment.output.index();
+            let joint = place.checked_sub(array.1);
+            if let Some(joint) = joint.filter(|&joint| joint < array.2.len().min(self.joints)) {
+                accelerations[joint] = outputs.flat[place];
+            }
+        }
+        Some(accelerations)
     }
 
     /// The residual `h` of the constraints and their Jacobian `Jac`.

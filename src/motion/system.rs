@@ -187,6 +187,24 @@ impl<'m> System<'m> {
     /// Accelerations, and the power of what is not conservative.
     fn motion(&self, state: &mut State) -> Result<Motion, MotionError> {
         let mut power = self.load(state);
+        let accelerations = match self.equations.accelerations(state) {
+            Some(accelerations) => accelerations,
+            None => self.solve(state)?,
+        };
+        if !largest(&accelerations).is_finite() {
+            return Err(not_finite("an acceleration", state.time));
+        }
+        if !self.partition.driven.is_empty() {
+            power += self.drive_power(state, &accelerations);
+        }
+        Ok(Motion {
+            accelerations,
+            power,
+        })
+    }
+
+    /// Solves the equations of motion for the accelerations.
+    fn solve(&self, state: &State) -> Result<Vec<f64>, MotionError> {
         let (matrix, bias) = self.equations.dynamics(state);
         if !largest(&bias).is_finite() {
             return Err(not_finite("a force", state.time));
@@ -198,13 +216,6 @@ impl<'m> System<'m> {
             rows,
             ..
         } = &self.partition;
-        let all: Vec<usize> = (0..bias.len()).collect();
-        let (jacobian, quadratic) = if rows.is_empty() {
-            (Matrix::zeros(0, bias.len()), Vec::new())
-        } else {
-            let jacobian = self.equations.constraints(state).1;
-            (jacobian, self.equations.quadratic(state))
-        };
         // Dependent accelerations: B (independent ones) + b.
         let mut given = vec![0.0; bias.len()];
         for &joint in c {
@@ -213,6 +224,8 @@ impl<'m> System<'m> {
         let (slopes, offset) = if rows.is_empty() {
             (Matrix::zeros(0, u.len()), Vec::new())
         } else {
+            let jacobian = self.equations.constraints(state).1;
+            let quadratic = self.equations.quadratic(state);
             self.dependence(state, &jacobian, &quadratic, &given)?
         };
         for (&joint, &part) in v.iter().zip(&offset) {
@@ -235,16 +248,7 @@ impl<'m> System<'m> {
         for (sum, given) in accelerations.iter_mut().zip(&given) {
             *sum += given;
         }
-        if !largest(&accelerations).is_finite() {
-            return Err(not_finite("an acceleration", state.time));
-        }
-        if !c.is_empty() {
-            power += self.drive_power(state, &matrix, &bias, &jacobian, &accelerations, &all);
-        }
-        Ok(Motion {
-            accelerations,
-            power,
-        })
+        Ok(accelerations)
     }
 
     /// `B` and `b` of the dependent accelerations.
@@ -279,36 +283,28 @@ impl<'m> System<'m> {
 
     /// What the drives put in: the forces that the equations leave open on
     /// driven joints, less those of the loops.
-    fn drive_power(
-        &self,
-        state: &State,
-        matrix: &Matrix,
-        bias: &[f64],
-        jacobian: &Matrix,
-        accelerations: &[f64],
-        all: &[usize],
-    ) -> f64 {
+    fn drive_power(&self, state: &State, accelerations: &[f64]) -> f64 {
         let Partition {
             dependent: v,
             driven: c,
             rows,
             ..
         } = &self.partition;
-        let needed: Vec<f64> = all
-            .iter()
-            .map(|&i| dot(matrix.row(i), accelerations) + bias[i] - state.joint_forces[i])
+        let (matrix, bias) = self.equations.dynamics(state);
+        let needed: Vec<f64> = (0..bias.len())
+            .map(|i| dot(matrix.row(i), accelerations) + bias[i] - state.joint_forces[i])
             .collect();
-        let chosen = jacobian.select(rows, all);
-        let square = chosen.select(&(0..rows.len()).collect::<Vec<_>>(), v);
-        let right: Vec<f64> = v.iter().map(|&joint| needed[joint]).collect();
-        let multipliers = solve_square(square.transposed(), column(&right));
-        let of_loops = multipliers.map_or_else(
-            || vec![0.0; all.len()],
-            |m| {
-                let m: Vec<f64> = (0..rows.len()).map(|row| m[(row, 0)]).collect();
-                chosen.transposed_times(&m)
-            },
-        );
+        let mut of_loops = vec![0.0; bias.len()];
+        if !rows.is_empty() {
+            let jacobian = self.equations.constraints(state).1;
+            let all: Vec<usize> = (0..bias.len()).collect();
+            let right: Vec<f64> = v.iter().map(|&joint| needed[joint]).collect();
+            let square = jacobian.select(rows, v).transposed();
+            if let Some(solution) = solve_square(square, column(&right)) {
+                let multipliers: Vec<f64> = (0..rows.len()).map(|k| solution[(k, 0)]).collect();
+                of_loops = jacobian.select(rows, &all).transposed_times(&multipliers);
+            }
+        }
         // A law on a driven joint only shares the work with the drive; its
         // spring does not.
         let share = |joint: usize| {
@@ -316,10 +312,7 @@ impl<'m> System<'m> {
             law.force - law.damping * state.qd[joint]
         };
         c.iter()
-            .map(|&joint| {
-                let drive = needed[joint] - of_loops.get(joint).copied().unwrap_or(0.0);
-                (drive + share(joint)) * state.qd[joint]
-            })
+            .map(|&joint| (needed[joint] - of_loops[joint] + share(joint)) * state.qd[joint])
             .sum()
     }
 
