@@ -190,6 +190,16 @@ fn what_cannot_be_given_says_what_can() {
 }
 
 #[test]
+fn a_long_chain_is_not_eliminated() {
+    let mut request = Request::new(FunctionKind::Accelred);
+    request.formulation = Formulation::CompositeBase;
+    let refused = generate(&serial(360), &request).map(|_| ()).unwrap_err();
+    assert!(refused.to_string().contains("'articulated'"), "{refused}");
+    request.formulation = Formulation::Articulated;
+    assert!(generate(&serial(360), &request).is_ok());
+}
+
+#[test]
 fn operations_for_accelerations_stay_low() {
     let operations = |joints, formulation| {
         let mut request = Request::new(FunctionKind::Accelred);

@@ -7,6 +7,7 @@
 
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, Label};
+use crate::model::Model;
 use std::collections::BTreeMap;
 
 /// A row of a sparse matrix: columns in ascending order, no zeros.
@@ -18,16 +19,40 @@ pub(super) fn entry(row: &[(usize, Scalar)], column: usize) -> Scalar {
         .map_or(Scalar::ZERO, |place| row[place].1)
 }
 
+/// The most products that an elimination may take: those of a dense matrix of
+/// some 230 rows.
+pub(super) const LIMIT: usize = 2_000_000;
+
+/// The products that the elimination of a tree's mass matrix takes, without
+/// loops: one for each joint and pair of joints on its path.
+pub(super) fn products(model: &Model) -> usize {
+    let mut depths: Vec<usize> = Vec::with_capacity(model.joints.len());
+    for joint in &model.joints {
+        depths.push(joint.parent.map_or(0, |parent| depths[parent] + 1));
+    }
+    let pairs = |depth: &usize| depth.saturating_mul(depth + 1) / 2;
+    depths.iter().map(pairs).fold(0, usize::saturating_add)
+}
+
+/// Why an elimination stopped.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Stop {
+    /// The row of this number has no pivot.
+    NoPivot(usize),
+    /// It takes more than [`LIMIT`] products.
+    TooLarge,
+}
+
 /// Solves `M x = b` for a symmetric matrix given by the rows of its lower
-/// triangle. `joints` names rows and columns. The number of a row without a
-/// pivot is an error.
+/// triangle. `joints` names rows and columns.
 pub(super) fn solve_symmetric(
     equations: &mut Equations,
     rows: &[Row],
     right: &[Scalar],
     joints: &[usize],
-) -> Result<Vec<Scalar>, usize> {
+) -> Result<Vec<Scalar>, Stop> {
     let count = rows.len();
+    let mut work = 0;
     let mut factors: Vec<Row> = vec![Vec::new(); count];
     let mut entries: Vec<Row> = vec![Vec::new(); count];
     let mut behind: Vec<Vec<usize>> = vec![Vec::new(); count];
@@ -43,9 +68,13 @@ pub(super) fn solve_symmetric(
         for &k in &behind[i] {
             let factor = entry(&factors[k], i);
             half.subtract(&[factor, halves[k]]);
+            work += entries[k].partition_point(|&(column, _)| column <= i);
             for &(column, value) in entries[k].iter().take_while(|&&(column, _)| column <= i) {
                 row.entry(column).or_default().subtract(&[factor, value]);
             }
+        }
+        if work > LIMIT {
+            return Err(Stop::TooLarge);
         }
         halves[i] = equations.define(label("qppb"), half);
         for (column, sum) in row {
@@ -56,7 +85,7 @@ pub(super) fn solve_symmetric(
         }
         let pivot = entry(&entries[i], i);
         if pivot.is_zero() {
-            return Err(i);
+            return Err(Stop::NoPivot(i));
         }
         let inverse = equations.quotient(label("Mri"), Scalar::ONE, pivot);
         middle[i] = product(equations, label("qppd"), halves[i], inverse);

@@ -5,7 +5,7 @@ use super::composite::Dynamics;
 use super::equations::Equations;
 use super::parameters::Parameters;
 use super::{
-    FunctionKind, GenerateError, Request, articulated, composite, composite_base, prefix,
+    FunctionKind, GenerateError, Request, articulated, composite, composite_base, factor, prefix,
     recursive, reduced,
 };
 use crate::model::Model;
@@ -179,6 +179,12 @@ pub(super) fn check(model: &Model, request: &Request) -> Result<(), GenerateErro
             formulation,
             possible: names(&|one| one.gives(function) && one.closes_loops()),
         });
+    }
+    if function == FunctionKind::Accelred
+        && chosen != Formulation::Articulated
+        && factor::products(model) > factor::LIMIT
+    {
+        return Err(reduced::too_large(model));
     }
     if chosen.requirements(function).true_sin_cos && !request.options.true_angles {
         return Err(GenerateError::NeedsTrueAngles { formulation });

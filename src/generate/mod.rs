@@ -218,6 +218,17 @@ pub enum GenerateError {
         /// The most that are allowed.
         limit: usize,
     },
+    /// The elimination of the mass matrix would fill the memory.
+    #[error(
+        "to eliminate the mass matrix of '{model}' takes more than {limit} products (for models \
+         without loops the formulation 'articulated' needs no elimination)"
+    )]
+    Elimination {
+        /// The name of the model.
+        model: String,
+        /// The most that are allowed.
+        limit: usize,
+    },
     /// The formulation cannot give the function.
     #[error("the formulation '{formulation}' does not give {function}; these do: {possible}")]
     NotGiven {

@@ -20,7 +20,7 @@ use super::algebra::{Scalar, Sum};
 use super::composite::Dynamics;
 use super::constraints::{self, Part};
 use super::equations::{Equations, Label};
-use super::factor::{Row, entry, solve_square, solve_symmetric};
+use super::factor::{LIMIT, Row, Stop, entry, solve_square, solve_symmetric};
 use super::parameters::Parameters;
 use super::{GenerateError, Options};
 use crate::model::{Model, Nature};
@@ -68,8 +68,11 @@ pub(super) fn accelerations(
         .collect();
     let (rows, right) = reduction.reduced(&partition, &loops, &forces);
     let joints = &partition.independent;
-    let solution = solve_symmetric(reduction.equations, &rows, &right, joints)
-        .map_err(|place| singular(model, joints[place]))?;
+    let solution =
+        solve_symmetric(reduction.equations, &rows, &right, joints).map_err(|stop| match stop {
+            Stop::NoPivot(place) => singular(model, joints[place]),
+            Stop::TooLarge => too_large(model),
+        })?;
     reduction.output(&partition, &loops, &solution);
     Ok(())
 }
@@ -77,6 +80,14 @@ pub(super) fn accelerations(
 /// The error of a joint that forces cannot move in a determined way.
 pub(super) fn singular(model: &Model, joint: usize) -> GenerateError {
     GenerateError::Singular(model.joints[joint].name.clone())
+}
+
+/// The error of a mass matrix whose elimination is too long.
+pub(super) fn too_large(model: &Model) -> GenerateError {
+    GenerateError::Elimination {
+        model: model.name.clone(),
+        limit: LIMIT,
+    }
 }
 
 fn sorted(row: &[(usize, Scalar)]) -> Row {
