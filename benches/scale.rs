@@ -61,12 +61,32 @@ fn main() {
             row(&label, size, command, seconds);
         }
     }
+    let c = write(
+        folder.path(),
+        "mbs_dirdyna_synthetic.c",
+        &Program::new(600_000, 1).c(),
+    );
+    translation(&c, folder.path());
     generation(folder.path());
     if let [Some(small), Some(large)] = own[..] {
         println!(
             "\nCPU time at 600,000 operations over 100,000: {:.2}",
             large / small
         );
+    }
+}
+
+/// Reading a file and writing it in each language.
+fn translation(input: &Path, folder: &Path) {
+    for language in ["c", "matlab", "python"] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_robovec"));
+        command
+            .arg("write")
+            .arg(input)
+            .args(["--language", language]);
+        command.arg("-o").arg(folder.join("written"));
+        let label = format!("robovec write --language {language}");
+        row(&label, 600_000, command, None);
     }
 }
 
