@@ -212,22 +212,22 @@ fn roles(model: &Model, system: &System<'_>) -> String {
         partition.driven.len(),
     );
     if partition.chosen {
+        let named = |joint: &usize| model.joints[*joint].nature == Nature::Dependent;
         let names = partition
             .dependent
             .iter()
             .map(|&joint| model.joints[joint].name.as_str());
-        let names: Vec<&str> = names.collect();
+        let names = match names.collect::<Vec<&str>>().join(", ") {
+            none if none.is_empty() => "none".to_owned(),
+            names => names,
+        };
+        let remark = if partition.dependent.iter().all(named) {
+            "of the joints that the model calls dependent its loops determine"
+        } else {
+            "the joints that the model calls dependent do not determine its loops; taken instead"
+        };
         // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "the joints that the model calls dependent do not determine its loops; taken \
-             instead: {}",
-            if names.is_empty() {
-                "none".to_owned()
-            } else {
-                names.join(", ")
-            }
-        );
+        let _ = writeln!(text, "{remark}: {names}");
     }
     text
 }
@@ -238,7 +238,7 @@ fn summary(arguments: &SimArguments, run: &Run) -> String {
         count => format!(", {count} repeated"),
     };
     format!(
-        "{} s in {} steps{rejected}\n\
+        "{:?} s in {} steps{rejected}\n\
          energy less work kept within {:.2e} J; kinetic energy reached {:.3e} J\n\
          constraints kept within {:.2e}\n",
         arguments.time,

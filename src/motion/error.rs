@@ -22,7 +22,7 @@ pub enum MotionError {
     },
     /// Forces cannot move a joint in a determined way.
     #[error(
-        "at {time} s the mass matrix is singular at the joint '{joint}': \
+        "at {time:?} s the mass matrix is singular at the joint '{joint}': \
          what it moves has no mass or inertia of its own in that direction"
     )]
     Singular {
@@ -32,7 +32,7 @@ pub enum MotionError {
         time: f64,
     },
     /// A loop does not close.
-    #[error("at {time} s the cut '{cut}' cannot be closed: its ends stay {gap:.3e} apart")]
+    #[error("at {time:?} s the cut '{cut}' cannot be closed: its ends stay {gap:.3e} apart")]
     OpenLoop {
         /// Name of the cut.
         cut: String,
@@ -42,7 +42,7 @@ pub enum MotionError {
         time: f64,
     },
     /// Something became infinite or undefined.
-    #[error("at {time} s {what} is no finite number")]
+    #[error("at {time:?} s {what} is no finite number")]
     NotFinite {
         /// What.
         what: String,
@@ -50,7 +50,7 @@ pub enum MotionError {
         time: f64,
     },
     /// The adaptive integrator cannot meet its tolerances.
-    #[error("at {time} s a step of {step:.1e} s still misses the tolerance")]
+    #[error("at {time:?} s a step of {step:.1e} s still misses the tolerance")]
     StepTooSmall {
         /// Time, s.
         time: f64,

@@ -377,9 +377,9 @@ impl<'m> System<'m> {
         }
         let places = energy::force_points(self.model, state);
         for (index, law) in self.laws.forces.iter().enumerate() {
-            for k in 0..3 {
-                let way = places[index][k] - self.places[index][k];
-                springs += of(law.stiffness[k], way);
+            let ways = places[index].iter().zip(&self.places[index]);
+            for (stiffness, (now, start)) in law.stiffness.iter().zip(ways) {
+                springs += of(*stiffness, now - start);
             }
         }
         Energy {
