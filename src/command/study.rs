@@ -191,7 +191,9 @@ fn write(folder: &Path, results: &Results, times: &[CpuTime]) -> Result<(), Fail
         "report.html",
         &page::page(results, &tables, &figures, times),
     )?;
-    file("results.json", &json(&results.to_json()))
+    // A line for each placement: curves of hundreds of numbers are not for
+    // reading.
+    file("results.json", &lines(&results.to_json()))
 }
 
 fn json(value: &impl serde::Serialize) -> String {
@@ -199,6 +201,23 @@ fn json(value: &impl serde::Serialize) -> String {
     let mut text = serde_json::to_string_pretty(value).expect("results are plain data");
     text.push('\n');
     text
+}
+
+/// JSON with the entries of the outermost lists on lines of their own.
+fn lines(value: &serde_json::Value) -> String {
+    let mut text = "{".to_owned();
+    for (index, (key, value)) in value.as_object().into_iter().flatten().enumerate() {
+        text += if index == 0 { "\n" } else { ",\n" };
+        text += &format!("{}: ", serde_json::Value::from(key.as_str()));
+        match value.as_array() {
+            Some(list) if !list.is_empty() => {
+                let entries: Vec<String> = list.iter().map(ToString::to_string).collect();
+                text += &format!("[\n{}\n]", entries.join(",\n"));
+            }
+            _ => text += &value.to_string(),
+        }
+    }
+    text + "\n}\n"
 }
 
 fn summary(results: &Results, folder: &Path) -> String {
