@@ -91,7 +91,7 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, Failure> {
         },
     };
     evaluate_at_states(&request).map_err(|diagnostics| {
-        let name = arguments.states.as_deref().unwrap_or(Path::new("<random>"));
+        let name = arguments.states.as_deref().unwrap_or(Path::new(""));
         let text = text.clone().unwrap_or_default();
         Failure(Report::of(&name.display().to_string(), text, diagnostics))
     })

@@ -18,7 +18,7 @@ use format::Writer;
 use given::{missing, read_states};
 use number::{Bits, Show};
 use robovec_ir::arithmetic::{Binary32, Binary64};
-use robovec_ir::diagnostic::Diagnostic;
+use robovec_ir::diagnostic::{Diagnostic, clip};
 use robovec_ir::double_double::DoubleDouble;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::field::PrimeField;
@@ -63,7 +63,7 @@ pub struct Request<'a> {
 ///
 /// Messages that point into the text of states (file 0): a line that is not
 /// understood, no state at all, an input element to which a state gives no
-/// number.
+/// number; or a parameter that the model does not have.
 pub fn evaluate_at_states(request: &Request<'_>) -> Result<String, Vec<Diagnostic>> {
     let states = inputs(request)?;
     let text = match request.number {
@@ -88,7 +88,7 @@ type Inputs = Vec<Vec<Vec<f64>>>;
 fn inputs(request: &Request<'_>) -> Result<Inputs, Vec<Diagnostic>> {
     match request.states {
         Source::Text(text) => given_inputs(request, text),
-        Source::Random { count, seed } => Ok(random_inputs(request, count, seed)),
+        Source::Random { count, seed } => random_inputs(request, count, seed),
     }
 }
 
@@ -116,35 +116,59 @@ fn given_inputs(request: &Request<'_>, text: &str) -> Result<Inputs, Vec<Diagnos
     }
 }
 
-fn random_inputs(request: &Request<'_>, count: u32, seed: u64) -> Inputs {
+fn random_inputs(request: &Request<'_>, count: u32, seed: u64) -> Result<Inputs, Vec<Diagnostic>> {
     let states = States::new(seed);
-    let draw = |index: u32| {
-        let functions = request.module.functions.iter();
-        let inputs = functions.map(|function| {
+    let mut inputs = Vec::new();
+    for index in 0..count {
+        let mut functions = Vec::new();
+        for function in &request.module.functions {
             let view = View {
                 tables: &request.module.tables,
                 function,
             };
-            let mut inputs = states.draw(view, index);
+            let mut drawn = states.draw(view, index);
             if let Some(model) = request.model {
-                take_parameters(model, view, &mut inputs);
+                take_parameters(model, view, &mut drawn)?;
             }
-            inputs
-        });
-        inputs.collect()
-    };
-    (0..count).map(draw).collect()
+            functions.push(drawn);
+        }
+        inputs.push(functions);
+    }
+    Ok(inputs)
 }
 
-/// Replaces what the model has a parameter for.
-fn take_parameters(model: &Model, view: View<'_>, inputs: &mut [f64]) {
+/// The arrays of parameters.
+const PARAMETERS: [&str; 6] = ["m", "l", "In", "dpt", "g", "lrod"];
+
+/// Replaces parameters by the model's. One that the model does not have is an
+/// error: the function belongs to another model.
+fn take_parameters(
+    model: &Model,
+    view: View<'_>,
+    inputs: &mut [f64],
+) -> Result<(), Vec<Diagnostic>> {
     for (index, number) in inputs.iter_mut().enumerate() {
-        let (array, indices, rank) = view.function.input_element(Input(index as u32));
+        let input = Input(index as u32);
+        let (array, indices, rank) = view.function.input_element(input);
         let name = view.tables.symbols.text(array.name);
-        if let Some(given) = parameter(model, name, &indices[..rank]) {
-            *number = given;
+        match parameter(model, name, &indices[..rank]) {
+            Some(given) => *number = given,
+            None if PARAMETERS.contains(&name) => {
+                let message = format!(
+                    "the function '{}' reads {}, which the model '{}' does not have",
+                    clip(&view.function.name),
+                    input_name(view, input),
+                    clip(&model.name)
+                );
+                let note = "is this the model of these equations?";
+                return Err(vec![
+                    Diagnostic::error().with_message(message).with_note(note),
+                ]);
+            }
+            None => {}
         }
     }
+    Ok(())
 }
 
 /// The name of an input element.

@@ -130,5 +130,16 @@ fn a_model_gives_the_parameters() {
     assert_eq!(drawn(1, Some(&model)), drawn(1, Some(&model)));
     assert_ne!(drawn(1, Some(&model)), drawn(2, Some(&model)));
     assert_ne!(drawn(1, Some(&model)), drawn(1, None));
+    let mut larger = parse_module("f", &TEXT.replace("m[1..1]", "m[1..9]")).expect("a module");
+    larger.functions[0].name = "larger".to_owned();
+    let errors = evaluate_at_states(&Request {
+        module: &larger,
+        model: Some(&model),
+        states: Source::Random { count: 1, seed: 1 },
+        number: Number::Binary64,
+        format: Format::Csv,
+    })
+    .expect_err("the model has one joint");
+    assert!(errors[0].message.contains("m[2]"), "{errors:?}");
     assert_eq!(drawn(1, None).expect("three states").lines().count(), 7);
 }

@@ -236,8 +236,12 @@ impl<'m> System<'m> {
             .collect();
         // M reduced to the independent joints: T' M T with T = [1; B].
         let transform = stack(u, v, &slopes, bias.len());
-        let reduced = transform.transposed().product(&matrix.product(&transform));
-        let right = transform.transposed_times(&rest);
+        let (reduced, right) = if rows.is_empty() {
+            (matrix.select(u, u), u.iter().map(|&i| rest[i]).collect())
+        } else {
+            let reduced = transform.transposed().product(&matrix.product(&transform));
+            (reduced, transform.transposed_times(&rest))
+        };
         let threshold = 16.0 * self.equations.precision().epsilon();
         let free =
             solve_positive(reduced, right, threshold).map_err(|place| MotionError::Singular {
