@@ -10,7 +10,7 @@ use super::plan::Statement;
 use super::text::Text;
 use crate::robotran::Language;
 use hashbrown::HashSet;
-use robovec_ir::{Assignment, Function, Output, Shape, Symbol, Value};
+use robovec_ir::{Assignment, Boundary, Function, Output, Shape, Symbol, Value};
 use rustc_hash::FxBuildHasher;
 
 /// The text being written, and what it has come to.
@@ -50,6 +50,11 @@ impl File<'_> {
             }
             return Ok(());
         }
+        self.switch(body)
+    }
+
+    /// What all cases begin with, then the cases.
+    fn switch(&self, body: &mut Body) -> Result<(), WriteError> {
         let common = common_prefix(&self.functions) as u32;
         self.function(body, 0, 0, common)?;
         self.title(body, Section::Main);
@@ -129,50 +134,68 @@ impl File<'_> {
                 Statement::Define(value) => (first..end).contains(&value.0),
                 _ => end == u32::MAX,
             };
-            if !here {
-                continue;
-            }
-            match statement {
-                Statement::Define(value) => self.define(body, &source, value),
-                Statement::Call(call) => {
-                    let call = &function.boundaries[call];
-                    let statement = calls::statement(function, call, self.language)?;
-                    self.title(body, Section::Main);
-                    if let Some(result) = &call.result
-                        && self
-                            .arrays
-                            .find(result)
-                            .is_none_or(|array| array.shape == Shape::Scalar)
-                    {
-                        body.declare(result);
-                    }
-                    body.text.statement(&statement);
-                }
-                Statement::Argument(index) => {
-                    self.title(body, Section::Main);
-                    self.assign(body, &source, &outputs, &function.assignments[index], false);
-                }
-                Statement::Output(index) => {
-                    if self.cases[0].is_none() {
-                        self.title(body, Section::Outputs);
-                    }
-                    self.assign(body, &source, &outputs, &function.assignments[index], true);
-                }
-                Statement::Keep(input) => {
-                    let name = &source.kept[&input];
-                    body.declare(name);
-                    body.text.begin();
-                    body.text.push(name);
-                    body.text.push(" = ");
-                    body.printer
-                        .right_side(&mut body.text, &source, input.into(), false);
-                    body.text.end();
-                }
+            if here {
+                self.statement(body, &source, &outputs, statement)?;
             }
         }
         if self.zeros && end == u32::MAX {
             self.set_zeros(body, function, &outputs);
         }
+        Ok(())
+    }
+
+    fn statement(
+        &self,
+        body: &mut Body,
+        source: &Source<'_>,
+        outputs: &[String],
+        statement: Statement,
+    ) -> Result<(), WriteError> {
+        let function = source.function;
+        match statement {
+            Statement::Define(value) => self.define(body, source, value),
+            Statement::Call(call) => self.call(body, function, &function.boundaries[call])?,
+            Statement::Argument(index) => {
+                self.title(body, Section::Main);
+                self.assign(body, source, outputs, &function.assignments[index], false);
+            }
+            Statement::Output(index) => {
+                // In a sensor's case the title of the cases stands over all.
+                if self.cases[0].is_none() {
+                    self.title(body, Section::Outputs);
+                }
+                self.assign(body, source, outputs, &function.assignments[index], true);
+            }
+            Statement::Keep(input) => {
+                let name = &source.kept[&input];
+                body.declare(name);
+                body.text.begin();
+                body.text.push(name);
+                body.text.push(" = ");
+                body.printer
+                    .right_side(&mut body.text, source, input.into(), false);
+                body.text.end();
+            }
+        }
+        Ok(())
+    }
+
+    fn call(
+        &self,
+        body: &mut Body,
+        function: &Function,
+        call: &Boundary,
+    ) -> Result<(), WriteError> {
+        let statement = calls::statement(function, call, self.language)?;
+        self.title(body, Section::Main);
+        if let Some(result) = &call.result {
+            let known = self.arrays.find(result);
+            // An array's pointer is declared with the other arrays.
+            if known.is_none_or(|array| array.shape == Shape::Scalar) {
+                body.declare(result);
+            }
+        }
+        body.text.statement(&statement);
         Ok(())
     }
 
