@@ -43,6 +43,9 @@ pub(super) struct Chain {
     number: u32,
     suffix: &'static str,
     pub(super) steps: Vec<Step>,
+    /// From the origin of the reference to that of the first joint, or to the
+    /// place where there is none.
+    start: SumVector,
     /// From the last frame's origin to the place.
     pub(super) end: Vector,
 }
@@ -70,6 +73,10 @@ impl Chain {
             number: number as u32,
             suffix,
             steps: Vec::with_capacity(path.len()),
+            start: match path.first() {
+                Some(&joint) => parameters.offset(joint),
+                None => place.map(Sum::of),
+            },
             end: ZERO,
         };
         let mut axes = [unit(0), unit(1), unit(2)];
@@ -180,19 +187,24 @@ impl Chain {
         arms
     }
 
+    /// From the origin of the reference to the end of the chain, as terms: the
+    /// difference of two chains then drops what they start with in common.
+    pub(super) fn position_terms(&self, equations: &mut Equations) -> SumVector {
+        let arms = self.arms(equations);
+        let mut position = self.start.clone();
+        if let Some(arm) = arms.first() {
+            for (component, &value) in position.iter_mut().zip(arm) {
+                component.add(&[value]);
+            }
+        }
+        position
+    }
+
     /// From the origin of the reference to the end of the chain.
     pub(super) fn position(&self, equations: &mut Equations) -> Vector {
-        let arms = self.arms(equations);
-        match (self.steps.first(), arms.first()) {
-            (Some(step), Some(arm)) => {
-                let mut sum = step.lever.map(Sum::of);
-                for (component, &value) in sum.iter_mut().zip(arm) {
-                    component.add(&[value]);
-                }
-                self.define(equations, "PO", step.joint + 1, 0, sum)
-            }
-            _ => self.end,
-        }
+        let joint = self.steps.first().map_or(0, |step| step.joint + 1);
+        let position = self.position_terms(equations);
+        self.define(equations, "PO", joint, 0, position)
     }
 
     /// The axes of the last frame.

@@ -14,7 +14,7 @@ use super::algebra::{Scalar, Sum};
 use super::chain::Chain;
 use super::equations::{Equations, Label};
 use super::parameters::{Parameters, Source};
-use super::vector::{Vector, ZERO};
+use super::vector::{Vector, ZERO, define_as, subtracted};
 use crate::model::{Anchor, Cut, CutKind};
 
 /// One row.
@@ -156,6 +156,13 @@ impl Writer<'_, '_, '_> {
         Label::new(prefix, row + 1, self.number + 1)
     }
 
+    /// From the second end to the first.
+    fn span(&mut self, prefix: &'static str, ends: &[Chain; 2]) -> Vector {
+        let [one, other] = [0, 1].map(|side| ends[side].position_terms(self.equations));
+        let label = |component| Label::new(prefix, component, self.number + 1);
+        define_as(self.equations, label, subtracted(one, &other))
+    }
+
     fn difference(&mut self, prefix: &'static str, row: usize, a: Scalar, b: Scalar) -> Scalar {
         let mut sum = Sum::of(a);
         sum.add(&[-b]);
@@ -182,13 +189,12 @@ impl Writer<'_, '_, '_> {
 
     fn ball(&mut self, cut: &Cut, ends: &[Chain; 2], rows: &mut Vec<Row>) {
         let jacobians = [0, 1].map(|side| ends[side].jacobian(self.equations, self.parameters));
-        let positions = [0, 1].map(|side| ends[side].position(self.equations));
+        let span = self.span("h", ends);
         let seconds = self.accelerations(ends);
         for k in (0..3).filter(|&k| !cut.ignore[k]) {
-            let h = self.difference("h", k, positions[0][k], positions[1][k]);
             let jdqd = self.difference("jdqd", k, seconds[0].0[k], seconds[1].0[k]);
             rows.push(Row {
-                h,
+                h: span[k],
                 jacobian: Self::entries(&jacobians, |column| column.1[k]),
                 jdqd,
             });
@@ -232,8 +238,7 @@ impl Writer<'_, '_, '_> {
         options: &Options,
         rows: &mut Vec<Row>,
     ) {
-        let positions = [0, 1].map(|side| ends[side].position(self.equations));
-        let span = [0, 1, 2].map(|k| self.difference("Plp", k, positions[0][k], positions[1][k]));
+        let span = self.span("Plp", ends);
         let length = Source {
             options,
             equations: self.equations,

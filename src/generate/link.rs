@@ -12,7 +12,7 @@ use super::constraints::{place, split};
 use super::equations::{Equations, Label};
 use super::loads::{Loads, into_frame};
 use super::parameters::Parameters;
-use super::vector::{Vector, unit};
+use super::vector::{Vector, define_as, subtracted, unit};
 use robovec_ir::{Boundary, SourceSet};
 
 /// Writes all links.
@@ -39,8 +39,9 @@ fn one(
         let names = ("lnk", 2 * index + side + 1);
         Chain::new(equations, parameters, names, &paths[side], &places[side])
     });
-    let positions = [0, 1].map(|side| chains[side].position(equations));
-    let span = difference(equations, "Plnk", number, &positions[1], &positions[0]);
+    let [first, second] = [0, 1].map(|side| chains[side].position_terms(equations));
+    let label = |component| Label::new("Plnk", component, number);
+    let span = define_as(equations, label, subtracted(second, &first));
     let (length, direction) = line(equations, number, &span);
     let velocities = [0, 1].map(|side| chains[side].motion(equations, parameters, &[]).velocity);
     let velocity = difference(equations, "Vlnk", number, &velocities[1], &velocities[0]);

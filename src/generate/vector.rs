@@ -123,6 +123,14 @@ pub(super) fn add_matrix_product(sum: &mut SumVector, matrix: &Matrix, vector: &
     }
 }
 
+/// The difference of two vectors that are not named yet.
+pub(super) fn subtracted(mut one: SumVector, other: &SumVector) -> SumVector {
+    for (component, terms) in one.iter_mut().zip(other) {
+        component.add_scaled(&[-Scalar::ONE], terms);
+    }
+    one
+}
+
 /// An empty vector to add to.
 pub(super) fn sums() -> SumVector {
     [Sum::new(), Sum::new(), Sum::new()]
