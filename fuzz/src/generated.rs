@@ -44,6 +44,7 @@ fn input(bytes: &mut Unstructured<'_>) -> Result<(Model, Request, Language)> {
             leading_signs: bytes.arbitrary()?,
             expanded: bytes.arbitrary()?,
             true_angles: bytes.arbitrary()?,
+            multipliers: false,
         },
     };
     Ok((model, request, *bytes.choose(&Language::ALL)?))

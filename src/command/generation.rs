@@ -52,6 +52,9 @@ pub(super) struct GenArguments {
     /// Do not use that sin^2 + cos^2 = 1
     #[arg(long)]
     any_angles: bool,
+    /// Give the multipliers of loops beside accelerations
+    #[arg(long)]
+    multipliers: bool,
     /// Pipeline run over the equations, e.g. atomise,cse,dce
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
@@ -79,6 +82,7 @@ impl GenArguments {
             leading_signs: self.leading_signs,
             expanded: self.expanded,
             true_angles: !self.any_angles,
+            multipliers: self.multipliers,
         }
     }
 }

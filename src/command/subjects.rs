@@ -93,6 +93,7 @@ fn equations(subject: &Subject) -> Result<Module, Failure> {
         leading_signs: style.leading_signs,
         expanded: style.expanded,
         true_angles: !style.any_angles,
+        multipliers: false,
         ..Options::default()
     };
     let formulation = Formulation::from_name(&style.formulation).unwrap_or_default();

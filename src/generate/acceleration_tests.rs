@@ -81,9 +81,12 @@ fn accelerations_solve_the_equations_of_motion_exactly() {
     }
 }
 
-/// `qdd` in a state, in binary64.
+/// `qdd` and `lambda` in a state, in binary64.
 fn accelerations(model: &Model, formulation: Formulation, state: &State) -> Vec<f64> {
-    let module = make(model, FunctionKind::Accelred, formulation);
+    let mut request = Request::new(FunctionKind::Accelred);
+    request.formulation = formulation;
+    request.options.multipliers = true;
+    let module = generate(model, &request).expect("the loops close");
     let view = View {
         tables: &module.tables,
         function: &module.functions[0],
@@ -136,12 +139,12 @@ fn accelerations_satisfy_loops() {
                 continue;
             }
             let found = accelerations(&model, formulation, &state);
-            assert_eq!(found.len(), n);
+            assert_eq!(found.len(), n + rows);
             for (joint, &value) in found.iter().enumerate() {
                 let error = (value - expected[(joint, 0)]).abs();
                 assert!(
                     error <= 1e-10 * (1.0 + value.abs()),
-                    "{} of {}, joint {joint}: {error:e}",
+                    "{} of {}, element {joint}: {error:e}",
                     formulation.name(),
                     model.name
                 );

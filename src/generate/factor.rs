@@ -120,9 +120,12 @@ pub(super) fn product(
 
 /// Solves `A X = B` for a square matrix whose rows and columns already stand in
 /// the order of their pivots. A row holds its columns, then those of the right
-/// sides. The number of a row without a pivot is an error.
+/// sides. The names are those of the triangular factors, of the pivots'
+/// inverses, and of the solution before and after its division. The number of
+/// a row without a pivot is an error.
 pub(super) fn solve_square(
     equations: &mut Equations,
+    [upper_name, lower_name, inverse_name, half_name, name]: [&'static str; 5],
     rows: &[Row],
     sides: usize,
 ) -> Result<Vec<Row>, usize> {
@@ -130,7 +133,7 @@ pub(super) fn solve_square(
     let mut inverses = Vec::with_capacity(count);
     let mut upper: Vec<Row> = Vec::with_capacity(count);
     for (i, given) in rows.iter().enumerate() {
-        let label = |column: usize| Label::new("Jvlu", 0, i + 1).column(column + 1);
+        let label = |column: usize| Label::new(upper_name, 0, i + 1).column(column + 1);
         let mut row: BTreeMap<usize, Sum> = BTreeMap::new();
         for &(column, value) in given {
             row.entry(column).or_default().add(&[value]);
@@ -138,7 +141,7 @@ pub(super) fn solve_square(
         for k in 0..i {
             let Some(sum) = row.remove(&k) else { continue };
             let value = equations.define(label(k), sum);
-            let name = Label::new("Jvl", 0, i + 1).column(k + 1);
+            let name = Label::new(lower_name, 0, i + 1).column(k + 1);
             let factor = product(equations, name, value, inverses[k]);
             for &(column, value) in upper[k].iter().filter(|&&(column, _)| column > k) {
                 row.entry(column).or_default().subtract(&[factor, value]);
@@ -155,7 +158,7 @@ pub(super) fn solve_square(
         if pivot.is_zero() {
             return Err(i);
         }
-        inverses.push(equations.quotient(Label::new("Jvi", 0, i + 1), Scalar::ONE, pivot));
+        inverses.push(equations.quotient(Label::new(inverse_name, 0, i + 1), Scalar::ONE, pivot));
         upper.push(named);
     }
     let mut solution: Vec<Row> = vec![Row::new(); count];
@@ -166,8 +169,8 @@ pub(super) fn solve_square(
                 sum.subtract(&[value, entry(&solution[k], column - count)]);
             }
             let label = |name| Label::new(name, 0, i + 1).column(column - count + 1);
-            let value = equations.define(label("Jvx"), sum);
-            let value = product(equations, label("Bvx"), value, inverses[i]);
+            let value = equations.define(label(half_name), sum);
+            let value = product(equations, label(name), value, inverses[i]);
             if !value.is_zero() {
                 solution[i].push((column - count, value));
             }

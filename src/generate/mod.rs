@@ -33,6 +33,7 @@ mod prefix;
 mod recursive;
 mod reduced;
 mod sensor;
+mod turned_body;
 mod vector;
 
 use self::algebra::Scalar;
@@ -160,6 +161,9 @@ pub struct Options {
     /// Use that `sin^2 + cos^2 = 1`. Without it the equations hold for any
     /// substitute of sine and cosine.
     pub true_angles: bool,
+    /// Give the multipliers `lambda` of the loops beside accelerations, with
+    /// `M qdd + c = Qq + Jac^T lambda`; zero for redundant rows.
+    pub multipliers: bool,
 }
 
 impl Default for Options {
@@ -172,6 +176,7 @@ impl Default for Options {
             leading_signs: false,
             expanded: false,
             true_angles: true,
+            multipliers: false,
         }
     }
 }

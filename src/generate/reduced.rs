@@ -73,7 +73,10 @@ pub(super) fn accelerations(
             Stop::NoPivot(place) => singular(model, joints[place]),
             Stop::TooLarge => too_large(model),
         })?;
-    reduction.output(&partition, &loops, &solution);
+    let accelerations = reduction.output(&partition, &loops, &solution);
+    if options.multipliers {
+        reduction.multipliers(&partition, &loops, &forces, &accelerations)?;
+    }
     Ok(())
 }
 
@@ -140,6 +143,8 @@ impl Partition {
 /// Dependent accelerations: `B` by rows (columns count independent joints) and
 /// `b`.
 struct Loops {
+    /// `Jv`, rows and columns in the order of pivots.
+    square: Vec<Row>,
     matrix: Vec<Row>,
     rest: Vec<Scalar>,
 }
@@ -175,6 +180,7 @@ impl Reduction<'_, '_, '_> {
         let (u, v) = (&partition.independent, &partition.dependent);
         if v.is_empty() {
             return Ok(Loops {
+                square: Vec::new(),
                 matrix: Vec::new(),
                 rest: Vec::new(),
             });
@@ -200,7 +206,8 @@ impl Reduction<'_, '_, '_> {
             row.sort_unstable_by_key(|&(column, _)| column);
             rows.push(row);
         }
-        let solution = solve_square(self.equations, &rows, u.len() + 1)
+        let names = ["Jvlu", "Jvl", "Jvi", "Jvx", "Bvx"];
+        let solution = solve_square(self.equations, names, &rows, u.len() + 1)
             .map_err(|place| singular(self.parameters.model, v[place]))?;
         let rest = solution.iter().map(|row| -entry(row, u.len())).collect();
         let column =
@@ -209,7 +216,15 @@ impl Reduction<'_, '_, '_> {
             .iter()
             .map(|row| row.iter().filter_map(column).collect())
             .collect();
-        Ok(Loops { matrix, rest })
+        let square = |row: &Row| -> Row {
+            let entries = row.iter().copied();
+            entries.filter(|&(column, _)| column < v.len()).collect()
+        };
+        Ok(Loops {
+            square: rows.iter().map(square).collect(),
+            matrix,
+            rest,
+        })
     }
 
     /// The lower triangle of `Mr`, and the right side.
@@ -276,7 +291,7 @@ impl Reduction<'_, '_, '_> {
     }
 
     /// Sets the accelerations of all joints.
-    fn output(&mut self, partition: &Partition, loops: &Loops, solution: &[Scalar]) {
+    fn output(&mut self, partition: &Partition, loops: &Loops, solution: &[Scalar]) -> Vec<Scalar> {
         let mut accelerations = self.given.clone();
         for (&joint, &value) in partition.independent.iter().zip(solution) {
             accelerations[joint] = value;
@@ -288,8 +303,49 @@ impl Reduction<'_, '_, '_> {
             }
             accelerations[joint] = self.equations.define(Label::new("qppv", 0, joint + 1), sum);
         }
-        for (joint, value) in accelerations.into_iter().enumerate() {
+        for (joint, &value) in accelerations.iter().enumerate() {
             self.equations.output("qdd", &[joint + 1], value);
         }
+        accelerations
+    }
+
+    /// Sets the multipliers: `Jv^T lambda = Mv qdd - f_v`.
+    fn multipliers(
+        &mut self,
+        partition: &Partition,
+        loops: &Loops,
+        forces: &[Scalar],
+        accelerations: &[Scalar],
+    ) -> Result<(), GenerateError> {
+        let v = &partition.dependent;
+        let mut rows: Vec<Row> = vec![Row::new(); v.len()];
+        for (number, row) in loops.square.iter().enumerate() {
+            for &(column, value) in row {
+                rows[column].push((number, value));
+            }
+        }
+        for (place, &joint) in v.iter().enumerate() {
+            let mut sum = Sum::new();
+            for (other, &acceleration) in accelerations.iter().enumerate() {
+                // Given accelerations are in the force already.
+                if self.parameters.model.joints[other].nature != Nature::Driven {
+                    sum.add(&[self.mass(joint, other), acceleration]);
+                }
+            }
+            sum.subtract(&[forces[joint]]);
+            let label = Label::new("FMl", 0, joint + 1);
+            let value = self.equations.define(label, sum);
+            if !value.is_zero() {
+                rows[place].push((v.len(), value));
+            }
+        }
+        let names = ["Jtlu", "Jtl", "Jti", "Jtx", "lam"];
+        let solution = solve_square(self.equations, names, &rows, 1)
+            .map_err(|place| singular(self.parameters.model, v[place]))?;
+        for (row, &number) in solution.iter().zip(&partition.rows) {
+            let value = entry(row, 0);
+            self.equations.output("lambda", &[number + 1], value);
+        }
+        Ok(())
     }
 }
