@@ -81,7 +81,7 @@ fn accelerations_solve_the_equations_of_motion_exactly() {
     }
 }
 
-/// `qdd` and `lambda` in a state, in binary64.
+/// `qdd` and `Lambda` in a state, in binary64.
 fn accelerations(model: &Model, formulation: Formulation, state: &State) -> Vec<f64> {
     let mut request = Request::new(FunctionKind::Accelred);
     request.formulation = formulation;

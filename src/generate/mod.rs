@@ -161,8 +161,8 @@ pub struct Options {
     /// Use that `sin^2 + cos^2 = 1`. Without it the equations hold for any
     /// substitute of sine and cosine.
     pub true_angles: bool,
-    /// Give the multipliers `lambda` of the loops beside accelerations, with
-    /// `M qdd + c = Qq + Jac^T lambda`; zero for redundant rows.
+    /// Give the multipliers `Lambda` of the loops beside accelerations, with
+    /// `M qdd + c = Qq + Jac^T Lambda`; zero for redundant rows.
     pub multipliers: bool,
 }
 

@@ -344,7 +344,7 @@ impl Reduction<'_, '_, '_> {
             .map_err(|place| singular(self.parameters.model, v[place]))?;
         for (row, &number) in solution.iter().zip(&partition.rows) {
             let value = entry(row, 0);
-            self.equations.output("lambda", &[number + 1], value);
+            self.equations.output("Lambda", &[number + 1], value);
         }
         Ok(())
     }
