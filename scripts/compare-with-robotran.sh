@@ -48,6 +48,12 @@ for file in "$@"; do
     if grep -q "Flnk" "$file"; then
         sed -i 's/ Flink\[/ Flnk[/' "$work/ours.rvir"
     fi
+    # Generator 6.6 gives no Jacobian of joint frames.
+    if [ "$kind" = gensensor ] && ! grep -q 'sens.*J[[(][1-6],\{0,1\}\]\{0,1\}\[\{0,1\}[0-9]*[])] *=' "$file"; then
+        sed -i '/ sens\.J\[/d' "$work/ours.rvir"
+        "$programs/robovec-opt" "$work/ours.rvir" -passes=dce -o "$work/less.rvir"
+        mv "$work/less.rvir" "$work/ours.rvir"
+    fi
     # Python's sensors of joint frames are in a function called sensor.
     case $kind-$base in gensensor-*.py) sed -i 's/gensensor_/sensor_/' "$work/ours.rvir" ;; esac
     theirs=$(operations "$file")

@@ -106,11 +106,7 @@ pub(super) fn sensor(
 pub(super) fn frame(equations: &mut Equations, parameters: &Parameters<'_>, joint: usize) {
     let path = parameters.path(joint);
     let chain = Chain::new(equations, parameters, ("cp", joint + 1), &path, &ZERO);
-    let asks = Asks {
-        jacobian: false,
-        ..ALL
-    };
-    outputs(equations, parameters, &chain, asks, &Names::of_sensor());
+    outputs(equations, parameters, &chain, ALL, &Names::of_sensor());
 }
 
 /// Sets the outputs that are asked for.
