@@ -5,7 +5,6 @@ use super::{Failure, generation, input};
 use crate::evaluate_command::{self, Format, Number, evaluate_at_states};
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::model::Model;
-use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use robovec_ir::Module;
 use robovec_ir::diagnostic::{Report, clip, termcolor::ColorChoice};
@@ -47,7 +46,7 @@ pub(super) struct EvalArguments {
     function: Vec<String>,
     /// Recursion that a model's equations come from
     #[arg(long, default_value = "recursive",
-          value_parser = PossibleValuesParser::new(Formulation::names()))]
+          value_parser = generation::formulations())]
     formulation: String,
     /// Numbers: f32, f64, double-double, field (a prime field), or a number
     /// of bits

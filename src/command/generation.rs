@@ -8,7 +8,7 @@ use crate::generate::{
 use crate::model::Model;
 use crate::robotran::write::WriteOptions;
 use clap::Args;
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use robovec_ir::diagnostic::termcolor::ColorChoice;
 use robovec_ir::{Module, print};
 use robovec_passes::manager::{self, Config};
@@ -27,9 +27,9 @@ pub(super) struct GenArguments {
     /// Language of Robotran's to write files in, instead of robovec's text
     #[arg(long, value_enum)]
     language: Option<OutputLanguage>,
-    /// Recursion the equations come from; 'robovec gen --help' explains them
+    /// Recursion the equations come from; all but recursive need sin^2 + cos^2 = 1
     #[arg(long, default_value = "recursive",
-          value_parser = PossibleValuesParser::new(Formulation::names()))]
+          value_parser = formulations())]
     formulation: String,
     /// Write what children carry before a body's own terms
     #[arg(long)]
@@ -101,6 +101,13 @@ fn kinds(names: &[String]) -> Vec<FunctionKind> {
             .any(|name| name == kind.name() || name == "all" && *kind != FunctionKind::Accelred)
     };
     FunctionKind::ALL.into_iter().filter(asked).collect()
+}
+
+/// The formulations as values of an option, each with its description.
+pub(super) fn formulations() -> PossibleValuesParser {
+    let values = Formulation::ALL
+        .map(|formulation| PossibleValue::new(formulation.name()).help(formulation.description()));
+    PossibleValuesParser::new(values)
 }
 
 /// Generates the functions of a model into one module.

@@ -6,7 +6,6 @@ use crate::model::{Model, Nature};
 use crate::motion::{
     Laws, Method, MotionError, Plan, Precision, Run, Setting, System, plot, simulate,
 };
-use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use robovec_ir::diagnostic::{Report, clip, did_you_mean, termcolor::ColorChoice};
@@ -70,7 +69,7 @@ pub(super) struct SimArguments {
     number: Number,
     /// Recursion the equations come from
     #[arg(long, default_value = "recursive",
-          value_parser = PossibleValuesParser::new(Formulation::names()))]
+          value_parser = super::generation::formulations())]
     formulation: String,
     /// Take accelerations from the generated function accelred instead of
     /// solving M qdd + c = Qq

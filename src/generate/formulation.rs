@@ -112,6 +112,34 @@ impl Formulation {
         }
     }
 
+    /// What a user should know to choose, in one line.
+    pub fn description(self) -> &'static str {
+        match self {
+            Formulation::Recursive => "Newton-Euler, column by column: what Robotran prints",
+            Formulation::Composite => {
+                "composite bodies in body frames: fewest operations for trees and short chains"
+            }
+            Formulation::CompositeBase => {
+                "composite bodies, long columns in one frame: fewest operations for long chains"
+            }
+            Formulation::Articulated => {
+                "articulated bodies, accelred of trees: as many operations as joints, with division"
+            }
+            Formulation::Prefix { network, origin } => match (network, origin) {
+                (Network::Serial, Origin::Body) => "one frame, one after another: linear depth",
+                (Network::BrentKung, Origin::Body) => {
+                    "one frame, Brent-Kung network: logarithmic depth, few operations"
+                }
+                (Network::Sklansky, Origin::Body) => {
+                    "one frame, Sklansky network: the shortest critical path"
+                }
+                (Network::Serial | Network::BrentKung | Network::Sklansky, Origin::Base) => {
+                    "the same with moments about the base: loses digits in short formats"
+                }
+            },
+        }
+    }
+
     /// The names of all formulations.
     pub fn names() -> Vec<&'static str> {
         Formulation::ALL
