@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Generates the functions of a model and compares them with Robotran's own
 # files for it: numbers at random states with the model's parameters, equality
-# over the real numbers at random points of a prime field, and operations.
+# over the real numbers at random points of a prime field (parameters that are
+# zero in the model taken as zero), and operations.
 #
 #   scripts/compare-with-robotran.sh MODEL.mbs FILE...
 #
@@ -11,7 +12,7 @@
 set -euo pipefail
 
 if [ $# -lt 2 ]; then
-    sed -n '2,12s/^# \{0,1\}//p' "$0"
+    sed -n '2,11s/^# \{0,1\}//p' "$0"
     exit 2
 fi
 programs=${ROBOVEC:-$(dirname "$0")/../target/release}
@@ -59,7 +60,7 @@ for file in "$@"; do
     theirs=$(operations "$file")
     ours=$(operations "$work/ours.rvir")
     proved=no
-    "$programs/robovec" check "$file" "$work/ours.rvir" --circle --align >/dev/null 2>&1 && proved=yes
+    "$programs/robovec" check "$file" "$work/ours.rvir" --circle --zeros "$model" >/dev/null 2>&1 && proved=yes
     if numbers=$("$programs/robovec" check "$file" "$work/ours.rvir" --model "$model" 2>&1); then
         numbers=$(echo "$numbers" | sed 's/.*within/within/' | sort -t' ' -k2 -g | tail -1)
     else

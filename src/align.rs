@@ -6,7 +6,7 @@
 
 use robovec_ir::{
     Array, Assignment, Function, Input, Node, Operand, OperandKind, Output, Shape, SourceSet,
-    Symbol, Tables,
+    Symbol, Tables, Value,
 };
 
 /// A name and an extent.
@@ -14,7 +14,8 @@ type Signature = Vec<(String, Shape)>;
 
 /// Both functions with the union of their arrays. An output element that only
 /// one of them sets keeps in the other what the caller put there: the input
-/// element of the same name (`frc`), else zero.
+/// element of the same name (`frc`), else zero. Equal calls of a user function
+/// are one.
 pub fn align(
     (before, before_tables): (&Function, &mut Tables),
     (after, after_tables): (&Function, &mut Tables),
@@ -29,6 +30,8 @@ pub fn align(
     );
     let mut one = rebuild(before, before_tables, &inputs, &outputs);
     let mut other = rebuild(after, after_tables, &inputs, &outputs);
+    merge_calls(before, before_tables, &mut one);
+    merge_calls(after, after_tables, &mut other);
     let set: Vec<Output> = one
         .assignments
         .iter()
@@ -169,4 +172,46 @@ fn clear(function: &mut Function, outputs: &[Output]) {
         }
     }
     function.sort_assignments();
+}
+
+/// Generator 6.6 calls the law of a link again wherever its force is used
+/// once; the results of equal calls are equal.
+fn merge_calls(original: &Function, tables: &Tables, function: &mut Function) {
+    let calls = &original.boundaries;
+    let first_of = |name: &str| {
+        let call = calls
+            .iter()
+            .find(|call| call.result.as_deref() == Some(name))?;
+        let mut equal = calls
+            .iter()
+            .filter(|other| other.callee == call.callee && other.arguments == call.arguments);
+        equal.find_map(|other| other.result.as_deref())
+    };
+    let places: Vec<Option<Operand>> = (0..function.input_len() as u32)
+        .map(|input| {
+            let (array, ..) = function.input_element(Input(input));
+            let first = first_of(tables.symbols.text(array.name))?;
+            let mut arrays = function.inputs().iter();
+            let target = arrays.find(|other| tables.symbols.text(other.name) == first)?;
+            let within = input - array.offset;
+            let there = (within as usize) < target.shape.len();
+            there.then(|| Input(target.offset + within).into())
+        })
+        .collect();
+    replace(function, |input| places[input.index()]);
+}
+
+/// Replaces inputs wherever they are used.
+pub(crate) fn replace(function: &mut Function, by: impl Fn(Input) -> Option<Operand>) {
+    let replaced = |operand: Operand| match operand.kind() {
+        OperandKind::Input(input) => by(input).unwrap_or(operand),
+        _ => operand,
+    };
+    for index in 0..function.nodes().len() {
+        let node = function.node_mut(Value(index as u32));
+        node.operands = node.operands.map(replaced);
+    }
+    for assignment in &mut function.assignments {
+        assignment.operand = replaced(assignment.operand);
+    }
 }

@@ -13,7 +13,7 @@ mod explain;
 mod inputs;
 
 use self::explain::{reasons, superfluous};
-use self::inputs::{merge_calls, zero};
+pub(crate) use self::inputs::zero;
 use crate::align::align;
 use crate::generate::{FunctionKind, Options, Request, generate};
 use crate::model::{CutKind, Model};
@@ -291,7 +291,6 @@ fn difference(
         (function, &mut tables),
         (&expected.functions[index], &mut expected.tables),
     );
-    merge_calls(function, &tables, &mut one);
     zero(model, &tables, &mut one);
     zero(model, &expected.tables, &mut other);
     // What only one of them has has nothing to be compared with: generator

@@ -10,6 +10,7 @@ use super::{Failure, input};
 use crate::align;
 use crate::model::Model;
 use crate::motion::parameter;
+use crate::stale::zero;
 use clap::Args;
 use robovec_ir::arithmetic::Binary64;
 use robovec_ir::evaluate::evaluate;
@@ -43,6 +44,9 @@ pub(super) struct CheckArguments {
     /// does not set is zero there, or what the caller gave (frc, trq)
     #[arg(long)]
     align: bool,
+    /// Take as zero what is zero in this model (.mbs); implies --align
+    #[arg(long, value_name = "FILE", conflicts_with = "model")]
+    zeros: Option<PathBuf>,
     /// Compare in 64-bit floats, with the parameters of this model (.mbs)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["exact", "circle"])]
     model: Option<PathBuf>,
@@ -72,8 +76,16 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<String, Failure> {
         None => None,
         Some(path) => Some(input::model(path)?.model),
     };
-    if arguments.align || model.is_some() {
+    if arguments.align || arguments.zeros.is_some() || model.is_some() {
         align_modules(&mut before.module, &mut after.module);
+    }
+    if let Some(path) = &arguments.zeros {
+        let model = input::model(path)?.model;
+        for module in [&mut before.module, &mut after.module] {
+            for function in &mut module.functions {
+                zero(&model, &module.tables, function);
+            }
+        }
     }
     let mut text = String::new();
     for function in &before.module.functions {

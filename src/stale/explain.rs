@@ -1,7 +1,8 @@
 //! Why a function is not the model's.
 
-use super::inputs::{is_zero, replace};
+use super::inputs::is_zero;
 use super::{Comparison, Element, element, extent, metadata, used};
+use crate::align::replace;
 use crate::model::{Model, Point};
 use robovec_ir::{Function, Module, Operand, Tables, View};
 use robovec_passes::NumericClass;
