@@ -1,21 +1,12 @@
 //! `robovec gen` and `robovec-opt` on models, as a user meets them.
 
+#[path = "support/programs.rs"]
+mod programs;
+
+use programs::{model, robovec};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
-
-fn model(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("examples/models")
-        .join(name)
-}
-
-fn robovec(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .args(arguments)
-        .output()
-        .expect("the program starts")
-}
 
 fn stdout(output: &Output) -> String {
     let message = String::from_utf8_lossy(&output.stderr);

@@ -7,16 +7,11 @@
 
 use super::algebra::{Factor, Scalar, Sum, Term};
 use super::equations::{Atom, Body, Equations};
+use crate::robotran::conventions::{INPUT_ORDER, known_extent};
 use robovec_ir::{
     Array, Assignment, Function, Input, Module, Name, Node, Operand, Operation, Output, Shape,
     SourceSet, Symbol, Tables,
 };
-
-/// Inputs first, in the order of Robotran's structure, then what user functions
-/// return.
-const INPUT_ORDER: [&str; 11] = [
-    "q", "qd", "qdd", "dpt", "l", "m", "In", "g", "frc", "trq", "lrod",
-];
 
 /// The parameters of Robotran's functions, in their order; other outputs follow
 /// in order of appearance.
@@ -27,30 +22,14 @@ const OUTPUT_ORDER: [&str; 11] = [
 /// The extents of arrays.
 pub(super) struct Extents {
     pub(super) joints: u32,
+    /// The columns of `dpt`: the largest number of a point that is used.
     pub(super) points: u32,
 }
 
 impl Extents {
-    /// The full extents of an array of Robotran's; zero where it depends on
-    /// the elements used.
-    fn of(&self, array: &str) -> (u32, u32) {
-        let joints = self.joints;
-        match array {
-            "q" | "qd" | "qdd" | "Qq" | "c" | "m" => (joints, 0),
-            "l" | "frc" | "trq" => (3, joints),
-            "In" => (9, joints),
-            "M" => (joints, joints),
-            "Jac" => (0, joints),
-            "dpt" => (3, self.points),
-            "g" | "sens.P" | "sens.V" | "sens.OM" | "sens.A" | "sens.OMP" => (3, 0),
-            "sens.R" => (3, 3),
-            "sens.J" => (6, joints),
-            _ => (0, 0),
-        }
-    }
-
     fn shape(&self, array: &str, indices: usize, used: (u32, u32)) -> Shape {
-        let (rows, columns) = self.of(array);
+        let (rows, columns) = known_extent(array, self.joints).unwrap_or((0, 0));
+        let columns = if array == "dpt" { self.points } else { columns };
         match indices {
             0 => Shape::Scalar,
             1 => Shape::Vector(rows.max(used.0)),

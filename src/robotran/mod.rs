@@ -8,6 +8,7 @@
 //! a module at the equations level whose evaluation in 64-bit floats equals
 //! the compiled C file bit for bit.
 
+pub(crate) mod conventions;
 mod decode;
 mod explain;
 mod header;

@@ -5,6 +5,7 @@
 //! is a copy: `s.frc` is an array of its own that keeps its first values.
 
 use super::Language;
+use super::conventions::known_extent;
 use super::explain::refusal;
 use super::syntax::{Head, Kind, Leaf, LeafKind, Syntax};
 use super::token::{Name, Span};
@@ -82,22 +83,6 @@ impl Storage {
         let (indices, rank) = array.shape.indices(slot - array.offset);
         (array, indices, rank)
     }
-}
-
-/// The extents that follow from the number of joints, 0 where they do not.
-pub(super) fn known_extent(name: &str, joints: u32) -> Option<(u32, u32)> {
-    Some(match name {
-        "q" | "qd" | "qdd" | "Qq" | "Qa" | "c" | "m" => (joints, 0),
-        "l" | "frc" | "trq" => (3, joints),
-        "In" => (9, joints),
-        "M" => (joints, joints),
-        "Jac" => (0, joints),
-        "dpt" => (3, 0),
-        "g" | "sens.P" | "sens.V" | "sens.OM" | "sens.A" | "sens.OMP" => (3, 0),
-        "sens.R" => (3, 3),
-        "sens.J" => (6, joints),
-        _ => return None,
-    })
 }
 
 /// Names that are arrays even where no element of them is used.

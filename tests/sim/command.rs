@@ -1,21 +1,8 @@
 //! The commands `sim` and `eval` as a user meets them.
 
+use crate::programs::{model, robovec};
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-fn model(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("examples/models")
-        .join(name)
-}
-
-fn robovec(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .args(arguments)
-        .output()
-        .expect("the program starts")
-}
+use std::path::Path;
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()

@@ -7,3 +7,5 @@ mod examples;
 mod failures;
 mod forces;
 mod models;
+#[path = "../support/programs.rs"]
+mod programs;

@@ -6,6 +6,7 @@
 
 use super::names::Names;
 use super::scan::{READ_BACK, REWRITTEN, Scan};
+use crate::robotran::conventions::{INPUT_ORDER, SENSOR_FIELDS};
 use crate::robotran::explain::refusal;
 use crate::robotran::places::Places;
 use crate::robotran::storage::{Initial, Storage};
@@ -83,16 +84,6 @@ pub(super) struct Emitter<'e, 'a, 't> {
     pub(super) warnings: Vec<Diagnostic>,
     pub(super) statement: usize,
 }
-
-/// The fields of Robotran's structure of a sensor, in its order.
-const SENSOR_FIELDS: [&str; 7] = [
-    "sens.P", "sens.R", "sens.V", "sens.OM", "sens.A", "sens.OMP", "sens.J",
-];
-
-/// The inputs in the order in which the field lists them.
-const INPUT_ORDER: [&str; 11] = [
-    "q", "qd", "qdd", "dpt", "l", "m", "In", "g", "frc", "trq", "lrod",
-];
 
 impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
     pub(super) fn new(

@@ -6,7 +6,7 @@
 //! nothing to Robotran.
 
 use super::arrays::{Arrays, Role};
-use crate::robotran::storage::known_extent;
+use crate::robotran::conventions::known_extent;
 use hashbrown::HashSet;
 use robovec_ir::{Function, Shape};
 use rustc_hash::FxBuildHasher;

@@ -1,0 +1,31 @@
+//! What Robotran's arrays are: their extents and their order.
+//!
+//! Reader, writer and generator share these tables, because a function must
+//! have the same arrays whichever of them it comes from.
+
+/// The inputs in the order in which Robotran's structure lists them.
+pub(crate) const INPUT_ORDER: [&str; 11] = [
+    "q", "qd", "qdd", "dpt", "l", "m", "In", "g", "frc", "trq", "lrod",
+];
+
+/// The fields of Robotran's structure of a sensor, in its order.
+pub(crate) const SENSOR_FIELDS: [&str; 7] = [
+    "sens.P", "sens.R", "sens.V", "sens.OM", "sens.A", "sens.OMP", "sens.J",
+];
+
+/// Rows and columns of an array as far as they follow from the number of
+/// joints, 0 where they do not; `None` for an array of no known extent.
+pub(crate) fn known_extent(name: &str, joints: u32) -> Option<(u32, u32)> {
+    Some(match name {
+        "q" | "qd" | "qdd" | "Qq" | "Qa" | "c" | "m" => (joints, 0),
+        "l" | "frc" | "trq" => (3, joints),
+        "In" => (9, joints),
+        "M" => (joints, joints),
+        "Jac" => (0, joints),
+        "dpt" => (3, 0),
+        "g" | "sens.P" | "sens.V" | "sens.OM" | "sens.A" | "sens.OMP" => (3, 0),
+        "sens.R" => (3, 3),
+        "sens.J" => (6, joints),
+        _ => return None,
+    })
+}
