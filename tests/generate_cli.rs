@@ -110,3 +110,31 @@ fn a_bad_model_writes_nothing() {
         }
     }
 }
+
+#[test]
+fn equations_are_compared_in_numbers_and_by_proof() {
+    let car = model("quarter-car.mbs");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let ours = folder.path().join("ours.rvir");
+    let text = stdout(&robovec(&["gen", path(&car)]));
+    fs::write(&ours, &text).expect("room for the equations");
+    let theirs =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension/mbs_dirdyna_suspension.c");
+    let files = [path(&theirs), path(&ours)];
+    let check = |how: &[&str]| robovec(&[&["check"][..], &files, how].concat());
+    let proof = stdout(&check(&["--circle", "--zeros", path(&car)]));
+    assert_eq!(proof, "dirdyna: real-trig at 8 points\n");
+    let numbers = stdout(&check(&["--model", path(&car)]));
+    assert!(numbers.starts_with("dirdyna: within "), "{numbers}");
+
+    // One sign in the equations is enough to fail either way.
+    let wrong = text.replacen(" + ", " - ", 1);
+    assert_ne!(wrong, text);
+    fs::write(&ours, wrong).expect("room for the equations");
+    for how in [["--zeros", path(&car)], ["--model", path(&car)]] {
+        let output = check(&how);
+        assert_eq!(output.status.code(), Some(1));
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(message.contains("'dirdyna' differs"), "{message}");
+    }
+}
