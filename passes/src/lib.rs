@@ -24,6 +24,7 @@ mod reassociate;
 pub mod registry;
 pub mod rewrite;
 pub mod swap;
+pub mod trail;
 pub mod zero_removal;
 
 pub use class::NumericClass;

@@ -7,7 +7,8 @@
 
 use crate::class::NumericClass;
 use crate::options::{OptionError, OptionInfo};
-use robovec_ir::{Function, Level, Machine, SourceSet, Tables};
+use crate::trail::Notes;
+use robovec_ir::{Function, Level, Machine, Name, SourceSet, Tables};
 
 /// A transformation (or analysis) of one function.
 pub trait Pass {
@@ -33,6 +34,19 @@ pub struct Context<'a> {
     pub statistics: &'a mut Vec<(&'static str, u64)>,
     /// What the pass has to tell: one line each.
     pub remarks: &'a mut Vec<String>,
+    /// The rules it applied, value by value; see [`Context::note`].
+    pub notes: &'a mut Notes,
+}
+
+impl Context<'_> {
+    /// Says that the value which bears this name after the pass was made by
+    /// this rule of the pass (`factor`, `sub-neg`, …). Free when nobody asked
+    /// for the trail. Where the context is borrowed otherwise, the field
+    /// [`notes`](Context::notes) does the same.
+    #[inline]
+    pub fn note(&mut self, name: Name, rule: &str) {
+        self.notes.note(name, rule);
+    }
 }
 
 /// A file produced by code generation.

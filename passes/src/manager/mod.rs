@@ -17,6 +17,7 @@ pub use plan::PlanError;
 use crate::check::{self, Verdict};
 use crate::pass::{Artifact, Context, PassError, PassInfo};
 use crate::pipeline::{PassStep, Pipeline, Step};
+use crate::trail::Notes;
 use instrument::Instruments;
 use measure::Meter;
 use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
@@ -258,6 +259,7 @@ impl Run<'_> {
             check: None,
         };
         let mut remarks = Vec::new();
+        let mut notes = Notes::unwanted();
         let result = pass.run(
             function,
             &mut Context {
@@ -266,6 +268,7 @@ impl Run<'_> {
                 artifacts: &mut self.outcome.artifacts,
                 statistics: &mut record.statistics,
                 remarks: &mut remarks,
+                notes: &mut notes,
             },
         );
         result.map_err(|error| RunError::Pass {

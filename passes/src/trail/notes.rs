@@ -1,0 +1,119 @@
+//! What a pass says about the values it makes, while it runs.
+
+use hashbrown::HashMap;
+use robovec_ir::Name;
+use rustc_hash::FxBuildHasher;
+
+/// The rules a running pass applied, value by value.
+///
+/// Nothing is kept, and a note costs one comparison, unless the notes were
+/// [wanted](Notes::wanted) from the start.
+#[derive(Clone, Default, Debug)]
+pub struct Notes {
+    wanted: bool,
+    rules: Vec<String>,
+    rule_index: HashMap<String, u32, FxBuildHasher>,
+    /// The rules that made a value, in order of the notes.
+    made_by: HashMap<Name, Vec<u32>, FxBuildHasher>,
+    /// The value of the function as it was that a value was made from.
+    origins: HashMap<Name, Name, FxBuildHasher>,
+}
+
+impl Notes {
+    /// Notes that are thrown away.
+    pub fn unwanted() -> Notes {
+        Notes::default()
+    }
+
+    /// Notes that are kept.
+    pub fn wanted() -> Notes {
+        Notes {
+            wanted: true,
+            ..Notes::default()
+        }
+    }
+
+    /// Whether anybody reads the notes: worth asking before a text is made
+    /// only for a note.
+    #[inline]
+    pub fn are_wanted(&self) -> bool {
+        self.wanted
+    }
+
+    /// The value that bears this name after the pass was made by this rule.
+    /// Several rules are kept in the order of the notes, each once.
+    #[inline]
+    pub fn note(&mut self, name: Name, rule: &str) {
+        if self.wanted {
+            self.keep(name, rule);
+        }
+    }
+
+    /// The value that bears this name after the pass was made from the value
+    /// of that name before it. Needed only where the names do not tell: a
+    /// value keeps its own history, and `OM16.2` is taken to come from
+    /// `OM16`.
+    #[inline]
+    pub fn note_origin(&mut self, name: Name, origin: Name) {
+        if self.wanted {
+            self.origins.insert(name, origin);
+        }
+    }
+
+    fn keep(&mut self, name: Name, rule: &str) {
+        let number = match self.rule_index.get(rule) {
+            Some(&number) => number,
+            None => {
+                let number = self.rules.len() as u32;
+                self.rules.push(rule.to_owned());
+                self.rule_index.insert(rule.to_owned(), number);
+                number
+            }
+        };
+        let made_by = self.made_by.entry(name).or_default();
+        if !made_by.contains(&number) {
+            made_by.push(number);
+        }
+    }
+
+    /// The rules noted for a value, in order.
+    pub fn rules(&self, name: Name) -> impl Iterator<Item = &str> + '_ {
+        let numbers = self.made_by.get(&name).map_or(&[][..], Vec::as_slice);
+        numbers
+            .iter()
+            .map(|&number| self.rules[number as usize].as_str())
+    }
+
+    /// The value another was noted to come from.
+    pub fn origin(&self, name: Name) -> Option<Name> {
+        self.origins.get(&name).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_ir::Symbol;
+
+    #[test]
+    fn rules_are_kept_in_order_and_once_and_only_when_wanted() {
+        let name = Name::plain(Symbol(3));
+        let other = Name {
+            base: Symbol(3),
+            suffix: 1,
+        };
+        for (mut notes, expected) in [
+            (Notes::wanted(), &["factor", "negate"][..]),
+            (Notes::unwanted(), &[]),
+        ] {
+            for rule in ["factor", "negate", "factor"] {
+                notes.note(name, rule);
+            }
+            notes.note_origin(other, name);
+            assert_eq!(notes.rules(name).collect::<Vec<_>>(), expected);
+            assert_eq!(notes.rules(other).count(), 0);
+            let origin = notes.are_wanted().then_some(name);
+            assert_eq!(notes.origin(other), origin);
+        }
+    }
+}
