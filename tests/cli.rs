@@ -405,6 +405,47 @@ fn a_million_terms_in_one_sum_are_balanced() {
 }
 
 #[test]
+fn a_value_is_explained_from_its_equation_to_the_end() {
+    let explain = |asked: &str| {
+        run(opt()
+            .arg(example(SUSPENSION))
+            .args([PIPELINE, "--explain", asked]))
+    };
+    let output = explain("M[3,3]");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    for part in [
+        "mbs_dirdyna_suspension.m:",
+        "M[3,3] of 'dirdyna' comes from",
+        "as read\n  M[3,3] = ",
+        "\nbalance\n- ",
+        "\nin the end\n  M[3,3] = ",
+        " available at cycle ",
+    ] {
+        assert!(text.contains(part), "no '{part}' in\n{text}");
+    }
+    let output = explain("%AF34x");
+    assert_eq!(output.status.code(), Some(1));
+    let message = stderr(&output);
+    assert!(message.contains("did you mean '%AF34'?"), "{message}");
+}
+
+#[test]
+fn histories_are_printed_on_request_and_change_nothing_else() {
+    let print = |arguments: &[&str]| {
+        let output = run(opt().arg(example(SUSPENSION)).arg(PIPELINE).args(arguments));
+        assert!(output.status.success(), "{}", stderr(&output));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let text = print(&["--print-history"]);
+    let mut module = robovec_ir::parse::parse_module("stdout", &text).expect("it reads back");
+    assert_eq!(robovec_ir::print::print_module(&module), text);
+    let histories = module.functions[0].histories.take().expect("as asked for");
+    assert!(histories.steps().len() > 4);
+    assert_eq!(robovec_ir::print::print_module(&module), print(&[]));
+}
+
+#[test]
 fn help_lists_what_there_is() {
     let passes = run(opt().arg("--list-passes"));
     let text = String::from_utf8_lossy(&passes.stdout).into_owned();

@@ -6,6 +6,7 @@
 //! expression tree of the next named node (or output) that uses them.
 
 use crate::entity::{Constant, Input, Operand, Output, Value};
+use crate::history::Histories;
 use crate::operation::Operation;
 use crate::placement::{Placement, Schedule};
 use crate::source::SourceSet;
@@ -208,6 +209,8 @@ pub struct Function {
     pub schedule: Option<Schedule>,
     /// Memory addresses and transfers, from level `placed`.
     pub placement: Option<Placement>,
+    /// How every value came to be; kept only when somebody asks.
+    pub histories: Option<Histories>,
     inputs: Vec<Array>,
     outputs: Vec<Array>,
     nodes: Vec<Node>,
@@ -227,6 +230,7 @@ impl Function {
             timing: None,
             schedule: None,
             placement: None,
+            histories: None,
             inputs: Vec::new(),
             outputs: Vec::new(),
             nodes: Vec::new(),

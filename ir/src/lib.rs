@@ -15,6 +15,7 @@ pub mod entity;
 pub mod evaluate;
 pub mod field;
 pub mod function;
+pub mod history;
 pub mod machine;
 pub mod module;
 pub mod operation;
@@ -28,6 +29,7 @@ pub mod verify;
 
 pub use entity::{Constant, Input, Operand, OperandKind, Output, Value};
 pub use function::{Array, Assignment, Boundary, Function, Level, Node, Shape, Timing};
+pub use history::{Histories, History, Step};
 pub use machine::Machine;
 pub use module::{Module, Tables, View, same_equations};
 pub use operation::Operation;

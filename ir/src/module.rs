@@ -2,6 +2,7 @@
 
 use crate::entity::{Operand, OperandKind};
 use crate::function::{Array, Function, Node};
+use crate::history::same_histories;
 use crate::source::{SourceSet, Sources};
 use crate::symbol::{Name, Symbols};
 
@@ -79,6 +80,7 @@ pub fn same_function(left: View<'_>, right: View<'_>) -> bool {
         // Without nodes there is nothing to say about times.
         && a.timing.as_deref().unwrap_or_default() == b.timing.as_deref().unwrap_or_default()
         && a.schedule == b.schedule
+        && same_histories(a.histories.as_ref(), b.histories.as_ref())
         && same_arrays(left, a.inputs(), right, b.inputs())
         && same_arrays(left, a.outputs(), right, b.outputs())
         && same_list(&a.boundaries, &b.boundaries, |x, y| {
@@ -110,8 +112,8 @@ pub fn same_function(left: View<'_>, right: View<'_>) -> bool {
 }
 
 /// True when two functions, each with its own tables, have the same arrays,
-/// calls, nodes and outputs. Metadata, source places, times and schedules do
-/// not count: what a function computes, and in which order, does.
+/// calls, nodes and outputs. Metadata, source places, histories, times and schedules
+/// do not count: what a function computes, and in which order, does.
 pub fn same_equations(left: View<'_>, right: View<'_>) -> bool {
     let (a, b) = (left.function, right.function);
     a.name == b.name

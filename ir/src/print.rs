@@ -10,6 +10,7 @@ mod text;
 
 use crate::entity::{Operand, OperandKind, Value};
 use crate::function::{Array, Assignment, Boundary, Level, Shape, Timing};
+use crate::history::History;
 use crate::module::{Module, View};
 use crate::operation::Operation;
 use crate::placement::{Bank, Placement, Schedule, Word};
@@ -109,6 +110,8 @@ struct FunctionPrinter<'a> {
     /// Numbers of the sets with several places, in order of first use.
     set_numbers: HashMap<SourceSet, u32, FxBuildHasher>,
     sets: Vec<SourceSet>,
+    /// Numbers of the steps of histories; 0 for those not needed.
+    steps: Vec<u32>,
 }
 
 /// What remains to be printed of an expression.
@@ -127,6 +130,7 @@ impl<'a> FunctionPrinter<'a> {
             view,
             set_numbers: HashMap::default(),
             sets: Vec::new(),
+            steps: Vec::new(),
         }
     }
 
@@ -150,6 +154,9 @@ impl<'a> FunctionPrinter<'a> {
 
     fn print(mut self, text: &mut Text<'_>) -> io::Result<()> {
         self.number_sets();
+        if let Some(histories) = &self.view.function.histories {
+            self.steps = histories.numbers();
+        }
         let function = self.view.function;
         text.push("function ");
         text.push(&function.name);
@@ -206,6 +213,7 @@ impl<'a> FunctionPrinter<'a> {
             }
             text.end_line()?;
         }
+        self.steps(text)?;
         for boundary in &function.boundaries {
             self.boundary(text, boundary);
             text.end_line()?;
@@ -214,6 +222,36 @@ impl<'a> FunctionPrinter<'a> {
             self.schedule(text, schedule)?;
         }
         Ok(())
+    }
+
+    fn steps(&self, text: &mut Text<'_>) -> io::Result<()> {
+        let histories = self.view.function.histories.iter();
+        let steps = histories.flat_map(|histories| histories.steps());
+        for (step, &number) in steps.zip(&self.steps).filter(|(_, number)| **number > 0) {
+            text.push("  history ");
+            text.integer(number);
+            text.push(" =");
+            if let Some(before) = step.before.index() {
+                text.push(" ");
+                text.integer(self.steps[before]);
+            }
+            for word in std::iter::once(&step.pass).chain(&step.rules) {
+                text.push(" ");
+                text.quoted(word);
+            }
+            text.end_line()?;
+        }
+        Ok(())
+    }
+
+    /// The attribute of a value or output that is not as it was read.
+    fn history(&self, text: &mut Text<'_>, history: Option<&History>) {
+        // A definition printed alone has no header to refer to.
+        let index = history.and_then(|history| history.index());
+        if let Some(&number) = index.and_then(|index| self.steps.get(index)) {
+            text.push(" history ");
+            text.integer(number);
+        }
     }
 
     fn array(&self, text: &mut Text<'_>, array: &Array) {
@@ -321,6 +359,9 @@ impl<'a> FunctionPrinter<'a> {
         if let Some(timing) = &function.timing {
             timing_attributes(text, timing[value.index()]);
         }
+        if let Some(histories) = &function.histories {
+            self.history(text, histories.values.get(value.index()));
+        }
         self.sources(text, node.sources);
     }
 
@@ -367,6 +408,9 @@ impl<'a> FunctionPrinter<'a> {
         {
             text.push(" in ");
             self.word(text, schedule, word);
+        }
+        if let Some(histories) = &function.histories {
+            self.history(text, histories.outputs.get(index));
         }
         self.sources(text, assignment.sources);
     }

@@ -65,9 +65,15 @@
 //!     datum to a word, and known before the run.
 //! 19. An output that is a result of a processing element has a word where it
 //!     stays, and no other output has one.
+//!
+//! At every level:
+//!
+//! 20. Histories, when present, are there for every node and assignment and
+//!     in the table of steps, and inner nodes of expressions have none.
 
 mod body;
 mod header;
+mod history;
 mod names;
 mod placed;
 mod placement;
@@ -178,6 +184,7 @@ pub fn verify(view: View<'_>) -> Vec<Violation> {
     }
     names::check(&mut collector);
     timing::check(&mut collector);
+    history::check(&mut collector);
     let function = view.function;
     let level = function.level;
     if function.schedule.is_some() != (level >= Level::Scheduled) {

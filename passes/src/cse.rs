@@ -3,6 +3,7 @@
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rewrite::Rewriter;
+use crate::trail::Notes;
 use hashbrown::HashTable;
 use robovec_ir::{Function, Node, Operand, Operation, SourceSet, Tables, Value};
 use rustc_hash::FxBuildHasher;
@@ -120,6 +121,20 @@ impl SourceMerges {
 /// The function with equal operations merged, and how many were; `None` when
 /// there is nothing to merge.
 pub fn merge_equal(function: &Function, tables: &mut Tables) -> Option<(Function, u64)> {
+    merge_equal_noting(function, tables, &mut Notes::unwanted())
+}
+
+/// The rule noted for a value that took over another of this name (`%OM16`).
+pub fn equal_to(name: &str) -> String {
+    format!("equal to {name}")
+}
+
+/// As [`merge_equal`], noting which value took over which.
+pub fn merge_equal_noting(
+    function: &Function,
+    tables: &mut Tables,
+    notes: &mut Notes,
+) -> Option<(Function, u64)> {
     let mut rewriter = Rewriter::new(function, function.level);
     let mut known = KnownValues::with_capacity(function.nodes().len());
     let mut merges = SourceMerges::default();
@@ -129,6 +144,10 @@ pub fn merge_equal(function: &Function, tables: &mut Tables) -> Option<(Function
         let key = Key::new(node.operation, operands);
         if let Some(same) = known.find(&rewriter.new, key) {
             merges.add(same, node.sources);
+            if notes.are_wanted() {
+                let gone = format!("%{}", node.name.display(&tables.symbols));
+                notes.note(rewriter.new.node(same).name, &equal_to(&gone));
+            }
             rewriter.record(same.into());
             merged += 1;
         } else {
@@ -147,7 +166,7 @@ pub fn merge_equal(function: &Function, tables: &mut Tables) -> Option<(Function
 impl Pass for Cse {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let mut count = 0;
-        if let Some((new, merged)) = merge_equal(function, context.tables) {
+        if let Some((new, merged)) = merge_equal_noting(function, context.tables, context.notes) {
             *function = new;
             count = merged;
         }

@@ -87,7 +87,13 @@ impl<'a> Rewriter<'a> {
 /// The symbol an operation made for an output is named after: `M_1_2` for
 /// `M[1,2]`, `sens_P_1` for `sens.P[1]`.
 pub fn output_symbol(tables: &mut Tables, function: &Function, output: Output) -> Symbol {
-    let text = print::print_output(View { tables, function }, output);
+    let symbol = output_name(View { tables, function }, output);
+    tables.symbols.intern(&symbol)
+}
+
+/// The text of [`output_symbol`].
+pub fn output_name(view: View<'_>, output: Output) -> String {
+    let text = print::print_output(view, output);
     let mut symbol = String::with_capacity(text.len());
     for character in text.chars() {
         match character {
@@ -96,7 +102,7 @@ pub fn output_symbol(tables: &mut Tables, function: &Function, output: Output) -
             other => symbol.push(other),
         }
     }
-    tables.symbols.intern(&symbol)
+    symbol
 }
 
 /// For every node the symbol its derived names start with: that of the

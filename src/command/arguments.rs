@@ -67,6 +67,14 @@ pub(crate) struct Arguments {
           require_equals = true, value_parser = PossibleValuesParser::new(["full", "diff"]))]
     pub(crate) print_changed: Option<String>,
 
+    /// Print with every value the passes and rules that made it
+    #[arg(long)]
+    pub(crate) print_history: bool,
+
+    /// Tell how a value (%OM16) or an output (M[1,2]) came to be, instead of printing the result
+    #[arg(long, value_name = "VALUE")]
+    pub(crate) explain: Option<String>,
+
     /// Write every state of every function into numbered files, with an index.json
     #[arg(long, value_name = "DIR")]
     pub(crate) dump_dir: Option<PathBuf>,

@@ -9,6 +9,7 @@ mod arguments;
 mod compare;
 mod dump;
 mod eval;
+mod explain;
 mod generation;
 mod input;
 mod listing;

@@ -2,6 +2,7 @@
 
 use super::arguments::{self, Arguments};
 use super::dump::DumpFolder;
+use super::explain;
 use super::input::{self, Input};
 use super::tables::{self, Stage};
 use super::{Failure, listing, output, simulation};
@@ -13,6 +14,7 @@ use robovec_ir::diagnostic::{Diagnostic, Label, Report, termcolor::ColorChoice};
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
 use robovec_passes::manager::{self, Config, Outcome, PassFilter, PrintChanged, RunError, usage};
 use robovec_passes::pipeline::Pipeline;
+use robovec_passes::trail::Trail;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
@@ -62,7 +64,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         select(&mut input.module, name)?;
     }
     let read: Vec<ReadCounts> = input.module.functions.iter().map(ReadCounts::of).collect();
-    let outcome = transform(arguments, &pipeline, &machine, &mut input)?;
+    let mut trail = arguments.explain.is_some().then(Trail::new);
+    let outcome = transform(arguments, &pipeline, &machine, &mut input, trail.as_mut())?;
     let simulated = match arguments.simulate {
         Some(states) => simulation::simulate(&input.module, &machine, states, arguments.seed)?,
         None => String::new(),
@@ -72,7 +75,13 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => String::new(),
     };
     let start = usage().0;
-    write_result(arguments.output.as_deref(), &input.module, &outcome)?;
+    if let (Some(asked), Some(trail)) = (&arguments.explain, &trail) {
+        let account = explain::explain(asked, &input, trail, &machine)?;
+        output::write_stdout(|stdout| stdout.write_all(account.as_bytes()))?;
+    }
+    if arguments.explain.is_none() || arguments.output.is_some() {
+        write_result(arguments.output.as_deref(), &input.module, &outcome)?;
+    }
     let (now, peak_mb) = usage();
     stages.push(Stage {
         name: "(write)",
@@ -161,6 +170,7 @@ fn transform(
     pipeline: &Pipeline,
     machine: &Machine,
     input: &mut Input,
+    trail: Option<&mut Trail>,
 ) -> Result<Outcome, Failure> {
     let mut dump = arguments
         .dump_dir
@@ -196,6 +206,8 @@ fn transform(
                 _ => PrintChanged::Full,
             }),
             dump: dump.as_mut().map(|dump| dump as &mut dyn manager::Dump),
+            histories: arguments.print_history,
+            trail,
             log: &mut io::stderr().lock(),
             progress: Some(&mut progress),
         },
@@ -204,11 +216,11 @@ fn transform(
     if let Some(dump) = dump {
         dump.finish()?;
     }
-    result.map_err(|error| explain(error, arguments, input))
+    result.map_err(|error| describe(error, arguments, input))
 }
 
 /// Turns the manager's error into messages that point into the user's texts.
-fn explain(error: RunError, arguments: &Arguments, input: &Input) -> Failure {
+fn describe(error: RunError, arguments: &Arguments, input: &Input) -> Failure {
     match error {
         RunError::Plan(error) => {
             let text = match &arguments.passes {

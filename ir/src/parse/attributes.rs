@@ -7,6 +7,7 @@ use super::builder::{Builder, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::function::{Level, Timing};
+use crate::history::History;
 use crate::placement::{Placement, Slot, Word, Write};
 use crate::source::{Place, SourceSet};
 
@@ -22,6 +23,7 @@ pub(super) struct Attributes {
     pub(super) write: Option<Span>,
     pub(super) home: Option<(Word, Span)>,
     pub(super) timing: Option<(Timing, Span)>,
+    pub(super) history: Option<(History, Span)>,
     entries: [Option<u32>; 5],
 }
 
@@ -130,6 +132,28 @@ impl Builder<'_> {
         if let Some(word) = self.word(element, address) {
             self.attributes.home = Some((word, span));
         }
+    }
+
+    /// `history 3`.
+    pub(super) fn history(&mut self, number: Span, span: Span) {
+        let first = self.attributes.history.map(|(_, span)| span);
+        if self.once(first, span, "the history") {
+            self.attributes.history = Some((self.history_of(number), span));
+        }
+    }
+
+    /// The history of a number that was declared.
+    pub(super) fn history_of(&mut self, number: Span) -> History {
+        let index = self.integer(number);
+        if let Some(&(history, _)) = self.open.histories.get(&index) {
+            return history;
+        }
+        self.advise(
+            number,
+            format!("the history {index} is not declared"),
+            &format!("a line like 'history {index} = \"balance\"' comes first"),
+        );
+        History::NONE
     }
 
     /// `asap 3` between braces.

@@ -5,6 +5,7 @@ use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::{Input, Operand, Output, Value};
 use crate::function::{Array, Level, Node, Shape, Timing};
+use crate::history::History;
 use crate::operation::Operation;
 use crate::placement::Placement;
 use crate::source::SourceSet;
@@ -260,6 +261,7 @@ impl Builder<'_> {
         self.set_sources();
         self.end_timing(span);
         self.end_slot(span);
+        self.end_history(root);
         self.next_statement();
     }
 
@@ -298,6 +300,15 @@ impl Builder<'_> {
         let times = self.open.function.timing.get_or_insert_default();
         times.resize(count - 1, Timing::default());
         times.push(timing);
+    }
+
+    fn end_history(&mut self, root: Value) {
+        if let Some((history, _)) = self.attributes.history
+            && let Some(histories) = &mut self.open.function.histories
+        {
+            histories.values.resize(root.index() + 1, History::NONE);
+            histories.values[root.index()] = history;
+        }
     }
 
     fn end_slot(&mut self, span: Span) {
@@ -368,6 +379,10 @@ impl Builder<'_> {
                 operand,
                 sources: self.attributes.sources(),
                 home: self.attributes.home.map(|(word, _)| word),
+                history: self
+                    .attributes
+                    .history
+                    .map_or(History::NONE, |(history, _)| history),
                 span,
                 nodes: self.start..self.open.node_count(),
             });

@@ -12,6 +12,7 @@ use super::undefined::Undefined;
 use crate::diagnostic::{Diagnostic, clip};
 use crate::entity::{Operand, Output, Value};
 use crate::function::{Function, Level};
+use crate::history::History;
 use crate::module::Module;
 use crate::placement::{Word, Write};
 use crate::source::SourceSet;
@@ -88,6 +89,7 @@ pub(super) struct PendingAssignment {
     pub(super) operand: Operand,
     pub(super) sources: SourceSet,
     pub(super) home: Option<Word>,
+    pub(super) history: History,
     pub(super) span: Span,
     /// The nodes of its expression.
     pub(super) nodes: Range<u32>,
@@ -119,6 +121,7 @@ pub(super) struct Open<'t> {
     /// to the end of its expression.
     pub(super) spans: Vec<Span>,
     pub(super) sets: FastMap<u32, (SourceSet, Span)>,
+    pub(super) histories: FastMap<u32, (History, Span)>,
     pub(super) assignments: Vec<PendingAssignment>,
     /// Where each output element was first set.
     pub(super) written: FastMap<u32, Span>,
@@ -143,6 +146,7 @@ impl Open<'_> {
             schedule_span: Span::default(),
             spans: Vec::new(),
             sets: FastMap::default(),
+            histories: FastMap::default(),
             assignments: Vec::new(),
             written: FastMap::default(),
             preloads: Vec::new(),

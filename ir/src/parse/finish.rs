@@ -4,6 +4,7 @@ use super::builder::{Builder, Open, PendingAssignment, Span};
 use super::problems::error;
 use crate::entity::{Operand, Value};
 use crate::function::{Assignment, Function, Level, Node, Timing};
+use crate::history::History;
 use crate::module::View;
 use crate::placement::{Placement, Preload, Slot};
 use crate::verify::{Subject, Violation, verify};
@@ -95,6 +96,10 @@ impl<'t> Builder<'t> {
                 sources: assignment.sources,
             });
         }
+        if let Some(histories) = &mut self.open.function.histories {
+            let outputs = pending.iter().map(|assignment| assignment.history);
+            histories.outputs = outputs.collect();
+        }
         if let Some(placement) = &mut self.open.function.placement {
             placement.homes = pending.iter().map(|assignment| assignment.home).collect();
         }
@@ -125,6 +130,12 @@ impl<'t> Builder<'t> {
             Some(value) => Value(moved[value.index()]).into(),
             None => operand,
         };
+        let histories = self.open.function.histories.take().map(|mut histories| {
+            histories.values.resize(order.len(), History::NONE);
+            let values = order.iter().map(|&old| histories.values[old as usize]);
+            let values = values.collect();
+            histories.with_subjects(values, Vec::new())
+        });
         let old = &self.open.function;
         let mut new: Function = old.skeleton(old.level);
         for &number in old.constants() {
@@ -143,18 +154,22 @@ impl<'t> Builder<'t> {
             .map(|&index| self.open.spans[index as usize])
             .collect();
         self.open.function = new;
+        self.open.function.histories = histories;
         for assignment in pending {
             assignment.operand = rename(assignment.operand);
         }
     }
 
-    /// Nodes of assignments have neither times nor slots; the verifier
-    /// rejects them, but wants tables that fit.
+    /// Nodes of assignments have no histories of their own, and neither times
+    /// nor slots; the verifier rejects them, but wants tables that fit.
     fn complete_tables(&mut self) {
         let count = self.open.node_count() as usize;
         let function = &mut self.open.function;
         if let Some(timing) = &mut function.timing {
             timing.resize(count, Timing::default());
+        }
+        if let Some(histories) = &mut function.histories {
+            histories.values.resize(count, History::NONE);
         }
         if let Some(schedule) = &mut function.schedule {
             let slot = Slot {

@@ -6,6 +6,7 @@ use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;
 use crate::function::{Boundary, Level, Shape};
+use crate::history::{History, Step};
 use crate::placement::{Bank, ElementKind, Placement, Schedule, Word};
 
 /// The largest number of elements of all inputs or of all outputs.
@@ -168,7 +169,27 @@ impl Builder<'_> {
         self.next_statement();
     }
 
-    /// A quoted argument of a call.
+    /// `history 2 = 1 "balance" "rule"`, its rules read before.
+    pub(super) fn step(&mut self, number: Span, before: Option<Span>, pass: Span, span: Span) {
+        if self.inside(span) {
+            let before = before.map_or(History::NONE, |before| self.history_of(before));
+            let step = Step {
+                before,
+                pass: self.string(pass),
+                rules: std::mem::take(&mut self.arguments),
+            };
+            let histories = self.open.function.histories.get_or_insert_default();
+            let history = histories.add(step);
+            let index = self.integer(number);
+            if let Some((_, first)) = self.open.histories.insert(index, (history, number)) {
+                let message = format!("the history {index} is declared twice");
+                self.conflict(number, message, first, "first declared here");
+            }
+        }
+        self.next_statement();
+    }
+
+    /// A quoted argument of a call, or a rule of a history.
     pub(super) fn argument(&mut self, argument: Span) {
         let content = self.string(argument);
         self.arguments.push(content);

@@ -75,6 +75,8 @@ pub(super) enum Token {
     Buffer,
     #[token("write")]
     Write,
+    #[token("history")]
+    History,
     #[token("=")]
     Equals,
     #[token("+")]

@@ -115,12 +115,13 @@ impl Builder<'_> {
 
 const OPERATORS: [&str; 4] = ["+", "-", "*", "/"];
 
-const ATTRIBUTES: [&str; 8] = [
+const ATTRIBUTES: [&str; 9] = [
     "on",
     "read",
     "buffer",
     "write",
     "in",
+    "history",
     "{",
     "a place (@LINE:COLUMN-COLUMN)",
     "a set of places (@!NUMBER)",

@@ -73,7 +73,9 @@ impl<'a> Instruments<'a> {
 
     /// Whether the function as it was is needed after the pass.
     pub(super) fn keeps_before(&self) -> bool {
-        self.config.check_each.is_some() || self.config.print_changed == Some(PrintChanged::Diff)
+        self.config.check_each.is_some()
+            || self.config.trail.is_some()
+            || self.config.print_changed == Some(PrintChanged::Diff)
     }
 
     pub(super) fn start(&mut self, tables: &Tables, function: &Function) -> io::Result<()> {

@@ -17,7 +17,7 @@ pub use plan::PlanError;
 use crate::check::{self, Verdict};
 use crate::pass::{Artifact, Context, PassError, PassInfo};
 use crate::pipeline::{PassStep, Pipeline, Step};
-use crate::trail::Notes;
+use crate::trail::{self, Follower, Notes, Trail};
 use instrument::Instruments;
 use measure::Meter;
 use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
@@ -44,6 +44,11 @@ pub struct Config<'a> {
     pub print_changed: Option<PrintChanged>,
     /// Receives every state of every function.
     pub dump: Option<&'a mut dyn Dump>,
+    /// Keep with every value the passes and rules that made it.
+    pub histories: bool,
+    /// Receives every state that a pass changed, for
+    /// [`explain`](crate::trail::explain).
+    pub trail: Option<&'a mut Trail>,
     /// Receives what is printed, and the remarks of the passes.
     pub log: &'a mut dyn io::Write,
     /// Called before each pass of each function.
@@ -62,6 +67,8 @@ impl<'a> Config<'a> {
             print_after: PassFilter::None,
             print_changed: None,
             dump: None,
+            histories: false,
+            trail: None,
             log,
             progress: None,
         }
@@ -167,6 +174,9 @@ pub fn run(
     };
     let tables = &mut module.tables;
     for function in &mut module.functions {
+        if run.instruments.config.histories {
+            trail::begin(function);
+        }
         run.instruments.start(tables, function)?;
         run.fingerprint = measure::fingerprint(function);
         run.steps(pipeline, tables, function)?;
@@ -259,7 +269,11 @@ impl Run<'_> {
             check: None,
         };
         let mut remarks = Vec::new();
-        let mut notes = Notes::unwanted();
+        let follower = Follower::start(function);
+        let mut notes = match follower.is_some() || self.instruments.config.trail.is_some() {
+            true => Notes::wanted(),
+            false => Notes::unwanted(),
+        };
         let result = pass.run(
             function,
             &mut Context {
@@ -278,6 +292,9 @@ impl Run<'_> {
         })?;
         measure::forget_stale_properties(step.info, function);
         (record.cpu_s, record.peak_mb) = meter.stop();
+        if let Some(follower) = follower {
+            follower.finish(tables, function, &name, &notes);
+        }
         self.fingerprint = measure::fingerprint(function);
         record.changed = self.fingerprint != fingerprint;
         for remark in remarks {
@@ -296,6 +313,11 @@ impl Run<'_> {
         }
         self.instruments
             .after(step, tables, before.as_ref(), function, &record)?;
+        if let (Some(trail), Some(before), true) =
+            (&mut self.instruments.config.trail, before, record.changed)
+        {
+            trail.add(before, &name, notes);
+        }
         self.outcome.records.push(record);
         Ok(())
     }

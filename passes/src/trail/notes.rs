@@ -84,6 +84,14 @@ impl Notes {
             .map(|&number| self.rules[number as usize].as_str())
     }
 
+    /// The first value, by its name, for which this rule was noted.
+    pub(super) fn noted_with(&self, rule: &str) -> Option<Name> {
+        let number = self.rule_index.get(rule)?;
+        let noted = self.made_by.iter();
+        let noted = noted.filter(|(_, rules)| rules.contains(number));
+        noted.map(|(name, _)| *name).min()
+    }
+
     /// The value another was noted to come from.
     pub fn origin(&self, name: Name) -> Option<Name> {
         self.origins.get(&name).copied()

@@ -1,0 +1,331 @@
+//! The story of one value, from its equation to the last state.
+
+use super::expression::{Expression, of_output, of_value};
+use super::find::Item;
+use super::follow::origin;
+use super::state::{Definition, OutputSymbols, State, Subject, assignment_of, name_of};
+use super::{Notes, Stage, Trail};
+use crate::analysis::critical_path::{Weights, arrivals, tails};
+use robovec_ir::{Function, Machine, Name, SourceSet, Step, Tables, View};
+
+/// What is told of a value or an output.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Account {
+    /// Its name in the text.
+    pub name: String,
+    /// The equations it comes from; of an output, also those of the value it
+    /// is set to.
+    pub sources: Vec<SourceSet>,
+    /// What its history said before this run.
+    pub earlier: Vec<Step>,
+    /// The states of it, and of what it was made from, before the first pass.
+    pub read: Vec<Moment>,
+    /// The passes that changed it, in order.
+    pub entries: Vec<Entry>,
+    /// What it is now; `None` when a pass removed it.
+    pub now: Option<Moment>,
+    /// When it was removed.
+    pub gone: Option<Gone>,
+}
+
+/// The pass that removed a value.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Gone {
+    /// The pass with its options.
+    pub pass: String,
+    /// The value that took its place, when the pass said so.
+    pub into: Option<String>,
+}
+
+/// A pass that had a part in a value.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Entry {
+    /// The pass with its options, as in the pipeline.
+    pub pass: String,
+    /// What it did.
+    pub changes: Vec<Change>,
+}
+
+/// One definition that a pass changed.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Change {
+    /// What it was made from; `None` for one made from nothing known.
+    pub before: Option<Moment>,
+    /// What it became.
+    pub after: Moment,
+    /// The rules the pass applied to it.
+    pub rules: Vec<String>,
+    /// The definition is as it was, but stands for these equations from here
+    /// on.
+    pub merged: Option<SourceSet>,
+}
+
+/// A definition in one state of its function.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Moment {
+    /// The definition, the values of its own equation written out in it.
+    pub text: String,
+    /// When its result is available at the earliest, in cycles.
+    pub arrival: u32,
+    /// How many cycles later it could be without lengthening the longest
+    /// path.
+    pub slack: u32,
+    /// The longest path of the function, in cycles.
+    pub path: u32,
+}
+
+/// So many values are followed at most: where an output was set to another
+/// value, both stories are told.
+const MOST_FOLLOWED: usize = 8;
+
+/// Tells how an item that was [found](super::find) came to be what it is in
+/// the function as the run left it.
+///
+/// Takes time linear in the function for every pass that changed it.
+pub fn explain(
+    tables: &Tables,
+    function: &Function,
+    trail: &Trail,
+    machine: &Machine,
+    item: Item,
+) -> Account {
+    let stages = trail.of(&function.name);
+    let weights = Weights::cycles(machine);
+    // The last state that has the item, counted in stages.
+    let states: Vec<&Function> = stages.iter().map(|stage| &stage.before).collect();
+    let state = |index: usize| states.get(index).copied().unwrap_or(function);
+    let mut last = stages.len();
+    while last > 0 && !has(state(last), item) {
+        last -= 1;
+    }
+    let mut after = Snapshot::new(tables, state(last), &weights);
+    let mut walk = Walk {
+        tracked: vec![item],
+        entries: Vec::new(),
+    };
+    let subject = after.subject(item);
+    let now = subject.map(|subject| after.moment(subject));
+    let name = subject.map_or_else(String::new, |subject| name_of(after.view, subject));
+    if let Some(Subject::Output(index)) = subject {
+        walk.follow_operand(after.view.function, index);
+    }
+    let followed = walk.tracked.iter();
+    let sources = followed.filter_map(|&item| Some(after.sources(after.subject(item)?)));
+    let sources = sources.collect();
+    for stage in stages[..last].iter().rev() {
+        let before = Snapshot::new(tables, &stage.before, &weights);
+        walk.step(stage, &before, &after);
+        after = before;
+    }
+    walk.entries.reverse();
+    let read: Vec<Subject> = walk
+        .tracked
+        .iter()
+        .filter_map(|&item| after.subject(item))
+        .collect();
+    let gone = (last < stages.len()).then(|| Gone {
+        pass: stages[last].pass.clone(),
+        into: replacement(tables, &stages[last].notes, &name),
+    });
+    let histories = after.view.function.histories.as_ref();
+    let earlier = histories.map_or(Vec::new(), |histories| {
+        let history = match read.first() {
+            Some(Subject::Value(value)) => histories.values.get(value.index()),
+            Some(Subject::Output(index)) => histories.outputs.get(*index),
+            None => None,
+        };
+        let chain = histories.chain(history.copied().unwrap_or_default());
+        chain.into_iter().cloned().collect()
+    });
+    Account {
+        name,
+        sources,
+        earlier,
+        read: read
+            .into_iter()
+            .map(|subject| after.moment(subject))
+            .collect(),
+        entries: walk.entries,
+        now: now.filter(|_| gone.is_none()),
+        gone,
+    }
+}
+
+fn has(function: &Function, item: Item) -> bool {
+    match item {
+        Item::Value(name) => function.nodes().iter().any(|node| node.name == name),
+        Item::Output(output) => assignment_of(function, output).is_some(),
+    }
+}
+
+/// The value that a removed one gave way to, as the pass noted it.
+fn replacement(tables: &Tables, notes: &Notes, name: &str) -> Option<String> {
+    let into = notes.noted_with(&crate::cse::equal_to(name))?;
+    Some(format!("%{}", into.display(&tables.symbols)))
+}
+
+/// A state with all that is asked about it.
+struct Snapshot<'a> {
+    view: View<'a>,
+    state: State,
+    uses: Vec<u32>,
+    arrivals: Vec<u32>,
+    tails: Vec<u32>,
+    path: u32,
+}
+
+impl<'a> Snapshot<'a> {
+    fn new(tables: &'a Tables, function: &'a Function, weights: &Weights) -> Snapshot<'a> {
+        let arrivals = arrivals(function, weights);
+        Snapshot {
+            view: View { tables, function },
+            state: State::of(function),
+            uses: function.use_counts(),
+            tails: tails(function, weights),
+            path: arrivals.iter().copied().max().unwrap_or(0),
+            arrivals,
+        }
+    }
+
+    fn subject(&self, item: Item) -> Option<Subject> {
+        match item {
+            Item::Value(name) => self.state.value(name).map(Subject::Value),
+            Item::Output(output) => assignment_of(self.view.function, output).map(Subject::Output),
+        }
+    }
+
+    fn item(&self, subject: Subject) -> Item {
+        let function = self.view.function;
+        match subject {
+            Subject::Value(value) => Item::Value(function.node(value).name),
+            Subject::Output(index) => Item::Output(function.assignments[index].output),
+        }
+    }
+
+    fn sources(&self, subject: Subject) -> SourceSet {
+        match subject {
+            Subject::Value(value) => self.view.function.node(value).sources,
+            Subject::Output(index) => self.view.function.assignments[index].sources,
+        }
+    }
+
+    fn definition(&self, subject: Subject) -> Definition {
+        self.state.definition(self.view.function, subject)
+    }
+
+    fn expression(&self, subject: Subject) -> Expression {
+        match subject {
+            Subject::Value(value) => of_value(self.view, &self.uses, value),
+            Subject::Output(index) => of_output(self.view, &self.uses, index),
+        }
+    }
+
+    fn moment(&self, subject: Subject) -> Moment {
+        self.timed(subject, self.expression(subject).text)
+    }
+
+    fn timed(&self, subject: Subject, text: String) -> Moment {
+        let value = match subject {
+            Subject::Value(value) => Some(value),
+            Subject::Output(index) => self.view.function.assignments[index].operand.value(),
+        };
+        let (arrival, tail) = value.map_or((0, 0), |value| {
+            (self.arrivals[value.index()], self.tails[value.index()])
+        });
+        Moment {
+            text,
+            arrival,
+            slack: self.path.saturating_sub(arrival.saturating_add(tail)),
+            path: self.path,
+        }
+    }
+}
+
+/// Going backwards through the stages.
+struct Walk {
+    /// What is followed, by its names in the state reached.
+    tracked: Vec<Item>,
+    entries: Vec<Entry>,
+}
+
+impl Walk {
+    fn follow(&mut self, item: Item) {
+        if self.tracked.len() < MOST_FOLLOWED && !self.tracked.contains(&item) {
+            self.tracked.push(item);
+        }
+    }
+
+    /// Follows the value an output is set to.
+    fn follow_operand(&mut self, function: &Function, index: usize) {
+        let value = function.assignments[index].operand.value();
+        let name = value.map_or(Name::NONE, |value| function.node(value).name);
+        if !name.is_none() {
+            self.follow(Item::Value(name));
+        }
+    }
+
+    fn step(&mut self, stage: &Stage, before: &Snapshot<'_>, after: &Snapshot<'_>) {
+        let owners = OutputSymbols::of(before.view.tables, before.view.function);
+        let mut changes = Vec::new();
+        for item in std::mem::take(&mut self.tracked) {
+            let Some(new) = after.subject(item) else {
+                continue;
+            };
+            let old = match item {
+                Item::Value(name) => origin(&before.state, &owners, &stage.notes, name),
+                Item::Output(_) => before.subject(item),
+            };
+            if let Some(old) = old {
+                self.follow(before.item(old));
+            }
+            if let Some(Subject::Output(index)) = old {
+                self.follow_operand(before.view.function, index);
+            }
+            changes.extend(change(&stage.notes, (before, old), (after, new)));
+        }
+        if !changes.is_empty() {
+            self.entries.push(Entry {
+                pass: stage.pass.clone(),
+                changes,
+            });
+        }
+    }
+}
+
+/// What a pass did to one subject; `None` when nothing.
+fn change(
+    notes: &Notes,
+    (before, old): (&Snapshot<'_>, Option<Subject>),
+    (after, new): (&Snapshot<'_>, Subject),
+) -> Option<Change> {
+    let expression = after.expression(new);
+    let earlier = old.map(|old| before.moment(old));
+    let same_definition = old.is_some_and(|old| before.definition(old) == after.definition(new));
+    let same_text = earlier
+        .as_ref()
+        .is_some_and(|earlier| earlier.text == expression.text);
+    if same_definition && same_text {
+        return None;
+    }
+    let merged = old
+        .filter(|&old| same_text && before.definition(old).is_merged(after.definition(new)))
+        .map(|_| after.sources(new));
+    let own = match after.item(new) {
+        Item::Value(name) => Some(name),
+        Item::Output(_) => None,
+    };
+    let mut rules: Vec<String> = Vec::new();
+    for name in own.into_iter().chain(expression.inside) {
+        for rule in notes.rules(name) {
+            if !rules.iter().any(|known| known == rule) {
+                rules.push(rule.to_owned());
+            }
+        }
+    }
+    Some(Change {
+        before: earlier,
+        after: after.timed(new, expression.text),
+        rules,
+        merged,
+    })
+}

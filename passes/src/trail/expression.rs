@@ -1,0 +1,163 @@
+//! What a value computes, as one expression.
+//!
+//! From the atomic level on a definition is one operation, which says little.
+//! So the values that belong to the same equation by their names and are used
+//! nowhere else are written out, up to a length that can be read.
+
+use hashbrown::HashMap;
+use robovec_ir::print::{print_definition, print_output};
+use robovec_ir::{Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Value, View};
+use rustc_hash::FxBuildHasher;
+
+/// So many named values are written out at most.
+const MOST_EXPANDED: usize = 40;
+
+/// A definition with the values written out in it.
+pub(super) struct Expression {
+    /// `%OM16 = q[1]*%C2 + %S`.
+    pub(super) text: String,
+    /// The names of the values written out, the outermost first.
+    pub(super) inside: Vec<Name>,
+}
+
+/// The definition of a named value; `uses` are the function's
+/// [`Function::use_counts`].
+pub(super) fn of_value(view: View<'_>, uses: &[u32], value: Value) -> Expression {
+    let node = view.function.node(value);
+    let head = format!("%{}", node.name.display(&view.tables.symbols));
+    Sketch::new(view, uses, node.name.base).write(&head, value.into())
+}
+
+/// What an output is set to; the value named after it is written out.
+pub(super) fn of_output(view: View<'_>, uses: &[u32], index: usize) -> Expression {
+    let assignment = view.function.assignments[index];
+    let head = print_output(view, assignment.output);
+    let symbol = crate::rewrite::output_name(view, assignment.output);
+    let symbol = view.tables.symbols.find(&symbol);
+    let symbol = symbol.unwrap_or(Name::NONE.base);
+    let own = assignment.operand.value().is_some_and(|value| {
+        let name = view.function.node(value).name;
+        name.is_none() || name.base == symbol
+    });
+    let sketch = Sketch::new(view, uses, symbol);
+    if own {
+        return sketch.write(&head, assignment.operand);
+    }
+    let operand = robovec_ir::print::print_operand(view, assignment.operand);
+    Expression {
+        text: format!("{head} = {operand}"),
+        inside: Vec::new(),
+    }
+}
+
+/// A function that holds nothing but one expression, for the printer.
+struct Sketch<'a> {
+    view: View<'a>,
+    uses: &'a [u32],
+    /// The equation whose values are written out.
+    symbol: Symbol,
+    function: Function,
+    map: HashMap<Value, Value, FxBuildHasher>,
+}
+
+impl<'a> Sketch<'a> {
+    fn new(view: View<'a>, uses: &'a [u32], symbol: Symbol) -> Sketch<'a> {
+        Sketch {
+            view,
+            uses,
+            symbol,
+            function: view.function.skeleton(Level::Equations),
+            map: HashMap::default(),
+        }
+    }
+
+    fn write(mut self, head: &str, root: Operand) -> Expression {
+        let mut inside = Vec::new();
+        if let Some(root) = root.value() {
+            let mut order = self.tree(root, &mut inside);
+            // Outermost first, left before right: reversed, operands come
+            // before what reads them.
+            order.reverse();
+            for value in order {
+                self.copy(value, Name::NONE);
+            }
+        }
+        let operand = self.operand(root);
+        let top = self.function.push(Node {
+            name: Name::plain(Symbol(0)),
+            sources: SourceSet::EMPTY,
+            operands: [operand, Operand::NONE],
+            operation: Operation::Copy,
+        });
+        let view = View {
+            tables: self.view.tables,
+            function: &self.function,
+        };
+        let printed = print_definition(view, top);
+        let expression = printed.split_once(" = ").map_or("", |(_, text)| text);
+        Expression {
+            text: format!("{head} = {expression}"),
+            inside,
+        }
+    }
+
+    /// The values written out. Breadth first, so that where the length is
+    /// limited it is the depths that are left out.
+    fn tree(&self, root: Value, inside: &mut Vec<Name>) -> Vec<Value> {
+        let function = self.view.function;
+        let mut order = vec![root];
+        let mut next = 0;
+        while let Some(&value) = order.get(next) {
+            next += 1;
+            for operand in function.node(value).operands() {
+                let Some(inner) = operand.value() else {
+                    continue;
+                };
+                let name = function.node(inner).name;
+                let own = name.base == self.symbol && self.uses[inner.index()] == 1;
+                if name.is_none() {
+                    order.push(inner);
+                } else if own && inside.len() < MOST_EXPANDED {
+                    inside.push(name);
+                    order.push(inner);
+                }
+            }
+        }
+        order
+    }
+
+    fn copy(&mut self, value: Value, name: Name) {
+        let node = *self.view.function.node(value);
+        let operands = node.operands.map(|operand| self.operand(operand));
+        let copy = self.function.push(Node {
+            name,
+            sources: SourceSet::EMPTY,
+            operands,
+            operation: node.operation,
+        });
+        self.map.insert(value, copy);
+    }
+
+    /// An operand in the sketch; a value that is not written out stands there
+    /// under its name.
+    fn operand(&mut self, operand: Operand) -> Operand {
+        if let Some(number) = self.view.function.number(operand) {
+            return self.function.constant(number).into();
+        }
+        let Some(value) = operand.value() else {
+            return operand;
+        };
+        if let Some(&known) = self.map.get(&value) {
+            return known.into();
+        }
+        let nothing = Operand::from(self.function.constant(0.0));
+        let leaf = self.function.push(Node {
+            name: self.view.function.node(value).name,
+            sources: SourceSet::EMPTY,
+            operands: [nothing, Operand::NONE],
+            operation: Operation::Copy,
+        });
+        self.map.insert(value, leaf);
+        leaf.into()
+    }
+}

@@ -1,0 +1,157 @@
+//! A state of a function, indexed by the names of its values.
+//!
+//! Two states are compared by what their definitions say, not by numbers of
+//! nodes, which every pass deals out anew: an operation with its operands,
+//! named operands by their names, inner nodes of an expression by what they
+//! say in turn.
+
+use hashbrown::HashMap;
+use robovec_ir::print::print_output;
+use robovec_ir::{
+    Assignment, Function, Name, OperandKind, Output, SourceSet, Symbol, Tables, Value, View,
+};
+use rustc_hash::{FxBuildHasher, FxHasher};
+use std::hash::{Hash, Hasher};
+
+/// What a value or output says: equal numbers for equal definitions.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Definition {
+    body: u64,
+    sources: SourceSet,
+}
+
+/// A value or an output of a function.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Subject {
+    /// The node of a name.
+    Value(Value),
+    /// The assignment of this index.
+    Output(usize),
+}
+
+/// The definitions of one state of a function.
+pub(super) struct State {
+    bodies: Vec<u64>,
+    names: HashMap<Name, Value, FxBuildHasher>,
+    /// For every symbol the first value whose name is derived from it.
+    first_derived: HashMap<Symbol, Value, FxBuildHasher>,
+}
+
+impl State {
+    /// Looks through a function once.
+    pub(super) fn of(function: &Function) -> State {
+        let mut state = State {
+            bodies: Vec::with_capacity(function.nodes().len()),
+            names: HashMap::with_capacity_and_hasher(function.nodes().len(), FxBuildHasher),
+            first_derived: HashMap::default(),
+        };
+        for (value, node) in function.values() {
+            let mut hasher = FxHasher::default();
+            (node.operation as u32).hash(&mut hasher);
+            for &operand in node.operands() {
+                state.said_by(function, operand.kind()).hash(&mut hasher);
+            }
+            state.bodies.push(hasher.finish());
+            if !node.name.is_none() {
+                state.names.insert(node.name, value);
+                if node.name.suffix > 0 {
+                    state.first_derived.entry(node.name.base).or_insert(value);
+                }
+            }
+        }
+        state
+    }
+
+    fn said_by(&self, function: &Function, operand: OperandKind) -> (u32, u64) {
+        match operand {
+            OperandKind::Value(value) => match function.node(value).name {
+                Name::NONE => (0, self.bodies[value.index()]),
+                name => (1, u64::from(name.base.0) << 32 | u64::from(name.suffix)),
+            },
+            OperandKind::Input(input) => (2, u64::from(input.0)),
+            OperandKind::Constant(constant) => (3, function.constant_number(constant).to_bits()),
+            OperandKind::None => (4, 0),
+        }
+    }
+
+    /// The value of a name.
+    pub(super) fn value(&self, name: Name) -> Option<Value> {
+        self.names.get(&name).copied()
+    }
+
+    /// What a value or output says.
+    pub(super) fn definition(&self, function: &Function, subject: Subject) -> Definition {
+        match subject {
+            Subject::Value(value) => Definition {
+                body: self.bodies[value.index()],
+                sources: function.node(value).sources,
+            },
+            Subject::Output(index) => {
+                let assignment = &function.assignments[index];
+                let mut hasher = FxHasher::default();
+                let said = self.said_by(function, assignment.operand.kind());
+                said.hash(&mut hasher);
+                Definition {
+                    body: hasher.finish(),
+                    sources: assignment.sources,
+                }
+            }
+        }
+    }
+
+    /// What a value that this state does not have was made from, as names
+    /// tell: the value it is named after, or the output, or another value
+    /// derived from the same equation.
+    pub(super) fn namesake(&self, name: Name, owners: &OutputSymbols) -> Option<Subject> {
+        if let Some(value) = self.value(Name::plain(name.base)) {
+            return Some(Subject::Value(value));
+        }
+        let output = owners.0.get(&name.base).copied().map(Subject::Output);
+        output.or_else(|| {
+            let derived = self.first_derived.get(&name.base);
+            derived.copied().map(Subject::Value)
+        })
+    }
+}
+
+impl Definition {
+    /// Whether only the source places are others.
+    pub(super) fn is_merged(self, other: Definition) -> bool {
+        self.body == other.body && self.sources != other.sources
+    }
+}
+
+/// The symbols that values made for an output are named after, with the
+/// index of its assignment.
+pub(super) struct OutputSymbols(HashMap<Symbol, usize, FxBuildHasher>);
+
+impl OutputSymbols {
+    /// Those that occur: a symbol that was never made names no value.
+    pub(super) fn of(tables: &Tables, function: &Function) -> OutputSymbols {
+        let known = function.assignments.iter().enumerate();
+        let known = known.filter_map(|(index, assignment)| {
+            let text = crate::rewrite::output_name(View { tables, function }, assignment.output);
+            Some((tables.symbols.find(&text)?, index))
+        });
+        OutputSymbols(known.collect())
+    }
+}
+
+/// The assignment of an output element; assignments stand in the order of
+/// their elements.
+pub(super) fn assignment_of(function: &Function, output: Output) -> Option<usize> {
+    let assignments = &function.assignments;
+    let by_element = |assignment: &Assignment| assignment.output.cmp(&output);
+    assignments.binary_search_by(by_element).ok()
+}
+
+/// What a value or output is called in the text.
+pub(super) fn name_of(view: View<'_>, subject: Subject) -> String {
+    match subject {
+        Subject::Value(value) => {
+            let name = view.function.node(value).name;
+            format!("%{}", name.display(&view.tables.symbols))
+        }
+        Subject::Output(index) => print_output(view, view.function.assignments[index].output),
+    }
+}
