@@ -35,6 +35,12 @@ declare_pass! {
 /// The largest function that is balanced more than once, in operations.
 const LARGEST_REPEATED: usize = 200_000;
 
+/// A function at the atomic level after one round of balancing: equal
+/// operations merged, dead ones removed.
+pub(crate) fn balanced(function: &Function, tables: &mut Tables, weights: &Weights) -> Function {
+    Balance::round(function, tables, weights)
+}
+
 impl Balance {
     /// One round: equal operations are merged and dead ones removed first,
     /// since both hide that a value is used only once.

@@ -3,7 +3,8 @@
 
 use crate::pass::PassInfo;
 use crate::{
-    asap_alap, atomise, balance, codegen, cse, dce, fold, inline, place, swap, zero_removal,
+    asap_alap, atomise, balance, codegen, cse, dce, fold, inline, lookahead, place, swap,
+    zero_removal,
 };
 
 /// All passes, in the order a function usually meets them.
@@ -16,6 +17,7 @@ pub const PASSES: &[PassInfo] = &[
     cse::Cse::INFO,
     dce::Dce::INFO,
     inline::Inline::INFO,
+    lookahead::Lookahead::INFO,
     asap_alap::AsapAlap::INFO,
     place::Place::INFO,
     codegen::Codegen::INFO,

@@ -15,7 +15,7 @@ pub(crate) enum Reach {
 
 /// What a group computes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Family {
+pub(crate) enum Family {
     /// A signed sum: additions, subtractions and minuses.
     Sum,
     /// A product: multiplications.
@@ -23,7 +23,7 @@ pub(super) enum Family {
 }
 
 impl Family {
-    pub(super) fn of(operation: Operation) -> Option<Family> {
+    pub(crate) fn of(operation: Operation) -> Option<Family> {
         match operation {
             Operation::Add | Operation::Sub | Operation::Neg => Some(Family::Sum),
             Operation::Mul => Some(Family::Product),
@@ -38,17 +38,17 @@ impl Family {
 
 /// A term of a sum or a factor of a product, in the function read.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Leaf {
-    pub(super) operand: Operand,
+pub(crate) struct Leaf {
+    pub(crate) operand: Operand,
     /// True for a term that is subtracted; never for a factor.
-    pub(super) negative: bool,
+    pub(crate) negative: bool,
 }
 
 /// The groups of a function, taken apart once.
 ///
 /// Leaves and absorbed values of all groups lie in two vectors, in order of
 /// the groups' results.
-pub(super) struct Groups {
+pub(crate) struct Groups {
     absorbed: Vec<bool>,
     leaves: Vec<Leaf>,
     inner: Vec<Value>,
@@ -58,7 +58,7 @@ pub(super) struct Groups {
 }
 
 impl Groups {
-    pub(super) fn find(function: &Function, reach: Reach) -> Groups {
+    pub(crate) fn find(function: &Function, reach: Reach) -> Groups {
         let count = function.nodes().len();
         let mut groups = Groups {
             absorbed: absorbed(function, reach),
@@ -82,19 +82,19 @@ impl Groups {
     }
 
     /// True when the value is part of the group of its one user.
-    pub(super) fn is_absorbed(&self, value: Value) -> bool {
+    pub(crate) fn is_absorbed(&self, value: Value) -> bool {
         self.absorbed[value.index()]
     }
 
     /// Terms or factors of the group of a value, left to right, without the
     /// zeros of a sum.
-    pub(super) fn leaves(&self, root: Value) -> &[Leaf] {
+    pub(crate) fn leaves(&self, root: Value) -> &[Leaf] {
         let (start, end) = (self.starts[root.index()].0, self.starts[root.index() + 1].0);
         &self.leaves[start as usize..end as usize]
     }
 
     /// The values absorbed into the group of a value.
-    pub(super) fn inner(&self, root: Value) -> &[Value] {
+    pub(crate) fn inner(&self, root: Value) -> &[Value] {
         let (start, end) = (self.starts[root.index()].1, self.starts[root.index() + 1].1);
         &self.inner[start as usize..end as usize]
     }
@@ -162,7 +162,7 @@ fn absorbed(function: &Function, reach: Reach) -> Vec<bool> {
 }
 
 /// True for `0 - x` and `-x`.
-pub(super) fn is_minus(function: &Function, operation: Operation, left: Operand) -> bool {
+pub(crate) fn is_minus(function: &Function, operation: Operation, left: Operand) -> bool {
     match operation {
         Operation::Neg => true,
         Operation::Sub => function.number(left) == Some(0.0),

@@ -20,4 +20,4 @@ mod signs;
 mod tree;
 
 pub(crate) use build::{Shape, reassociate};
-pub(crate) use gather::Reach;
+pub(crate) use gather::{Family, Groups, Leaf, Reach};

@@ -1,0 +1,247 @@
+//! Writing the chosen forms as a function.
+
+use super::import::Import;
+use super::map::{Mapping, Timing};
+use super::network::{Class, Form, Network, Term, add, multiply};
+use robovec_ir::{
+    Assignment, FreshNames, Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol,
+};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// An operand that holds a value or its negation.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    operand: Operand,
+    negative: bool,
+    arrival: u32,
+}
+
+/// Writes the function a mapping stands for, at the atomic level, with the
+/// signature and the names of the function that was read.
+pub(crate) fn emit(old: &Function, import: &Import, mapping: &Mapping, timing: Timing) -> Function {
+    let network = &import.network;
+    let mut order: Vec<Class> = (0..network.len() as u32)
+        .map(Class)
+        .filter(|class| mapping.uses[class.index()] > 0)
+        .collect();
+    order.sort_by_key(|&class| (network.rank(class), class));
+    let mut writer = Writer {
+        network,
+        timing,
+        out: old.skeleton(Level::Atomic),
+        held: vec![None; network.len()],
+        names: old.fresh_names(),
+    };
+    for class in order {
+        let name = import.names.get(class.index()).copied();
+        let name = name.unwrap_or(Name::NONE);
+        writer.class(class, network.form(mapping.chosen[class.index()]), name);
+    }
+    for (assignment, output) in old.assignments.iter().zip(&import.outputs) {
+        let operand = match output {
+            None => writer.out.constant(0.0).into(),
+            Some(signed) => {
+                let naming = writer.naming(signed.class, Name::NONE, assignment.sources);
+                writer.true_sign(signed.class, signed.negative, naming)
+            }
+        };
+        writer.out.assignments.push(Assignment {
+            operand,
+            ..*assignment
+        });
+    }
+    writer.out
+}
+
+/// What the operations of one class are named and where they come from.
+#[derive(Clone, Copy)]
+struct Naming {
+    last: Name,
+    owner: Symbol,
+    sources: SourceSet,
+}
+
+struct Writer<'a> {
+    network: &'a Network,
+    timing: Timing,
+    out: Function,
+    held: Vec<Option<Held>>,
+    names: FreshNames,
+}
+
+impl Writer<'_> {
+    fn naming(&self, class: Class, last: Name, sources: SourceSet) -> Naming {
+        let (owner, own) = self.network.origin_of(class);
+        let sources = if own == SourceSet::EMPTY {
+            sources
+        } else {
+            own
+        };
+        Naming {
+            last,
+            owner,
+            sources,
+        }
+    }
+
+    fn held(&self, class: Class) -> Held {
+        self.held[class.index()].unwrap_or(Held {
+            operand: Operand::NONE,
+            negative: false,
+            arrival: 0,
+        })
+    }
+
+    fn class(&mut self, class: Class, form: Form, name: Name) {
+        let naming = self.naming(class, name, SourceSet::EMPTY);
+        let held = match form {
+            Form::Input(input, negative) => Held {
+                operand: input.into(),
+                negative,
+                arrival: 0,
+            },
+            Form::Constant(bits) => Held {
+                operand: self.out.constant(f64::from_bits(bits)).into(),
+                negative: false,
+                arrival: 0,
+            },
+            Form::Opaque(index) => self.opaque(index, naming),
+            Form::Product(..) => {
+                let factors = self.network.terms(form);
+                let held: Vec<Held> = factors.iter().map(|term| self.held(term.a)).collect();
+                let value = factors.iter().fold([1, 1], |product, term| {
+                    multiply(product, self.network.value(term.a))
+                });
+                self.tree(held, true, value != self.network.value(class), naming)
+            }
+            Form::Sum(..) => {
+                let terms = self.network.terms(form);
+                let value = terms
+                    .iter()
+                    .fold([0, 0], |sum, &term| add(sum, self.network.term_value(term)));
+                let negated = value != self.network.value(class);
+                let held = terms.iter().map(|&term| self.term(term, naming)).collect();
+                self.tree(held, false, negated, naming)
+            }
+        };
+        self.held[class.index()] = Some(held);
+    }
+
+    fn opaque(&mut self, index: u32, naming: Naming) -> Held {
+        let opaque = self.network.opaques[index as usize];
+        let mut operands = [Operand::NONE; 2];
+        let mut arrival = 0;
+        for (slot, operand) in operands.iter_mut().zip(opaque.operands) {
+            if let Some(signed) = operand {
+                let inner = Naming {
+                    last: Name::NONE,
+                    ..naming
+                };
+                *slot = self.true_sign(signed.class, signed.negative, inner);
+                arrival = arrival.max(self.held(signed.class).arrival);
+            }
+        }
+        let operand = self.push(opaque.operation, operands, naming.last, naming);
+        Held {
+            operand,
+            negative: opaque.negative,
+            arrival: arrival + self.timing.weights.of(opaque.operation),
+        }
+    }
+
+    /// A signed term; products are written.
+    fn term(&mut self, term: Term, naming: Naming) -> Held {
+        let a = self.held(term.a);
+        if !term.is_product() {
+            return Held {
+                negative: a.negative ^ term.negative,
+                ..a
+            };
+        }
+        let b = self.held(term.b);
+        let operand = self.push(Operation::Mul, [a.operand, b.operand], Name::NONE, naming);
+        Held {
+            operand,
+            negative: a.negative ^ b.negative ^ term.negative,
+            arrival: a.arrival.max(b.arrival) + self.timing.multiply,
+        }
+    }
+
+    /// Combines the two earliest first.
+    fn tree(&mut self, leaves: Vec<Held>, product: bool, negated: bool, naming: Naming) -> Held {
+        let weight = match product {
+            true => self.timing.multiply,
+            false => self.timing.add,
+        };
+        let mut made = leaves;
+        let mut open: BinaryHeap<Reverse<(u32, usize)>> = made
+            .iter()
+            .enumerate()
+            .map(|(index, held)| Reverse((held.arrival, index)))
+            .collect();
+        while let (Some(Reverse((_, a))), Some(Reverse((_, b)))) = (open.pop(), open.pop()) {
+            let last = open.is_empty();
+            let (a, b) = (made[a.min(b)], made[a.max(b)]);
+            let name = if last { naming.last } else { Name::NONE };
+            let (operation, operands, negative) = match (product, a.negative, b.negative) {
+                (true, a_negative, b_negative) => (
+                    Operation::Mul,
+                    [a.operand, b.operand],
+                    a_negative ^ b_negative,
+                ),
+                (false, false, true) => (Operation::Sub, [a.operand, b.operand], false),
+                (false, true, false) => (Operation::Sub, [b.operand, a.operand], false),
+                (false, negative, _) => (Operation::Add, [a.operand, b.operand], negative),
+            };
+            let operand = self.push(operation, operands, name, naming);
+            made.push(Held {
+                operand,
+                negative,
+                arrival: a.arrival.max(b.arrival) + weight,
+            });
+            if last {
+                break;
+            }
+            open.push(Reverse((made[made.len() - 1].arrival, made.len() - 1)));
+        }
+        let last = made[made.len() - 1];
+        Held {
+            negative: last.negative ^ negated,
+            ..last
+        }
+    }
+
+    fn true_sign(&mut self, class: Class, negative: bool, naming: Naming) -> Operand {
+        let held = self.held(class);
+        if held.negative == negative {
+            return held.operand;
+        }
+        if let Some(number) = self.out.number(held.operand) {
+            return self.out.constant(-number).into();
+        }
+        let zero = Operand::from(self.out.constant(0.0));
+        self.push(Operation::Sub, [zero, held.operand], naming.last, naming)
+    }
+
+    fn push(
+        &mut self,
+        operation: Operation,
+        operands: [Operand; 2],
+        name: Name,
+        naming: Naming,
+    ) -> Operand {
+        let name = match name.is_none() {
+            true => self.names.fresh(naming.owner),
+            false => name,
+        };
+        self.out
+            .push(Node {
+                name,
+                sources: naming.sources,
+                operands,
+                operation,
+            })
+            .into()
+    }
+}

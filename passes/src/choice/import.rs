@@ -1,0 +1,265 @@
+//! A function as a network of choices with one form per class.
+
+use super::map::{Arrivals, Timing};
+use super::network::{Class, Fingerprint, Network, Opaque, RANK_STEP, SEEDS, Signed, Term};
+use crate::analysis::critical_path::{Weights, arrivals};
+use crate::reassociate::{Family, Groups, Leaf, Reach};
+use crate::rewrite::owners;
+use robovec_ir::evaluate::evaluate_nodes;
+use robovec_ir::field::PrimeField;
+use robovec_ir::{Function, Name, Operand, OperandKind, SourceSet, Tables, Value};
+
+/// A function read into a network.
+pub(crate) struct Import {
+    pub(crate) network: Network,
+    /// What each assignment is set to; `None` for zero.
+    pub(crate) outputs: Vec<Option<Signed>>,
+    /// The classes of sums and products of the function, in program order,
+    /// each once.
+    pub(crate) classes: Vec<Class>,
+    /// The name of the value a class was made for.
+    pub(crate) names: Vec<Name>,
+    /// Earliest arrivals of the function as it is read.
+    pub(crate) arrivals: Arrivals,
+}
+
+/// Reads a function at the atomic level. `None` when some value is undefined
+/// (a division by what is always zero), so that nothing can be said of it.
+pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Timing) -> Option<Import> {
+    let points = SEEDS.map(|seed| {
+        let field = PrimeField {
+            seed,
+            circle: false,
+        };
+        let inputs = field.point(function.input_len());
+        let nodes = evaluate_nodes(function, &field, &inputs);
+        (inputs, nodes)
+    });
+    let undefined = |&number: &u64| PrimeField::is_undefined(number);
+    if points.iter().any(|point| point.1.iter().any(undefined)) {
+        return None;
+    }
+    let groups = Groups::find(function, Reach::Maximal);
+    let mut reader = Reader {
+        function,
+        levels: arrivals(function, &Weights::operations()),
+        inlined: inlined(function, &groups),
+        groups,
+        points,
+        timing,
+        map: Vec::with_capacity(function.nodes().len()),
+        import: Import {
+            network: Network::new(),
+            outputs: Vec::new(),
+            classes: Vec::new(),
+            names: Vec::new(),
+            arrivals: Arrivals::default(),
+        },
+    };
+    let owners = owners(tables, function);
+    for (value, node) in function.values() {
+        reader.import.network.origin = (owners[value.index()], node.sources);
+        reader.node(value);
+    }
+    for assignment in &function.assignments {
+        reader.import.network.origin = (robovec_ir::Symbol(0), assignment.sources);
+        let output = reader.operand(assignment.operand);
+        reader.import.outputs.push(output);
+    }
+    Some(reader.import)
+}
+
+struct Reader<'a> {
+    function: &'a Function,
+    /// Operations on the longest chain to each value: the rank of its class.
+    levels: Vec<u32>,
+    groups: Groups,
+    /// Products that one sum alone uses: they become terms of that sum.
+    inlined: Vec<bool>,
+    points: [(Vec<u64>, Vec<u64>); 2],
+    timing: Timing,
+    /// What old values have become; `None` for zero.
+    map: Vec<Option<Signed>>,
+    import: Import,
+}
+
+impl Reader<'_> {
+    fn node(&mut self, value: Value) {
+        if self.groups.is_absorbed(value) || self.inlined[value.index()] {
+            self.map.push(None);
+            return;
+        }
+        let fingerprint = [0, 1].map(|point: usize| self.points[point].1[value.index()]);
+        if fingerprint == [0, 0] {
+            self.map.push(None);
+            return;
+        }
+        let rank = (u64::from(self.levels[value.index()]) + 1) * RANK_STEP;
+        let known = self.import.network.find(fingerprint);
+        let signed = match known {
+            Some(signed) => signed,
+            None => self.define(value, fingerprint, rank),
+        };
+        self.map.push(Some(signed));
+    }
+
+    fn define(&mut self, value: Value, fingerprint: Fingerprint, rank: u64) -> Signed {
+        let node = self.function.node(value);
+        match Family::of(node.operation) {
+            Some(Family::Sum) => {
+                let terms = self.terms(value);
+                let signed = self.class(fingerprint, rank, node.name);
+                let mut terms = terms;
+                self.import.network.tidy(&mut terms);
+                self.import.network.add_sum(signed.class, &mut terms);
+                self.settle(signed.class, true);
+                signed
+            }
+            Some(Family::Product) => {
+                let factors: Vec<Leaf> = self.groups.leaves(value).to_vec();
+                let mut classes: Vec<Class> = factors
+                    .iter()
+                    .filter_map(|leaf| self.operand(leaf.operand))
+                    .map(|factor| factor.class)
+                    .filter(|&class| class != Class::ONE)
+                    .collect();
+                let signed = self.class(fingerprint, rank, node.name);
+                self.import.network.add_product(signed.class, &mut classes);
+                self.settle(signed.class, true);
+                signed
+            }
+            None => {
+                let mut operands = [None; 2];
+                for (slot, &operand) in operands.iter_mut().zip(node.operands()) {
+                    *slot = Some(self.operand_or_zero(operand));
+                }
+                let signed = self.class(fingerprint, rank, node.name);
+                let operation = node.operation;
+                self.import.network.add_opaque(
+                    signed.class,
+                    Opaque {
+                        operation,
+                        operands,
+                        negative: signed.negative,
+                    },
+                );
+                self.settle(signed.class, false);
+                signed
+            }
+        }
+    }
+
+    fn class(&mut self, fingerprint: Fingerprint, rank: u64, name: Name) -> Signed {
+        let signed = self.import.network.class(fingerprint, rank);
+        let index = signed.class.index();
+        if self.import.names.len() <= index {
+            self.import.names.resize(index + 1, Name::NONE);
+        }
+        self.import.names[index] = name;
+        signed
+    }
+
+    /// Notes a class and its arrival after its form is known.
+    fn settle(&mut self, class: Class, listed: bool) {
+        if listed {
+            self.import.classes.push(class);
+        }
+        let import = &mut self.import;
+        import.arrivals.update(&import.network, &self.timing, class);
+    }
+
+    fn terms(&mut self, root: Value) -> Vec<Term> {
+        let leaves: Vec<Leaf> = self.groups.leaves(root).to_vec();
+        let mut terms = Vec::with_capacity(leaves.len());
+        for leaf in leaves {
+            let inline = leaf.operand.value();
+            let inline = inline.filter(|value| self.inlined[value.index()]);
+            let term = match inline {
+                Some(product) => self.product_term(product),
+                None => self.operand(leaf.operand).map(|signed| Term {
+                    a: signed.class,
+                    b: Class::ONE,
+                    negative: signed.negative,
+                }),
+            };
+            terms.extend(term.map(|term| Term {
+                negative: term.negative ^ leaf.negative,
+                ..term
+            }));
+        }
+        terms
+    }
+
+    /// A product as the latest factor times the product of the others.
+    fn product_term(&mut self, product: Value) -> Option<Term> {
+        let factors: Vec<Leaf> = self.groups.leaves(product).to_vec();
+        let mut classes: Vec<Class> = Vec::with_capacity(factors.len());
+        let mut negative = false;
+        for factor in factors {
+            let signed = self.operand(factor.operand)?;
+            negative ^= signed.negative;
+            if signed.class != Class::ONE {
+                classes.push(signed.class);
+            }
+        }
+        classes.sort_by_key(|&class| (self.import.arrivals.of(class), class));
+        let last = classes.pop().unwrap_or(Class::ONE);
+        let rest = self.import.network.product(&mut classes);
+        self.import
+            .arrivals
+            .update(&self.import.network, &self.timing, rest.class);
+        Some(Term {
+            a: rest.class,
+            b: last,
+            negative: negative ^ rest.negative,
+        })
+    }
+
+    fn operand_or_zero(&mut self, operand: Operand) -> Signed {
+        match self.operand(operand) {
+            Some(signed) => signed,
+            None => self.import.network.constant(0.0),
+        }
+    }
+
+    fn operand(&mut self, operand: Operand) -> Option<Signed> {
+        let saved = self.import.network.origin;
+        self.import.network.origin = (saved.0, SourceSet::EMPTY);
+        let signed = match operand.kind() {
+            OperandKind::Value(value) => self.map[value.index()],
+            OperandKind::None => None,
+            OperandKind::Input(input) => {
+                let value = [0, 1].map(|point: usize| self.points[point].0[input.index()]);
+                (value != [0, 0]).then(|| self.import.network.input(input, value))
+            }
+            OperandKind::Constant(constant) => {
+                let number = self.function.constant_number(constant);
+                (number != 0.0).then(|| self.import.network.constant(number))
+            }
+        };
+        self.import.network.origin = saved;
+        if let Some(signed) = signed.filter(|_| operand.value().is_none()) {
+            self.import.arrivals.set(signed.class, 0);
+        }
+        signed
+    }
+}
+
+/// Which products only one sum uses.
+fn inlined(function: &Function, groups: &Groups) -> Vec<bool> {
+    let uses = function.use_counts();
+    let mut inlined = vec![false; function.nodes().len()];
+    let family = |value: Value| Family::of(function.node(value).operation);
+    for (value, _) in function.values() {
+        if groups.is_absorbed(value) || family(value) != Some(Family::Sum) {
+            continue;
+        }
+        for leaf in groups.leaves(value) {
+            if let Some(term) = leaf.operand.value() {
+                let only_use = uses[term.index()] == 1;
+                inlined[term.index()] = only_use && family(term) == Some(Family::Product);
+            }
+        }
+    }
+    inlined
+}

@@ -1,0 +1,29 @@
+//! Networks of choices: values that can be computed in several ways, and the
+//! cheapest way that is early enough.
+//!
+//! A [`Network`](network::Network) holds *classes*, each standing for one
+//! value up to its sign, and for each class its *forms*: sums of products of
+//! other classes. Classes are identified by the value itself, taken at two
+//! random points of the prime field of 2⁶¹ − 1 elements: two expressions that
+//! are equal as polynomials meet in one class however they were derived, so
+//! there is nothing to saturate and associativity and commutativity cost
+//! nothing. Two different values meet with probability below
+//! (classes² · degree²) / 2¹²², and every pass built on this is checked
+//! afterwards at other points.
+//!
+//! A [`Mapping`](map::Mapping) chooses one form per class, as technology
+//! mappers do for logic networks: first the earliest form of everything, then,
+//! under the required times that follow from the latest time allowed for the
+//! outputs, fewer operations again, first by estimates that share the cost of
+//! a class among its users (area flow; Manohararajah, Brown and Vranesic
+//! 2006), then exactly (Mishchenko, Chatterjee and Brayton 2007). A class that
+//! several chosen forms use is paid for once.
+//!
+//! **Invariant.** Every form of a class only uses classes of smaller rank, so
+//! any choice of forms is free of cycles.
+
+pub(crate) mod compose;
+pub(crate) mod emit;
+pub(crate) mod import;
+pub(crate) mod map;
+pub(crate) mod network;

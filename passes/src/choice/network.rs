@@ -1,0 +1,441 @@
+//! Classes of equal values and their forms.
+
+use hashbrown::HashMap;
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::field::PrimeField;
+use robovec_ir::{Input, Operation, SourceSet, Symbol};
+use rustc_hash::FxBuildHasher;
+use std::hash::BuildHasher;
+
+/// A value at the two points of the field that identify it.
+pub(crate) type Fingerprint = [u64; 2];
+
+/// The field at whose points values are compared. Both points use the same
+/// arithmetic; they differ in what inputs, sines and cosines are drawn as.
+const FIELD: PrimeField = PrimeField {
+    seed: 0,
+    circle: false,
+};
+
+/// The seeds of the two points.
+pub(crate) const SEEDS: [u64; 2] = [0x9e37_79b9_7f4a_7c15, 0xd1b5_4a32_d192_ed03];
+
+/// A class: one value up to its sign. Counted from 0.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub(crate) struct Class(pub(crate) u32);
+
+impl Class {
+    /// The class of the number 1.
+    pub(crate) const ONE: Class = Class(0);
+
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A class with a sign.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(crate) struct Signed {
+    pub(crate) class: Class,
+    pub(crate) negative: bool,
+}
+
+/// A signed product of two classes; the second is [`Class::ONE`] for a plain
+/// term.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub(crate) struct Term {
+    pub(crate) a: Class,
+    pub(crate) b: Class,
+    pub(crate) negative: bool,
+}
+
+impl Term {
+    pub(crate) fn is_product(self) -> bool {
+        self.b != Class::ONE
+    }
+}
+
+/// How a class can be computed. Sums and products give the class's value or
+/// its negation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Form {
+    /// An input, or its negation.
+    Input(Input, bool),
+    /// A constant, by its bits.
+    Constant(u64),
+    /// An operation that is neither a sum nor a product: index into
+    /// [`Network::opaques`].
+    Opaque(u32),
+    /// Signed terms, at least two: a range of the arena of terms.
+    Sum(u32, u32),
+    /// A product of at least two classes: a range of the arena of terms,
+    /// whose second classes do not count.
+    Product(u32, u32),
+}
+
+/// An operation that is taken as it is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Opaque {
+    pub(crate) operation: Operation,
+    pub(crate) operands: [Option<Signed>; 2],
+    /// True when the class is the negation of the result.
+    pub(crate) negative: bool,
+}
+
+/// What is known of a class besides its value.
+#[derive(Clone, Copy, Debug)]
+struct Record {
+    value: Fingerprint,
+    rank: u64,
+    /// The most recent form; forms are chained.
+    last: u32,
+    owner: Symbol,
+    sources: SourceSet,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// Room between the ranks of two classes of the function read.
+pub(crate) const RANK_STEP: u64 = 1 << 32;
+
+/// Classes and forms.
+pub(crate) struct Network {
+    classes: Vec<Record>,
+    index: HashMap<Fingerprint, Class, FxBuildHasher>,
+    forms: Vec<(Form, u32)>,
+    known: HashMap<(Class, u64), (), FxBuildHasher>,
+    terms: Vec<Term>,
+    pub(crate) opaques: Vec<Opaque>,
+    /// What new classes are named after and come from.
+    pub(crate) origin: (Symbol, SourceSet),
+}
+
+impl Network {
+    /// A network with the class of 1 alone.
+    pub(crate) fn new() -> Network {
+        let mut network = Network {
+            classes: Vec::new(),
+            index: HashMap::default(),
+            forms: Vec::new(),
+            known: HashMap::default(),
+            terms: Vec::new(),
+            opaques: Vec::new(),
+            origin: (Symbol(0), SourceSet::EMPTY),
+        };
+        let class = network.class([1, 1], 0).class;
+        network.push_form(class, Form::Constant(1.0f64.to_bits()));
+        network
+    }
+
+    /// Number of classes.
+    pub(crate) fn len(&self) -> usize {
+        self.classes.len()
+    }
+
+    /// Number of forms.
+    pub(crate) fn form_count(&self) -> usize {
+        self.forms.len()
+    }
+
+    /// The class of a value, made when it does not exist, and whether the
+    /// value is its negation.
+    pub(crate) fn class(&mut self, value: Fingerprint, rank: u64) -> Signed {
+        let (value, negative) = canonical(value);
+        let next = Class(self.classes.len() as u32);
+        let class = *self.index.entry(value).or_insert(next);
+        if class == next {
+            self.classes.push(Record {
+                value,
+                rank,
+                last: NONE,
+                owner: self.origin.0,
+                sources: self.origin.1,
+            });
+        }
+        Signed { class, negative }
+    }
+
+    /// The class of a value, if it exists.
+    pub(crate) fn find(&self, value: Fingerprint) -> Option<Signed> {
+        let (value, negative) = canonical(value);
+        let class = *self.index.get(&value)?;
+        Some(Signed { class, negative })
+    }
+
+    /// True when the class has a form.
+    pub(crate) fn is_defined(&self, class: Class) -> bool {
+        self.classes[class.index()].last != NONE
+    }
+
+    /// The value of a class.
+    pub(crate) fn value(&self, class: Class) -> Fingerprint {
+        self.classes[class.index()].value
+    }
+
+    /// The value of a term.
+    pub(crate) fn term_value(&self, term: Term) -> Fingerprint {
+        let product = multiply(self.value(term.a), self.value(term.b));
+        negate_if(term.negative, product)
+    }
+
+    /// The rank of a class.
+    pub(crate) fn rank(&self, class: Class) -> u64 {
+        self.classes[class.index()].rank
+    }
+
+    /// What a class is named after, and the equations it comes from.
+    pub(crate) fn origin_of(&self, class: Class) -> (Symbol, SourceSet) {
+        let record = &self.classes[class.index()];
+        (record.owner, record.sources)
+    }
+
+    /// The forms of a class, the most recent first.
+    pub(crate) fn forms(&self, class: Class) -> impl Iterator<Item = u32> + '_ {
+        let mut next = self.classes[class.index()].last;
+        std::iter::from_fn(move || {
+            let form = next;
+            (form != NONE).then(|| {
+                next = self.forms[form as usize].1;
+                form
+            })
+        })
+    }
+
+    /// A form.
+    pub(crate) fn form(&self, form: u32) -> Form {
+        self.forms[form as usize].0
+    }
+
+    /// The terms of a form (factors of a product as first classes); empty for
+    /// the others.
+    pub(crate) fn terms(&self, form: Form) -> &[Term] {
+        match form {
+            Form::Sum(start, end) | Form::Product(start, end) => {
+                &self.terms[start as usize..end as usize]
+            }
+            Form::Input(..) | Form::Constant(_) | Form::Opaque(_) => &[],
+        }
+    }
+
+    /// Calls a function with every class a form uses.
+    pub(crate) fn operands(&self, form: Form, mut visit: impl FnMut(Class)) {
+        match form {
+            Form::Input(..) | Form::Constant(_) => {}
+            Form::Opaque(index) => {
+                let operands = self.opaques[index as usize].operands;
+                operands
+                    .iter()
+                    .flatten()
+                    .for_each(|operand| visit(operand.class));
+            }
+            Form::Product(..) => self.terms(form).iter().for_each(|term| visit(term.a)),
+            Form::Sum(..) => {
+                for term in self.terms(form) {
+                    visit(term.a);
+                    if term.is_product() {
+                        visit(term.b);
+                    }
+                }
+            }
+        }
+    }
+
+    fn push_form(&mut self, class: Class, form: Form) {
+        let last = self.classes[class.index()].last;
+        self.classes[class.index()].last = self.forms.len() as u32;
+        self.forms.push((form, last));
+    }
+
+    /// The class of an input.
+    pub(crate) fn input(&mut self, input: Input, value: Fingerprint) -> Signed {
+        let signed = self.class(value, 0);
+        if !self.is_defined(signed.class) {
+            self.push_form(signed.class, Form::Input(input, signed.negative));
+        }
+        signed
+    }
+
+    /// The class of a literal.
+    pub(crate) fn constant(&mut self, number: f64) -> Signed {
+        let literal = FIELD.literal(number);
+        let signed = self.class([literal, literal], 0);
+        if !self.is_defined(signed.class) {
+            let number = if signed.negative { -number } else { number };
+            self.push_form(signed.class, Form::Constant(number.to_bits()));
+        }
+        signed
+    }
+
+    /// Gives a class an operation as its form, unless it has one.
+    pub(crate) fn add_opaque(&mut self, class: Class, opaque: Opaque) {
+        if !self.is_defined(class) {
+            self.push_form(class, Form::Opaque(self.opaques.len() as u32));
+            self.opaques.push(opaque);
+        }
+    }
+
+    /// Adds a sum as a form of a class whose value it has up to the sign.
+    /// Refused when it is known already or would use a class of no smaller
+    /// rank.
+    pub(crate) fn add_sum(&mut self, class: Class, terms: &mut [Term]) -> bool {
+        // The sign is free: it is settled when the form is written.
+        normalise(terms);
+        if let [only] = *terms {
+            return only.is_product() && self.add_product(class, &mut [only.a, only.b]);
+        }
+        self.add_form(class, terms, false)
+    }
+
+    /// Adds a product as a form of a class, as [`Network::add_sum`].
+    pub(crate) fn add_product(&mut self, class: Class, factors: &mut [Class]) -> bool {
+        factors.sort_unstable();
+        let terms: Vec<Term> = factors
+            .iter()
+            .map(|&a| Term {
+                a,
+                b: Class::ONE,
+                negative: false,
+            })
+            .collect();
+        self.add_form(class, &terms, true)
+    }
+
+    fn add_form(&mut self, class: Class, terms: &[Term], product: bool) -> bool {
+        let rank = self.rank(class);
+        let low = |class: Class| self.classes[class.index()].rank < rank;
+        if terms.len() < 2 || !terms.iter().all(|term| low(term.a) && low(term.b)) {
+            return false;
+        }
+        let hash = FxBuildHasher.hash_one((terms, product));
+        if self.known.insert((class, hash), ()).is_some() {
+            return false;
+        }
+        let start = self.terms.len() as u32;
+        self.terms.extend_from_slice(terms);
+        let end = self.terms.len() as u32;
+        let form = match product {
+            true => Form::Product(start, end),
+            false => Form::Sum(start, end),
+        };
+        self.push_form(class, form);
+        true
+    }
+
+    /// The class of a sum of terms, with this sum as one of its forms; `None`
+    /// when the value is zero. A sum that is a class already known is that
+    /// class.
+    pub(crate) fn sum(&mut self, mut terms: Vec<Term>) -> Option<Signed> {
+        self.tidy(&mut terms);
+        match terms[..] {
+            [] => return None,
+            [term] if !term.is_product() => {
+                return Some(Signed {
+                    class: term.a,
+                    negative: term.negative,
+                });
+            }
+            _ => {}
+        }
+        let value = terms
+            .iter()
+            .fold([0, 0], |sum, &term| add(sum, self.term_value(term)));
+        if value == [0, 0] {
+            return None;
+        }
+        let rank = terms
+            .iter()
+            .map(|term| self.rank(term.a).max(self.rank(term.b)))
+            .max()
+            .unwrap_or(0);
+        let signed = self.class(value, rank + 1);
+        self.add_sum(signed.class, &mut terms);
+        Some(signed)
+    }
+
+    /// The class of a product of classes, with this product as one of its
+    /// forms; of no factors, 1.
+    pub(crate) fn product(&mut self, factors: &mut Vec<Class>) -> Signed {
+        factors.retain(|&factor| factor != Class::ONE);
+        if let [] | [_] = factors[..] {
+            return Signed {
+                class: factors.first().copied().unwrap_or(Class::ONE),
+                negative: false,
+            };
+        }
+        let value = factors.iter().fold([1, 1], |product, &factor| {
+            multiply(product, self.value(factor))
+        });
+        let rank = factors.iter().map(|&factor| self.rank(factor)).max();
+        let signed = self.class(value, rank.unwrap_or(0) + 1);
+        self.add_product(signed.class, factors);
+        signed
+    }
+
+    /// Drops terms that are zero or cancel, puts products that are classes
+    /// already in as such, and 1 behind.
+    pub(crate) fn tidy(&self, terms: &mut Vec<Term>) {
+        for term in terms.iter_mut() {
+            if term.a == Class::ONE {
+                std::mem::swap(&mut term.a, &mut term.b);
+            }
+            if term.is_product() && term.b < term.a {
+                std::mem::swap(&mut term.a, &mut term.b);
+            }
+        }
+        terms.sort_unstable();
+        let mut kept: Vec<Term> = Vec::with_capacity(terms.len());
+        for &term in terms.iter() {
+            match kept.last() {
+                Some(last)
+                    if last.a == term.a && last.b == term.b && last.negative != term.negative =>
+                {
+                    kept.pop();
+                }
+                _ => kept.push(term),
+            }
+        }
+        *terms = kept;
+    }
+}
+
+/// Orders the terms of a sum and makes the first positive.
+fn normalise(terms: &mut [Term]) {
+    terms.sort_unstable();
+    if terms.first().is_some_and(|term| term.negative) {
+        for term in terms.iter_mut() {
+            term.negative = !term.negative;
+        }
+        terms.sort_unstable();
+    }
+}
+
+/// The value or its negation, whichever is smaller at the first point where
+/// they differ, and whether it is the negation.
+fn canonical(value: Fingerprint) -> (Fingerprint, bool) {
+    let negated = negate(value);
+    if negated < value {
+        (negated, true)
+    } else {
+        (value, false)
+    }
+}
+
+/// `a + b` at both points.
+pub(crate) fn add(a: Fingerprint, b: Fingerprint) -> Fingerprint {
+    [FIELD.add(a[0], b[0]), FIELD.add(a[1], b[1])]
+}
+
+/// `a * b` at both points.
+pub(crate) fn multiply(a: Fingerprint, b: Fingerprint) -> Fingerprint {
+    [FIELD.mul(a[0], b[0]), FIELD.mul(a[1], b[1])]
+}
+
+/// `-a` at both points.
+pub(crate) fn negate(a: Fingerprint) -> Fingerprint {
+    [FIELD.neg(a[0]), FIELD.neg(a[1])]
+}
+
+/// `-a` or `a` at both points.
+pub(crate) fn negate_if(negative: bool, a: Fingerprint) -> Fingerprint {
+    if negative { negate(a) } else { a }
+}

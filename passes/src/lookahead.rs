@@ -1,0 +1,154 @@
+//! Look-ahead within a budget of operations.
+
+use crate::analysis::critical_path::{Weights, arrivals};
+use crate::balance::balanced;
+use crate::choice::compose::{Limits, look_ahead};
+use crate::choice::emit::emit;
+use crate::choice::import::{Import, import};
+use crate::choice::map::{Mapper, Mapping, Timing};
+use crate::declare_pass;
+use crate::pass::{Context, Gives, Pass, PassError};
+use robovec_ir::{Function, Level, Tables};
+
+declare_pass! {
+    /// Shortens the longest path by looking back across several equations.
+    ///
+    /// What is late in a recursion enters its equations linearly: `x = c*u + e`
+    /// with `c` and `e` known early. Substituting `u = d*v + f` gives `x` from
+    /// `v`, one step earlier, with the coefficient `c*d` and the rest `c*f + e`
+    /// computed beside the recursion. Such forms are made for all sums and
+    /// products at many frontiers back in time, each in several ways, and the
+    /// cheapest combination is chosen that makes the longest path as short as
+    /// the budget of operations allows: a parallel prefix network where it
+    /// pays, shared by all columns of a mass matrix, and nothing elsewhere.
+    ///
+    /// Values are identified by what they are at two points of the prime field,
+    /// so equal values written differently become one on the way, and the
+    /// function can end up with fewer operations than it had.
+    ///
+    /// A path that cannot be shortened within the budget leaves the function as
+    /// it is. `sin` and `cos` are taken as independent: no identity between them
+    /// is used. `balance,cse,dce` belong behind this pass.
+    pub struct Lookahead("lookahead") {
+        /// Operations allowed, in percent of those the function has.
+        pub growth: u32 = 100,
+        /// Operations allowed, as a number; 0 leaves it to `growth`.
+        pub operations: u32 = 0,
+        /// Longest path wanted, in cycles: nothing is spent on a shorter one.
+        pub path: u32 = 0,
+        /// Cycles from one frontier to the next.
+        pub grid: u32 = 19,
+        /// Frontiers looked back.
+        pub frontiers: u32 = 12,
+        /// Late terms a form may have.
+        pub width: u32 = 8,
+        /// A value ready so many cycles before a frontier counts as early.
+        pub window: u32 = 31,
+        /// Rounds in which operations are saved again.
+        pub rounds: u32 = 6,
+    }
+    takes: [Atomic],
+    gives: Gives::Level(Level::Atomic),
+    class: Real,
+    requires: [],
+    sets: [],
+    destroys: [Timed],
+}
+
+impl Pass for Lookahead {
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
+        let weights = Weights::cycles(context.machine);
+        let timing = Timing::new(weights);
+        let Some(mut import) = import(function, context.tables, timing) else {
+            let reason = "a value is undefined everywhere; nothing is changed";
+            context.remarks.push(reason.to_owned());
+            return Ok(());
+        };
+        let limits = Limits {
+            grid: self.grid.max(1),
+            frontiers: self.frontiers,
+            width: self.width as usize,
+            window: self.window,
+        };
+        look_ahead(&mut import, timing, limits);
+        let search = Search {
+            pass: self,
+            function,
+            import: &import,
+            timing,
+            weights,
+        };
+        let before = search.size(function);
+        let (forms, classes) = (import.network.form_count(), import.network.len());
+        context
+            .statistics
+            .push(("values considered", classes as u64));
+        context.statistics.push(("forms considered", forms as u64));
+        let mut cycles = 0;
+        if let Some((new, path)) = search.run(context.tables, before) {
+            cycles = u64::from(before.0 - path);
+            *function = new;
+        }
+        context
+            .statistics
+            .push(("cycles taken off the longest path", cycles));
+        Ok(())
+    }
+}
+
+/// The search for the shortest path within the budget.
+struct Search<'a> {
+    pass: &'a Lookahead,
+    function: &'a Function,
+    import: &'a Import,
+    timing: Timing,
+    weights: Weights,
+}
+
+impl Search<'_> {
+    /// Longest path in cycles, and operations.
+    fn size(&self, function: &Function) -> (u32, u64) {
+        let path = arrivals(function, &self.weights).into_iter().max();
+        let free = function.nodes().iter();
+        let free = free
+            .filter(|node| node.operation.is_trigonometric())
+            .count();
+        (path.unwrap_or(0), (function.nodes().len() - free) as u64)
+    }
+
+    /// The best function and its path, if it is better than what there was.
+    fn run(&self, tables: &mut Tables, before: (u32, u64)) -> Option<(Function, u32)> {
+        let allowed = match self.pass.operations {
+            0 => before.1 * u64::from(self.pass.growth) / 100,
+            operations => u64::from(operations),
+        };
+        let mapper = Mapper::new(&self.import.network, self.timing, &self.import.outputs);
+        let earliest = mapper.earliest();
+        let mut low = mapper.path(&earliest).max(self.pass.path);
+        let mut high = before.0;
+        let mut best: Option<(Function, (u32, u64))> = None;
+        while low < high {
+            let target = low + (high - low) / 2;
+            let mut mapping = earliest.clone();
+            mapper.recover(&mut mapping, target, self.pass.rounds);
+            let made = self.realise(tables, &mapping);
+            let size = self.size(&made);
+            if size.1 > allowed {
+                low = target + 1;
+                continue;
+            }
+            high = target.min(size.0);
+            if best.as_ref().is_none_or(|(_, known)| size < *known) {
+                best = Some((made, size));
+            }
+        }
+        best.filter(|(_, size)| *size < before)
+            .map(|(function, size)| (function, size.0))
+    }
+
+    /// The function of a mapping, balanced.
+    fn realise(&self, tables: &mut Tables, mapping: &Mapping) -> Function {
+        let raw = emit(self.function, self.import, mapping, self.timing);
+        balanced(&raw, tables, &self.weights)
+    }
+}
