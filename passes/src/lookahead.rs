@@ -5,7 +5,8 @@ use crate::balance::balanced;
 use crate::choice::compose::{Limits, look_ahead};
 use crate::choice::emit::emit;
 use crate::choice::import::{Import, import};
-use crate::choice::map::{Mapper, Mapping, Timing};
+use crate::choice::map::{Mapper, Mapping};
+use crate::choice::timing::Timing;
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::{Function, Level, Tables};
@@ -131,7 +132,7 @@ impl Search<'_> {
             let target = low + (high - low) / 2;
             let mut mapping = earliest.clone();
             mapper.recover(&mut mapping, target, self.pass.rounds);
-            let made = self.realise(tables, &mapping);
+            let made = self.realise(tables, &mapper, &mapping);
             let size = self.size(&made);
             if size.1 > allowed {
                 low = target + 1;
@@ -147,8 +148,8 @@ impl Search<'_> {
     }
 
     /// The function of a mapping, balanced.
-    fn realise(&self, tables: &mut Tables, mapping: &Mapping) -> Function {
-        let raw = emit(self.function, self.import, mapping, self.timing);
+    fn realise(&self, tables: &mut Tables, mapper: &Mapper, mapping: &Mapping) -> Function {
+        let raw = emit(self.function, self.import, mapper, mapping, self.timing);
         balanced(&raw, tables, &self.weights)
     }
 }

@@ -13,8 +13,8 @@
 //! recursion (the columns of a mass matrix), and are found to be.
 
 use super::import::Import;
-use super::map::{Arrivals, Timing};
 use super::network::{Class, Form, Network, Signed, Term, add, negate};
+use super::timing::{Arrivals, Timing};
 use std::rc::Rc;
 
 /// How far and how wide forms go.

@@ -1,8 +1,9 @@
 //! Writing the chosen forms as a function.
 
 use super::import::Import;
-use super::map::{Mapping, Timing};
+use super::map::{Mapper, Mapping};
 use super::network::{Class, Form, Network, Term, add, multiply};
+use super::timing::Timing;
 use robovec_ir::{
     Assignment, FreshNames, Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol,
 };
@@ -19,13 +20,14 @@ struct Held {
 
 /// Writes the function a mapping stands for, at the atomic level, with the
 /// signature and the names of the function that was read.
-pub(crate) fn emit(old: &Function, import: &Import, mapping: &Mapping, timing: Timing) -> Function {
+pub(crate) fn emit(
+    old: &Function,
+    import: &Import,
+    mapper: &Mapper,
+    mapping: &Mapping,
+    timing: Timing,
+) -> Function {
     let network = &import.network;
-    let mut order: Vec<Class> = (0..network.len() as u32)
-        .map(Class)
-        .filter(|class| mapping.uses[class.index()] > 0)
-        .collect();
-    order.sort_by_key(|&class| (network.rank(class), class));
     let mut writer = Writer {
         network,
         timing,
@@ -33,10 +35,10 @@ pub(crate) fn emit(old: &Function, import: &Import, mapping: &Mapping, timing: T
         held: vec![None; network.len()],
         names: old.fresh_names(),
     };
-    for class in order {
+    for (class, form) in mapper.used(mapping) {
         let name = import.names.get(class.index()).copied();
         let name = name.unwrap_or(Name::NONE);
-        writer.class(class, network.form(mapping.chosen[class.index()]), name);
+        writer.class(class, network.form(form), name);
     }
     for (assignment, output) in old.assignments.iter().zip(&import.outputs) {
         let operand = match output {

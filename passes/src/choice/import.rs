@@ -1,7 +1,7 @@
 //! A function as a network of choices with one form per class.
 
-use super::map::{Arrivals, Timing};
 use super::network::{Class, Fingerprint, Network, Opaque, RANK_STEP, SEEDS, Signed, Term};
+use super::timing::{Arrivals, Timing};
 use crate::analysis::critical_path::{Weights, arrivals};
 use crate::reassociate::{Family, Groups, Leaf, Reach};
 use crate::rewrite::owners;

@@ -23,7 +23,9 @@
 //! any choice of forms is free of cycles.
 
 pub(crate) mod compose;
+mod dense;
 pub(crate) mod emit;
 pub(crate) mod import;
 pub(crate) mod map;
 pub(crate) mod network;
+pub(crate) mod timing;

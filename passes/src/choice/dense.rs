@@ -1,0 +1,235 @@
+//! A network copied for going over it again and again.
+//!
+//! Only what an output can use is copied; classes are numbered in order of
+//! rank, so that operands come first and lie near their users, and the terms
+//! of all forms lie in one vector.
+
+use super::network::{Class, Form, Network, Signed};
+use super::timing::{Timing, earliest_first, levels};
+use smallvec::SmallVec;
+
+/// What a form does with its terms.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Kind {
+    /// Nothing: an input or constant.
+    Leaf,
+    /// An operation of this weight.
+    Opaque(u32),
+    /// Adds them.
+    Sum,
+    /// Multiplies them.
+    Product,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct DenseForm {
+    kind: Kind,
+    start: u32,
+    end: u32,
+    cost: u32,
+    original: u32,
+}
+
+/// The copy. Places, forms and terms count from 0.
+pub(crate) struct Dense {
+    classes: Vec<Class>,
+    places: Vec<u32>,
+    /// Where the forms of each place start, and behind the last one.
+    starts: Vec<u32>,
+    forms: Vec<DenseForm>,
+    terms: Vec<(u32, u32)>,
+}
+
+impl Dense {
+    /// The second factor of a term that is no product.
+    pub(crate) const NONE: u32 = u32::MAX;
+
+    pub(crate) fn new(network: &Network, timing: &Timing, outputs: &[Option<Signed>]) -> Dense {
+        let mut classes = reachable(network, outputs);
+        classes.sort_by_key(|&class| (network.rank(class), class));
+        let mut places = vec![Dense::NONE; network.len()];
+        for (place, class) in classes.iter().enumerate() {
+            places[class.index()] = place as u32;
+        }
+        let mut dense = Dense {
+            starts: Vec::with_capacity(classes.len() + 1),
+            classes,
+            places,
+            forms: Vec::new(),
+            terms: Vec::new(),
+        };
+        for index in 0..dense.classes.len() {
+            dense.starts.push(dense.forms.len() as u32);
+            let mut forms: Vec<u32> = network.forms(dense.classes[index]).collect();
+            forms.reverse();
+            for form in forms {
+                dense.push(network, timing, form);
+            }
+        }
+        dense.starts.push(dense.forms.len() as u32);
+        dense
+    }
+
+    fn push(&mut self, network: &Network, timing: &Timing, original: u32) {
+        let form = network.form(original);
+        let start = self.terms.len() as u32;
+        let (kind, cost) = match form {
+            Form::Input(..) | Form::Constant(_) => (Kind::Leaf, 0),
+            Form::Opaque(index) => {
+                let opaque = &network.opaques[index as usize];
+                for operand in opaque.operands.iter().flatten() {
+                    let place = self.place(operand.class);
+                    self.terms.push((place, Dense::NONE));
+                }
+                let operation = opaque.operation;
+                let weight = timing.weights.of(operation);
+                (
+                    Kind::Opaque(weight),
+                    u32::from(!operation.is_trigonometric()),
+                )
+            }
+            Form::Product(..) => {
+                let terms = network.terms(form);
+                for term in terms {
+                    let place = self.place(term.a);
+                    self.terms.push((place, Dense::NONE));
+                }
+                (Kind::Product, terms.len() as u32 - 1)
+            }
+            Form::Sum(..) => {
+                let terms = network.terms(form);
+                let mut cost = terms.len() as u32 - 1;
+                for term in terms {
+                    let b = match term.is_product() {
+                        true => self.place(term.b),
+                        false => Dense::NONE,
+                    };
+                    cost += u32::from(term.is_product());
+                    let a = self.place(term.a);
+                    self.terms.push((a, b));
+                }
+                (Kind::Sum, cost)
+            }
+        };
+        let end = self.terms.len() as u32;
+        self.forms.push(DenseForm {
+            kind,
+            start,
+            end,
+            cost,
+            original,
+        });
+    }
+
+    /// Number of places.
+    pub(crate) fn len(&self) -> usize {
+        self.classes.len()
+    }
+
+    /// Where a class has been put.
+    pub(crate) fn place(&self, class: Class) -> u32 {
+        self.places[class.index()]
+    }
+
+    /// The class at a place.
+    pub(crate) fn class(&self, place: usize) -> Class {
+        self.classes[place]
+    }
+
+    /// The forms of a place, in the order they were made.
+    pub(crate) fn forms(&self, place: usize) -> std::ops::Range<u32> {
+        self.starts[place]..self.starts[place + 1]
+    }
+
+    /// A form's number in the network.
+    pub(crate) fn original(&self, form: u32) -> u32 {
+        self.forms[form as usize].original
+    }
+
+    pub(crate) fn kind(&self, form: u32) -> Kind {
+        self.forms[form as usize].kind
+    }
+
+    /// Operations of a form.
+    pub(crate) fn cost(&self, form: u32) -> u32 {
+        self.forms[form as usize].cost
+    }
+
+    pub(crate) fn terms(&self, form: u32) -> &[(u32, u32)] {
+        let form = &self.forms[form as usize];
+        &self.terms[form.start as usize..form.end as usize]
+    }
+
+    /// The places a form uses, one that it uses twice twice.
+    pub(crate) fn operands(&self, form: u32) -> impl Iterator<Item = u32> + '_ {
+        let both = self.terms(form).iter().flat_map(|&(a, b)| [a, b]);
+        both.filter(|&place| place != Dense::NONE)
+    }
+
+    fn term_arrivals<'a>(
+        &'a self,
+        timing: &Timing,
+        arrivals: &'a [u32],
+        form: u32,
+    ) -> impl Iterator<Item = u32> + 'a {
+        let multiply = timing.multiply;
+        self.terms(form).iter().map(move |&(a, b)| {
+            let first = arrivals[a as usize];
+            match b {
+                Dense::NONE => first,
+                b => first.max(arrivals[b as usize]).saturating_add(multiply),
+            }
+        })
+    }
+
+    /// When a form is available.
+    pub(crate) fn arrival(&self, timing: &Timing, arrivals: &[u32], form: u32) -> u32 {
+        let terms = self.term_arrivals(timing, arrivals, form);
+        match self.kind(form) {
+            Kind::Leaf => 0,
+            Kind::Opaque(weight) => terms.max().unwrap_or(0).saturating_add(weight),
+            Kind::Sum => earliest_first(terms, timing.add),
+            Kind::Product => earliest_first(terms, timing.multiply),
+        }
+    }
+
+    /// For each term of a sum or product, how many additions (or
+    /// multiplications) it goes through.
+    pub(crate) fn levels(
+        &self,
+        timing: &Timing,
+        arrivals: &[u32],
+        form: u32,
+    ) -> SmallVec<[u32; 16]> {
+        let times: SmallVec<[u32; 16]> = self.term_arrivals(timing, arrivals, form).collect();
+        match self.kind(form) {
+            Kind::Product => levels(&times, timing.multiply),
+            _ => levels(&times, timing.add),
+        }
+    }
+}
+
+/// All classes that some form of an output's class leads to.
+fn reachable(network: &Network, outputs: &[Option<Signed>]) -> Vec<Class> {
+    let mut seen = vec![false; network.len()];
+    let mut classes = Vec::new();
+    let mut open: Vec<Class> = outputs
+        .iter()
+        .flatten()
+        .map(|output| output.class)
+        .collect();
+    while let Some(class) = open.pop() {
+        if std::mem::replace(&mut seen[class.index()], true) {
+            continue;
+        }
+        classes.push(class);
+        for form in network.forms(class) {
+            network.operands(network.form(form), |operand| {
+                if !seen[operand.index()] {
+                    open.push(operand);
+                }
+            });
+        }
+    }
+    classes
+}
