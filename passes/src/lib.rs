@@ -13,6 +13,7 @@ pub mod class;
 pub mod codegen;
 pub mod cse;
 pub mod dce;
+pub mod eqsat;
 pub mod fold;
 pub mod inline;
 pub mod lookahead;

@@ -3,7 +3,7 @@
 
 use crate::pass::PassInfo;
 use crate::{
-    asap_alap, atomise, balance, codegen, cse, dce, fold, inline, lookahead, place, swap,
+    asap_alap, atomise, balance, codegen, cse, dce, eqsat, fold, inline, lookahead, place, swap,
     zero_removal,
 };
 
@@ -14,6 +14,7 @@ pub const PASSES: &[PassInfo] = &[
     zero_removal::ZeroRemoval::INFO,
     swap::Swap::INFO,
     balance::Balance::INFO,
+    eqsat::Eqsat::INFO,
     cse::Cse::INFO,
     dce::Dce::INFO,
     inline::Inline::INFO,

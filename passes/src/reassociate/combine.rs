@@ -6,7 +6,7 @@
 
 /// When the last operation of a group is done if the two earliest operands
 /// are combined first; `arrivals` must be sorted and is used up.
-pub(super) fn finish(arrivals: &mut [u32], weight: u32) -> u32 {
+pub(crate) fn finish(arrivals: &mut [u32], weight: u32) -> u32 {
     let mut first = 0;
     while first + 1 < arrivals.len() {
         let combined = arrivals[first + 1] + weight;

@@ -20,4 +20,5 @@ mod signs;
 mod tree;
 
 pub(crate) use build::{Shape, reassociate};
+pub(crate) use combine::finish;
 pub(crate) use gather::{Family, Groups, Leaf, Reach};

@@ -1,0 +1,407 @@
+//! Where a pattern over bags occurs in the e-graph.
+//!
+//! A sum pattern takes as many terms of a sum as it has, whichever they are;
+//! at the root of a rule the terms that are left over stay beside the result.
+//! Inside, the last free variable takes all that is left, so that `b + c`
+//! splits a wide sum into each term and its rest. A sign that no pattern asks
+//! for goes to the last free variable of a product, as signs do.
+//!
+//! Every step is counted, and matching ends when the count is used up: which
+//! matches are found depends on the e-graph alone.
+
+use super::form::{Form, Term};
+use super::graph::Graph;
+use super::pattern::{Bag, Signed};
+use egg::Id;
+
+/// What a variable stands for.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Binding {
+    /// One term.
+    Term(Term),
+    /// The sum of several terms of a wider sum.
+    Sum(Vec<Term>),
+    /// The product of several factors of a wider product.
+    Product(Vec<Id>, bool),
+}
+
+/// A place where a rule applies.
+#[derive(Clone, Debug)]
+pub(crate) struct Match {
+    /// The class of which it says something.
+    pub(crate) class: Id,
+    /// What the variables stand for.
+    pub(crate) bindings: Vec<Option<Binding>>,
+    /// The terms beside the matched ones, or the factors.
+    pub(crate) rest: Vec<Term>,
+    /// The matched part is the negation of the pattern.
+    pub(crate) negative: bool,
+}
+
+/// Finds matches of one pattern within a number of steps.
+pub(crate) struct Matcher<'g> {
+    graph: &'g Graph,
+    steps: u32,
+    bindings: Vec<Option<Binding>>,
+    found: Vec<Match>,
+}
+
+/// What is to be done when a part has matched.
+type Next<'n> = &'n mut dyn FnMut(&mut Matcher<'_>);
+/// The same, with what is left over.
+type NextTerms<'n> = &'n mut dyn FnMut(&mut Matcher<'_>, &[Term]);
+
+impl<'g> Matcher<'g> {
+    /// A matcher for a pattern of so many variables.
+    pub(crate) fn new(graph: &'g Graph, variables: usize, steps: u32) -> Matcher<'g> {
+        Matcher {
+            graph,
+            steps,
+            bindings: vec![None; variables],
+            found: Vec::new(),
+        }
+    }
+
+    /// The matches of a pattern in these classes, and the steps left.
+    pub(crate) fn run(mut self, pattern: &Signed, classes: &[Id]) -> (Vec<Match>, u32) {
+        for &class in classes {
+            if self.steps == 0 {
+                break;
+            }
+            self.root(pattern, class);
+        }
+        (self.found, self.steps)
+    }
+
+    fn step(&mut self) -> bool {
+        self.steps = self.steps.saturating_sub(1);
+        self.steps > 0
+    }
+
+    fn root(&mut self, pattern: &Signed, class: Id) {
+        let report = |matcher: &mut Matcher<'_>, rest: &[Term], negative: bool| {
+            matcher.found.push(Match {
+                class,
+                bindings: matcher.bindings.clone(),
+                rest: rest.to_vec(),
+                negative,
+            });
+        };
+        match &pattern.bag {
+            Bag::Sum(summands) => {
+                let sums: Vec<Vec<Term>> = self.graph.sums(class).collect();
+                for terms in sums {
+                    self.sum(summands, &terms, true, &mut |matcher, rest| {
+                        report(matcher, rest, pattern.negative);
+                    });
+                    if is_rigid(&pattern.bag) {
+                        let turned: Vec<Term> = terms.iter().map(|term| term.negated()).collect();
+                        self.sum(summands, &turned, true, &mut |matcher, rest| {
+                            let rest: Vec<Term> = rest.iter().map(|term| term.negated()).collect();
+                            report(matcher, &rest, !pattern.negative);
+                        });
+                    }
+                }
+            }
+            Bag::Product(factors) => {
+                for factors_here in self.products(class) {
+                    let pattern_factors: Vec<&Bag> = factors.iter().collect();
+                    self.product(
+                        &pattern_factors,
+                        &factors_here,
+                        false,
+                        true,
+                        &mut |matcher, rest| report(matcher, rest, pattern.negative),
+                    );
+                }
+            }
+            // A variable alone would match everything, a number only itself.
+            Bag::Variable(_) | Bag::Number(_) => {}
+            Bag::Other(..) => self.term(&pattern.bag, Term::from(class), &mut |matcher| {
+                report(matcher, &[], pattern.negative);
+            }),
+        }
+    }
+
+    fn products(&self, class: Id) -> Vec<Vec<Id>> {
+        let forms = self.graph.forms(self.graph.find(class)).iter();
+        forms
+            .filter_map(|form| match form {
+                Form::Product(children) => Some(children.to_vec()),
+                _ => None,
+            })
+            .collect()
+    }
+
+    fn bind(&mut self, variable: u32, binding: Binding, next: Next<'_>) {
+        let place = variable as usize;
+        match &self.bindings[place] {
+            Some(known) if *known == binding => next(self),
+            Some(_) => {}
+            None => {
+                self.bindings[place] = Some(binding);
+                next(self);
+                self.bindings[place] = None;
+            }
+        }
+    }
+
+    /// Matches a pattern with a term.
+    fn term(&mut self, pattern: &Bag, term: Term, next: Next<'_>) {
+        if !self.step() {
+            return;
+        }
+        let term = Term {
+            class: self.graph.find(term.class),
+            ..term
+        };
+        match pattern {
+            Bag::Variable(variable) => self.bind(*variable, Binding::Term(term), next),
+            Bag::Number(bits) => {
+                let number = self.graph.number_of(term.class).map(f64::to_bits);
+                if number == Some(*bits) && (!term.negative || *bits == 0) {
+                    next(self);
+                }
+            }
+            Bag::Sum(summands) => {
+                let sums: Vec<Vec<Term>> = self.graph.sums(term.class).collect();
+                for terms in sums {
+                    let terms: Vec<Term> = terms
+                        .iter()
+                        .map(|inner| inner.signed(term.negative))
+                        .collect();
+                    self.sum(summands, &terms, false, &mut |matcher, _| next(matcher));
+                }
+            }
+            Bag::Product(factors) => {
+                for factors_here in self.products(term.class) {
+                    let patterns: Vec<&Bag> = factors.iter().collect();
+                    self.product(
+                        &patterns,
+                        &factors_here,
+                        term.negative,
+                        false,
+                        &mut |matcher, _| next(matcher),
+                    );
+                }
+            }
+            Bag::Other(operation, operands) => {
+                if term.negative {
+                    return;
+                }
+                let forms: Vec<Vec<Id>> = self
+                    .graph
+                    .forms(term.class)
+                    .iter()
+                    .filter_map(|form| match form {
+                        Form::Other(other, children) if other == operation => {
+                            Some(children.to_vec())
+                        }
+                        _ => None,
+                    })
+                    .collect();
+                for children in forms {
+                    self.operands(operands, &children, next);
+                }
+            }
+        }
+    }
+
+    fn operands(&mut self, patterns: &[Signed], children: &[Id], next: Next<'_>) {
+        let (Some((pattern, patterns)), Some((&child, children))) =
+            (patterns.split_first(), children.split_first())
+        else {
+            return next(self);
+        };
+        let term = Term {
+            class: child,
+            negative: pattern.negative,
+        };
+        self.term(&pattern.bag, term, &mut |matcher| {
+            matcher.operands(patterns, children, next);
+        });
+    }
+
+    /// Matches patterns with terms of a sum. What is left goes to the last
+    /// free variable, unless it may stay beside.
+    fn sum(&mut self, patterns: &[Signed], terms: &[Term], open: bool, next: NextTerms<'_>) {
+        if patterns.len() > terms.len() {
+            return;
+        }
+        let ordered = in_order(patterns.iter().map(|signed| (signed, &signed.bag)));
+        self.sum_from(&ordered, terms, open, next);
+    }
+
+    fn sum_from(&mut self, patterns: &[&Signed], terms: &[Term], open: bool, next: NextTerms<'_>) {
+        let Some((pattern, later)) = patterns.split_first() else {
+            if open || terms.is_empty() {
+                next(self, terms);
+            }
+            return;
+        };
+        if !self.step() {
+            return;
+        }
+        if let Bag::Variable(variable) = pattern.bag
+            && later.is_empty()
+            && !open
+            && terms.len() > 1
+        {
+            let rest: Vec<Term> = terms
+                .iter()
+                .map(|term| term.signed(pattern.negative))
+                .collect();
+            return self.bind(variable, Binding::Sum(rest), &mut |matcher| {
+                next(matcher, &[]);
+            });
+        }
+        for (place, term) in terms.iter().enumerate() {
+            let rest: Vec<Term> = without(terms, place);
+            self.term(
+                &pattern.bag,
+                term.signed(pattern.negative),
+                &mut |matcher| {
+                    matcher.sum_from(later, &rest, open, next);
+                },
+            );
+        }
+    }
+
+    /// Matches patterns with factors; `negative` is a sign still to be placed.
+    fn product(
+        &mut self,
+        patterns: &[&Bag],
+        factors: &[Id],
+        negative: bool,
+        open: bool,
+        next: NextTerms<'_>,
+    ) {
+        if patterns.len() > factors.len() {
+            return;
+        }
+        // Known variables first: they leave no choice.
+        let mut ordered = in_order(patterns.iter().map(|&bag| (bag, bag)));
+        ordered.sort_by_key(|bag| match bag {
+            Bag::Variable(variable) if self.bindings[*variable as usize].is_none() => 1,
+            _ => 0,
+        });
+        self.product_from(&ordered, factors, negative, open, next);
+    }
+
+    fn product_from(
+        &mut self,
+        patterns: &[&Bag],
+        factors: &[Id],
+        negative: bool,
+        open: bool,
+        next: NextTerms<'_>,
+    ) {
+        let Some((pattern, later)) = patterns.split_first() else {
+            if negative || !(open || factors.is_empty()) {
+                return;
+            }
+            let rest: Vec<Term> = factors.iter().map(|&factor| Term::from(factor)).collect();
+            return next(self, &rest);
+        };
+        if !self.step() {
+            return;
+        }
+        let known = match pattern {
+            Bag::Variable(variable) => self.bindings[*variable as usize].clone(),
+            _ => None,
+        };
+        if let Some(known) = known {
+            return self.known_factor(&known, later, factors, negative, open, next);
+        }
+        if let Bag::Variable(variable) = pattern
+            && later.is_empty()
+            && factors.len() > 1
+        {
+            let rest = Binding::Product(factors.to_vec(), negative);
+            self.bind(*variable, rest, &mut |matcher| next(matcher, &[]));
+            if !open {
+                return;
+            }
+        }
+        let free = matches!(pattern, Bag::Variable(_));
+        // The last pattern that can takes the sign.
+        let last = free && later.is_empty();
+        for (place, &factor) in factors.iter().enumerate() {
+            let rest = without(factors, place);
+            for turned in [false, true] {
+                // A factor that cannot take a sign itself is tried with both.
+                if turned && (free || !is_rigid(pattern)) {
+                    continue;
+                }
+                let sign = turned ^ (last && negative);
+                let term = Term {
+                    class: factor,
+                    negative: sign,
+                };
+                self.term(pattern, term, &mut |matcher| {
+                    matcher.product_from(later, &rest, negative ^ sign, open, next);
+                });
+            }
+        }
+    }
+
+    /// A variable already bound: its factors must be among those here.
+    fn known_factor(
+        &mut self,
+        known: &Binding,
+        later: &[&Bag],
+        factors: &[Id],
+        negative: bool,
+        open: bool,
+        next: NextTerms<'_>,
+    ) {
+        let mut rest = factors.to_vec();
+        let (wanted, sign): (&[Id], bool) = match known {
+            Binding::Term(term) => (std::slice::from_ref(&term.class), term.negative),
+            Binding::Product(classes, sign) => (classes, *sign),
+            Binding::Sum(_) => return,
+        };
+        for class in wanted {
+            match rest.iter().position(|factor| factor == class) {
+                Some(place) => {
+                    rest.remove(place);
+                }
+                None => return,
+            }
+        }
+        self.product_from(later, &rest, negative ^ sign, open, next);
+    }
+}
+
+/// Compound patterns before variables: they leave the least choice.
+fn in_order<'p, T: Copy>(patterns: impl Iterator<Item = (T, &'p Bag)>) -> Vec<T> {
+    let (mut compound, mut variables) = (Vec::new(), Vec::new());
+    for (pattern, bag) in patterns {
+        match bag {
+            Bag::Variable(_) => variables.push(pattern),
+            _ => compound.push(pattern),
+        }
+    }
+    compound.append(&mut variables);
+    compound
+}
+
+fn without<T: Copy>(items: &[T], place: usize) -> Vec<T> {
+    let mut rest = items.to_vec();
+    rest.remove(place);
+    rest
+}
+
+/// A sum pattern with a term that has no variable to take a sign must be
+/// tried with both.
+fn is_rigid(bag: &Bag) -> bool {
+    let flexible = |bag: &Bag| match bag {
+        Bag::Variable(_) => true,
+        Bag::Product(factors) => factors.iter().any(|bag| matches!(bag, Bag::Variable(_))),
+        _ => false,
+    };
+    match bag {
+        Bag::Sum(summands) => !summands.iter().all(|term| flexible(&term.bag)),
+        _ => false,
+    }
+}

@@ -1,0 +1,173 @@
+//! One round over a function: windows in program order, each with the times
+//! that the windows before it have reached.
+
+use super::alternatives::{Alternatives, Times};
+use super::extract::{Cover, Demand, extract};
+use super::graph::{Graph, Maker};
+use super::pattern::BagRule;
+use super::saturate::{Limits, saturate};
+use super::window::{Surroundings, Window, is_one_bag};
+use crate::analysis::critical_path::{Weights, tails};
+use robovec_ir::{Function, Value};
+
+/// How a round is run.
+pub(crate) struct Settings<'a> {
+    pub(crate) rules: &'a [BagRule],
+    pub(crate) weights: &'a Weights,
+    /// Operations per window.
+    pub(crate) size: usize,
+    /// What one window may cost.
+    pub(crate) limits: Limits,
+    /// Sines and cosines lie on the circle.
+    pub(crate) trig: bool,
+    /// Somebody asks which rule made what.
+    pub(crate) trail: bool,
+}
+
+/// What may still be spent.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Budget {
+    /// Forms made in all windows together.
+    pub(crate) nodes: usize,
+    /// Operations the function may have more than now.
+    pub(crate) operations: i64,
+}
+
+/// A window that is rewritten.
+pub(crate) struct Rewriting {
+    pub(crate) root: Value,
+    pub(crate) window: Window,
+    pub(crate) alternatives: Alternatives,
+    pub(crate) class: u32,
+    pub(crate) cover: Cover,
+    /// Who made the chosen form of each class of the cover, in its order;
+    /// empty when nobody asked.
+    pub(crate) makers: Vec<Option<Maker>>,
+}
+
+/// What a round found.
+#[derive(Default)]
+pub(crate) struct Round {
+    /// In program order of their roots.
+    pub(crate) rewritings: Vec<Rewriting>,
+    /// Windows looked at.
+    pub(crate) windows: u64,
+    /// Forms made.
+    pub(crate) nodes: usize,
+}
+
+/// Looks for windows whose results come too late for a target, and rewrites
+/// what can be made earlier.
+pub(crate) fn run(
+    function: &Function,
+    settings: &Settings<'_>,
+    target: u32,
+    budget: &mut Budget,
+) -> Round {
+    let tails = tails(function, settings.weights);
+    let uses = function.use_counts();
+    let absorbed = absorbed(function, &uses);
+    let mut times: Vec<u32> = Vec::with_capacity(function.nodes().len());
+    let mut round = Round::default();
+    for (value, node) in function.values() {
+        let ready = node.operands().iter().filter_map(|operand| operand.value());
+        let ready = ready.map(|operand| times[operand.index()]).max();
+        let time = ready
+            .unwrap_or(0)
+            .saturating_add(settings.weights.of(node.operation));
+        times.push(time);
+        let late = time.saturating_add(tails[value.index()]) > target;
+        if !late || absorbed[value.index()] || budget.nodes == 0 {
+            continue;
+        }
+        let around = Surroundings {
+            function,
+            times: &times,
+            uses: &uses,
+            trig: settings.trig,
+        };
+        let required = target.saturating_sub(tails[value.index()]);
+        round.windows += 1;
+        let (made, found) = rewrite(&around, settings, value, required, budget.operations);
+        budget.nodes = budget.nodes.saturating_sub(made);
+        round.nodes += made;
+        if let Some(rewriting) = found {
+            budget.operations -=
+                i64::from(rewriting.cover.operations) - i64::from(rewriting.window.own);
+            times[value.index()] = rewriting.cover.arrivals[0];
+            round.rewritings.push(rewriting);
+        }
+    }
+    round
+}
+
+/// For each value whether it is inside a bag of its only user.
+fn absorbed(function: &Function, uses: &[u32]) -> Vec<bool> {
+    let mut absorbed = vec![false; function.nodes().len()];
+    for node in function.nodes() {
+        for operand in node.operands().iter().filter_map(|operand| operand.value()) {
+            if uses[operand.index()] == 1 {
+                let inner = function.node(operand).operation;
+                absorbed[operand.index()] = is_one_bag(inner, node.operation);
+            }
+        }
+    }
+    absorbed
+}
+
+fn rewrite(
+    around: &Surroundings<'_>,
+    settings: &Settings<'_>,
+    root: Value,
+    required: u32,
+    room: i64,
+) -> (usize, Option<Rewriting>) {
+    let interior = Window::grow(around, root, settings.size);
+    if interior.len() < 2 {
+        return (0, None);
+    }
+    let mut graph = Graph::new();
+    let (window, class) = Window::enter(around, interior, &mut graph);
+    saturate(&mut graph, settings.rules, settings.limits);
+    let (alternatives, classes) = Alternatives::of(&graph, &[class]);
+    let times = Times {
+        weights: settings.weights,
+        leaves: &window.times,
+    };
+    let before = around.times[root.index()];
+    let demand = Demand {
+        class: classes[0],
+        required,
+    };
+    let made = graph.size();
+    let Some(cover) = extract(&alternatives, times, &[demand]) else {
+        return (made, None);
+    };
+    let growth = i64::from(cover.operations) - i64::from(window.own);
+    let gain = before.saturating_sub(cover.arrivals[0]);
+    if gain == 0 || growth > room.max(0) {
+        return (made, None);
+    }
+    let makers = match settings.trail {
+        true => makers(&graph, &alternatives, &cover),
+        false => Vec::new(),
+    };
+    let rewriting = Rewriting {
+        root,
+        window,
+        alternatives,
+        class: classes[0],
+        cover,
+        makers,
+    };
+    (made, Some(rewriting))
+}
+
+fn makers(graph: &Graph, alternatives: &Alternatives, cover: &Cover) -> Vec<Option<Maker>> {
+    let chosen = cover.order.iter().map(|&class| {
+        let index = cover.choice[class as usize] as usize;
+        let form = alternatives.origins[class as usize][index].as_ref();
+        form.and_then(|form| graph.maker_of(form))
+    });
+    chosen.collect()
+}

@@ -1,0 +1,236 @@
+//! Windows: small parts of a function around one late result.
+//!
+//! A window is grown from its root backwards, the latest operand first, since
+//! only what is late can be brought forward by a rewriting. What it does not
+//! reach is its surroundings and enters as leaves with real arrival times.
+//! Values of the window that others need too stay alive whatever happens, so
+//! they are leaves as well, beside their definitions, and cost nothing.
+
+use super::form::Term;
+use super::graph::Graph;
+use egg::Id;
+use hashbrown::HashMap;
+use robovec_ir::{Function, Operand, OperandKind, Operation, Value};
+use rustc_hash::FxBuildHasher;
+use std::collections::BinaryHeap;
+
+/// A part of a function.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Window {
+    /// The operations rewritten, in program order; the last is the root.
+    pub(crate) interior: Vec<Value>,
+    /// What the leaves of the e-graph stand for.
+    pub(crate) leaves: Vec<Operand>,
+    /// When each leaf is ready.
+    pub(crate) times: Vec<u32>,
+    /// Operations of the interior that nobody else needs.
+    pub(crate) own: u32,
+}
+
+/// What is known of the function while its windows are chosen.
+pub(crate) struct Surroundings<'a> {
+    pub(crate) function: &'a Function,
+    /// When each value is ready, as far as it is known.
+    pub(crate) times: &'a [u32],
+    /// How often each value is read.
+    pub(crate) uses: &'a [u32],
+    /// The arguments of sines and cosines are of interest.
+    pub(crate) trig: bool,
+}
+
+fn is_sum(operation: Operation) -> bool {
+    matches!(operation, Operation::Add | Operation::Sub)
+}
+
+/// True when two operations are parts of one bag.
+pub(crate) fn is_one_bag(a: Operation, b: Operation) -> bool {
+    is_sum(a) && is_sum(b) || a == Operation::Mul && b == Operation::Mul
+}
+
+impl Window {
+    /// The window of a root with at most so many operations.
+    pub(crate) fn grow(around: &Surroundings<'_>, root: Value, size: usize) -> Vec<Value> {
+        let function = around.function;
+        let mut interior: Vec<Value> = Vec::with_capacity(size);
+        // The latest first; of equally late ones the last.
+        let mut open: BinaryHeap<(u32, Value)> = BinaryHeap::new();
+        open.push((u32::MAX, root));
+        while let Some((_, value)) = open.pop() {
+            if interior.contains(&value) {
+                continue;
+            }
+            if interior.len() == size {
+                break;
+            }
+            interior.push(value);
+            for operand in function.node(value).operands() {
+                if let Some(inner) = operand.value()
+                    && !function.node(inner).operation.is_trigonometric()
+                {
+                    open.push((around.times[inner.index()], inner));
+                }
+            }
+        }
+        interior.sort_unstable();
+        interior
+    }
+
+    /// Enters a window into an e-graph; also gives the class of its root.
+    pub(crate) fn enter(
+        around: &Surroundings<'_>,
+        interior: Vec<Value>,
+        graph: &mut Graph,
+    ) -> (Window, Id) {
+        let mut entry = Entry {
+            around,
+            graph,
+            window: Window::default(),
+            numbers: HashMap::default(),
+            inside: vec![0; interior.len()],
+            interior: &interior,
+            known: Vec::with_capacity(interior.len()),
+            bags: Vec::with_capacity(interior.len()),
+        };
+        entry.count_uses();
+        for place in 0..interior.len() {
+            entry.node(place);
+        }
+        let root = *entry.known.last().expect("a window has a root");
+        let mut window = entry.window;
+        let root = graph.value(root);
+        window.interior = interior;
+        graph.egraph.rebuild();
+        (window, graph.find(root))
+    }
+}
+
+struct Entry<'a, 'g> {
+    around: &'a Surroundings<'a>,
+    graph: &'g mut Graph,
+    window: Window,
+    numbers: HashMap<Operand, u32, FxBuildHasher>,
+    interior: &'a [Value],
+    /// How often each interior value is read inside.
+    inside: Vec<u32>,
+    known: Vec<Term>,
+    /// The terms or factors of each interior value.
+    bags: Vec<Vec<Term>>,
+}
+
+impl Entry<'_, '_> {
+    fn place(&self, operand: Operand) -> Option<usize> {
+        self.interior.binary_search(&operand.value()?).ok()
+    }
+
+    fn count_uses(&mut self) {
+        for &value in self.interior {
+            for &operand in self.around.function.node(value).operands() {
+                if let Some(place) = self.place(operand) {
+                    self.inside[place] += 1;
+                }
+            }
+        }
+    }
+
+    fn leaf(&mut self, operand: Operand) -> Id {
+        let next = self.window.leaves.len() as u32;
+        let number = *self.numbers.entry(operand).or_insert(next);
+        if number == next {
+            let time = operand
+                .value()
+                .map_or(0, |value| self.around.times[value.index()]);
+            self.window.leaves.push(operand);
+            self.window.times.push(time);
+        }
+        let leaf = self.graph.leaf(number);
+        if number == next && self.around.trig {
+            self.argument(operand, leaf);
+        }
+        leaf
+    }
+
+    /// Says of which angle a leaf is the sine or cosine.
+    fn argument(&mut self, operand: Operand, leaf: Id) {
+        let function = self.around.function;
+        if let Some(value) = operand.value()
+            && function.node(value).operation.is_trigonometric()
+        {
+            let node = *function.node(value);
+            let argument = self.operand(node.operands[0]);
+            let whole = self.graph.other(node.operation, &[argument]);
+            self.graph.equate(leaf, whole);
+        }
+    }
+
+    fn operand(&mut self, operand: Operand) -> Term {
+        if let Some(place) = self.place(operand) {
+            return self.known[place];
+        }
+        match operand.kind() {
+            OperandKind::Constant(constant) => {
+                let number = self.around.function.constant_number(constant);
+                // What is no number is nothing to calculate with.
+                match number.is_finite() {
+                    true => self.graph.number(number),
+                    false => self.leaf(operand).into(),
+                }
+            }
+            _ => self.leaf(operand).into(),
+        }
+    }
+
+    /// What an operand brings into a bag: itself, or what it is made of when
+    /// only this bag uses it.
+    fn parts(&mut self, operation: Operation, operand: Operand) -> Vec<Term> {
+        if let Some(place) = self.place(operand) {
+            let inner = self.interior[place];
+            let other = self.around.function.node(inner).operation;
+            if self.around.uses[inner.index()] == 1 && is_one_bag(operation, other) {
+                return self.bags[place].clone();
+            }
+        }
+        vec![self.operand(operand)]
+    }
+
+    fn node(&mut self, place: usize) {
+        let value = self.interior[place];
+        let node = *self.around.function.node(value);
+        let mut bag = Vec::new();
+        let known = match node.operation {
+            Operation::Add | Operation::Sub | Operation::Mul => {
+                for (side, &operand) in node.operands().iter().enumerate() {
+                    let minus = node.operation == Operation::Sub && side == 1;
+                    let parts = self.parts(node.operation, operand);
+                    bag.extend(parts.into_iter().map(|term| term.signed(minus)));
+                }
+                match node.operation {
+                    Operation::Mul => self.graph.product(&bag),
+                    _ => self.graph.sum(&bag),
+                }
+            }
+            Operation::Copy => Some(self.operand(node.operands[0])),
+            Operation::Neg => Some(self.operand(node.operands[0]).negated()),
+            _ => {
+                let operands: Vec<Term> = node
+                    .operands()
+                    .iter()
+                    .map(|&operand| self.operand(operand))
+                    .collect();
+                Some(self.graph.other(node.operation, &operands))
+            }
+        };
+        // Too wide a bag stays what it is.
+        let known = known.unwrap_or_else(|| self.leaf(value.into()).into());
+        let is_root = place + 1 == self.interior.len();
+        let outside = self.around.uses[value.index()] > self.inside[place];
+        if !is_root && outside {
+            let class = self.graph.value(known);
+            let leaf = self.leaf(value.into());
+            self.graph.egraph.union(class, leaf);
+        } else {
+            self.window.own += 1;
+        }
+        self.known.push(known);
+        self.bags.push(bag);
+    }
+}

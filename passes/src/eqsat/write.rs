@@ -1,0 +1,252 @@
+//! Writing a function with its windows rewritten.
+
+use super::alternatives::{Kind, all_negative};
+use super::graph::Maker;
+use super::round::Rewriting;
+use crate::analysis::critical_path::Weights;
+use crate::cse::{Key, KnownValues, SourceMerges};
+use crate::dce::remove_dead;
+use crate::rewrite::owners;
+use robovec_ir::{
+    FreshNames, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol, Tables,
+};
+
+/// An operand with a sign, while its sum is being combined.
+#[derive(Clone, Copy)]
+struct Part {
+    arrival: u32,
+    order: u32,
+    operand: Operand,
+    negative: bool,
+}
+
+struct Writer<'a> {
+    old: &'a Function,
+    weights: &'a Weights,
+    out: Function,
+    known: KnownValues,
+    merges: SourceMerges,
+    arrivals: Vec<u32>,
+    map: Vec<Operand>,
+    names: FreshNames,
+    notes: Vec<(Name, Maker)>,
+}
+
+/// Names and sources of the operations of one rewriting.
+struct Origin {
+    owner: Symbol,
+    sources: SourceSet,
+}
+
+/// The function with the windows rewritten; equal operations are merged and
+/// dead ones removed. Also who made which of the new values, where the
+/// rewritings say so.
+pub(crate) fn write(
+    function: &Function,
+    tables: &mut Tables,
+    weights: &Weights,
+    rewritings: &[Rewriting],
+) -> (Function, Vec<(Name, Maker)>) {
+    let owners = owners(tables, function);
+    let count = function.nodes().len();
+    let mut writer = Writer {
+        old: function,
+        weights,
+        out: function.skeleton(function.level),
+        known: KnownValues::with_capacity(count),
+        merges: SourceMerges::default(),
+        arrivals: Vec::with_capacity(count),
+        map: Vec::with_capacity(count),
+        names: function.fresh_names(),
+        notes: Vec::new(),
+    };
+    writer.out.reserve(count);
+    let mut next = rewritings.iter().peekable();
+    for (value, node) in function.values() {
+        let operand = match next.next_if(|rewriting| rewriting.root == value) {
+            Some(rewriting) => {
+                let sets: Vec<SourceSet> = rewriting
+                    .window
+                    .interior
+                    .iter()
+                    .map(|&inner| function.node(inner).sources)
+                    .collect();
+                let origin = Origin {
+                    owner: owners[value.index()],
+                    sources: tables.sources.union(&sets),
+                };
+                writer.rewriting(rewriting, node.name, &origin)
+            }
+            None => {
+                let operands = node.operands.map(|operand| writer.translate(operand));
+                writer.emit(node.operation, operands, node.sources, |_| node.name)
+            }
+        };
+        writer.map.push(operand);
+    }
+    writer.finish(tables)
+}
+
+impl Writer<'_> {
+    fn translate(&mut self, operand: Operand) -> Operand {
+        match operand.kind() {
+            OperandKind::Value(value) => self.map[value.index()],
+            OperandKind::Constant(constant) => {
+                let number = self.old.constant_number(constant);
+                self.out.constant(number).into()
+            }
+            OperandKind::Input(_) | OperandKind::None => operand,
+        }
+    }
+
+    fn arrival(&self, operand: Operand) -> u32 {
+        operand
+            .value()
+            .map_or(0, |value| self.arrivals[value.index()])
+    }
+
+    fn emit(
+        &mut self,
+        operation: Operation,
+        operands: [Operand; 2],
+        sources: SourceSet,
+        name: impl FnOnce(&mut FreshNames) -> Name,
+    ) -> Operand {
+        if let Some(same) = self.known.find(&self.out, Key::new(operation, operands)) {
+            self.merges.add(same, sources);
+            return same.into();
+        }
+        let ready = self.arrival(operands[0]).max(self.arrival(operands[1]));
+        let name = name(&mut self.names);
+        let value = self.out.push(Node {
+            name,
+            sources,
+            operands,
+            operation,
+        });
+        let weight = self.weights.of(operation);
+        self.arrivals.push(ready.saturating_add(weight));
+        self.known.insert(&self.out, value);
+        value.into()
+    }
+
+    fn rewriting(&mut self, rewriting: &Rewriting, root: Name, origin: &Origin) -> Operand {
+        let mut values = vec![Operand::NONE; rewriting.alternatives.classes.len()];
+        let mut makers = rewriting.makers.iter();
+        for &class in &rewriting.cover.order {
+            let first = self.out.nodes().len();
+            let place = class as usize;
+            let index = rewriting.cover.choice[place] as usize;
+            let form = &rewriting.alternatives.classes[place][index];
+            let name = match class == rewriting.class {
+                true => root,
+                false => Name::NONE,
+            };
+            let children: Vec<Operand> = form
+                .children
+                .iter()
+                .map(|&child| values[child as usize])
+                .collect();
+            values[place] = match form.kind {
+                Kind::Leaf(number) => self.translate(rewriting.window.leaves[number as usize]),
+                Kind::Number(bits) => self.out.constant(f64::from_bits(bits)).into(),
+                Kind::Sum(signs) => self.bag(Operation::Add, signs, &children, name, origin),
+                Kind::Product => self.bag(Operation::Mul, 0, &children, name, origin),
+                Kind::Other(operation) => {
+                    let second = children.get(1).copied().unwrap_or(Operand::NONE);
+                    let operands = [children[0], second];
+                    self.emit(operation, operands, origin.sources, |names| {
+                        named(names, name, origin)
+                    })
+                }
+            };
+            if let Some(&Some(maker)) = makers.next() {
+                let made = self.out.nodes()[first..].iter().map(|node| node.name);
+                self.notes.extend(made.map(|name| (name, maker)));
+                self.notes.push((root, maker));
+            }
+        }
+        values[rewriting.class as usize]
+    }
+
+    /// A sum or product, the two earliest operands first.
+    fn bag(
+        &mut self,
+        operation: Operation,
+        signs: u64,
+        children: &[Operand],
+        root: Name,
+        origin: &Origin,
+    ) -> Operand {
+        let mut parts: Vec<Part> = Vec::with_capacity(children.len() + 1);
+        for (place, &operand) in children.iter().enumerate() {
+            parts.push(Part {
+                arrival: self.arrival(operand),
+                order: place as u32,
+                operand,
+                negative: signs >> place & 1 == 1,
+            });
+        }
+        if operation == Operation::Add && all_negative(signs, children.len() as u32) {
+            parts.push(Part {
+                arrival: 0,
+                order: children.len() as u32,
+                operand: self.out.constant(0.0).into(),
+                negative: false,
+            });
+        }
+        while parts.len() > 1 {
+            let a = take_earliest(&mut parts);
+            let b = take_earliest(&mut parts);
+            let (a, b) = if a.order <= b.order { (a, b) } else { (b, a) };
+            let (operation, operands, negative) = match (operation, a.negative, b.negative) {
+                (Operation::Add, false, true) => (Operation::Sub, [a.operand, b.operand], false),
+                (Operation::Add, true, false) => (Operation::Sub, [b.operand, a.operand], false),
+                (other, negative, _) => (other, [a.operand, b.operand], negative),
+            };
+            let name = if parts.is_empty() { root } else { Name::NONE };
+            let operand = self.emit(operation, operands, origin.sources, |names| {
+                named(names, name, origin)
+            });
+            parts.push(Part {
+                arrival: self.arrival(operand),
+                order: a.order,
+                operand,
+                negative,
+            });
+        }
+        parts[0].operand
+    }
+
+    fn finish(mut self, tables: &mut Tables) -> (Function, Vec<(Name, Maker)>) {
+        let mut assignments = self.old.assignments.clone();
+        for assignment in &mut assignments {
+            assignment.operand = self.translate(assignment.operand);
+        }
+        self.out.assignments = assignments;
+        self.merges.apply(&mut self.out, tables);
+        match remove_dead(&self.out) {
+            Some((live, _)) => (live, self.notes),
+            None => (self.out, self.notes),
+        }
+    }
+}
+
+fn named(names: &mut FreshNames, name: Name, origin: &Origin) -> Name {
+    if name.is_none() {
+        names.fresh(origin.owner)
+    } else {
+        name
+    }
+}
+
+fn take_earliest(parts: &mut Vec<Part>) -> Part {
+    let mut first = 0;
+    for place in 1..parts.len() {
+        let key = |place: usize| (parts[place].arrival, parts[place].order);
+        if key(place) < key(first) {
+            first = place;
+        }
+    }
+    parts.remove(first)
+}
