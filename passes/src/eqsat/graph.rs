@@ -28,13 +28,19 @@ pub(crate) struct Graph {
     pub(crate) maker: Option<Maker>,
 }
 
-impl Graph {
-    pub(crate) fn new() -> Graph {
+impl From<EGraph<Form, Knowledge>> for Graph {
+    fn from(egraph: EGraph<Form, Knowledge>) -> Graph {
         Graph {
-            egraph: EGraph::new(Knowledge),
+            egraph,
             makers: HashMap::default(),
             maker: None,
         }
+    }
+}
+
+impl Graph {
+    pub(crate) fn new() -> Graph {
+        EGraph::new(Knowledge).into()
     }
 
     /// Number of forms ever made; what budgets count.

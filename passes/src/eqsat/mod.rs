@@ -1,13 +1,18 @@
 //! Equality saturation on the critical slice.
 
 mod alternatives;
+#[cfg(test)]
+mod exact;
 mod extract;
 mod form;
 mod graph;
 mod matching;
 mod pattern;
+mod plain;
 mod round;
 mod saturate;
+#[cfg(test)]
+mod tests;
 mod window;
 mod write;
 

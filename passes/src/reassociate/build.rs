@@ -1,6 +1,7 @@
 //! Writing the groups anew.
 
 use super::gather::{Family, Groups, Leaf, Reach};
+use super::negations::Negations;
 use super::share::{self, PairCounts};
 use super::signs::Wishes;
 use crate::analysis::critical_path::{Weights, tails};
@@ -33,7 +34,10 @@ pub(crate) fn reassociate(
     reach: Reach,
     shape: Shape,
 ) -> Function {
-    let plan = Plan::new(function, tables, reach);
+    let mut plan = Plan::new(function, tables, reach);
+    if shape == Shape::Earliest {
+        plan.negate(weights, None);
+    }
     let first = Builder::new(&plan, *weights, shape, None).run(tables);
     if shape != Shape::Earliest {
         return first.finish(tables);
@@ -41,6 +45,7 @@ pub(crate) fn reassociate(
     // The first round tells how late each group may be without lengthening
     // the longest path; the second uses that freedom to share more pairs.
     let deadlines = first.deadlines();
+    plan.negate(weights, Some(&deadlines.latest));
     Builder::new(&plan, *weights, shape, Some(deadlines))
         .run(tables)
         .finish(tables)
@@ -51,6 +56,7 @@ struct Plan<'a> {
     function: &'a Function,
     groups: Groups,
     wishes: Wishes,
+    negations: Negations,
     owners: Vec<Symbol>,
 }
 
@@ -61,9 +67,22 @@ impl<'a> Plan<'a> {
         Plan {
             function,
             wishes,
+            negations: Negations::default(),
             groups,
             owners: owners(tables, function),
         }
+    }
+
+    /// Decides where to negate; see [`super::negations`].
+    fn negate(&mut self, weights: &Weights, latest: Option<&[u32]>) {
+        self.wishes = Wishes::find(self.function, &self.groups);
+        self.negations = Negations::plan(
+            self.function,
+            &self.groups,
+            &mut self.wishes,
+            weights,
+            latest,
+        );
     }
 }
 
@@ -92,9 +111,6 @@ pub(super) type Score = (u32, Reverse<u32>);
 pub(super) struct Deadlines {
     /// Indexed by old value.
     pub(super) latest: Vec<u32>,
-    /// Groups that had a leaf negated because an output needs their sign;
-    /// their latest time is that of the true value.
-    pub(super) negated_early: Vec<Value>,
     pub(super) pairs: PairCounts,
 }
 
@@ -113,7 +129,6 @@ pub(super) struct Builder<'p> {
     map: Vec<Signed>,
     names: FreshNames,
     merges: SourceMerges,
-    pub(super) negated_early: Vec<Value>,
 }
 
 /// Names and sources for the operations of one group.
@@ -155,7 +170,6 @@ impl<'p> Builder<'p> {
             map: Vec::with_capacity(count),
             names: plan.function.fresh_names(),
             merges: SourceMerges::default(),
-            negated_early: Vec::new(),
         }
     }
 
@@ -339,14 +353,17 @@ impl<'p> Builder<'p> {
             });
         }
         let wish = self.plan.wishes.of(root);
-        let sign = match family {
-            Family::Product => product_negative,
-            Family::Sum => !terms.is_empty() && terms.iter().all(|term| term.value.negative),
-        };
-        if self.shape == Shape::Earliest && sign && wish == Some(false) {
-            self.negate_early(family, root, &mut terms, &mut product_negative, naming);
+        // A sum stored with the other sign is the sum of its terms with the
+        // other signs; one that is added makes it one that needs no minus.
+        let turned = self.shape == Shape::Earliest && family == Family::Sum && wish == Some(true);
+        for term in terms.iter_mut().filter(|_| turned) {
+            term.value.negative ^= true;
         }
-        let flip = wish == Some(true);
+        if let Some(leaf) = self.plan.negations.leaf(root) {
+            self.negate_early(family, &mut terms[leaf as usize], naming);
+            product_negative ^= family == Family::Product;
+        }
+        let flip = wish == Some(true) && !turned;
         let result = match self.shape {
             Shape::Written => self.cascade(family, &terms, flip, naming),
             Shape::Cascade => {
@@ -356,7 +373,7 @@ impl<'p> Builder<'p> {
             Shape::Earliest => self.earliest(family, root, terms, flip, naming),
         };
         Signed {
-            negative: result.negative ^ product_negative,
+            negative: result.negative ^ product_negative ^ turned,
             ..result
         }
     }
@@ -407,11 +424,7 @@ impl<'p> Builder<'p> {
                 pairs.add(family, groups.leaves(root));
             }
         }
-        Deadlines {
-            latest,
-            negated_early: self.negated_early,
-            pairs,
-        }
+        Deadlines { latest, pairs }
     }
 
     fn finish(mut self, tables: &mut Tables) -> Function {

@@ -15,6 +15,7 @@
 mod build;
 mod combine;
 mod gather;
+mod negations;
 mod share;
 mod signs;
 mod tree;

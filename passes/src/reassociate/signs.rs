@@ -19,6 +19,11 @@ impl Wishes {
         self.0[value.index()]
     }
 
+    /// Asks for a sign.
+    pub(super) fn ask(&mut self, value: Value, negative: bool) {
+        self.0[value.index()] = Some(negative);
+    }
+
     pub(super) fn find(function: &Function, groups: &Groups) -> Wishes {
         let count = function.nodes().len();
         let mut wishes = Wishes(vec![None; count]);
@@ -59,16 +64,16 @@ impl Wishes {
 }
 
 /// The signs that come about when nobody asks for anything.
-struct Natural {
-    negative: Vec<bool>,
+pub(super) struct Natural {
+    pub(super) negative: Vec<bool>,
     /// The sign can be chosen, perhaps by asking a leaf.
-    flippable: Vec<bool>,
+    pub(super) flippable: Vec<bool>,
     /// The sign can be chosen without asking a leaf.
-    flippable_alone: Vec<bool>,
+    pub(super) flippable_alone: Vec<bool>,
 }
 
 impl Natural {
-    fn find(function: &Function, groups: &Groups) -> Natural {
+    pub(super) fn find(function: &Function, groups: &Groups) -> Natural {
         let count = function.nodes().len();
         let mut natural = Natural {
             negative: vec![false; count],

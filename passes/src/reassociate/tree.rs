@@ -10,57 +10,26 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 impl Builder<'_> {
-    /// A group whose true sign an output needs and that would come out
-    /// negated: where a `0 - x` after the group would come too late, one of
-    /// its earliest leaves is negated instead.
-    pub(super) fn negate_early(
-        &mut self,
-        family: Family,
-        root: Value,
-        terms: &mut [Term],
-        product_negative: &mut bool,
-        naming: &mut Naming,
-    ) {
-        let weight = self.weights.of(Operation::Sub);
-        let group_weight = self.group_weight(family);
-        let mut arrivals: Vec<u32> = terms.iter().map(|term| term.arrival).collect();
-        arrivals.sort_unstable();
-        let late = finish(&mut arrivals.clone(), group_weight) + weight;
-        if let Some(first) = arrivals.first_mut() {
-            *first += weight;
-        }
-        arrivals.sort_unstable();
-        let early = finish(&mut arrivals, group_weight);
-        let needed = match &self.deadlines {
-            None => early < late,
-            Some(deadlines) => {
-                deadlines.negated_early.binary_search(&root).is_ok()
-                    && late > deadlines.latest[root.index()]
-            }
+    /// Negates a leaf of a group that would come out with another sign than
+    /// an output needs.
+    pub(super) fn negate_early(&mut self, family: Family, term: &mut Term, naming: &mut Naming) {
+        let negative = match family {
+            Family::Sum => term.value.negative,
+            Family::Product => true,
         };
-        if !needed {
+        if !negative {
             return;
         }
-        self.negated_early.push(root);
-        let Some(first) = terms
-            .iter_mut()
-            .min_by_key(|term| (term.arrival, term.order))
-        else {
-            return;
-        };
         let negative = Signed {
             negative: true,
-            ..first.value
+            ..term.value
         };
-        first.value = Signed {
+        term.value = Signed {
             operand: self.true_sign(negative, naming),
             negative: false,
         };
-        first.arrival = self.arrival(first.value.operand);
-        first.leaf = None;
-        if family == Family::Product {
-            *product_negative = false;
-        }
+        term.arrival = self.arrival(term.value.operand);
+        term.leaf = None;
     }
 
     fn find(&self, operation: Operation, operands: [Operand; 2]) -> Option<Value> {

@@ -1,0 +1,301 @@
+//! Proofs by test: bags against saturated associativity and commutativity,
+//! and extraction against trying everything.
+
+use super::alternatives::{Alternatives, Times};
+use super::exact::Exact;
+use super::extract::{Demand, extract};
+use super::form::{Form, Knowledge, Term};
+use super::graph::Graph;
+use super::saturate::{Limits, saturate};
+use super::{own_rules, plain};
+use crate::analysis::critical_path::{Weights, arrivals};
+use crate::reassociate::{Reach, Shape as TreeShape, reassociate};
+use egg::{EGraph, Id};
+use robovec_ir::{
+    Assignment, Function, Input, Level, Machine, Name, Node, Operand, Operation, Output, Shape,
+    SourceSet, Tables,
+};
+
+/// A small generator of the same numbers everywhere.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: u32) -> u32 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) % u64::from(bound)) as u32
+    }
+}
+
+fn thesis() -> Weights {
+    Weights::cycles(&Machine::built_in("thesis").expect("it ships"))
+}
+
+/// A random signed expression, as a function and as a plain term.
+struct Case {
+    function: Function,
+    tables: Tables,
+    egraph: EGraph<Form, Knowledge>,
+    leaves: Vec<(Operand, Id)>,
+    times: Vec<u32>,
+}
+
+impl Case {
+    /// Leaves that arrive after 0 to 8 multiplications; each is an output
+    /// too, so that it stays a leaf for `balance`.
+    fn new(count: u32, random: &mut Random) -> Case {
+        let mut case = Case {
+            function: Function::new("case", Level::Atomic),
+            tables: Tables::default(),
+            egraph: EGraph::new(Knowledge),
+            leaves: Vec::new(),
+            times: Vec::new(),
+        };
+        let symbols = &mut case.tables.symbols;
+        let (x, o) = (symbols.intern("x"), symbols.intern("o"));
+        case.function.add_input(x, Shape::Vector(count));
+        case.function.add_output(o, Shape::Vector(count + 1));
+        for leaf in 0..count {
+            let mut operand = Operand::from(Input(leaf));
+            let squares = random.below(9);
+            for _ in 0..squares {
+                operand = case.push(Operation::Mul, [operand, operand]);
+            }
+            case.assign(leaf, operand);
+            let id = case.egraph.add(Form::Leaf(leaf));
+            case.leaves.push((operand, id));
+            case.times.push(7 * squares);
+        }
+        case
+    }
+
+    fn push(&mut self, operation: Operation, operands: [Operand; 2]) -> Operand {
+        let base = self.tables.symbols.intern("v");
+        let name = Name {
+            base,
+            suffix: self.function.nodes().len() as u32 + 1,
+        };
+        let value = self.function.push(Node {
+            name,
+            sources: SourceSet::EMPTY,
+            operands,
+            operation,
+        });
+        value.into()
+    }
+
+    fn assign(&mut self, output: u32, operand: Operand) {
+        self.function.assignments.push(Assignment {
+            output: Output(output),
+            operand,
+            sources: SourceSet::EMPTY,
+        });
+    }
+
+    fn operation(
+        &mut self,
+        operation: Operation,
+        a: (Operand, Id),
+        b: (Operand, Id),
+    ) -> (Operand, Id) {
+        let operand = self.push(operation, [a.0, b.0]);
+        let id = self.egraph.add(Form::Other(operation, [a.1, b.1].into()));
+        (operand, id)
+    }
+
+    /// A random tree over these leaves, each used once.
+    fn tree(&mut self, leaves: &[(Operand, Id)], random: &mut Random) -> (Operand, Id) {
+        let tree = if let [leaf] = leaves {
+            *leaf
+        } else {
+            let (left, right) = leaves.split_at(1 + random.below(leaves.len() as u32 - 1) as usize);
+            let operation = match random.below(8) {
+                0..=2 => Operation::Add,
+                3..=5 => Operation::Sub,
+                _ => Operation::Mul,
+            };
+            let (left, right) = (self.tree(left, random), self.tree(right, random));
+            self.operation(operation, left, right)
+        };
+        if random.below(6) > 0 {
+            return tree;
+        }
+        let zero = Operand::from(self.function.constant(0.0));
+        let zero = (zero, self.egraph.add(Form::Number(0)));
+        self.operation(Operation::Sub, zero, tree)
+    }
+}
+
+/// When `balance` has the result, and when the best of all trees has it;
+/// `None` when there were too many trees.
+fn both(case: Case, result: (Operand, Id), weights: &Weights) -> Option<(u32, u32)> {
+    let Case {
+        mut function,
+        mut tables,
+        egraph,
+        times,
+        leaves,
+    } = case;
+    function.assignments.push(Assignment {
+        output: Output(leaves.len() as u32),
+        operand: result.0,
+        sources: SourceSet::EMPTY,
+    });
+    let mut balanced = function;
+    for (reach, shape) in [
+        (Reach::Operation, TreeShape::Written),
+        (Reach::Maximal, TreeShape::Earliest),
+    ] {
+        balanced = reassociate(&balanced, &mut tables, weights, reach, shape);
+    }
+    let last = balanced.assignments.last().expect("just pushed").operand;
+    let merged = last
+        .value()
+        .map_or(0, |value| arrivals(&balanced, weights)[value.index()]);
+    let limits = Limits {
+        nodes: 30_000,
+        iterations: 40,
+        steps: 0,
+    };
+    let (egraph, saturated) = plain::saturate(egraph, &plain::structural(), limits);
+    if !saturated {
+        return None;
+    }
+    let graph = Graph::from(egraph);
+    let (alternatives, roots) = Alternatives::of(&graph, &[result.1]);
+    let times = Times {
+        weights,
+        leaves: &times,
+    };
+    let demand = Demand {
+        class: roots[0],
+        required: 0,
+    };
+    let cover = extract(&alternatives, times, &[demand]).expect("it ends in leaves");
+    Some((merged, cover.arrivals[0]))
+}
+
+/// Merging the two earliest first is as early as the best of all orders and
+/// parentheses, with signs, zeros and arrival times.
+#[test]
+fn balance_is_the_optimum_of_saturated_ac() {
+    let weights = thesis();
+    let mut random = Random(1);
+    let (mut proved, mut unfinished) = (0, 0);
+    for round in 0..3000 {
+        let count = 2 + round % 5;
+        let mut case = Case::new(count, &mut random);
+        let leaves = case.leaves.clone();
+        let result = case.tree(&leaves, &mut random);
+        let text = format!("round {round}: {:?}", case.function.nodes());
+        match both(case, result, &weights) {
+            Some((merged, best)) => {
+                assert_eq!(merged, best, "{text}");
+                proved += 1;
+            }
+            None => unfinished += 1,
+        }
+    }
+    println!("{proved} equal to the optimum of saturated AC, {unfinished} not saturated");
+    assert!(proved >= 2500, "only {proved} saturated");
+}
+
+/// A random e-graph with one to three results, saturated by distribution and
+/// factoring within limits.
+fn random_graph(operations: u32, nodes: usize, random: &mut Random) -> (Graph, Vec<Id>, Vec<u32>) {
+    let mut graph = Graph::new();
+    let mut times = Vec::new();
+    let mut terms: Vec<Term> = Vec::new();
+    for leaf in 0..3 + random.below(3) {
+        terms.push(graph.leaf(leaf).into());
+        times.push(random.below(40));
+    }
+    for _ in 0..operations {
+        let mut pick = |random: &mut Random| {
+            let place = random.below(terms.len() as u32) as usize;
+            terms[place].signed(random.below(4) == 0)
+        };
+        let chosen = [pick(random), pick(random), pick(random)];
+        let chosen = &chosen[..2 + random.below(2) as usize];
+        let made = match random.below(2) {
+            0 => graph.sum(chosen),
+            _ => graph.product(chosen),
+        };
+        terms.extend(made);
+    }
+    let results = 1 + random.below(3) as usize;
+    let roots: Vec<Id> = terms
+        .iter()
+        .rev()
+        .take(results)
+        .map(|&term| graph.value(term))
+        .collect();
+    graph.egraph.rebuild();
+    let limits = Limits {
+        nodes,
+        iterations: 3,
+        steps: 300,
+    };
+    saturate(&mut graph, &own_rules(), limits);
+    (graph, roots, times)
+}
+
+/// Extracts from a random e-graph; gives the operations found, the fewest
+/// there are, and the number of classes. `None` when trying everything takes
+/// too long.
+fn gap(operations: u32, nodes: usize, random: &mut Random) -> Option<(u32, u32, usize)> {
+    let weights = thesis();
+    let (graph, roots, times) = random_graph(operations, nodes, random);
+    let (alternatives, places) = Alternatives::of(&graph, &roots);
+    let times = Times {
+        weights: &weights,
+        leaves: &times,
+    };
+    let mut demands: Vec<Demand> = places
+        .iter()
+        .map(|&class| Demand { class, required: 0 })
+        .collect();
+    let earliest = extract(&alternatives, times, &demands).expect("it ends in leaves");
+    for (demand, arrival) in demands.iter_mut().zip(&earliest.arrivals) {
+        demand.required = arrival + [0, 7, 20, 100][random.below(4) as usize];
+    }
+    let cover = extract(&alternatives, times, &demands).expect("it ends in leaves");
+    for (demand, &arrival) in demands.iter().zip(&cover.arrivals) {
+        assert!(arrival <= demand.required);
+    }
+    let fewest = Exact::fewest(&alternatives, times, &demands, cover.operations, 300_000)?;
+    Some((cover.operations, fewest, alternatives.classes.len()))
+}
+
+#[test]
+fn extraction_is_exact_on_small_graphs() {
+    let mut random = Random(2);
+    let (mut compared, mut equal) = (0, 0);
+    for round in 0..1500 {
+        if let Some((found, fewest, classes)) = gap(2 + round % 3, 30, &mut random) {
+            compared += 1;
+            equal += u32::from(found == fewest);
+            if found != fewest {
+                println!("round {round}: {found} instead of {fewest} of {classes}");
+            }
+        }
+    }
+    println!("{equal} of {compared}");
+}
+
+#[test]
+fn the_gap_on_larger_graphs_is_small() {
+    let mut random = Random(3);
+    let (mut compared, mut equal, mut found_all, mut fewest_all) = (0, 0, 0, 0);
+    for _ in 0..400 {
+        if let Some((found, fewest, _)) = gap(6, 120, &mut random) {
+            compared += 1;
+            equal += u32::from(found == fewest);
+            found_all += found;
+            fewest_all += fewest;
+        }
+    }
+    println!("{equal} of {compared} exact, {found_all} operations where {fewest_all} suffice");
+}

@@ -1,0 +1,184 @@
+//! Where a value is negated that an output needs with the other sign.
+//!
+//! What [`super::signs`] cannot arrange for nothing costs one `0 - x`. After
+//! the result it comes latest of all; before it, on a leaf that is early
+//! enough, or inside a leaf that nothing else reads, it may cost no time. For
+//! every group the earliest arrival with either sign follows from those of
+//! its leaves, which makes the choice exact.
+
+use super::combine::finish;
+use super::gather::{Family, Groups, Leaf};
+use super::signs::{Natural, Wishes};
+use crate::analysis::critical_path::Weights;
+use robovec_ir::{Function, Operation, Value};
+
+/// The leaf of a group that is negated before the group is combined.
+#[derive(Default)]
+pub(super) struct Negations(Vec<(Value, u32)>);
+
+impl Negations {
+    /// The leaf to negate in a group, by its place.
+    pub(super) fn leaf(&self, root: Value) -> Option<u32> {
+        let found = self.0.binary_search_by_key(&root, |&(root, _)| root);
+        found.ok().map(|place| self.0[place].1)
+    }
+
+    /// Decides for every group with the wrong sign; `latest` says, once it is
+    /// known, how late results may be: those with the time for a `0 - x`
+    /// after them have it there. Wishes are passed on to leaves.
+    pub(super) fn plan(
+        function: &Function,
+        groups: &Groups,
+        wishes: &mut Wishes,
+        weights: &Weights,
+        latest: Option<&[u32]>,
+    ) -> Negations {
+        let natural = Natural::find(function, groups);
+        let wrong = |wishes: &Wishes, root: Value, node: Operation| {
+            Family::of(node).is_some()
+                && !groups.is_absorbed(root)
+                && !natural.flippable[root.index()]
+                && wishes
+                    .of(root)
+                    .is_some_and(|wish| wish != natural.negative[root.index()])
+        };
+        let mut values = function.values();
+        if !values.any(|(root, node)| wrong(wishes, root, node.operation)) {
+            return Negations::default();
+        }
+        let times = Turns::find(function, groups, &natural, weights);
+        let mut inside = vec![false; function.nodes().len()];
+        let mut negations = Vec::new();
+        for (root, node) in function.values().rev() {
+            if !wrong(wishes, root, node.operation) {
+                continue;
+            }
+            let late = times.arrivals[root.index()] + weights.of(Operation::Sub);
+            let time_enough = latest.is_some_and(|latest| late <= latest[root.index()]);
+            if !inside[root.index()] && time_enough {
+                continue;
+            }
+            match times.turns[root.index()] {
+                Turn::After => {}
+                Turn::Leaf(place) => negations.push((root, place)),
+                Turn::Inside(place) => {
+                    let leaf = groups.leaves(root)[place as usize].operand;
+                    if let Some(value) = leaf.value() {
+                        inside[value.index()] = true;
+                        wishes.ask(value, !natural.negative[value.index()]);
+                    }
+                }
+            }
+        }
+        negations.reverse();
+        Negations(negations)
+    }
+}
+
+/// How a group gets its other sign earliest.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Turn {
+    /// By a `0 - x` after it.
+    After,
+    /// By negating this leaf.
+    Leaf(u32),
+    /// By this leaf being stored with its other sign.
+    Inside(u32),
+}
+
+/// Arrivals with the natural sign, and with the other.
+struct Turns {
+    arrivals: Vec<u32>,
+    turned: Vec<u32>,
+    turns: Vec<Turn>,
+}
+
+/// Leaves of a group that are tried; wider sums have other terms to negate.
+const LEAVES: usize = 32;
+
+impl Turns {
+    fn find(function: &Function, groups: &Groups, natural: &Natural, weights: &Weights) -> Turns {
+        let count = function.nodes().len();
+        let uses = function.use_counts();
+        let mut times = Turns {
+            arrivals: Vec::with_capacity(count),
+            turned: Vec::with_capacity(count),
+            turns: Vec::with_capacity(count),
+        };
+        let minus = weights.of(Operation::Sub);
+        for (root, node) in function.values() {
+            let mut found = (0, 0, Turn::After);
+            match Family::of(node.operation) {
+                _ if groups.is_absorbed(root) => {}
+                None => {
+                    let ready = node.operands().iter().filter_map(|operand| operand.value());
+                    let ready = ready.map(|value| times.arrivals[value.index()]).max();
+                    let arrival = ready.unwrap_or(0) + weights.of(node.operation);
+                    found = (arrival, arrival + minus, Turn::After);
+                }
+                Some(family) => {
+                    let weight = match family {
+                        Family::Sum => weights.of(Operation::Add),
+                        Family::Product => weights.of(Operation::Mul),
+                    };
+                    let leaves = groups.leaves(root);
+                    let free = natural.flippable_alone[root.index()];
+                    found = times.group(function, leaves, weight, minus, &uses);
+                    if free {
+                        found = (found.0, found.0, Turn::After);
+                    }
+                }
+            }
+            times.arrivals.push(found.0);
+            times.turned.push(found.1);
+            times.turns.push(found.2);
+        }
+        times
+    }
+
+    /// Arrivals of a group with either sign.
+    fn group(
+        &self,
+        function: &Function,
+        leaves: &[Leaf],
+        weight: u32,
+        minus: u32,
+        uses: &[u32],
+    ) -> (u32, u32, Turn) {
+        let arrival = |leaf: &Leaf| {
+            let value = leaf.operand.value();
+            value.map_or(0, |value| self.arrivals[value.index()])
+        };
+        let finish_with = |changed: Option<(usize, u32)>| {
+            let mut arrivals: Vec<u32> = leaves.iter().map(arrival).collect();
+            if let Some((place, time)) = changed {
+                arrivals[place] = time;
+            }
+            arrivals.sort_unstable();
+            finish(&mut arrivals, weight)
+        };
+        let natural = finish_with(None);
+        let mut best = (natural + minus, Turn::After);
+        for (place, leaf) in leaves.iter().enumerate().take(LEAVES) {
+            let own = arrival(leaf);
+            let negated = match function.number(leaf.operand) {
+                Some(_) => 0,
+                None => own + minus,
+            };
+            let here = finish_with(Some((place, negated)));
+            if here < best.0 {
+                best = (here, Turn::Leaf(place as u32));
+            }
+            if let Some(value) = leaf.operand.value()
+                && uses[value.index()] == 1
+                && self.turned[value.index()] < negated
+            {
+                let inside = finish_with(Some((place, self.turned[value.index()])));
+                if inside < best.0 {
+                    best = (inside, Turn::Inside(place as u32));
+                }
+            }
+        }
+        (natural, best.0, best.1)
+    }
+}
