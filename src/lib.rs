@@ -1,5 +1,6 @@
 //! robovec: a compiler for the equations of multibody systems.
 
+pub mod accuracy;
 pub mod align;
 pub mod command;
 pub mod evaluate_command;

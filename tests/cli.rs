@@ -446,6 +446,51 @@ fn histories_are_printed_on_request_and_change_nothing_else() {
 }
 
 #[test]
+fn errors_are_compared_before_and_after_every_pass() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let results = folder.path().join("results");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_robovec"));
+    command.arg("accuracy").arg(example(SUSPENSION));
+    command.arg(example("models/quarter-car.mbs"));
+    let output = run(command.args(["--states", "32", "-o"]).arg(&results));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    for part in [
+        "quarter-car: rounding errors",
+        "(as read)",
+        "balance",
+        "(whole pipeline)",
+    ] {
+        assert!(text.contains(part), "no '{part}' in\n{text}");
+    }
+    let table = fs::read_to_string(results.join("accuracy.csv")).expect("it was asked for");
+    let passes = table
+        .lines()
+        .filter(|line| line.contains(",balance,"))
+        .count();
+    assert_eq!(passes, 2, "{table}");
+    let figure = fs::read_to_string(results.join("accuracy.svg")).expect("it was asked for");
+    assert!(figure.starts_with("<svg") && figure.contains("as read"));
+    let json = fs::read_to_string(results.join("accuracy.json")).expect("it was asked for");
+    serde_json::from_str::<serde_json::Value>(&json).expect("it is JSON");
+
+    let report = folder.path().join("report.json");
+    let output = run(opt()
+        .arg(example(SUSPENSION))
+        .arg(PIPELINE)
+        .arg("--report")
+        .arg(&report));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let json = fs::read_to_string(&report).expect("it was asked for");
+    let json: serde_json::Value = serde_json::from_str(&json).expect("it is JSON");
+    for pass in json["functions"][0]["passes"].as_array().expect("a list") {
+        let relative = &pass["rounding"]["relative"];
+        assert!(relative["before"]["median"].as_f64() > Some(0.1), "{pass}");
+        assert_ne!(relative["trend"], "worse", "{pass}");
+    }
+}
+
+#[test]
 fn help_lists_what_there_is() {
     let passes = run(opt().arg("--list-passes"));
     let text = String::from_utf8_lossy(&passes.stdout).into_owned();

@@ -5,6 +5,7 @@
 //! ends in a diagnostic and exit code 1; wrong use of the command line is
 //! exit code 2.
 
+mod accuracy;
 mod arguments;
 mod compare;
 mod dump;

@@ -137,7 +137,7 @@ fn completion(shell: &str) -> Result<String, Failure> {
     Ok(String::from_utf8_lossy(&script).into_owned())
 }
 
-fn select(module: &mut Module, name: &str) -> Result<(), Failure> {
+pub(super) fn select(module: &mut Module, name: &str) -> Result<(), Failure> {
     let names: Vec<String> = module.functions.iter().map(|f| f.name.clone()).collect();
     // The name of a kind stands for all its cases: `sensor` for `sensor_1` ….
     let case = |function: &Function| {
@@ -198,6 +198,7 @@ fn transform(
             machine,
             verify_each: arguments.verify_each,
             check_each: arguments.check_each,
+            rounding: arguments.report.is_some().then_some(0),
             seed: arguments.seed,
             print_before: filter(arguments.print_before.as_deref()),
             print_after: filter(print_after),
@@ -313,6 +314,7 @@ fn write_report(
             operations: record.operations as usize,
             asap_cycle: record.asap_cycle,
             verdict: record.check.clone(),
+            rounding: record.rounding.clone(),
         })
         .collect();
     let options = report::ReportOptions {

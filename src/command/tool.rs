@@ -1,6 +1,7 @@
 //! `robovec`: what can be done with equations and programs besides compiling
 //! them.
 
+use super::accuracy::{self, AccuracyArguments};
 use super::compare::{self, CheckArguments};
 use super::eval::{self, EvalArguments};
 use super::generation::{self, GenArguments};
@@ -25,6 +26,8 @@ struct Arguments {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    /// Measure what every pass of a pipeline does to the rounding errors
+    Accuracy(AccuracyArguments),
     /// Evaluate functions at given or random states
     Eval(EvalArguments),
     /// Generate the equations of a model
@@ -60,6 +63,7 @@ enum Command {
 pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let arguments = Arguments::parse_from(arguments);
     let result = match &arguments.command {
+        Command::Accuracy(arguments) => accuracy::run(arguments),
         Command::Eval(arguments) => eval::run(arguments),
         Command::Gen(arguments) => generation::run(arguments),
         Command::Model(arguments) => model::run(arguments),

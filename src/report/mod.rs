@@ -7,20 +7,24 @@
 
 mod error;
 mod records;
+mod rounding;
 mod schedule;
 mod text;
 
 pub use error::{ArrayReport, ElementReport, ErrorReport, FormatReport, SpreadReport};
 pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
-pub(crate) use text::table;
+pub(crate) use text::{table, units};
 
 use robovec_ir::count::Counts;
 use robovec_ir::{Function, Level, Machine, Module, View};
 use robovec_passes::analysis::accuracy::accuracy;
 use robovec_passes::analysis::critical_path::critical_path;
+use robovec_passes::analysis::rounding::Rounding;
 use robovec_passes::check::Verdict;
+pub use rounding::{QuantilesReport, RoundingReport};
 pub use schedule::{ByKind, KindReport, ScheduleReport, TransferReport};
 use serde::{Serialize, Serializer};
+use std::sync::Arc;
 
 /// What the pass manager tells about one run of a pass on one function.
 #[derive(Clone, PartialEq, Debug)]
@@ -40,6 +44,9 @@ pub struct PassRecord {
     pub asap_cycle: u32,
     /// The semantic check of the pass; absent when it was not asked for.
     pub verdict: Option<Verdict>,
+    /// Rounding errors in binary32 before and after the pass; absent when
+    /// they were not measured.
+    pub rounding: Option<[Arc<Rounding>; 2]>,
 }
 
 /// What a report measures.

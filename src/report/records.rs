@@ -1,6 +1,7 @@
 //! What was run on a function, and where user calls split it.
 
 use super::PassRecord;
+use super::rounding::RoundingReport;
 use robovec_ir::print::print_output;
 use robovec_ir::{Boundary, View};
 use robovec_passes::analysis::accuracy::Summary;
@@ -22,6 +23,8 @@ pub struct PassReport {
     pub asap_cycle: u32,
     /// The semantic check, if it was asked for.
     pub check: Option<CheckReport>,
+    /// What it did to the rounding errors in binary32.
+    pub rounding: Option<RoundingReport>,
 }
 
 impl PassReport {
@@ -36,6 +39,7 @@ impl PassReport {
                 .verdict
                 .as_ref()
                 .map(|verdict| CheckReport::new(verdict, view)),
+            rounding: record.rounding.as_ref().map(RoundingReport::new),
         }
     }
 }

@@ -6,6 +6,7 @@ use robovec_ir::{
     Assignment, Boundary, Input, Level, Name, Node, Operand, Operation, Output, Shape, SourceSet,
 };
 use robovec_passes::NumericClass;
+use robovec_passes::analysis::rounding::rounding;
 use robovec_passes::check::check;
 
 /// `y[1] = (0 - q[1]*q[2]) + q[1]`, `y[2] = sin(q[2])`, on one adder and one
@@ -109,12 +110,17 @@ fn report() -> Report {
         operations: 3,
         asap_cycle: 31,
         verdict,
+        rounding: None,
     };
+    let measured = Arc::new(rounding(view, 32, 1));
     let passes = [
-        record(
-            "atomise",
-            Some(check(view, view, NumericClass::Exact, 3, 1)),
-        ),
+        PassRecord {
+            rounding: Some([measured.clone(), measured]),
+            ..record(
+                "atomise",
+                Some(check(view, view, NumericClass::Exact, 3, 1)),
+            )
+        },
         record("place{n_add=1 n_multi=1}", None),
         PassRecord {
             function: "another".to_owned(),

@@ -5,6 +5,7 @@ mod table;
 
 use super::error::{ArrayReport, ElementReport, FormatReport};
 use super::records::{CheckErrors, CheckReport, PassReport};
+use super::rounding::{QuantilesReport, RoundingReport};
 use super::schedule::{ByKind, ScheduleReport, TransferReport};
 use super::{FunctionReport, Report};
 use robovec_ir::Level;
@@ -31,6 +32,7 @@ fn print_function(function: &FunctionReport, text: &mut String) {
     counts(function, text);
     boundaries(function, text);
     passes(function, text);
+    pass_errors(function, text);
     if let Some(schedule) = &function.schedule {
         print_schedule(schedule, text);
     }
@@ -159,6 +161,54 @@ fn passes(function: &FunctionReport, text: &mut String) {
             section(&format!("{} failed its check", pass.name), failure, text);
         }
     }
+}
+
+/// The rounding errors after every pass, with those before the first.
+fn pass_errors(function: &FunctionReport, text: &mut String) {
+    let measured = function
+        .passes
+        .iter()
+        .filter_map(|pass| Some((pass, pass.rounding.as_ref()?)));
+    let row = |name: &str, pick: [&QuantilesReport; 2], verdict: String| {
+        let mut row = vec![name.to_owned()];
+        for quantiles in pick {
+            let numbers = [quantiles.median, quantiles.percentile_99, quantiles.worst];
+            row.extend(numbers.map(units));
+        }
+        row.push(verdict);
+        row
+    };
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut title = String::new();
+    for (pass, rounding) in measured {
+        let RoundingReport {
+            relative, normwise, ..
+        } = rounding;
+        if rows.is_empty() {
+            title = format!(
+                "Rounding in binary32 after each pass, units of 2^-24, {} states, seed {}",
+                rounding.states, rounding.seed
+            );
+            let before = [&relative.before, &normwise.before];
+            rows.push(row("(as read)", before, String::new()));
+        }
+        let after = [&relative.after, &normwise.after];
+        rows.push(row(&pass.name, after, relative.change.to_string()));
+    }
+    if rows.is_empty() {
+        return;
+    }
+    let head = [
+        "pass",
+        "relative",
+        "99 %",
+        "worst",
+        "normwise",
+        "99 %",
+        "worst",
+        "the median is",
+    ];
+    section(&title, &table(&head, &rows, &[1, 2, 3, 4, 5, 6]), text);
 }
 
 fn pass_row(pass: &PassReport) -> Vec<String> {
@@ -396,6 +446,16 @@ fn worst_elements(array: &ArrayReport) -> String {
         .map(|element| element.name.as_str())
         .collect();
     names.join(" ")
+}
+
+/// A number of units of rounding: two digits behind the point while they say
+/// something.
+pub(crate) fn units(number: f64) -> String {
+    match number {
+        number if number < 10.0 => format!("{number:.2}"),
+        number if number < 1000.0 => format!("{number:.0}"),
+        number => scientific(number),
+    }
 }
 
 /// Two digits and an exponent, which line up in a column; a plain 0.

@@ -154,6 +154,24 @@ pub fn accuracy(view: View<'_>, states: u32, seed: u64) -> Accuracy {
     }
 }
 
+/// The errors in binary32 alone, state by state.
+pub(super) fn samples_binary32(view: View<'_>, states: u32, seed: u64) -> Samples {
+    let mut samples = Samples::new(view, 23, -126);
+    let source = States::new(seed);
+    for first in (0..states).step_by(LANES) {
+        let inputs: [Vec<f64>; LANES] =
+            array::from_fn(|lane| source.draw(view, first + lane as u32));
+        let exact = evaluate_lanes(view, DoubleDouble, &inputs);
+        let single = evaluate_lanes(view, Binary32, &inputs);
+        for lane in 0..LANES.min((states - first) as usize) {
+            let exact: Vec<Double> = exact.iter().map(|lanes| lanes[lane]).collect();
+            let single = single.iter().map(|lanes| f64::from(lanes[lane]));
+            samples.add(view, &exact, single);
+        }
+    }
+    samples
+}
+
 /// The outputs of a function in a state, in the order of its assignments.
 pub fn evaluate_at<A: Arithmetic>(
     view: View<'_>,
@@ -192,7 +210,7 @@ fn evaluate_lanes<A: Arithmetic + Copy>(
 }
 
 /// Errors of one format, state after state.
-struct Samples {
+pub(super) struct Samples {
     /// Stored bits of the mantissa and the smallest normal exponent.
     mantissa: i32,
     smallest: i32,
@@ -249,6 +267,21 @@ impl Samples {
         }
         self.states.push(errors);
         self.norms.push(norms);
+    }
+
+    /// The relative errors of a state, of the outputs that have one.
+    pub(super) fn relative(&self, state: usize) -> impl Iterator<Item = f64> + '_ {
+        let errors = self.states[state].iter().map(|(relative, _)| *relative);
+        errors.filter(|error| *error >= 0.0)
+    }
+
+    /// The normwise errors of a state, of the arrays that have one.
+    pub(super) fn normwise(&self, state: usize) -> impl Iterator<Item = f64> + '_ {
+        // Arrays without an assignment, and those that are all zero, have
+        // none.
+        let norms = self.norms[state].iter();
+        let present = norms.filter(|(error, size)| *error > 0.0 || *size > 0.0);
+        present.map(|&(error, size)| quotient(error, size))
     }
 
     /// The unit in the last place of a number.

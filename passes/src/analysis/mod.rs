@@ -3,4 +3,5 @@
 
 pub mod accuracy;
 pub mod critical_path;
+pub mod rounding;
 pub mod slice;

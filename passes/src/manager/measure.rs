@@ -52,18 +52,31 @@ pub fn usage() -> (f64, f64) {
     (0.0, 0.0)
 }
 
-/// A hash of all that a pass can change, to tell whether it did.
-pub(super) fn fingerprint(function: &Function) -> u64 {
+/// A hash of the operations and outputs alone: what decides every number.
+pub(super) fn computation(function: &Function) -> u64 {
     let mut hasher = FxHasher::default();
-    function.level.hash(&mut hasher);
     for node in function.nodes() {
-        (node.operation, node.operands, node.name, node.sources).hash(&mut hasher);
+        (node.operation, node.operands).hash(&mut hasher);
     }
     for assignment in &function.assignments {
-        (assignment.output, assignment.operand, assignment.sources).hash(&mut hasher);
+        (assignment.output, assignment.operand).hash(&mut hasher);
     }
     for constant in function.constants() {
         constant.to_bits().hash(&mut hasher);
+    }
+    hasher.finish()
+}
+
+/// A hash of all that a pass can change, to tell whether it did.
+pub(super) fn fingerprint(function: &Function) -> u64 {
+    let mut hasher = FxHasher::default();
+    computation(function).hash(&mut hasher);
+    function.level.hash(&mut hasher);
+    for node in function.nodes() {
+        (node.name, node.sources).hash(&mut hasher);
+    }
+    for assignment in &function.assignments {
+        assignment.sources.hash(&mut hasher);
     }
     for timing in function.timing.iter().flatten() {
         (

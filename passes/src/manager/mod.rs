@@ -14,6 +14,7 @@ pub use instrument::{Dump, DumpState, PassFilter, PrintChanged};
 pub use measure::usage;
 pub use plan::PlanError;
 
+use crate::analysis::rounding::{Rounding, rounding, usual_states};
 use crate::check::{self, Verdict};
 use crate::pass::{Artifact, Context, PassError, PassInfo};
 use crate::pipeline::{PassStep, Pipeline, Step};
@@ -22,6 +23,7 @@ use instrument::Instruments;
 use measure::Meter;
 use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
 use std::io;
+use std::sync::Arc;
 
 /// Told before each pass: its ordinal, the number of all, its name.
 pub type Progress<'a> = dyn FnMut(usize, usize, &str) + 'a;
@@ -34,6 +36,10 @@ pub struct Config<'a> {
     pub verify_each: bool,
     /// Compare the function before and after every pass at this many points.
     pub check_each: Option<u32>,
+    /// Measure the rounding errors in binary32 before and after every pass, over
+    /// so many states; [`usual_states`] of the function as it was read for
+    /// `Some(0)`.
+    pub rounding: Option<u32>,
     /// Seed of the random points.
     pub seed: u64,
     /// Print the function before these passes.
@@ -62,6 +68,7 @@ impl<'a> Config<'a> {
             machine,
             verify_each: true,
             check_each: None,
+            rounding: None,
             seed: 1,
             print_before: PassFilter::None,
             print_after: PassFilter::None,
@@ -97,6 +104,8 @@ pub struct PassRecord {
     pub statistics: Vec<(&'static str, u64)>,
     /// The outcome of the semantic check.
     pub check: Option<Verdict>,
+    /// Rounding errors before and after, when they were asked for.
+    pub rounding: Option<[Arc<Rounding>; 2]>,
 }
 
 /// What a run leaves behind, besides the module.
@@ -170,6 +179,7 @@ pub fn run(
         outcome: Outcome::default(),
         ordinal: 0,
         fingerprint: 0,
+        rounding: None,
         total: pipeline.passes().count() * module.functions.len(),
     };
     let tables = &mut module.tables;
@@ -179,6 +189,16 @@ pub fn run(
         }
         run.instruments.start(tables, function)?;
         run.fingerprint = measure::fingerprint(function);
+        run.rounding = run.instruments.config.rounding.map(|states| {
+            let states = match states {
+                0 => usual_states(function.nodes().len()),
+                states => states,
+            };
+            let view = View { tables, function };
+            let seed = run.instruments.config.seed;
+            let measured = rounding(view, states, seed);
+            (measure::computation(function), Arc::new(measured))
+        });
         run.steps(pipeline, tables, function)?;
     }
     Ok(run.outcome)
@@ -191,6 +211,8 @@ struct Run<'a> {
     total: usize,
     /// That of the function as it is now.
     fingerprint: u64,
+    /// Its rounding errors, with the fingerprint of what it computes.
+    rounding: Option<(u64, Arc<Rounding>)>,
 }
 
 /// A group that is being repeated.
@@ -267,6 +289,7 @@ impl Run<'_> {
             asap_cycle: 0,
             statistics: Vec::new(),
             check: None,
+            rounding: None,
         };
         let mut remarks = Vec::new();
         let follower = Follower::start(function);
@@ -311,6 +334,7 @@ impl Run<'_> {
         if let (Some(points), Some(before)) = (self.instruments.config.check_each, &before) {
             record.check = Some(self.check(step.info, &name, points, tables, before, function)?);
         }
+        record.rounding = self.measure_rounding(tables, function);
         self.instruments
             .after(step, tables, before.as_ref(), function, &record)?;
         if let (Some(trail), Some(before), true) =
@@ -320,6 +344,25 @@ impl Run<'_> {
         }
         self.outcome.records.push(record);
         Ok(())
+    }
+
+    /// The rounding errors before and after the pass that just ran. A pass
+    /// that computes the same, as placement does, is not measured again.
+    fn measure_rounding(
+        &mut self,
+        tables: &Tables,
+        function: &Function,
+    ) -> Option<[Arc<Rounding>; 2]> {
+        let (old, before) = self.rounding.take()?;
+        let new = measure::computation(function);
+        let after = if new == old {
+            before.clone()
+        } else {
+            let view = View { tables, function };
+            Arc::new(rounding(view, before.states, before.seed))
+        };
+        self.rounding = Some((new, after.clone()));
+        Some([before, after])
     }
 
     fn verify(

@@ -1,0 +1,141 @@
+//! What every pass of a pipeline does to the rounding errors of programs.
+//!
+//! [`measure`] runs a pipeline over a module and keeps, for every function
+//! and pass, size, path and the distribution of the errors in binary32;
+//! [`view`] shows them as text, table and figure. How errors are measured and
+//! when one counts as worse is said in
+//! [`robovec_passes::analysis::rounding`].
+
+mod view;
+
+pub use view::{figure, summary, table, text};
+
+use robovec_ir::{Function, Machine, Module};
+use robovec_passes::analysis::critical_path::critical_path;
+use robovec_passes::analysis::rounding::{Change, Rounding};
+use robovec_passes::manager::{self, Config, Progress, RunError};
+use robovec_passes::pipeline::Pipeline;
+use std::io;
+use std::sync::Arc;
+
+/// A function with its errors after every pass.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// The model, or the file, and the function.
+    pub name: String,
+    /// As it was read, then after every pass.
+    pub steps: Vec<Step>,
+}
+
+/// The state of a function.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// The pass with its options; empty for the function as it was read.
+    pub pass: String,
+    /// Everything but sines, cosines and copies.
+    pub operations: usize,
+    /// The longest chain, in cycles of the machine.
+    pub path: u32,
+    /// The errors.
+    pub rounding: Arc<Rounding>,
+    /// What the pass did to the medians of the relative and of the normwise
+    /// errors; `None` for the function as it was read.
+    pub changes: Option<[Change; 2]>,
+}
+
+/// What is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Random states; 0 for a number that depends on the size of the
+    /// function.
+    pub states: u32,
+    /// Where they come from.
+    pub seed: u64,
+}
+
+/// Runs a pipeline over all functions of a module and measures the errors
+/// after every pass. A module of one function is named after it, others have
+/// the function's name behind it.
+///
+/// # Errors
+///
+/// Those of the passes.
+pub fn measure(
+    name: &str,
+    module: &mut Module,
+    pipeline: &Pipeline,
+    machine: &Machine,
+    options: Options,
+    progress: &mut Progress<'_>,
+) -> Result<Vec<Subject>, RunError> {
+    let mut subjects: Vec<Subject> = Vec::new();
+    let mut sizes: Vec<(usize, u32)> = Vec::new();
+    for function in &module.functions {
+        let name = match module.functions.len() {
+            1 => name.to_owned(),
+            _ => format!("{name} {}", function.name),
+        };
+        subjects.push(Subject {
+            name,
+            steps: Vec::new(),
+        });
+        sizes.push(size(function, machine));
+    }
+    let names: Vec<String> = module.functions.iter().map(|f| f.name.clone()).collect();
+    // Remarks of the passes are for who compiles.
+    let mut log = io::sink();
+    let config = Config {
+        rounding: Some(options.states),
+        seed: options.seed,
+        progress: Some(progress),
+        ..Config::new(machine, &mut log)
+    };
+    let outcome = manager::run(module, pipeline, config)?;
+    for record in outcome.records {
+        let Some([before, after]) = record.rounding else {
+            continue;
+        };
+        let Some(index) = names.iter().position(|name| *name == record.function) else {
+            continue;
+        };
+        let steps = &mut subjects[index].steps;
+        if steps.is_empty() {
+            let (operations, path) = sizes[index];
+            steps.push(Step {
+                pass: String::new(),
+                operations,
+                path,
+                rounding: before.clone(),
+                changes: None,
+            });
+        }
+        steps.push(Step {
+            changes: Some(changes(&before, &after)),
+            pass: record.name,
+            operations: record.operations as usize,
+            path: record.asap_cycle,
+            rounding: after,
+        });
+    }
+    Ok(subjects)
+}
+
+fn size(function: &Function, machine: &Machine) -> (usize, u32) {
+    let operations = robovec_ir::count::Counts::of(function).operations;
+    (operations, critical_path(function, machine).asap_cycle)
+}
+
+impl Subject {
+    /// The changes from the function as it was read to the end.
+    pub fn overall(&self) -> Option<[Change; 2]> {
+        let (first, last) = (self.steps.first()?, self.steps.last()?);
+        Some(changes(&first.rounding, &last.rounding))
+    }
+}
+
+fn changes(before: &Rounding, after: &Rounding) -> [Change; 2] {
+    [
+        Change::relative(before, after),
+        Change::normwise(before, after),
+    ]
+}

@@ -1,0 +1,267 @@
+//! Errors of passes as text, table and figure.
+
+use super::{Step, Subject};
+use crate::report;
+use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
+use crate::study::table::{Cell, Table};
+use robovec_passes::analysis::rounding::{Change, Quantiles, Trend};
+use std::fmt::Write;
+
+/// The errors of one subject, one line for each pass.
+pub fn text(subject: &Subject) -> String {
+    let Some(first) = subject.steps.first() else {
+        return String::new();
+    };
+    let mut text = format!(
+        "{}: rounding errors in binary32 in units of 2^-24, {} random states, seed {}\n",
+        subject.name, first.rounding.states, first.rounding.seed
+    );
+    let head = [
+        "pass",
+        "operations",
+        "path",
+        "relative: median",
+        "99 %",
+        "worst",
+        "normwise: median",
+        "99 %",
+        "worst",
+        "median became",
+    ];
+    let rows: Vec<Vec<String>> = subject.steps.iter().map(row).collect();
+    push_table(
+        &report::table(&head, &rows, &[1, 2, 3, 4, 5, 6, 7, 8]),
+        &mut text,
+    );
+    text
+}
+
+fn push_table(table: &str, text: &mut String) {
+    for line in table.lines() {
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+}
+
+fn row(step: &Step) -> Vec<String> {
+    let name = match step.pass.as_str() {
+        "" => "(as read)",
+        pass => pass,
+    };
+    let mut row = vec![
+        name.to_owned(),
+        step.operations.to_string(),
+        step.path.to_string(),
+    ];
+    for quantiles in [&step.rounding.relative, &step.rounding.normwise] {
+        row.extend(numbers(quantiles).map(report::units));
+    }
+    row.push(match &step.changes {
+        None => String::new(),
+        Some([relative, _]) => relative.to_string(),
+    });
+    row
+}
+
+fn numbers(quantiles: &Quantiles) -> [f64; 3] {
+    [quantiles.median, quantiles.percentile_99, quantiles.worst]
+}
+
+/// Which passes made the median worse, pass by pass, and the whole pipeline.
+pub fn summary(subjects: &[Subject]) -> String {
+    const WHOLE: &str = "(whole pipeline)";
+    let mut tallies: Vec<Tally<'_>> = Vec::new();
+    let mut whole = Tally::new(WHOLE);
+    for subject in subjects {
+        if let Some(changes) = subject.overall() {
+            whole.count(&subject.name, changes);
+        }
+        for step in &subject.steps {
+            let Some(changes) = step.changes else {
+                continue;
+            };
+            let index = tallies.iter().position(|tally| tally.pass == step.pass);
+            let index = index.unwrap_or_else(|| {
+                tallies.push(Tally::new(&step.pass));
+                tallies.len() - 1
+            });
+            tallies[index].count(&subject.name, changes);
+        }
+    }
+    tallies.push(whole);
+    let rows: Vec<Vec<String>> = tallies.iter().map(Tally::row).collect();
+    let head = [
+        "pass",
+        "relative: better",
+        "same",
+        "worse",
+        "normwise: better",
+        "same",
+        "worse",
+        "worse for",
+    ];
+    let mut text = format!("The medians of {} functions:\n", subjects.len());
+    push_table(&report::table(&head, &rows, &[1, 2, 3, 4, 5, 6]), &mut text);
+    text
+}
+
+/// How many functions a pass made better, left the same and made worse.
+struct Tally<'a> {
+    pass: &'a str,
+    counts: [[usize; 3]; 2],
+    worse: Vec<String>,
+}
+
+impl Tally<'_> {
+    fn new(pass: &str) -> Tally<'_> {
+        Tally {
+            pass,
+            counts: [[0; 3]; 2],
+            worse: Vec::new(),
+        }
+    }
+
+    fn count(&mut self, subject: &str, changes: [Change; 2]) {
+        let measures = ["relative", "normwise"];
+        for ((change, counts), measure) in changes.iter().zip(&mut self.counts).zip(measures) {
+            let column = match change.trend {
+                Trend::Better => 0,
+                Trend::Same => 1,
+                Trend::Worse => 2,
+            };
+            counts[column] += 1;
+            if change.trend == Trend::Worse {
+                let percent = (change.ratio - 1.0) * 100.0;
+                self.worse
+                    .push(format!("{subject} ({measure} {percent:+.1} %)"));
+            }
+        }
+    }
+
+    fn row(&self) -> Vec<String> {
+        let counts = self.counts.iter().flatten().map(ToString::to_string);
+        let mut row = vec![self.pass.to_owned()];
+        row.extend(counts);
+        row.push(self.worse.join(", "));
+        row
+    }
+}
+
+/// The same as a table for programs.
+pub fn table(subjects: &[Subject]) -> Table {
+    let columns = [
+        "function",
+        "pass",
+        "operations",
+        "path (cycles)",
+        "states",
+        "relative median (2^-24)",
+        "relative 99 % (2^-24)",
+        "relative worst (2^-24)",
+        "normwise median (2^-24)",
+        "normwise 99 % (2^-24)",
+        "normwise worst (2^-24)",
+        "relative median after/before",
+        "noise",
+        "trend",
+        "normwise median after/before",
+        "noise",
+        "trend",
+    ];
+    let line = |subject: &Subject, step: &Step| {
+        let mut row = vec![
+            Cell::text(&subject.name),
+            Cell::text(&step.pass),
+            Cell::count(step.operations),
+            Cell::count(step.path),
+            Cell::count(step.rounding.states),
+        ];
+        for quantiles in [&step.rounding.relative, &step.rounding.normwise] {
+            row.extend(numbers(quantiles).map(|number| Cell::number(number, 4)));
+        }
+        for measure in 0..2 {
+            row.extend(match step.changes.map(|changes| changes[measure]) {
+                None => [Cell::Empty, Cell::Empty, Cell::Empty],
+                Some(change) => [
+                    Cell::number(change.ratio, 4),
+                    Cell::number(change.noise, 4),
+                    Cell::text(change.trend.name()),
+                ],
+            });
+        }
+        row
+    };
+    Table {
+        name: "accuracy".to_owned(),
+        title: "Rounding errors in binary32 after every pass".to_owned(),
+        caption: "All outputs in all states as one population, in units of the rounding of \
+                  one operation, 2^-24; relative to the element, and to the largest element \
+                  of its array. A line without a pass is the function as it was read."
+            .to_owned(),
+        columns: columns.map(str::to_owned).to_vec(),
+        rows: subjects
+            .iter()
+            .flat_map(|subject| subject.steps.iter().map(move |step| line(subject, step)))
+            .collect(),
+    }
+}
+
+/// Speed against error: for each subject the way the passes take it.
+pub fn figure(subjects: &[Subject]) -> Figure {
+    let panels: Vec<Panel> = subjects
+        .iter()
+        .filter(|subject| !subject.steps.is_empty())
+        .map(panel)
+        .collect();
+    Figure {
+        name: "accuracy".to_owned(),
+        title: "Speed against error, pass by pass".to_owned(),
+        caption: "The longest path and the median of the relative error in binary32 after \
+                  every pass; the line joins the passes in order."
+            .to_owned(),
+        columns: panels.len().clamp(1, 3),
+        panels,
+    }
+}
+
+fn panel(subject: &Subject) -> Panel {
+    let mark = |step: &Step| Mark::at(f64::from(step.path), step.rounding.relative.median);
+    let mut curves = vec![Curve {
+        label: String::new(),
+        paint: Paint::Distinct(0),
+        stroke: Stroke::Plain,
+        marks: subject.steps.iter().map(mark).collect(),
+    }];
+    // Passes that stay where they are share the mark of the one before.
+    let mut last: Option<(u32, f64)> = None;
+    for step in &subject.steps {
+        let place = (step.path, step.rounding.relative.median);
+        let name = match step.pass.split('{').next() {
+            None | Some("") => "as read",
+            Some(pass) => pass,
+        };
+        if last == Some(place)
+            && let Some(curve) = curves.last_mut()
+        {
+            let _ = write!(curve.label, ", {name}");
+            continue;
+        }
+        last = Some(place);
+        curves.push(Curve {
+            label: name.to_owned(),
+            paint: Paint::Distinct(curves.len() - 1),
+            stroke: Stroke::Points,
+            marks: vec![mark(step)],
+        });
+    }
+    Panel {
+        title: subject.name.clone(),
+        x: Axis::new("longest path (cycles)", Scale::Linear),
+        // From zero: a scale of its own would make noise look like a cliff.
+        y: Axis {
+            from: Some(0.0),
+            ..Axis::new("median relative error (2^-24)", Scale::Linear)
+        },
+        content: Content::Curves(curves),
+    }
+}

@@ -1,0 +1,103 @@
+//! `robovec accuracy`: what every pass does to the rounding errors.
+
+use super::{Failure, input, output};
+use crate::accuracy::{self, Options, Subject};
+use crate::study::plot;
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{IsTerminal, stderr};
+use std::path::PathBuf;
+
+/// What is measured.
+#[derive(Args, Debug)]
+pub(super) struct AccuracyArguments {
+    /// Files of equations, or models (.mbs)
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Pipeline whose passes are compared
+    #[arg(long, value_name = "PIPELINE", default_value = "$shorten")]
+    passes: String,
+    /// Machine compiled for: a name or a .toml file
+    #[arg(long, default_value = "thesis")]
+    machine: String,
+    /// Only this function; of a model, the one to generate
+    #[arg(long, value_name = "NAME")]
+    function: Option<String>,
+    /// Random states; by default the more the smaller the function is
+    #[arg(long, default_value_t = 0, hide_default_value = true,
+          value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    states: u32,
+    /// Seed of the states
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Folder for accuracy.csv, accuracy.json and accuracy.svg
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
+    let pipeline = input::passes(&arguments.passes)?;
+    let machine = input::machine(&arguments.machine)?;
+    let options = Options {
+        states: arguments.states,
+        seed: arguments.seed,
+    };
+    let bar = progress_bar(arguments.files.len());
+    let mut subjects: Vec<Subject> = Vec::new();
+    let mut text = String::new();
+    for path in &arguments.files {
+        let function = arguments.function.as_deref();
+        let mut read = input::equations_or_model(path, None, function)?;
+        if let Some(wanted) = function {
+            super::opt::select(&mut read.module, wanted)?;
+        }
+        let stem = path.file_stem().unwrap_or(path.as_os_str());
+        let name = stem.to_string_lossy().into_owned();
+        let mut progress = |done: usize, total: usize, pass: &str| {
+            bar.set_message(format!("{name}: {pass} ({done}/{total})"));
+        };
+        let module = &mut read.module;
+        let measured =
+            accuracy::measure(&name, module, &pipeline, &machine, options, &mut progress)
+                .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+        for subject in &measured {
+            text += &accuracy::text(subject);
+            text.push('\n');
+        }
+        subjects.extend(measured);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    if subjects.len() > 1 {
+        text += &accuracy::summary(&subjects);
+    }
+    if let Some(folder) = &arguments.output {
+        output::make_folder(folder)?;
+        let table = accuracy::table(&subjects);
+        // A table is strings and numbers: nothing JSON cannot hold.
+        let json = serde_json::to_string_pretty(&table).expect("a table is plain data");
+        for (name, content) in [
+            ("accuracy.csv", table.to_csv()),
+            ("accuracy.json", json + "\n"),
+            ("accuracy.svg", plot::draw(&accuracy::figure(&subjects))),
+        ] {
+            output::write_file(&folder.join(name), |writer| {
+                writer.write_all(content.as_bytes())
+            })?;
+        }
+    }
+    Ok(text)
+}
+
+fn progress_bar(length: usize) -> ProgressBar {
+    let bar = ProgressBar::hidden();
+    if stderr().is_terminal() {
+        bar.set_draw_target(indicatif::ProgressDrawTarget::stderr());
+    }
+    bar.set_length(length as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} files, {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}

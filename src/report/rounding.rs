@@ -1,0 +1,85 @@
+//! What a pass did to the rounding errors in binary32.
+
+use robovec_passes::analysis::rounding::{Change, Quantiles, Rounding, UNIT};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// Rounding errors before and after a pass, all outputs in all states being
+/// one population.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct RoundingReport {
+    /// What the errors are counted in: the rounding of one operation.
+    pub unit: f64,
+    /// How many states.
+    pub states: u32,
+    /// Where they come from.
+    pub seed: u64,
+    /// Relative to the element.
+    pub relative: BeforeAfter,
+    /// The largest error of an array over its largest element.
+    pub normwise: BeforeAfter,
+}
+
+/// Two distributions, and how their medians compare.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct BeforeAfter {
+    /// Before the pass.
+    pub before: QuantilesReport,
+    /// After it.
+    pub after: QuantilesReport,
+    /// The median after the pass over that before.
+    pub ratio: f64,
+    /// The standard error of the ratio, as a part of it.
+    pub noise: f64,
+    /// `better`, `same` or `worse`.
+    pub trend: &'static str,
+    #[serde(skip)]
+    pub(super) change: Change,
+}
+
+/// Three places in a distribution, in units of rounding.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct QuantilesReport {
+    /// Half of the errors are at or below it.
+    pub median: f64,
+    /// 99 of 100 errors are at or below it.
+    pub percentile_99: f64,
+    /// The largest.
+    pub worst: f64,
+}
+
+impl From<Quantiles> for QuantilesReport {
+    fn from(quantiles: Quantiles) -> QuantilesReport {
+        QuantilesReport {
+            median: quantiles.median,
+            percentile_99: quantiles.percentile_99,
+            worst: quantiles.worst,
+        }
+    }
+}
+
+impl RoundingReport {
+    pub(super) fn new([before, after]: &[Arc<Rounding>; 2]) -> RoundingReport {
+        let both = |pick: fn(&Rounding) -> Quantiles, change: Change| BeforeAfter {
+            before: pick(before).into(),
+            after: pick(after).into(),
+            ratio: change.ratio,
+            noise: change.noise,
+            trend: change.trend.name(),
+            change,
+        };
+        RoundingReport {
+            unit: UNIT,
+            states: before.states,
+            seed: before.seed,
+            relative: both(
+                |rounding| rounding.relative,
+                Change::relative(before, after),
+            ),
+            normwise: both(
+                |rounding| rounding.normwise,
+                Change::normwise(before, after),
+            ),
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! No pass of a default pipeline makes the rounding errors worse.
+//!
+//! What worse means is said where errors are measured
+//! (`robovec_passes::analysis::rounding`): the median over all outputs and
+//! states, of the relative or of the normwise error in binary32, grows by
+//! more than 2 % and by more than 3.5 times the noise of that comparison.
+
+use robovec::accuracy::{Options, Subject, measure};
+use robovec::generate::{FunctionKind, Request, generate};
+use robovec::model::mbs::read_mbs;
+use robovec_ir::{Level, Machine, Module};
+use robovec_passes::analysis::rounding::Trend;
+use robovec_passes::pass::Gives;
+use robovec_passes::pipeline::{self, Pipeline, Step};
+use robovec_passes::registry::PRESETS;
+use std::fs;
+use std::path::Path;
+
+const MODELS: &[&str] = &[
+    "bogie",
+    "double-pendulum",
+    "four-bar",
+    "parallel-23",
+    "quarter-car",
+    "semi-serial-23",
+    "serial-23",
+    "slider-crank",
+    "train",
+];
+
+fn example(name: &str) -> Vec<u8> {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    fs::read(examples.join(name)).expect("it is in the repository")
+}
+
+/// The example of a Robotran file, and the direct dynamics of the models.
+fn modules() -> Vec<(String, Module)> {
+    let name = "mbs_dirdyna_suspension.m";
+    let bytes = example(&format!("suspension/{name}"));
+    let read = robovec::robotran::read(name, &bytes, None).expect("it is well formed");
+    let mut modules = vec![(name.to_owned(), read.module)];
+    for name in MODELS {
+        let file = format!("{name}.mbs");
+        let bytes = example(&format!("models/{file}"));
+        let model = read_mbs(&file, &bytes).expect("it is well formed").model;
+        let request = Request::new(FunctionKind::Dirdyna);
+        let module = generate(&model, &request).expect("it has equations");
+        modules.push(((*name).to_owned(), module));
+    }
+    modules
+}
+
+/// The passes of a preset up to the schedule: from there on the question is
+/// when and where, not what.
+fn arithmetic_part(preset: &str) -> Pipeline {
+    let mut pipeline = pipeline::parse(preset).expect("presets are sound");
+    let schedules = |step: &Step| match step {
+        Step::Pass(step) => matches!(
+            step.info.gives,
+            Gives::Level(Level::Scheduled | Level::Placed)
+        ),
+        Step::Open { .. } | Step::Close => false,
+    };
+    if let Some(first) = pipeline.steps.iter().position(schedules) {
+        pipeline.steps.truncate(first);
+    }
+    pipeline
+}
+
+fn measured(preset: &str) -> Vec<Subject> {
+    let machine = Machine::built_in("thesis").expect("it ships");
+    let pipeline = arithmetic_part(preset);
+    let options = Options { states: 0, seed: 1 };
+    let mut subjects = Vec::new();
+    for (name, mut module) in modules() {
+        let module = &mut module;
+        let found = measure(
+            &name,
+            module,
+            &pipeline,
+            &machine,
+            options,
+            &mut |_, _, _| {},
+        );
+        subjects.extend(found.expect("presets run on every model"));
+    }
+    subjects
+}
+
+#[test]
+fn no_pass_of_a_default_pipeline_worsens_the_median() {
+    for preset in PRESETS {
+        let mut compared = 0;
+        for subject in measured(&format!("${}", preset.name)) {
+            for step in &subject.steps {
+                for change in step.changes.iter().flatten() {
+                    compared += 1;
+                    assert!(
+                        change.trend != Trend::Worse,
+                        "{}, {} of ${}: {change}",
+                        subject.name,
+                        step.pass,
+                        preset.name
+                    );
+                }
+            }
+            for change in subject.overall().iter().flatten() {
+                assert!(
+                    change.trend != Trend::Worse,
+                    "{}, the whole of ${}: {change}",
+                    subject.name,
+                    preset.name
+                );
+            }
+        }
+        assert!(compared > 2 * MODELS.len(), "passes were compared");
+    }
+}
+
+#[test]
+fn what_does_worsen_it_is_seen() {
+    // Taking all bodies into one frame costs digits: the same measure must
+    // tell the formulations apart.
+    use robovec::generate::Formulation;
+    use robovec_ir::View;
+    use robovec_passes::analysis::rounding::{Change, rounding};
+    let bytes = example("models/serial-23.mbs");
+    let model = read_mbs("serial-23.mbs", &bytes)
+        .expect("it is well formed")
+        .model;
+    let of = |formulation: Formulation| {
+        let request = Request {
+            formulation,
+            ..Request::new(FunctionKind::Dirdyna)
+        };
+        let module = generate(&model, &request).expect("it has equations");
+        let view = View {
+            tables: &module.tables,
+            function: &module.functions[0],
+        };
+        rounding(view, 64, 1)
+    };
+    let bodies = of(Formulation::from_name("recursive").expect("it exists"));
+    let one_frame = of(Formulation::from_name("prefix-serial").expect("it exists"));
+    assert_eq!(Change::relative(&bodies, &one_frame).trend, Trend::Worse);
+    assert_eq!(Change::relative(&one_frame, &bodies).trend, Trend::Better);
+}
