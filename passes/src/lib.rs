@@ -26,6 +26,7 @@ pub mod place;
 mod reassociate;
 pub mod registry;
 pub mod rewrite;
+pub mod rules;
 pub mod swap;
 pub mod trail;
 pub mod zero_removal;

@@ -7,6 +7,7 @@
 
 use crate::class::NumericClass;
 use crate::options::{OptionError, OptionInfo};
+use crate::rules::RuleSet;
 use crate::trail::Notes;
 use robovec_ir::{Function, Level, Machine, Name, SourceSet, Tables};
 
@@ -28,6 +29,8 @@ pub struct Context<'a> {
     pub tables: &'a mut Tables,
     /// The machine compiled for.
     pub machine: &'a Machine,
+    /// The rules that rewriting may use.
+    pub rules: &'a RuleSet,
     /// Files the pass produces (memory images, C).
     pub artifacts: &'a mut Vec<Artifact>,
     /// What the pass counted: name and number.

@@ -44,6 +44,14 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "thesis", add = ArgValueCandidates::new(machine_candidates))]
     pub(crate) machine: String,
 
+    /// Rewriting rules to use beside those that ship: a .rules file, or a name of 'robovec rules list'
+    #[arg(long, value_name = "FILE")]
+    pub(crate) rules: Vec<String>,
+
+    /// Use only the rules that '--rules' names
+    #[arg(long, requires = "rules")]
+    pub(crate) no_default_rules: bool,
+
     /// Write a report: FILE.json, any other FILE as text, or - for the standard error
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,

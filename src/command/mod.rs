@@ -17,6 +17,7 @@ mod listing;
 mod model;
 pub mod opt;
 mod output;
+mod rules;
 mod sim;
 mod simulation;
 mod study;

@@ -5,7 +5,7 @@ use super::dump::DumpFolder;
 use super::explain;
 use super::input::{self, Input};
 use super::tables::{self, Stage};
-use super::{Failure, listing, output, simulation};
+use super::{Failure, listing, output, rules, simulation};
 use crate::report;
 use clap::{CommandFactory, Parser};
 use clap_complete::env::{CompleteEnv, Shells};
@@ -14,6 +14,7 @@ use robovec_ir::diagnostic::{Diagnostic, Label, Report, termcolor::ColorChoice};
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
 use robovec_passes::manager::{self, Config, Outcome, PassFilter, PrintChanged, RunError, usage};
 use robovec_passes::pipeline::Pipeline;
+use robovec_passes::rules::RuleSet;
 use robovec_passes::trail::Trail;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
@@ -40,6 +41,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     // Everything the user wrote is read before any work is done.
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let machine = input::machine(&arguments.machine)?;
+    let rules = rules::sound(&arguments.rules, !arguments.no_default_rules)?;
     let Some(path) = &arguments.input else {
         return Err(Failure::plain("no input file"));
     };
@@ -65,7 +67,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let read: Vec<ReadCounts> = input.module.functions.iter().map(ReadCounts::of).collect();
     let mut trail = arguments.explain.is_some().then(Trail::new);
-    let outcome = transform(arguments, &pipeline, &machine, &mut input, trail.as_mut())?;
+    let target = (&machine, &rules);
+    let outcome = transform(arguments, &pipeline, target, &mut input, trail.as_mut())?;
     let simulated = match arguments.simulate {
         Some(states) => simulation::simulate(&input.module, &machine, states, arguments.seed)?,
         None => String::new(),
@@ -168,7 +171,7 @@ fn filter(names: Option<&str>) -> PassFilter {
 fn transform(
     arguments: &Arguments,
     pipeline: &Pipeline,
-    machine: &Machine,
+    (machine, rules): (&Machine, &RuleSet),
     input: &mut Input,
     trail: Option<&mut Trail>,
 ) -> Result<Outcome, Failure> {
@@ -196,6 +199,7 @@ fn transform(
         pipeline,
         Config {
             machine,
+            rules: Some(rules),
             verify_each: arguments.verify_each,
             check_each: arguments.check_each,
             rounding: arguments.report.is_some().then_some(0),

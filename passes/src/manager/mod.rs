@@ -18,10 +18,12 @@ use crate::analysis::rounding::{Rounding, rounding, usual_states};
 use crate::check::{self, Verdict};
 use crate::pass::{Artifact, Context, PassError, PassInfo};
 use crate::pipeline::{PassStep, Pipeline, Step};
+use crate::rules::RuleSet;
 use crate::trail::{self, Follower, Notes, Trail};
 use instrument::Instruments;
 use measure::Meter;
 use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
+use std::borrow::Cow;
 use std::io;
 use std::sync::Arc;
 
@@ -32,6 +34,8 @@ pub type Progress<'a> = dyn FnMut(usize, usize, &str) + 'a;
 pub struct Config<'a> {
     /// The machine compiled for.
     pub machine: &'a Machine,
+    /// The rules that rewriting may use; those that ship when `None`.
+    pub rules: Option<&'a RuleSet>,
     /// Run the verifier after every pass.
     pub verify_each: bool,
     /// Compare the function before and after every pass at this many points.
@@ -66,6 +70,7 @@ impl<'a> Config<'a> {
     pub fn new(machine: &'a Machine, log: &'a mut dyn io::Write) -> Config<'a> {
         Config {
             machine,
+            rules: None,
             verify_each: true,
             check_each: None,
             rounding: None,
@@ -174,7 +179,9 @@ pub fn run(
     config: Config<'_>,
 ) -> Result<Outcome, RunError> {
     plan::check(module, pipeline)?;
+    let rules = config.rules.map(Cow::Borrowed);
     let mut run = Run {
+        rules: rules.unwrap_or_else(|| Cow::Owned(RuleSet::built_in())),
         instruments: Instruments::new(config),
         outcome: Outcome::default(),
         ordinal: 0,
@@ -205,6 +212,7 @@ pub fn run(
 }
 
 struct Run<'a> {
+    rules: Cow<'a, RuleSet>,
     instruments: Instruments<'a>,
     outcome: Outcome,
     ordinal: usize,
@@ -302,6 +310,7 @@ impl Run<'_> {
             &mut Context {
                 tables,
                 machine: self.instruments.config.machine,
+                rules: &self.rules,
                 artifacts: &mut self.outcome.artifacts,
                 statistics: &mut record.statistics,
                 remarks: &mut remarks,

@@ -1,0 +1,149 @@
+//! Patterns: terms with variables, the two sides of a rule.
+//!
+//! Invariant: nodes stand in post-order (operands before the operation, the
+//! root last), so that everything that walks a pattern is a counting loop.
+
+use robovec_ir::Operation;
+use robovec_ir::arithmetic::Arithmetic;
+
+/// A node of a pattern.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum PatternNode {
+    /// The variable of this number, counted from 0 in
+    /// [`Rule::variables`](super::Rule::variables); it stands for any value.
+    Variable(u32),
+    /// This number. Finite; minus zero is not told from zero.
+    Number(f64),
+    /// An operation on earlier nodes of the pattern. Of an operation on one
+    /// operand the second place repeats the first.
+    Operation(Operation, [u32; 2]),
+}
+
+/// A term with variables.
+#[derive(Clone, PartialEq, Default, Debug)]
+pub struct Pattern {
+    /// The nodes in post-order, root last; never empty once read.
+    pub nodes: Vec<PatternNode>,
+}
+
+impl Pattern {
+    /// Most nodes a side of a rule may have; a larger one is a mistake.
+    pub const LARGEST: usize = 200;
+
+    /// Adds a node and returns its number.
+    pub fn push(&mut self, node: PatternNode) -> u32 {
+        self.nodes.push(node);
+        self.nodes.len() as u32 - 1
+    }
+
+    /// Adds an operation on one or two earlier nodes.
+    pub fn operation(&mut self, operation: Operation, operands: &[u32]) -> u32 {
+        let first = operands.first().copied().unwrap_or_default();
+        let second = operands.get(1).copied().unwrap_or(first);
+        self.push(PatternNode::Operation(operation, [first, second]))
+    }
+
+    /// The number of the root.
+    pub fn root(&self) -> usize {
+        self.nodes.len().saturating_sub(1)
+    }
+
+    /// True for a pattern that is one variable, and so matches every value.
+    pub fn is_variable(&self) -> bool {
+        matches!(self.nodes[..], [PatternNode::Variable(_)])
+    }
+
+    /// The variables that occur, by rising number, each once.
+    pub fn variables(&self) -> Vec<u32> {
+        let mut variables: Vec<u32> = self
+            .nodes
+            .iter()
+            .filter_map(|node| match node {
+                PatternNode::Variable(variable) => Some(*variable),
+                PatternNode::Number(_) | PatternNode::Operation(..) => None,
+            })
+            .collect();
+        variables.sort_unstable();
+        variables.dedup();
+        variables
+    }
+
+    /// The operations that occur, in post-order.
+    pub fn operations(&self) -> impl Iterator<Item = Operation> + '_ {
+        self.nodes.iter().filter_map(|node| match node {
+            PatternNode::Operation(operation, _) => Some(*operation),
+            PatternNode::Variable(_) | PatternNode::Number(_) => None,
+        })
+    }
+
+    /// True when an operation occurs.
+    pub fn uses(&self, wanted: impl Fn(Operation) -> bool) -> bool {
+        self.operations().any(wanted)
+    }
+
+    /// The values of all nodes when variable `i` has the value `values[i]`.
+    pub fn evaluate_all<A: Arithmetic>(
+        &self,
+        arithmetic: &A,
+        values: &[A::Number],
+    ) -> Vec<A::Number> {
+        let mut results: Vec<A::Number> = Vec::with_capacity(self.nodes.len());
+        for node in &self.nodes {
+            let value = match *node {
+                PatternNode::Variable(variable) => values[variable as usize],
+                PatternNode::Number(number) => arithmetic.literal(number),
+                PatternNode::Operation(operation, [a, b]) => apply(
+                    arithmetic,
+                    operation,
+                    results[a as usize],
+                    results[b as usize],
+                ),
+            };
+            results.push(value);
+        }
+        results
+    }
+
+    /// The value of the pattern when variable `i` has the value `values[i]`.
+    ///
+    /// # Panics
+    ///
+    /// When the pattern is empty or has variables without values; patterns of
+    /// a [`RuleSet`](super::RuleSet) are never empty.
+    pub fn evaluate<A: Arithmetic>(&self, arithmetic: &A, values: &[A::Number]) -> A::Number {
+        let all = self.evaluate_all(arithmetic, values);
+        all[self.root()]
+    }
+
+    /// The pattern with its variables renumbered.
+    #[must_use]
+    pub fn renamed(&self, number: impl Fn(u32) -> u32) -> Pattern {
+        let nodes = self.nodes.iter().map(|node| match *node {
+            PatternNode::Variable(variable) => PatternNode::Variable(number(variable)),
+            other => other,
+        });
+        Pattern {
+            nodes: nodes.collect(),
+        }
+    }
+}
+
+/// An operation carried out.
+pub(super) fn apply<A: Arithmetic>(
+    arithmetic: &A,
+    operation: Operation,
+    a: A::Number,
+    b: A::Number,
+) -> A::Number {
+    match operation {
+        Operation::Copy => a,
+        Operation::Neg => arithmetic.neg(a),
+        Operation::Add => arithmetic.add(a, b),
+        Operation::Sub => arithmetic.sub(a, b),
+        Operation::Mul => arithmetic.mul(a, b),
+        Operation::Div => arithmetic.div(a, b),
+        Operation::Sin => arithmetic.sin(a),
+        Operation::Cos => arithmetic.cos(a),
+        Operation::Sqrt => arithmetic.sqrt(a),
+    }
+}

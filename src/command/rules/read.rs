@@ -1,0 +1,59 @@
+//! Which rules a command works with.
+
+use super::super::{Failure, input};
+use robovec_ir::diagnostic::did_you_mean;
+use robovec_passes::rules::{BUILT_IN, RuleSet};
+use std::path::Path;
+
+/// The rules of some files, or of names of files that ship.
+pub(super) fn read(names: &[String]) -> Result<RuleSet, Failure> {
+    let mut all = RuleSet::default();
+    for (index, name) in names.iter().enumerate() {
+        // Naming a file twice is no mistake.
+        if names[..index].contains(name) {
+            continue;
+        }
+        all.extend(one(name)?).map_err(Failure)?;
+    }
+    Ok(all)
+}
+
+/// The rules of one file, or of one that ships.
+fn one(name: &str) -> Result<RuleSet, Failure> {
+    if let Some(set) = RuleSet::named(name) {
+        return Ok(set);
+    }
+    let path = Path::new(name);
+    if path.extension().is_none() && name != "-" && !path.exists() {
+        let names: Vec<&str> = BUILT_IN.iter().map(|(name, _)| *name).collect();
+        let mut notes: Vec<String> = did_you_mean(name, names.iter().copied())
+            .map(|near| format!("did you mean '{near}'?"))
+            .into_iter()
+            .collect();
+        notes.push(format!("rules: {}, or a .rules file", names.join(", ")));
+        return Err(Failure::advised(
+            format!("there are no rules '{name}'"),
+            notes,
+        ));
+    }
+    let text = input::text(path)?;
+    RuleSet::parse(&text, name).map_err(Failure)
+}
+
+/// The rules that passes use: those of the names and, unless they are not
+/// wanted, those that ship.
+pub(crate) fn sound(names: &[String], with_default: bool) -> Result<RuleSet, Failure> {
+    let mut all = if with_default {
+        RuleSet::built_in()
+    } else {
+        RuleSet::default()
+    };
+    let known = |name: &&String| {
+        let has = |rule: &robovec_passes::rules::Rule| rule.group == **name;
+        !all.rules.iter().any(has)
+    };
+    // A file that ships and is named once more is there already.
+    let new: Vec<String> = names.iter().filter(known).cloned().collect();
+    all.extend(read(&new)?).map_err(Failure)?;
+    Ok(all)
+}
