@@ -7,14 +7,17 @@
 //!
 //! Invariant: a set that was read is well formed (every variable of a right
 //! side is bound, no side is empty, names are unique), but it need not be
-//! *true*.
+//! *true*; [`check`] proves or refutes each rule, and
+//! [`RuleSet::sound`] is what a pass may use.
 
 mod built_in;
+pub mod check;
 mod cursor;
 mod expression;
 mod parse;
 mod pattern;
 mod print;
+mod random;
 mod rule;
 mod token;
 
