@@ -54,6 +54,7 @@ enum Command {
     },
     /// Compare the functions of two files as functions
     Check(CheckArguments),
+    Rules(super::rules::RulesArguments),
     Study(super::study::Arguments),
     /// Write equations as Robotran's C, Matlab or Python files
     Write(write::WriteArguments),
@@ -74,6 +75,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             inputs,
         } => simulate(folder, machine, inputs),
         Command::Check(arguments) => compare::run(arguments),
+        Command::Rules(arguments) => super::rules::run(arguments),
         Command::Study(arguments) => super::study::study(arguments),
         Command::Write(arguments) => write::run(arguments),
     };

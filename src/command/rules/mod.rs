@@ -1,5 +1,33 @@
-//! `robovec rules`: a bench for rules of rewriting.
+//! `robovec rules`: a bench for rules of rewriting (docs/rules.md).
 
+mod check;
+mod list;
 mod read;
 
-pub(super) use read::sound;
+pub(crate) use read::sound;
+
+use super::Failure;
+use clap::{Args, Subcommand};
+
+/// A bench for rules of rewriting
+#[derive(Args, Debug)]
+pub(super) struct RulesArguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Prove or refute rules, and tell what they do to numbers
+    Check(check::CheckArguments),
+    /// List rules with their reasons
+    List(list::ListArguments),
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &RulesArguments) -> Result<String, Failure> {
+    match &arguments.command {
+        Command::Check(arguments) => check::run(arguments),
+        Command::List(arguments) => list::run(arguments),
+    }
+}

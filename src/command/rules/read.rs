@@ -1,7 +1,7 @@
 //! Which rules a command works with.
 
 use super::super::{Failure, input};
-use robovec_ir::diagnostic::did_you_mean;
+use robovec_ir::diagnostic::{did_you_mean, termcolor::ColorChoice};
 use robovec_passes::rules::{BUILT_IN, RuleSet};
 use std::path::Path;
 
@@ -41,19 +41,23 @@ fn one(name: &str) -> Result<RuleSet, Failure> {
 }
 
 /// The rules that passes use: those of the names and, unless they are not
-/// wanted, those that ship.
+/// wanted, those that ship. What is false is told and left out.
 pub(crate) fn sound(names: &[String], with_default: bool) -> Result<RuleSet, Failure> {
-    let mut all = if with_default {
-        RuleSet::built_in()
-    } else {
-        RuleSet::default()
+    let mut all = match with_default {
+        // Tests prove that what ships is sound.
+        true => RuleSet::built_in(),
+        false => RuleSet::default(),
     };
-    let known = |name: &&String| {
-        let has = |rule: &robovec_passes::rules::Rule| rule.group == **name;
-        !all.rules.iter().any(has)
+    let is_new = |name: &&String| {
+        let ships = BUILT_IN.iter().any(|(known, _)| known == name);
+        !ships || !all.rules.iter().any(|rule| rule.group == **name)
     };
     // A file that ships and is named once more is there already.
-    let new: Vec<String> = names.iter().filter(known).cloned().collect();
-    all.extend(read(&new)?).map_err(Failure)?;
+    let new: Vec<String> = names.iter().filter(is_new).cloned().collect();
+    let (sound, warnings) = read(&new)?.sound();
+    warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
+    all.extend(sound).map_err(Failure)?;
     Ok(all)
 }

@@ -9,7 +9,7 @@
 
 use super::super::random::Random;
 use super::super::rule::Rule;
-use super::counterexample::number;
+use super::counterexample;
 use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
 
 /// A remark on special values, with an example.
@@ -40,6 +40,17 @@ pub enum NoteKind {
 
 impl NoteKind {
     const COUNT: usize = 5;
+
+    /// What happens, in one word.
+    pub fn word(self) -> &'static str {
+        match self {
+            NoteKind::SignedZero => "zero",
+            NoteKind::Overflow => "overflow",
+            NoteKind::OverflowRemoved => "less-overflow",
+            NoteKind::Underflow => "underflow",
+            NoteKind::NotANumber => "nan",
+        }
+    }
 
     /// What happens, in words.
     pub fn describe(self) -> &'static str {
@@ -100,6 +111,36 @@ fn formats() -> [Format; 2] {
             (-1022, 1023),
         ),
     ]
+}
+
+/// A number for people: the ends of a format by name, five digits of what has
+/// many.
+fn number(format: &str, value: f64) -> String {
+    let single = format == "binary32";
+    let (most, least, tiny) = match single {
+        true => (
+            f32::MAX.into(),
+            f32::MIN_POSITIVE.into(),
+            f32::from_bits(1).into(),
+        ),
+        false => (f64::MAX, f64::MIN_POSITIVE, f64::from_bits(1)),
+    };
+    let names = [
+        ("max", most),
+        ("max/2", most / 2.0),
+        ("min", least),
+        ("tiny", tiny),
+    ];
+    let sign = if value < 0.0 { "-" } else { "" };
+    if let Some((name, _)) = names.iter().find(|(_, named)| *named == value.abs()) {
+        return format!("{sign}{name}");
+    }
+    let plain = counterexample::number(value);
+    if plain.len() > 9 {
+        format!("{value:.4e}")
+    } else {
+        plain
+    }
 }
 
 /// Tries a rule at special values and at so many random points.
@@ -238,13 +279,19 @@ impl Bench<'_> {
             .variables
             .iter()
             .zip(inputs)
-            .map(|(name, &value)| format!("{name} = {}", number(value.into())))
+            .map(|(name, &value)| format!("{name} = {}", number(format, value.into())))
             .collect();
-        let (left, right) = (number(left), number(right));
+        let (left, right) = (number(format, left), number(format, right));
         *place = Some(Note {
             kind,
             format,
-            example: format!("{}: left {left}, right {right}", values.join(", ")),
+            example: format!(
+                "{}left {left}, right {right}",
+                match values[..] {
+                    [] => String::new(),
+                    _ => values.join(", ") + ": ",
+                }
+            ),
         });
     }
 }

@@ -9,6 +9,9 @@ use std::fmt;
 /// Numbers at which the two sides of a rule differ.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Counterexample {
+    /// True when the rule fails from right to left; left and right are then
+    /// those of the reversed rule.
+    pub backwards: bool,
     /// The variables' names and numbers.
     pub values: Vec<(String, f64)>,
     /// The left side there.
@@ -26,6 +29,9 @@ impl fmt::Display for Counterexample {
             .iter()
             .map(|(name, value)| format!("{name} = {}", number(*value)))
             .collect();
+        if self.backwards {
+            formatter.write_str("backwards, ")?;
+        }
         let place = match values[..] {
             [] => "always".to_owned(),
             _ => values.join(", "),
@@ -68,21 +74,37 @@ const RANDOM: usize = 20_000;
 
 /// Where the right side must be defined although the left side is.
 pub(super) fn undefined(rule: &Rule) -> Option<Counterexample> {
-    smallest(rule, EXHAUSTIVE / 20, &|rule, values| {
-        let found = compare(rule, values)?;
-        (!found.right.is_finite()).then_some(found)
+    in_each_direction(rule, &|rule| {
+        smallest(rule, EXHAUSTIVE / 20, &|rule, values| {
+            let found = compare(rule, values)?;
+            (!found.right.is_finite()).then_some(found)
+        })
     })
 }
 
 /// The smallest integers at which the sides differ; larger ones at random
 /// when there are no small ones.
 pub(super) fn search(rule: &Rule) -> Option<Counterexample> {
-    smallest(rule, EXHAUSTIVE, &compare).or_else(|| {
+    in_each_direction(rule, &|rule| smallest(rule, EXHAUSTIVE, &compare)).or_else(|| {
         let mut random = Random::new(1);
         (0..RANDOM).find_map(|_| {
             let draw = |_| random.below(2001) as f64 - 1000.0;
             let values: Vec<f64> = rule.variables.iter().map(draw).collect();
             compare(rule, &values)
+        })
+    })
+}
+
+fn in_each_direction(
+    rule: &Rule,
+    search: &dyn Fn(&Rule) -> Option<Counterexample>,
+) -> Option<Counterexample> {
+    let directions = rule.directed();
+    directions.iter().enumerate().find_map(|(index, rule)| {
+        let found = search(rule)?;
+        Some(Counterexample {
+            backwards: index > 0,
+            ..found
         })
     })
 }
@@ -169,14 +191,16 @@ fn compare(rule: &Rule, values: &[f64]) -> Option<Counterexample> {
     };
     let differs = !right.is_finite() || difference.abs() > 1e-24 * scale;
     differs.then(|| Counterexample {
+        backwards: false,
         values: rule
             .variables
             .iter()
             .cloned()
             .zip(values.iter().copied())
             .collect(),
-        left,
-        right,
+        // One zero is enough for people.
+        left: left + 0.0,
+        right: right + 0.0,
         difference,
     })
 }

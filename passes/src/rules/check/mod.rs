@@ -96,7 +96,11 @@ pub fn check(rule: &Rule, trials: usize) -> Finding {
         Verdict::Proved { circle: true, .. } => NumericClass::RealTrig,
         Verdict::False(_) | Verdict::Unproved => rule.class,
     };
-    let bits = bits::try_bits(rule, trials);
+    let mut bits = bits::try_bits(rule, trials);
+    if let Verdict::False(_) = verdict {
+        // What it does to zeros is then of no interest.
+        bits.notes.clear();
+    }
     if class == NumericClass::Real && bits.exact {
         class = NumericClass::Exact;
     }
@@ -112,9 +116,7 @@ fn verdict(rule: &Rule) -> Verdict {
     let degree = degree(&rule.left).saturating_add(degree(&rule.right));
     for circle in [false, true] {
         if agrees(rule, circle) == Some(true) {
-            let directions = rule.directed();
-            let hole = directions.iter().find_map(counterexample::undefined);
-            return match hole {
+            return match counterexample::undefined(rule) {
                 Some(hole) => Verdict::False(hole),
                 None => Verdict::Proved { circle, degree },
             };

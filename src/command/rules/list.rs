@@ -1,0 +1,46 @@
+//! `robovec rules list`.
+
+use super::super::Failure;
+use super::read;
+use clap::Args;
+use robovec_passes::rules::{BUILT_IN, DEFAULT};
+use std::fmt::Write;
+
+/// Which rules are listed.
+#[derive(Args, Debug)]
+pub(super) struct ListArguments {
+    /// Rule files, or names of files that ship; all that ship by default
+    files: Vec<String>,
+}
+
+/// The names of all files that ship.
+pub(super) fn shipped() -> Vec<String> {
+    BUILT_IN
+        .iter()
+        .map(|(name, _)| (*name).to_owned())
+        .collect()
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &ListArguments) -> Result<String, Failure> {
+    let names = if arguments.files.is_empty() {
+        shipped()
+    } else {
+        arguments.files.clone()
+    };
+    let set = read::read(&names)?;
+    let mut text = String::new();
+    let mut group = "";
+    for rule in &set.rules {
+        if rule.group != group {
+            group = &rule.group;
+            let ships = BUILT_IN.iter().any(|(name, _)| *name == group);
+            let unused = ships && !DEFAULT.contains(&group);
+            let note = if unused { " (not used by default)" } else { "" };
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{group}{note}:");
+        }
+        let _ = writeln!(text, "  {rule}");
+    }
+    Ok(text)
+}
