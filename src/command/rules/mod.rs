@@ -2,6 +2,7 @@
 
 mod check;
 mod list;
+mod profile;
 mod read;
 
 pub(crate) use read::sound;
@@ -22,6 +23,8 @@ enum Command {
     Check(check::CheckArguments),
     /// List rules with their reasons
     List(list::ListArguments),
+    /// Tell what rules do to errors, cycles, operations and graphs
+    Profile(profile::ProfileArguments),
 }
 
 /// Runs the command.
@@ -29,5 +32,6 @@ pub(super) fn run(arguments: &RulesArguments) -> Result<String, Failure> {
     match &arguments.command {
         Command::Check(arguments) => check::run(arguments),
         Command::List(arguments) => list::run(arguments),
+        Command::Profile(arguments) => profile::run(arguments),
     }
 }

@@ -1,0 +1,152 @@
+//! Graphs of equal terms, for experiments with rules.
+//!
+//! A thin layer over egg: patterns become terms and rewrites. Budgets count
+//! nodes and iterations, never seconds, so that an experiment has the same
+//! outcome everywhere. Conditions of rules are taken as met: a graph here
+//! tells how rules grow and what they derive, it rewrites no program.
+
+use super::pattern::{Pattern, PatternNode};
+use super::rule::Rule;
+use egg::{
+    EGraph, ENodeOrVar, Id, Language, RecExpr, Rewrite, Runner, SimpleScheduler, StopReason, Var,
+};
+use robovec_ir::Operation;
+use std::fmt;
+use std::time::Duration;
+
+/// A node of a graph.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub(super) enum Term {
+    /// A value that nothing is known of.
+    Leaf(u32),
+    /// A number, by its bits.
+    Number(u64),
+    /// An operation on one operand.
+    Unary(Operation, [Id; 1]),
+    /// An operation on two operands.
+    Binary(Operation, [Id; 2]),
+}
+
+impl fmt::Display for Term {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Term::Leaf(leaf) => write!(formatter, "x{leaf}"),
+            Term::Number(bits) => write!(formatter, "{}", f64::from_bits(*bits)),
+            Term::Unary(operation, _) | Term::Binary(operation, _) => {
+                formatter.write_str(operation.name())
+            }
+        }
+    }
+}
+
+impl Language for Term {
+    type Discriminant = (u8, u64);
+
+    fn discriminant(&self) -> (u8, u64) {
+        match self {
+            Term::Leaf(leaf) => (0, u64::from(*leaf)),
+            Term::Number(bits) => (1, *bits),
+            Term::Unary(operation, _) => (2, *operation as u64),
+            Term::Binary(operation, _) => (3, *operation as u64),
+        }
+    }
+
+    fn matches(&self, other: &Term) -> bool {
+        self.discriminant() == other.discriminant()
+    }
+
+    fn children(&self) -> &[Id] {
+        match self {
+            Term::Leaf(_) | Term::Number(_) => &[],
+            Term::Unary(_, children) => children,
+            Term::Binary(_, children) => children,
+        }
+    }
+
+    fn children_mut(&mut self) -> &mut [Id] {
+        match self {
+            Term::Leaf(_) | Term::Number(_) => &mut [],
+            Term::Unary(_, children) => children,
+            Term::Binary(_, children) => children,
+        }
+    }
+}
+
+fn operation(operation: Operation, operands: [u32; 2]) -> Term {
+    let [a, b] = operands.map(|operand| Id::from(operand as usize));
+    match operation.arity() {
+        1 => Term::Unary(operation, [a]),
+        _ => Term::Binary(operation, [a, b]),
+    }
+}
+
+/// A pattern as a term: its variables become leaves.
+pub(super) fn term(pattern: &Pattern) -> RecExpr<Term> {
+    let nodes = pattern.nodes.iter().map(|node| match *node {
+        PatternNode::Variable(variable) => Term::Leaf(variable),
+        PatternNode::Number(number) => Term::Number(number.to_bits()),
+        PatternNode::Operation(kind, operands) => operation(kind, operands),
+    });
+    nodes.collect::<Vec<Term>>().into()
+}
+
+fn side(pattern: &Pattern) -> egg::Pattern<Term> {
+    let nodes = pattern.nodes.iter().map(|node| match *node {
+        PatternNode::Variable(variable) => ENodeOrVar::Var(Var::from_u32(variable)),
+        PatternNode::Number(number) => ENodeOrVar::ENode(Term::Number(number.to_bits())),
+        PatternNode::Operation(kind, operands) => ENodeOrVar::ENode(operation(kind, operands)),
+    });
+    let nodes: RecExpr<ENodeOrVar<Term>> = nodes.collect::<Vec<_>>().into();
+    egg::Pattern::new(nodes)
+}
+
+/// The rewrites of a rule: one for each direction.
+pub(super) fn rewrites(rule: &Rule) -> Vec<Rewrite<Term, ()>> {
+    let directed = rule.directed().into_iter();
+    directed
+        .map(|rule| {
+            Rewrite::new(rule.name.as_str(), side(&rule.left), side(&rule.right))
+                .expect("rules that were read have no unbound variable")
+        })
+        .collect()
+}
+
+/// What growing a graph may cost.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Budget {
+    /// Nodes.
+    pub(super) nodes: usize,
+    /// Iterations.
+    pub(super) iterations: usize,
+}
+
+/// A graph after growing.
+pub(super) struct Grown {
+    pub(super) graph: EGraph<Term, ()>,
+    /// The class of each term it was grown from.
+    pub(super) roots: Vec<Id>,
+    /// True when nothing more can be found.
+    pub(super) saturated: bool,
+}
+
+/// Grows a graph from terms by rewrites, whose names must differ.
+pub(super) fn grow(
+    terms: &[RecExpr<Term>],
+    rewrites: &[Rewrite<Term, ()>],
+    budget: Budget,
+) -> Grown {
+    let mut runner = Runner::<Term, ()>::new(())
+        .with_scheduler(SimpleScheduler)
+        .with_iter_limit(budget.iterations)
+        .with_node_limit(budget.nodes)
+        .with_time_limit(Duration::MAX);
+    for term in terms {
+        runner = runner.with_expr(term);
+    }
+    let runner = runner.run(rewrites);
+    Grown {
+        saturated: matches!(runner.stop_reason, Some(StopReason::Saturated)),
+        roots: runner.roots,
+        graph: runner.egraph,
+    }
+}

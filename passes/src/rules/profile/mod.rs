@@ -1,0 +1,47 @@
+//! What a rule does to errors, cycles, operations and graphs.
+
+mod cost;
+mod error;
+mod family;
+mod fit;
+mod grow;
+#[cfg(test)]
+mod tests;
+
+pub use cost::Change;
+pub(super) use cost::{arrival_of, operations};
+pub use error::{Spread, Transfer};
+pub use fit::Growth;
+pub use grow::{Growing, PairGrowth, alone, pairs, partner};
+
+use super::rule::Rule;
+use robovec_ir::Machine;
+
+/// Random points for errors.
+pub const POINTS: usize = 20_000;
+
+/// The profile of a rule by itself.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Profile {
+    /// Rounding errors of both sides.
+    pub transfer: Transfer,
+    /// Operations and cycles.
+    pub change: Change,
+    /// How a graph grows under the rule and those that are always on.
+    pub growing: Growing,
+    /// When it grows exponentially or without end: with which rule, itself or
+    /// one that is always on; `None` when it takes more than one.
+    pub partner: Option<String>,
+}
+
+/// Profiles a rule for a machine.
+pub fn profile(rule: &Rule, machine: &Machine, points: usize) -> Profile {
+    let growing = alone(rule);
+    let explodes = matches!(growing.growth, Growth::Exponential(_) | Growth::Endless);
+    Profile {
+        partner: explodes.then(|| partner(rule)).flatten(),
+        transfer: error::transfer(rule, points),
+        change: cost::change(rule, machine),
+        growing,
+    }
+}
