@@ -1,17 +1,22 @@
 //! The bodies of the fuzz targets: plain functions of bytes, which the ordinary
 //! tests run briefly and cargo-fuzz runs at length.
 
+pub mod equations;
+pub mod errors;
 pub mod generate;
 pub mod generated;
 pub mod images;
 pub mod inlined;
 pub mod models;
 pub mod mutants;
+pub mod passes;
 pub mod pipelines;
 pub mod robotran;
+pub mod statistics;
 pub mod text;
 pub mod written;
 
+pub use errors::errors_stay_within_bounds;
 pub use images::simulate_garbage;
 pub use inlined::inline_undoes_atomise;
 pub use models::{model_round_trip, read_model};

@@ -1,11 +1,13 @@
 //! Tree balancing (thesis 2.4.3).
 
 use crate::analysis::critical_path::{Weights, arrivals};
-use crate::cse::merge_equal;
-use crate::dce::remove_dead;
+use crate::cse::merge_equal_noting;
+use crate::dce::remove_dead_asking;
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
-use crate::reassociate::{Reach, Shape, reassociate};
+use crate::reassociate::{Reach, Shape, reassociate_asking};
+use crate::rewrites::Rewrites;
+use crate::trail::Notes;
 use robovec_ir::{Function, Level, Tables};
 
 declare_pass! {
@@ -38,21 +40,30 @@ const LARGEST_REPEATED: usize = 200_000;
 /// A function at the atomic level after one round of balancing: equal
 /// operations merged, dead ones removed.
 pub(crate) fn balanced(function: &Function, tables: &mut Tables, weights: &Weights) -> Function {
-    Balance::round(function, tables, weights)
+    Balance::round(function, tables, weights, &Rewrites::default())
 }
 
 impl Balance {
     /// One round: equal operations are merged and dead ones removed first,
     /// since both hide that a value is used only once.
-    fn round(function: &Function, tables: &mut Tables, weights: &Weights) -> Function {
+    fn round(
+        function: &Function,
+        tables: &mut Tables,
+        weights: &Weights,
+        rewrites: &Rewrites,
+    ) -> Function {
         let merged = match function.level {
-            Level::Atomic => merge_equal(function, tables).map(|(function, _)| function),
+            Level::Atomic => {
+                let notes = &mut Notes::unwanted();
+                merge_equal_noting(function, tables, rewrites, notes).map(|(function, _)| function)
+            }
             _ => None,
         };
         let function = merged.as_ref().unwrap_or(function);
-        let live = remove_dead(function).map(|(function, _)| function);
+        let live = remove_dead_asking(function, rewrites).map(|(function, _)| function);
         let function = live.as_ref().unwrap_or(function);
-        reassociate(function, tables, weights, Reach::Maximal, Shape::Earliest)
+        let (reach, shape) = (Reach::Maximal, Shape::Earliest);
+        reassociate_asking(function, tables, weights, reach, shape, rewrites)
     }
 }
 
@@ -71,9 +82,9 @@ impl Pass for Balance {
             self.rounds
         };
         for _ in 0..rounds {
-            let new = Self::round(function, context.tables, &weights);
+            let new = Self::round(function, context.tables, &weights, context.rewrites);
             let reached = size(&new);
-            if reached >= best {
+            if reached >= best && !context.rewrites.is_limited() {
                 break;
             }
             best = reached;
@@ -81,7 +92,7 @@ impl Pass for Balance {
         }
         context.statistics.push((
             "cycles taken off the longest path",
-            (before.0 - best.0).into(),
+            before.0.saturating_sub(best.0).into(),
         ));
         let fewer = before.1.saturating_sub(best.1);
         context.statistics.push(("operations saved", fewer as u64));

@@ -3,6 +3,7 @@
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rewrite::Rewriter;
+use crate::rewrites::Rewrites;
 use crate::trail::Notes;
 use hashbrown::HashTable;
 use robovec_ir::{Function, Node, Operand, Operation, SourceSet, Tables, Value};
@@ -121,7 +122,12 @@ impl SourceMerges {
 /// The function with equal operations merged, and how many were; `None` when
 /// there is nothing to merge.
 pub fn merge_equal(function: &Function, tables: &mut Tables) -> Option<(Function, u64)> {
-    merge_equal_noting(function, tables, &mut Notes::unwanted())
+    merge_equal_noting(
+        function,
+        tables,
+        &Rewrites::default(),
+        &mut Notes::unwanted(),
+    )
 }
 
 /// The rule noted for a value that took over another of this name (`%OM16`).
@@ -129,10 +135,12 @@ pub fn equal_to(name: &str) -> String {
     format!("equal to {name}")
 }
 
-/// As [`merge_equal`], noting which value took over which.
+/// As [`merge_equal`], asking before each merge and noting which value took
+/// over which.
 pub fn merge_equal_noting(
     function: &Function,
     tables: &mut Tables,
+    rewrites: &Rewrites,
     notes: &mut Notes,
 ) -> Option<(Function, u64)> {
     let mut rewriter = Rewriter::new(function, function.level);
@@ -142,7 +150,8 @@ pub fn merge_equal_noting(
     for node in function.nodes() {
         let operands = rewriter.translate_operands(node);
         let key = Key::new(node.operation, operands);
-        if let Some(same) = known.find(&rewriter.new, key) {
+        let same = known.find(&rewriter.new, key);
+        if let Some(same) = same.filter(|_| rewrites.allow(node.name, "equal operations")) {
             merges.add(same, node.sources);
             if notes.are_wanted() {
                 let gone = format!("%{}", node.name.display(&tables.symbols));
@@ -152,7 +161,9 @@ pub fn merge_equal_noting(
             merged += 1;
         } else {
             let value = rewriter.keep(Node { operands, ..*node });
-            known.insert(&rewriter.new, value);
+            if same.is_none() {
+                known.insert(&rewriter.new, value);
+            }
         }
     }
     if merged == 0 {
@@ -166,7 +177,8 @@ pub fn merge_equal_noting(
 impl Pass for Cse {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let mut count = 0;
-        if let Some((new, merged)) = merge_equal_noting(function, context.tables, context.notes) {
+        let (rewrites, notes) = (context.rewrites, &mut *context.notes);
+        if let Some((new, merged)) = merge_equal_noting(function, context.tables, rewrites, notes) {
             *function = new;
             count = merged;
         }

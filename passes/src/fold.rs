@@ -28,7 +28,12 @@ impl Pass for Fold {
         for node in function.nodes() {
             let operands = rewriter.translate_operands(node);
             let node = Node { operands, ..*node };
-            match simplify(&mut rewriter.new, node) {
+            let simple = match simplify(&mut rewriter.new, node) {
+                Simple::Node(same) if same == node => Simple::Node(node),
+                _ if !context.allow_rewrite(node.name, "result known") => Simple::Node(node),
+                simple => simple,
+            };
+            match simple {
                 Simple::Operand(operand) => {
                     rewriter.record(operand);
                     folded += 1;

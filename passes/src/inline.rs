@@ -3,6 +3,7 @@
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rewrite::{Rewriter, lay_out, output_symbol};
+use crate::rewrites::Rewrites;
 use robovec_ir::{
     Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Tables, Value,
 };
@@ -36,7 +37,7 @@ declare_pass! {
 
 impl Pass for Inline {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
-        let choice = Choice::new(function, context.tables, self);
+        let choice = Choice::new(function, context.tables, context.rewrites, self);
         let substituted = choice.count();
         let new = choice.apply();
         *function = lay_out(&with_sources(new, context.tables));
@@ -55,6 +56,7 @@ struct Extent {
 /// Which values lose their names.
 struct Choice<'a> {
     function: &'a Function,
+    rewrites: &'a Rewrites,
     /// Inner nodes: those the function came with, and those chosen.
     inner: Vec<bool>,
     /// Copies that give way to what they copy.
@@ -63,10 +65,16 @@ struct Choice<'a> {
 }
 
 impl<'a> Choice<'a> {
-    fn new(function: &'a Function, tables: &mut Tables, limits: &Inline) -> Choice<'a> {
+    fn new(
+        function: &'a Function,
+        tables: &mut Tables,
+        rewrites: &'a Rewrites,
+        limits: &Inline,
+    ) -> Choice<'a> {
         let nodes = function.nodes();
         let mut choice = Choice {
             function,
+            rewrites,
             inner: nodes.iter().map(|node| node.name.is_none()).collect(),
             skipped: vec![false; nodes.len()],
             extents: Vec::with_capacity(nodes.len()),
@@ -105,7 +113,9 @@ impl<'a> Choice<'a> {
             let target = self.target(value);
             self.inner[target.index()] = true;
             let larger = self.extent(node);
-            if larger.operations > limits.operations || larger.nesting > limits.nesting {
+            let fits = larger.operations <= limits.operations && larger.nesting <= limits.nesting;
+            let name = self.function.node(target).name;
+            if !fits || !self.rewrites.allow(name, "used once") {
                 self.inner[target.index()] = false;
             } else {
                 extent = larger;

@@ -7,6 +7,7 @@
 
 use crate::class::NumericClass;
 use crate::options::{OptionError, OptionInfo};
+use crate::rewrites::Rewrites;
 use crate::rules::RuleSet;
 use crate::trail::Notes;
 use robovec_ir::{Function, Level, Machine, Name, SourceSet, Tables};
@@ -39,6 +40,8 @@ pub struct Context<'a> {
     pub remarks: &'a mut Vec<String>,
     /// The rules it applied, value by value; see [`Context::note`].
     pub notes: &'a mut Notes,
+    /// Counts the rewrites, and stops them when one is looked for.
+    pub rewrites: &'a Rewrites,
 }
 
 impl Context<'_> {
@@ -49,6 +52,13 @@ impl Context<'_> {
     #[inline]
     pub fn note(&mut self, name: Name, rule: &str) {
         self.notes.note(name, rule);
+    }
+
+    /// Whether a value may be written anew: asked before every rewrite, so
+    /// that the one that breaks a function can be found
+    /// ([`Rewrites::allow`]).
+    pub fn allow_rewrite(&self, name: Name, rule: &str) -> bool {
+        self.rewrites.allow(name, rule)
     }
 }
 

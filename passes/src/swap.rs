@@ -3,7 +3,7 @@
 use crate::analysis::critical_path::{Weights, critical_path};
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
-use crate::reassociate::{Reach, Shape, reassociate};
+use crate::reassociate::{Reach, Shape, reassociate_asking};
 use robovec_ir::Function;
 
 declare_pass! {
@@ -25,16 +25,17 @@ declare_pass! {
 impl Pass for Swap {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
-        let new = reassociate(
+        let new = reassociate_asking(
             function,
             context.tables,
             &weights,
             Reach::Cascade,
             Shape::Cascade,
+            context.rewrites,
         );
         let before = critical_path(function, context.machine).asap_cycle;
         let after = critical_path(&new, context.machine).asap_cycle;
-        if after <= before {
+        if after <= before || context.rewrites.is_limited() {
             *function = new;
         } else {
             context

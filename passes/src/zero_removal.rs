@@ -3,7 +3,7 @@
 use crate::analysis::critical_path::Weights;
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
-use crate::reassociate::{Reach, Shape, reassociate};
+use crate::reassociate::{Reach, Shape, reassociate_asking};
 use robovec_ir::{Function, Operation};
 
 declare_pass! {
@@ -37,15 +37,16 @@ pub fn minuses(function: &Function) -> usize {
 impl Pass for ZeroRemoval {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
-        let new = reassociate(
+        let new = reassociate_asking(
             function,
             context.tables,
             &weights,
             Reach::Operation,
             Shape::Written,
+            context.rewrites,
         );
         let before = minuses(function);
-        if new.nodes().len() <= function.nodes().len() {
+        if new.nodes().len() <= function.nodes().len() || context.rewrites.is_limited() {
             *function = new;
         } else {
             context

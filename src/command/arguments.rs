@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValuesParser, StyledStr};
 use clap::{Parser, ValueEnum};
 use clap_complete::engine::{ArgValueCandidates, CompletionCandidate};
+use robovec_passes::manager::Limit;
 use robovec_passes::registry;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -96,6 +97,27 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "4",
           require_equals = true, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) check_each: Option<u32>,
+
+    /// Run only the first P passes, of the last one only the first N rewrites, and say so
+    #[arg(long, value_name = "P[:N]")]
+    pub(crate) bisect_limit: Option<Limit>,
+
+    /// When a pass goes wrong, write the function before it into FILE, with the command
+    #[arg(long, value_name = "FILE")]
+    pub(crate) reproducer: Option<PathBuf>,
+
+    /// Run the command in the header of a reproducer; other options add to it
+    #[arg(long)]
+    pub(crate) run_reproducer: bool,
+
+    /// When a pass goes wrong, find the rewrite and the smallest program; checks every pass
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "reduced.rvir",
+          require_equals = true)]
+    pub(crate) auto_reduce: Option<PathBuf>,
+
+    /// Most work of --auto-reduce: values of programs tried, times passes
+    #[arg(long, value_name = "N", default_value_t = robovec_passes::reduce::WORK)]
+    pub(crate) reduce_work: u64,
 
     /// Seed of all random points and states
     #[arg(long, default_value_t = 1)]

@@ -17,6 +17,8 @@ mod listing;
 mod model;
 pub mod opt;
 mod output;
+mod reduction;
+mod reproducer;
 mod rules;
 mod sim;
 mod simulation;

@@ -5,9 +5,9 @@ use super::dump::DumpFolder;
 use super::explain;
 use super::input::{self, Input};
 use super::tables::{self, Stage};
-use super::{Failure, listing, output, rules, simulation};
+use super::{Failure, listing, output, reduction, reproducer, rules, simulation};
 use crate::report;
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches, Parser};
 use clap_complete::env::{CompleteEnv, Shells};
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, termcolor::ColorChoice};
@@ -24,14 +24,46 @@ use std::process::ExitCode;
 /// Runs the program.
 pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     CompleteEnv::with_factory(Arguments::command).complete();
-    let arguments = Arguments::parse_from(arguments::normalise(arguments));
-    match run(&arguments) {
+    let words = arguments::normalise(arguments);
+    let arguments = Arguments::parse_from(&words);
+    let result = match arguments.run_reproducer {
+        true => reproduced(&arguments, &words).and_then(|arguments| run(&arguments)),
+        false => run(&arguments),
+    };
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             failure.emit();
             ExitCode::FAILURE
         }
     }
+}
+
+/// The arguments of the command in a reproducer; those given here add to
+/// them, and are preferred.
+fn reproduced(arguments: &Arguments, words: &[OsString]) -> Result<Arguments, Failure> {
+    let Some(path) = &arguments.input else {
+        return Err(Failure::plain("no reproducer to run"));
+    };
+    let command = reproducer::command(path, &input::text(path)?)?;
+    let program = words.iter().take(1).cloned();
+    let given = words
+        .iter()
+        .skip(1)
+        .filter(|word| *word != "--run-reproducer");
+    let all = program
+        .chain(command.into_iter().map(OsString::from))
+        .chain(given.cloned());
+    let parsed = Arguments::command()
+        .args_override_self(true)
+        .try_get_matches_from(all)
+        .and_then(|matches| Arguments::from_arg_matches(&matches));
+    parsed.map_err(|error| {
+        Failure::plain(format!(
+            "{}: the command in its header: {error}",
+            path.display()
+        ))
+    })
 }
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -68,7 +100,11 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let read: Vec<ReadCounts> = input.module.functions.iter().map(ReadCounts::of).collect();
     let mut trail = arguments.explain.is_some().then(Trail::new);
     let target = (&machine, &rules);
-    let outcome = transform(arguments, &pipeline, target, &mut input, trail.as_mut())?;
+    let kept = reduction::keep(arguments, &input.module);
+    let outcome = transform(arguments, &pipeline, target, &mut input, trail.as_mut());
+    let outcome = outcome.map_err(|failure| {
+        reduction::follow_up(failure, kept.as_ref(), &pipeline, target, arguments)
+    })?;
     let simulated = match arguments.simulate {
         Some(states) => simulation::simulate(&input.module, &machine, states, arguments.seed)?,
         None => String::new(),
@@ -201,7 +237,9 @@ fn transform(
             machine,
             rules: Some(rules),
             verify_each: arguments.verify_each,
-            check_each: arguments.check_each,
+            check_each: arguments
+                .check_each
+                .or_else(|| arguments.auto_reduce.as_ref().map(|_| reproducer::POINTS)),
             rounding: arguments.report.is_some().then_some(0),
             seed: arguments.seed,
             print_before: filter(arguments.print_before.as_deref()),
@@ -215,6 +253,8 @@ fn transform(
             trail,
             log: &mut io::stderr().lock(),
             progress: Some(&mut progress),
+            limit: arguments.bisect_limit,
+            executed: None,
         },
     );
     bar.finish_and_clear();
@@ -251,7 +291,17 @@ fn describe(error: RunError, arguments: &Arguments, input: &Input) -> Failure {
             let message = format!("{pass}, function '{function}': {}", error.message);
             located(message, error.sources, error.help, input)
         }
-        other => Failure::plain(other.to_string()),
+        RunError::Panic { .. } | RunError::Verify { .. } | RunError::Check { .. } => {
+            let mut notes = Vec::new();
+            if arguments.auto_reduce.is_none() {
+                notes.push(
+                    "'--auto-reduce' finds the smallest program and the rewrite that show it"
+                        .to_owned(),
+                );
+            }
+            Failure::advised(error.to_string(), notes)
+        }
+        RunError::Io(_) => Failure::plain(error.to_string()),
     }
 }
 

@@ -3,5 +3,6 @@
 
 pub mod accuracy;
 pub mod critical_path;
+pub mod error_bound;
 pub mod rounding;
 pub mod slice;

@@ -7,7 +7,7 @@ use super::{Config, PassRecord};
 use crate::pipeline::PassStep;
 use robovec_ir::{Function, Tables, View, print};
 use similar::{ChangeTag, TextDiff};
-use std::io::{self, Write};
+use std::io;
 
 /// Which passes a dump is asked for.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
@@ -135,7 +135,8 @@ impl<'a> Instruments<'a> {
                 let old = before.map_or_else(String::new, |function| {
                     print::print_function(View { tables, function })
                 });
-                write_diff(self.config.log, &old, &print::print_function(view))?;
+                let lines = difference(&old, &print::print_function(view));
+                self.config.log.write_all(lines.as_bytes())?;
             }
         }
         if let Some(dump) = &mut self.config.dump {
@@ -162,12 +163,13 @@ impl<'a> Instruments<'a> {
 
 /// Changed lines with three lines around them, `-` before what went and `+`
 /// before what came.
-fn write_diff(log: &mut dyn Write, old: &str, new: &str) -> io::Result<()> {
+pub(crate) fn difference(old: &str, new: &str) -> String {
+    let mut lines = String::new();
     let diff = TextDiff::from_lines(old, new);
     let mut first = true;
     for group in diff.grouped_ops(3) {
         if !first {
-            writeln!(log, "  …")?;
+            lines.push_str("  …\n");
         }
         first = false;
         for change in group
@@ -179,8 +181,9 @@ fn write_diff(log: &mut dyn Write, old: &str, new: &str) -> io::Result<()> {
                 ChangeTag::Delete => '-',
                 ChangeTag::Insert => '+',
             };
-            write!(log, "{sign}{change}")?;
+            lines.push(sign);
+            lines.push_str(&change.to_string());
         }
     }
-    Ok(())
+    lines
 }

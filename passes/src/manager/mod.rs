@@ -6,10 +6,13 @@
 //! function (unless switched off); what the instruments print never goes to
 //! the standard output, which belongs to the result.
 
+mod bisect;
 mod instrument;
 mod measure;
 mod plan;
 
+pub use bisect::{Executed, Limit};
+pub(crate) use instrument::difference;
 pub use instrument::{Dump, DumpState, PassFilter, PrintChanged};
 pub use measure::usage;
 pub use plan::PlanError;
@@ -18,13 +21,16 @@ use crate::analysis::rounding::{Rounding, rounding, usual_states};
 use crate::check::{self, Verdict};
 use crate::pass::{Artifact, Context, PassError, PassInfo};
 use crate::pipeline::{PassStep, Pipeline, Step};
+use crate::rewrites::Rewrites;
 use crate::rules::RuleSet;
 use crate::trail::{self, Follower, Notes, Trail};
 use instrument::Instruments;
 use measure::Meter;
 use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
+use std::any::Any;
 use std::borrow::Cow;
 use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 /// Told before each pass: its ordinal, the number of all, its name.
@@ -63,6 +69,10 @@ pub struct Config<'a> {
     pub log: &'a mut dyn io::Write,
     /// Called before each pass of each function.
     pub progress: Option<&'a mut Progress<'a>>,
+    /// Stop here, and log which passes run.
+    pub limit: Option<Limit>,
+    /// Receives every pass that is started.
+    pub executed: Option<&'a mut Vec<Executed>>,
 }
 
 impl<'a> Config<'a> {
@@ -83,6 +93,8 @@ impl<'a> Config<'a> {
             trail: None,
             log,
             progress: None,
+            limit: None,
+            executed: None,
         }
     }
 }
@@ -138,6 +150,18 @@ pub enum RunError {
         /// Its reason.
         error: PassError,
     },
+    /// A pass panicked: a mistake in the pass.
+    #[error(
+        "{pass}, function '{function}': the pass panicked; this is a mistake in the pass\n{message}"
+    )]
+    Panic {
+        /// The pass, as in the pipeline.
+        pass: String,
+        /// The function.
+        function: String,
+        /// What it panicked with.
+        message: String,
+    },
     /// The verifier refuses what a pass made: a mistake in the pass.
     #[error(
         "{pass}, function '{function}': the result is not well formed; this is a mistake in the pass\n{}",
@@ -185,12 +209,14 @@ pub fn run(
         instruments: Instruments::new(config),
         outcome: Outcome::default(),
         ordinal: 0,
+        index: 0,
         fingerprint: 0,
         rounding: None,
         total: pipeline.passes().count() * module.functions.len(),
     };
     let tables = &mut module.tables;
-    for function in &mut module.functions {
+    for (index, function) in module.functions.iter_mut().enumerate() {
+        run.index = index;
         if run.instruments.config.histories {
             trail::begin(function);
         }
@@ -217,6 +243,8 @@ struct Run<'a> {
     outcome: Outcome,
     ordinal: usize,
     total: usize,
+    /// Of the function.
+    index: usize,
     /// That of the function as it is now.
     fingerprint: u64,
     /// Its rounding errors, with the fingerprint of what it computes.
@@ -274,6 +302,9 @@ impl Run<'_> {
     ) -> Result<(), RunError> {
         self.ordinal += 1;
         let name = step.to_string();
+        let Some(limit) = self.limit(&name, function)? else {
+            return Ok(());
+        };
         if let Some(progress) = &mut self.instruments.config.progress {
             progress(self.ordinal, self.total.max(self.ordinal), &name);
         }
@@ -305,23 +336,44 @@ impl Run<'_> {
             true => Notes::wanted(),
             false => Notes::unwanted(),
         };
-        let result = pass.run(
-            function,
-            &mut Context {
-                tables,
-                machine: self.instruments.config.machine,
-                rules: &self.rules,
-                artifacts: &mut self.outcome.artifacts,
-                statistics: &mut record.statistics,
-                remarks: &mut remarks,
-                notes: &mut notes,
-            },
-        );
-        result.map_err(|error| RunError::Pass {
-            pass: name.clone(),
-            function: function.name.clone(),
-            error,
-        })?;
+        let rewrites = Rewrites::new(limit);
+        let mut context = Context {
+            tables,
+            machine: self.instruments.config.machine,
+            rules: &self.rules,
+            artifacts: &mut self.outcome.artifacts,
+            statistics: &mut record.statistics,
+            remarks: &mut remarks,
+            notes: &mut notes,
+            rewrites: &rewrites,
+        };
+        // What a panic leaves half done is not looked at again.
+        let result = catch_unwind(AssertUnwindSafe(|| pass.run(function, &mut context)));
+        if let Some(executed) = &mut self.instruments.config.executed {
+            executed.push(Executed {
+                function: self.index,
+                step: step.clone(),
+                rewrites: rewrites.asked(),
+                last: rewrites.last(),
+            });
+        }
+        match result {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => {
+                return Err(RunError::Pass {
+                    pass: name,
+                    function: function.name.clone(),
+                    error,
+                });
+            }
+            Err(panic) => {
+                return Err(RunError::Panic {
+                    pass: name,
+                    function: function.name.clone(),
+                    message: panic_message(panic.as_ref()),
+                });
+            }
+        }
         measure::forget_stale_properties(step.info, function);
         (record.cpu_s, record.peak_mb) = meter.stop();
         if let Some(follower) = follower {
@@ -372,6 +424,26 @@ impl Run<'_> {
         };
         self.rounding = Some((new, after.clone()));
         Some([before, after])
+    }
+
+    /// How many rewrites the next pass may do; `None` when it is beyond the
+    /// limit.
+    fn limit(&mut self, name: &str, function: &Function) -> io::Result<Option<Option<u64>>> {
+        let config = &mut self.instruments.config;
+        let limit = Limit::of(config.limit, self.ordinal as u64);
+        if config.limit.is_some() {
+            let verb = if limit.is_some() {
+                "running"
+            } else {
+                "NOT running"
+            };
+            writeln!(
+                config.log,
+                "BISECT: {verb} pass ({}) {name} on {}",
+                self.ordinal, function.name
+            )?;
+        }
+        Ok(limit)
     }
 
     fn verify(
@@ -439,6 +511,13 @@ impl Run<'_> {
             reason: verdict.to_string(),
         })
     }
+}
+
+/// What a panic says of itself.
+fn panic_message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    text.unwrap_or("without a message").to_owned()
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use super::signs::Wishes;
 use crate::analysis::critical_path::{Weights, tails};
 use crate::cse::{Key, KnownValues, SourceMerges};
 use crate::rewrite::{lay_out, output_symbol, owners};
+use crate::rewrites::Rewrites;
 use hashbrown::HashMap;
 use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol,
@@ -27,6 +28,7 @@ pub(crate) enum Shape {
 }
 
 /// Rewrites all groups of a function.
+#[cfg(test)]
 pub(crate) fn reassociate(
     function: &Function,
     tables: &mut Tables,
@@ -34,7 +36,20 @@ pub(crate) fn reassociate(
     reach: Reach,
     shape: Shape,
 ) -> Function {
-    let mut plan = Plan::new(function, tables, reach);
+    let rewrites = Rewrites::default();
+    reassociate_asking(function, tables, weights, reach, shape, &rewrites)
+}
+
+/// As [`reassociate`], asking before each group.
+pub(crate) fn reassociate_asking(
+    function: &Function,
+    tables: &mut Tables,
+    weights: &Weights,
+    reach: Reach,
+    shape: Shape,
+    rewrites: &Rewrites,
+) -> Function {
+    let mut plan = Plan::new(function, tables, reach, rewrites);
     if shape == Shape::Earliest {
         plan.negate(weights, None);
     }
@@ -61,8 +76,13 @@ struct Plan<'a> {
 }
 
 impl<'a> Plan<'a> {
-    fn new(function: &'a Function, tables: &mut Tables, reach: Reach) -> Plan<'a> {
-        let groups = Groups::find(function, reach);
+    fn new(
+        function: &'a Function,
+        tables: &mut Tables,
+        reach: Reach,
+        rewrites: &Rewrites,
+    ) -> Plan<'a> {
+        let groups = Groups::find_allowed(function, reach, rewrites);
         let wishes = Wishes::find(function, &groups);
         Plan {
             function,
@@ -187,6 +207,7 @@ impl<'p> Builder<'p> {
             }
             let result = match Family::of(node.operation) {
                 None => self.other(root, node),
+                Some(_) if groups.is_frozen(root) => self.as_it_was(root, node),
                 Some(family) => {
                     let mut naming = self.naming(root, node, groups.inner(root), tables);
                     self.group(family, root, groups.leaves(root), &mut naming)
@@ -266,6 +287,24 @@ impl<'p> Builder<'p> {
         };
         let operand = self.emit(node.operation, [operand, b.operand], node.name, &mut naming);
         Signed { operand, negative }
+    }
+
+    /// A sum or product of two operands that must not be rewritten.
+    fn as_it_was(&mut self, root: Value, node: &Node) -> Signed {
+        let mut naming = Naming {
+            root: node.name,
+            spare: Vec::new(),
+            owner: self.plan.owners[root.index()],
+            sources: node.sources,
+        };
+        let operands = node.operands.map(|operand| {
+            let value = self.signed(operand);
+            self.true_sign(value, &mut naming)
+        });
+        Signed {
+            operand: self.emit(node.operation, operands, node.name, &mut naming),
+            negative: false,
+        }
     }
 
     /// Appends an operation, or finds an equal one.

@@ -1,5 +1,6 @@
 //! Finding the groups: signed sums and products.
 
+use crate::rewrites::Rewrites;
 use robovec_ir::{Function, Operand, Operation, Value};
 
 /// How far a group reaches into the values that only it uses.
@@ -50,6 +51,8 @@ pub(crate) struct Leaf {
 /// the groups' results.
 pub(crate) struct Groups {
     absorbed: Vec<bool>,
+    /// Values of groups that must stay as they are; empty when there are none.
+    frozen: Vec<bool>,
     leaves: Vec<Leaf>,
     inner: Vec<Value>,
     /// For each value where its leaves and absorbed values start; those of
@@ -58,10 +61,42 @@ pub(crate) struct Groups {
 }
 
 impl Groups {
+    /// The groups of a function.
     pub(crate) fn find(function: &Function, reach: Reach) -> Groups {
+        Groups::read(function, absorbed(function, reach), Vec::new())
+    }
+
+    /// As [`Groups::find`], but those that may not be rewritten are taken
+    /// apart into their operations, each frozen.
+    pub(super) fn find_allowed(function: &Function, reach: Reach, rewrites: &Rewrites) -> Groups {
+        let groups = Groups::find(function, reach);
+        let (mut absorbed, mut frozen) = (Vec::new(), Vec::new());
+        for (root, node) in function.values() {
+            let group = Family::of(node.operation).is_some() && !groups.is_absorbed(root);
+            if !group || rewrites.allow(node.name, "group of terms or factors") {
+                continue;
+            }
+            if frozen.is_empty() {
+                frozen = vec![false; function.nodes().len()];
+                absorbed = groups.absorbed.clone();
+            }
+            frozen[root.index()] = true;
+            for inner in groups.inner(root) {
+                frozen[inner.index()] = true;
+                absorbed[inner.index()] = false;
+            }
+        }
+        match frozen.is_empty() {
+            true => groups,
+            false => Groups::read(function, absorbed, frozen),
+        }
+    }
+
+    fn read(function: &Function, absorbed: Vec<bool>, frozen: Vec<bool>) -> Groups {
         let count = function.nodes().len();
         let mut groups = Groups {
-            absorbed: absorbed(function, reach),
+            absorbed,
+            frozen,
             leaves: Vec::with_capacity(count),
             inner: Vec::new(),
             starts: Vec::with_capacity(count + 1),
@@ -69,7 +104,8 @@ impl Groups {
         let mut open = Vec::new();
         for (value, node) in function.values() {
             groups.starts.push(groups.ends());
-            if Family::of(node.operation).is_some() && !groups.is_absorbed(value) {
+            let rewritten = !groups.is_absorbed(value) && !groups.is_frozen(value);
+            if rewritten && Family::of(node.operation).is_some() {
                 groups.collect(function, value, &mut open);
             }
         }
@@ -84,6 +120,11 @@ impl Groups {
     /// True when the value is part of the group of its one user.
     pub(crate) fn is_absorbed(&self, value: Value) -> bool {
         self.absorbed[value.index()]
+    }
+
+    /// True when the value must stay the operation it is.
+    pub(super) fn is_frozen(&self, value: Value) -> bool {
+        self.frozen.get(value.index()).copied().unwrap_or(false)
     }
 
     /// Terms or factors of the group of a value, left to right, without the

@@ -20,6 +20,8 @@ mod share;
 mod signs;
 mod tree;
 
-pub(crate) use build::{Shape, reassociate};
+#[cfg(test)]
+pub(crate) use build::reassociate;
+pub(crate) use build::{Shape, reassociate_asking};
 pub(crate) use combine::finish;
 pub(crate) use gather::{Family, Groups, Leaf, Reach};

@@ -1,0 +1,210 @@
+//! Random pipelines keep random equations, and their errors stay within the
+//! bound of [`robovec_passes::analysis::error_bound`].
+
+use crate::equations::{Contents, equations};
+use crate::passes;
+use crate::statistics::{Run, Statistics};
+use arbitrary::{Result, Unstructured};
+use robovec_ir::arithmetic::Binary32;
+use robovec_ir::double_double::DoubleDouble;
+use robovec_ir::evaluate::{evaluate, evaluate_nodes, outputs};
+use robovec_ir::states::States;
+use robovec_ir::{Function, Machine, Module, View, print};
+use robovec_passes::NumericClass;
+use robovec_passes::analysis::error_bound::{Binary32Bound, Bounded};
+use robovec_passes::manager::{self, Config, Executed, Limit, RunError};
+use robovec_passes::pipeline::{self, Pipeline};
+
+/// How often [`errors_stay_within_bounds`] ran, and on what.
+pub static STATISTICS: Statistics = Statistics::new("errors_stay_within_bounds");
+
+const STATES: u32 = 3;
+/// Magnitudes beyond this are near an overflow, or meet an underflow.
+const LARGEST: f64 = 1e15;
+const CONTENTS: Contents = Contents {
+    definitions: 20,
+    divisions: true,
+};
+
+/// Runs a random pipeline over random equations under the verifier and the
+/// semantic check, stops it after a random number of rewrites as well, and
+/// compares errors with bounds.
+///
+/// # Panics
+///
+/// When a pass changes the function, with all of its rewrites or with the
+/// first ones; when the result in binary32 is farther from the exact result
+/// of the equations than the bound; or when a pass that is *real* brings in
+/// cancellations.
+pub fn errors_stay_within_bounds(data: &[u8]) {
+    // Bytes that run out make a smaller case, never a failure.
+    let result = run(&mut Unstructured::new(data));
+    STATISTICS.record(&result);
+}
+
+fn run(bytes: &mut Unstructured<'_>) -> Result<Run> {
+    let text = passes::pipeline(bytes, 5)?;
+    let seed = bytes.arbitrary()?;
+    let share: u8 = bytes.arbitrary()?;
+    let before = equations(bytes, CONTENTS)?;
+    let pipeline = pipeline::parse(&text).expect("made of known passes");
+    let mut after = before.clone();
+    let executed = execute(&mut after, &pipeline, seed, None);
+    let last = executed.last().map_or(0, |pass| pass.rewrites);
+    let rewrites = executed.iter().map(|pass| pass.rewrites).sum();
+    // The first rewrites alone are right too.
+    let limit = Limit {
+        passes: executed.len() as u64,
+        rewrites: Some(last * u64::from(share) / 255),
+    };
+    execute(&mut before.clone(), &pipeline, seed, Some(limit));
+    compare(&before, &after, &pipeline, seed);
+    Ok(Run {
+        operations: before.functions[0].nodes().len() as u64,
+        passes: executed.len() as u64,
+        rewrites,
+        ..Run::default()
+    })
+}
+
+fn execute(
+    module: &mut Module,
+    pipeline: &Pipeline,
+    seed: u64,
+    limit: Option<Limit>,
+) -> Vec<Executed> {
+    let machine = Machine::built_in("ideal").expect("it ships");
+    let before = print::print_module(module);
+    let mut executed = Vec::new();
+    let result = manager::run(
+        module,
+        pipeline,
+        Config {
+            check_each: Some(2),
+            seed,
+            limit,
+            executed: Some(&mut executed),
+            ..Config::new(&machine, &mut std::io::sink())
+        },
+    );
+    match result {
+        Ok(_) => executed,
+        // A pass may refuse a function, with a reason.
+        Err(RunError::Pass { .. }) => executed,
+        Err(error) => panic!("{pipeline}, limit {limit:?}, seed {seed}: {error}\non {before}"),
+    }
+}
+
+fn compare(before: &Module, after: &Module, pipeline: &Pipeline, seed: u64) {
+    let class = pipeline.passes().map(|pass| pass.info.class).max();
+    let class = class.unwrap_or(NumericClass::Exact);
+    if class == NumericClass::Approximating {
+        return;
+    }
+    let (tables, old) = (&before.tables, &before.functions[0]);
+    let new = &after.functions[0];
+    for state in 0..STATES {
+        let view = View {
+            tables,
+            function: old,
+        };
+        let inputs = States::new(seed).draw(view, state);
+        let Some(found) = Found::new(old, new, &inputs) else {
+            continue;
+        };
+        for place in 0..old.assignments.len() {
+            if let Err(reason) = found.judge(place, class) {
+                panic!(
+                    "{pipeline}, seed {seed}, state {state}, output {place}: {reason}\non {}\nto {}",
+                    print::print_module(before),
+                    print::print_module(after),
+                );
+            }
+        }
+    }
+}
+
+/// All outputs at one state.
+struct Found {
+    exact: Vec<f64>,
+    rounded: Vec<f32>,
+    bounds_before: Vec<Bounded>,
+    bounds_after: Vec<Bounded>,
+}
+
+impl Found {
+    /// `None` where numbers come near what binary32 can hold.
+    fn new(old: &Function, new: &Function, inputs: &[f64]) -> Option<Found> {
+        let wide: Vec<_> = inputs.iter().map(|&number| number.into()).collect();
+        let narrow: Vec<f32> = inputs.iter().map(|&number| number as f32).collect();
+        let bounded: Vec<Bounded> = inputs
+            .iter()
+            .map(|&number| Bounded::exact(number))
+            .collect();
+        let values = evaluate_nodes(new, &Binary32Bound, &bounded);
+        if values.iter().any(|value| value.magnitude > LARGEST) {
+            return None;
+        }
+        Some(Found {
+            exact: evaluate(old, &DoubleDouble, &wide)
+                .into_iter()
+                .map(|number| number.high)
+                .collect(),
+            rounded: evaluate(new, &Binary32, &narrow),
+            bounds_before: evaluate(old, &Binary32Bound, &bounded),
+            bounds_after: outputs(new, &Binary32Bound, &bounded, &values),
+        })
+    }
+
+    fn judge(&self, place: usize, class: NumericClass) -> std::result::Result<(), String> {
+        let (before, after) = (self.bounds_before[place], self.bounds_after[place]);
+        let exact = self.exact[place];
+        if !before.bound().is_finite() || !after.bound().is_finite() {
+            return Ok(());
+        }
+        // Above what can underflow on the way.
+        let slack = 1e-9 * after.magnitude.max(before.magnitude) + 1e-30;
+        if class <= NumericClass::Real && after.magnitude > before.magnitude + slack {
+            return Err(format!(
+                "the magnitude grew from {:e} to {:e}: terms that cancel were brought in",
+                before.magnitude, after.magnitude
+            ));
+        }
+        let magnitude = match class {
+            NumericClass::Exact | NumericClass::Real => before.magnitude,
+            NumericClass::RealTrig | NumericClass::Approximating => after.magnitude,
+        };
+        let error = (f64::from(self.rounded[place]) - exact).abs();
+        let bound = after.bound_for(magnitude) + slack;
+        if error > bound {
+            return Err(format!(
+                "the error is {error:e}, over {bound:e}, at {} roundings",
+                after.roundings
+            ));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn random_pipelines_keep_equations_and_their_errors() {
+        for case in 0..400u64 {
+            arbtest::arbtest(|bytes| {
+                let result = run(bytes);
+                STATISTICS.record(&result);
+                result.map(|_| ())
+            })
+            .seed(case << 32 | 6000);
+        }
+        if std::env::var_os("ARBTEST_BUDGET_MS").is_some() {
+            arbtest::arbtest(|bytes| run(bytes).map(|_| ())).size_min(2000);
+        }
+        eprintln!("{STATISTICS}");
+        assert!(STATISTICS.valid() > 300, "{STATISTICS}");
+        assert!(STATISTICS.rewrites() > 10_000, "{STATISTICS}");
+    }
+}

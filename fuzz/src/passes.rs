@@ -1,0 +1,67 @@
+//! Random pipelines that can run: levels and properties fit.
+
+use arbitrary::{Result, Unstructured};
+use robovec_ir::Level;
+use robovec_passes::pass::{Gives, PassInfo, Property};
+use robovec_passes::registry;
+use std::fmt::Write;
+
+/// A pipeline of up to `most` passes, with random options, for a function at
+/// the equations level; placement and code generation stay out.
+///
+/// # Errors
+///
+/// When the bytes run out.
+pub fn pipeline(bytes: &mut Unstructured<'_>, most: u32) -> Result<String> {
+    let mut text = String::new();
+    let mut level = Level::Equations;
+    let mut properties: Vec<Property> = Vec::new();
+    for _ in 0..bytes.int_in_range(1..=most)? {
+        let fits = |info: &&PassInfo| {
+            let kept = match info.gives {
+                Gives::Same => true,
+                Gives::Level(level) => level <= Level::Atomic,
+            };
+            kept && info.takes.contains(&level)
+                && info.name != "codegen"
+                && info
+                    .requires
+                    .iter()
+                    .all(|wanted| properties.contains(wanted))
+        };
+        let choice: Vec<&PassInfo> = registry::PASSES.iter().filter(fits).collect();
+        let info = *bytes.choose(&choice)?;
+        let comma = if text.is_empty() { "" } else { "," };
+        text = text + comma + info.name;
+        options(bytes, info, &mut text)?;
+        if let Gives::Level(given) = info.gives {
+            level = given;
+        }
+        properties.retain(|property| !info.destroys.contains(property));
+        properties.extend(info.sets);
+    }
+    Ok(text)
+}
+
+/// Some options, with values of their types.
+fn options(bytes: &mut Unstructured<'_>, info: &PassInfo, text: &mut String) -> Result<()> {
+    let mut chosen = Vec::new();
+    for option in info.options {
+        if !bytes.ratio(1, 4)? {
+            continue;
+        }
+        let kind = (option.type_name)();
+        let words: Vec<&str> = kind.split(" | ").collect();
+        let value = match *bytes.choose(&words)? {
+            "integer" => bytes.int_in_range(1..=4u32)?.to_string(),
+            "number" => "0.5".to_owned(),
+            word => word.to_owned(),
+        };
+        chosen.push(format!("{}={value}", option.name));
+    }
+    if !chosen.is_empty() {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{{{}}}", chosen.join(" "));
+    }
+    Ok(())
+}

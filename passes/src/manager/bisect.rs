@@ -1,0 +1,86 @@
+//! Stopping a pipeline half way, and telling how far it came.
+//!
+//! A pipeline is deterministic, so the first `n` passes and rewrites of a run
+//! are the same whatever follows: the state before the pass that went wrong,
+//! or before the rewrite, is had again by running with a limit.
+
+use crate::pipeline::PassStep;
+use std::str::FromStr;
+
+/// How far a run goes: passes are counted over all functions, in the order
+/// they run, from 1.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Limit {
+    /// Passes after this one are skipped.
+    pub passes: u64,
+    /// Of the last pass, this many rewrites are done; all of them when
+    /// absent.
+    pub rewrites: Option<u64>,
+}
+
+/// `P` or `P:N`.
+impl FromStr for Limit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Limit, String> {
+        let number = |text: &str| {
+            text.parse()
+                .map_err(|_| format!("'{text}' is not a number of passes or rewrites"))
+        };
+        let (passes, rewrites) = match text.split_once(':') {
+            None => (text, None),
+            Some((passes, rewrites)) => (passes, Some(number(rewrites)?)),
+        };
+        Ok(Limit {
+            passes: number(passes)?,
+            rewrites,
+        })
+    }
+}
+
+impl Limit {
+    /// Whether the pass of an ordinal runs, and with how many rewrites.
+    pub(super) fn of(limit: Option<Limit>, ordinal: u64) -> Option<Option<u64>> {
+        let Some(limit) = limit else {
+            return Some(None);
+        };
+        match ordinal.cmp(&limit.passes) {
+            std::cmp::Ordering::Less => Some(None),
+            std::cmp::Ordering::Equal => Some(limit.rewrites),
+            std::cmp::Ordering::Greater => None,
+        }
+    }
+}
+
+/// A pass that was started, whether or not it came to an end.
+#[derive(Clone, Debug)]
+pub struct Executed {
+    /// Index of the function in the module.
+    pub function: usize,
+    /// The pass and its options.
+    pub step: PassStep,
+    /// How many rewrites it asked for.
+    pub rewrites: u64,
+    /// The rewrite at the limit, when there was one and it was reached: the
+    /// value's name, and how it was rewritten.
+    pub last: Option<(robovec_ir::Name, String)>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_read_and_say_what_runs() {
+        let limit: Limit = "3:17".parse().expect("well formed");
+        assert_eq!((limit.passes, limit.rewrites), (3, Some(17)));
+        let all: Limit = "3".parse().expect("well formed");
+        assert_eq!(all.rewrites, None);
+        for wrong in ["", "x", "3:", ":2", "-1", "1:2:3"] {
+            assert!(wrong.parse::<Limit>().is_err(), "{wrong}");
+        }
+        let ran: Vec<_> = (2..5).map(|pass| Limit::of(Some(limit), pass)).collect();
+        assert_eq!(ran, [Some(None), Some(Some(17)), None]);
+        assert_eq!(Limit::of(None, 100), Some(None));
+    }
+}

@@ -1,0 +1,91 @@
+//! Counting the rewrites of a pass, and stopping after some of them.
+//!
+//! A pass that rewrites piece by piece asks before each piece. As long as
+//! nobody limits it the answer is yes and costs a counter; when a rewrite has
+//! broken a function, running the pass with a smaller and smaller limit finds
+//! the one that did (as `-opt-bisect-limit` does for whole passes in LLVM).
+//!
+//! Invariants: questions come in an order that the function alone decides,
+//! and those up to the limit do not depend on the limit. A piece that was
+//! refused stays the operations it was.
+
+use robovec_ir::Name;
+use std::cell::{Cell, RefCell};
+
+/// The rewrites of one run of a pass.
+#[derive(Default, Debug)]
+pub struct Rewrites {
+    limit: Option<u64>,
+    asked: Cell<u64>,
+    last: RefCell<Option<(Name, String)>>,
+}
+
+impl Rewrites {
+    /// Any number of rewrites, or the first `limit` only.
+    pub fn new(limit: Option<u64>) -> Rewrites {
+        Rewrites {
+            limit,
+            ..Rewrites::default()
+        }
+    }
+
+    /// Whether the value of this name may be written anew; `rule` says how,
+    /// in a few words or by the name of a rule.
+    ///
+    /// A group of operations is one rewrite, asked for by the name of its
+    /// result; inner nodes at the equations level have none
+    /// ([`Name::NONE`]).
+    #[inline]
+    pub fn allow(&self, name: Name, rule: &str) -> bool {
+        let number = self.asked.get() + 1;
+        self.asked.set(number);
+        let Some(limit) = self.limit else {
+            return true;
+        };
+        if number == limit {
+            *self.last.borrow_mut() = Some((name, rule.to_owned()));
+        }
+        number <= limit
+    }
+
+    /// True when some rewrites are refused. A pass that compares its result
+    /// with what it took must then give the result all the same: whether the
+    /// first rewrites alone are worth having is not the question.
+    pub fn is_limited(&self) -> bool {
+        self.limit.is_some()
+    }
+
+    /// How many rewrites were asked for, refused ones included.
+    pub fn asked(&self) -> u64 {
+        self.asked.get()
+    }
+
+    /// The rewrite at the limit, when it was reached: the value's name, and
+    /// how it was rewritten.
+    pub fn last(&self) -> Option<(Name, String)> {
+        self.last.borrow().clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_rewrites_are_allowed_and_the_last_one_is_known() {
+        let name = |suffix| Name {
+            base: robovec_ir::Symbol(0),
+            suffix,
+        };
+        let free = Rewrites::new(None);
+        let limited = Rewrites::new(Some(2));
+        for number in 0..4 {
+            assert!(free.allow(name(number), "rule"));
+            assert_eq!(limited.allow(name(number), "rule"), number < 2);
+        }
+        assert_eq!((free.asked(), free.last()), (4, None));
+        assert_eq!(limited.asked(), 4);
+        assert_eq!(limited.last(), Some((name(1), "rule".to_owned())));
+        assert!(!Rewrites::new(Some(0)).allow(name(0), "rule"));
+    }
+}

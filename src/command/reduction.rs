@@ -1,0 +1,101 @@
+//! `--auto-reduce` and `--reproducer`: what is made of a pass that goes
+//! wrong.
+
+use super::arguments::Arguments;
+use super::{Failure, output, reproducer};
+use robovec_ir::diagnostic::Diagnostic;
+use robovec_ir::{Machine, Module};
+use robovec_passes::pipeline::Pipeline;
+use robovec_passes::reduce::{self, Broken, Reduction, Setting};
+use robovec_passes::rules::RuleSet;
+use std::io::{self, Write as _};
+use std::panic;
+use std::path::Path;
+
+/// The module as it was read, when something may have to be made of it.
+pub(super) fn keep(arguments: &Arguments, module: &Module) -> Option<Module> {
+    let wanted = arguments.auto_reduce.is_some() || arguments.reproducer.is_some();
+    wanted.then(|| module.clone())
+}
+
+/// Adds to a failure of the pipeline what was asked for: a small program, a
+/// reproducer. Failures that are no fault of a pass stay as they are.
+pub(super) fn follow_up(
+    mut failure: Failure,
+    kept: Option<&Module>,
+    pipeline: &Pipeline,
+    (machine, rules): (&Machine, &RuleSet),
+    arguments: &Arguments,
+) -> Failure {
+    let Some(module) = kept else {
+        return failure;
+    };
+    let setting = Setting {
+        machine,
+        rules,
+        points: arguments.check_each.unwrap_or(reproducer::POINTS),
+        seed: arguments.seed,
+    };
+    // Panics are counted, not told: a reduction may see thousands.
+    panic::set_hook(Box::new(|_| {}));
+    let attempt = write_files(module, pipeline, setting, arguments);
+    drop(panic::take_hook());
+    match attempt {
+        Ok(notes) => {
+            for note in notes {
+                failure.0.push(Diagnostic::note().with_message(note));
+            }
+            failure
+        }
+        Err(worse) => {
+            failure.0.extend(worse.0.diagnostics().iter().cloned());
+            failure
+        }
+    }
+}
+
+/// Writes the files asked for, and says so.
+fn write_files(
+    module: &Module,
+    pipeline: &Pipeline,
+    setting: Setting<'_>,
+    arguments: &Arguments,
+) -> Result<Vec<String>, Failure> {
+    let mut notes = Vec::new();
+    if let Some(path) = &arguments.reproducer
+        && let Some(broken) = reduce::broken_pass(module, pipeline, setting)
+    {
+        write_broken(path, &broken, arguments)?;
+        notes.push(again(path, "the function before the pass is in"));
+    }
+    if let Some(path) = &arguments.auto_reduce
+        && let Some(reduction) = reduce::reduce(module, pipeline, setting, arguments.reduce_work)
+    {
+        write_reduction(path, &reduction, arguments)?;
+        // As everywhere: a closed standard error has no reader.
+        let _ = write!(io::stderr(), "{reduction}");
+        notes.push(again(path, "the smallest program is in"));
+    }
+    Ok(notes)
+}
+
+fn again(path: &Path, what: &str) -> String {
+    let path = path.display();
+    format!("{what} {path}; run it again with: robovec-opt {path} --run-reproducer")
+}
+
+fn write_broken(path: &Path, broken: &Broken, arguments: &Arguments) -> Result<(), Failure> {
+    let about = &broken.problem.message;
+    let text = reproducer::text(&broken.program, &broken.pipeline, arguments, about);
+    output::write_file(path, |writer| writer.write_all(text.as_bytes()))
+}
+
+fn write_reduction(
+    path: &Path,
+    reduction: &Reduction,
+    arguments: &Arguments,
+) -> Result<(), Failure> {
+    let about = reduction.small_summary();
+    let text = reproducer::text(&reduction.program, &reduction.pipeline, arguments, &about);
+    output::write_file(path, |writer| writer.write_all(text.as_bytes()))
+}

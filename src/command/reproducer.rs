@@ -1,0 +1,127 @@
+//! Files that show a mistake of a pass, and running them again.
+//!
+//! A reproducer is a program in the text form under a header of comments:
+//! `// RUN:` as the file tests of passes have it, so that the file can become
+//! one, and `// reproduce:` with the whole command, which `--run-reproducer`
+//! obeys.
+
+use super::Failure;
+use super::arguments::Arguments;
+use robovec_ir::{Machine, Module, print};
+use robovec_passes::pipeline::Pipeline;
+use std::fmt::Write;
+use std::path::Path;
+
+/// What the line with the command starts with.
+const COMMAND: &str = "// reproduce: robovec-opt FILE";
+
+/// Random points of the check when nobody says how many.
+pub(super) const POINTS: u32 = 4;
+
+/// The text of a reproducer; `about` becomes comments.
+pub(super) fn text(
+    program: &Module,
+    pipeline: &Pipeline,
+    arguments: &Arguments,
+    about: &str,
+) -> String {
+    let machine = &arguments.machine;
+    let shipped = match Machine::built_in(machine) {
+        Some(_) if machine != "thesis" => format!(" {machine}"),
+        Some(_) | None => String::new(),
+    };
+    let mut text = format!("// RUN: {pipeline}{shipped}\n{COMMAND}");
+    let points = arguments.check_each.unwrap_or(POINTS);
+    let mut words = vec![
+        format!("--passes={pipeline}"),
+        format!("--machine={machine}"),
+        format!("--check-each={points}"),
+        format!("--seed={}", arguments.seed),
+    ];
+    words.extend(arguments.rules.iter().map(|name| format!("--rules={name}")));
+    if arguments.no_default_rules {
+        words.push("--no-default-rules".to_owned());
+    }
+    for word in words {
+        // Writing to a string cannot fail.
+        let _ = write!(text, " {}", quoted(&word));
+    }
+    text.push('\n');
+    for line in about.lines() {
+        let _ = writeln!(text, "// {line}");
+    }
+    text + &print::print_module(program)
+}
+
+/// The word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_./=,:@%+".contains(&byte);
+    if word.bytes().all(plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
+/// The command in a reproducer, as words; without the program's name and the
+/// file.
+pub(super) fn command(path: &Path, text: &str) -> Result<Vec<String>, Failure> {
+    let line = text.lines().find_map(|line| line.strip_prefix(COMMAND));
+    let words = line.and_then(words);
+    words.ok_or_else(|| {
+        Failure::advised(
+            format!("{} is no reproducer", path.display()),
+            vec![format!(
+                "it needs a line '{COMMAND} OPTIONS'; '--reproducer FILE' and '--auto-reduce' \
+                 write such files"
+            )],
+        )
+    })
+}
+
+/// Splits a line as a shell does that knows spaces, single quotes and
+/// backslashes; `None` when a quote is not closed.
+fn words(line: &str) -> Option<Vec<String>> {
+    let mut words = Vec::new();
+    let mut word: Option<String> = None;
+    let mut letters = line.chars();
+    while let Some(letter) = letters.next() {
+        match letter {
+            ' ' => words.extend(word.take()),
+            '\'' => {
+                let word = word.get_or_insert_default();
+                loop {
+                    match letters.next()? {
+                        '\'' => break,
+                        inside => word.push(inside),
+                    }
+                }
+            }
+            '\\' => word.get_or_insert_default().push(letters.next()?),
+            other => word.get_or_insert_default().push(other),
+        }
+    }
+    words.extend(word);
+    Some(words)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quoted_words_are_read_back() {
+        for word in ["--seed=1", "a b", "it's", "", "fixpoint{max=2}(a,b)", r"\"] {
+            let line = format!(" {} x", quoted(word));
+            let expected = if word.is_empty() {
+                vec!["", "x"]
+            } else {
+                vec![word, "x"]
+            };
+            assert_eq!(
+                words(&line),
+                Some(expected.iter().map(ToString::to_string).collect())
+            );
+        }
+        assert_eq!(words("'open"), None);
+    }
+}
