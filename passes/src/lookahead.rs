@@ -38,13 +38,13 @@ declare_pass! {
         /// Longest path wanted, in cycles: nothing is spent on a shorter one.
         pub path: u32 = 0,
         /// Cycles from one frontier to the next.
-        pub grid: u32 = 19,
+        pub grid: u32 = 10,
         /// Frontiers looked back.
-        pub frontiers: u32 = 12,
+        pub frontiers: u32 = 24,
         /// Late terms a form may have.
-        pub width: u32 = 8,
+        pub width: u32 = 12,
         /// A value ready so many cycles before a frontier counts as early.
-        pub window: u32 = 31,
+        pub window: u32 = 60,
         /// Rounds in which operations are saved again.
         pub rounds: u32 = 6,
     }
@@ -97,6 +97,9 @@ impl Pass for Lookahead {
     }
 }
 
+/// In how many steps the path is shortened at least.
+const STEPS: u32 = 10;
+
 /// The search for the shortest path within the budget.
 struct Search<'a> {
     pass: &'a Lookahead,
@@ -125,20 +128,25 @@ impl Search<'_> {
         };
         let mapper = Mapper::new(&self.import.network, self.timing, &self.import.outputs);
         let earliest = mapper.earliest();
-        let mut low = mapper.path(&earliest).max(self.pass.path);
-        let mut high = before.0;
+        let fastest = mapper.path(&earliest).max(self.pass.path);
         let mut best: Option<(Function, (u32, u64))> = None;
-        while low < high {
-            let target = low + (high - low) / 2;
+        // A mapping is best modelled on one that is little later, so the path
+        // is shortened step by step, and when a step is too dear by half of it.
+        let mut model = mapper.cheapest(self.pass.rounds);
+        let mut reached = before.0;
+        let mut step = (before.0.saturating_sub(fastest) / STEPS).max(1);
+        while reached > fastest && step > 0 {
+            let target = reached.saturating_sub(step).max(fastest);
             let mut mapping = earliest.clone();
-            mapper.recover(&mut mapping, target, self.pass.rounds);
+            mapper.recover(&mut mapping, target, self.pass.rounds, Some(&model));
             let made = self.realise(tables, &mapper, &mapping);
             let size = self.size(&made);
             if size.1 > allowed {
-                low = target + 1;
+                step /= 2;
                 continue;
             }
-            high = target.min(size.0);
+            reached = target.min(size.0);
+            model = mapping;
             if best.as_ref().is_none_or(|(_, known)| size < *known) {
                 best = Some((made, size));
             }

@@ -83,6 +83,19 @@ impl Mapper {
         mapping
     }
 
+    /// The mapping with few operations, however late: it starts from the forms
+    /// the function came with.
+    pub(crate) fn cheapest(&self, rounds: u32) -> Mapping {
+        let mut mapping = self.earliest();
+        for at in 0..self.dense.len() {
+            let form = self.dense.forms(at).start;
+            mapping.chosen[at] = form;
+            mapping.arrivals[at] = self.arrival(&mapping, form);
+        }
+        self.recover(&mut mapping, NEVER, rounds, None);
+        mapping
+    }
+
     /// The latest output of a mapping.
     pub(crate) fn path(&self, mapping: &Mapping) -> u32 {
         let outputs = self.outputs.iter();
@@ -92,10 +105,20 @@ impl Mapper {
 
     /// Takes operations off a mapping without making an output later than
     /// `latest`.
-    pub(crate) fn recover(&self, mapping: &mut Mapping, latest: u32, rounds: u32) {
+    ///
+    /// What a class costs each of its users is estimated from how often it is
+    /// used in `model`, a mapping for a later time, when there is one.
+    pub(crate) fn recover(
+        &self,
+        mapping: &mut Mapping,
+        latest: u32,
+        rounds: u32,
+        model: Option<&Mapping>,
+    ) {
         self.settle(mapping, Some(latest));
         let share = |&uses: &u32| f64::from(uses.max(1));
-        let mut shares: Vec<f64> = mapping.uses.iter().map(share).collect();
+        let uses = &model.unwrap_or(mapping).uses;
+        let mut shares: Vec<f64> = uses.iter().map(share).collect();
         let mut best = mapping.clone();
         let flow_rounds = rounds / 2;
         for round in 0..rounds {
