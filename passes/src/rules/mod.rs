@@ -21,6 +21,7 @@ mod print;
 pub mod profile;
 mod random;
 mod rule;
+pub mod syntax;
 mod token;
 
 pub use built_in::{BUILT_IN, DEFAULT};

@@ -1,6 +1,7 @@
 //! `robovec rules`: a bench for rules of rewriting (docs/rules.md).
 
 mod check;
+mod exchange;
 mod list;
 mod profile;
 mod read;
@@ -21,6 +22,10 @@ pub(super) struct RulesArguments {
 enum Command {
     /// Prove or refute rules, and tell what they do to numbers
     Check(check::CheckArguments),
+    /// Write rules in the syntax of another tool
+    Export(exchange::ExportArguments),
+    /// Read rules of another tool, and tell their classes
+    Import(exchange::ImportArguments),
     /// List rules with their reasons
     List(list::ListArguments),
     /// Tell what rules do to errors, cycles, operations and graphs
@@ -31,6 +36,8 @@ enum Command {
 pub(super) fn run(arguments: &RulesArguments) -> Result<String, Failure> {
     match &arguments.command {
         Command::Check(arguments) => check::run(arguments),
+        Command::Export(arguments) => exchange::export(arguments),
+        Command::Import(arguments) => exchange::import(arguments),
         Command::List(arguments) => list::run(arguments),
         Command::Profile(arguments) => profile::run(arguments),
     }

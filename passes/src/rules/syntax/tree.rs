@@ -1,0 +1,141 @@
+//! Reading parenthesised text into trees.
+//!
+//! Trees live in an arena and are built with a stack of our own: no nesting
+//! is too deep.
+
+use logos::Logos;
+use robovec_ir::diagnostic::{Diagnostic, Label};
+use std::ops::Range;
+
+#[derive(Logos, Clone, Copy, PartialEq, Debug)]
+#[logos(skip r"[ \t\r\n\f]+")]
+#[logos(skip(r";[^\n]*", allow_greedy = true))]
+#[logos(skip(r"#\|([^|]|\|+[^|#])*\|+#"))]
+enum Token {
+    #[token("(")]
+    #[token("[")]
+    Open,
+    #[token(")")]
+    #[token("]")]
+    Close,
+    #[regex("\"([^\"\\\\]|\\\\[\\s\\S])*\"")]
+    Text,
+    #[regex(r#"[^\s()\[\]";]+"#)]
+    Atom,
+}
+
+/// A node of a tree.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum Kind {
+    /// A word, a number or a text in quotes.
+    Atom,
+    /// What stands between parentheses.
+    List(Vec<u32>),
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Tree {
+    pub(super) kind: Kind,
+    pub(super) span: Range<usize>,
+}
+
+/// The trees of a text.
+pub(super) struct Forest<'text> {
+    pub(super) text: &'text str,
+    trees: Vec<Tree>,
+    pub(super) roots: Vec<u32>,
+}
+
+impl<'text> Forest<'text> {
+    pub(super) fn get(&self, index: u32) -> &Tree {
+        &self.trees[index as usize]
+    }
+
+    /// The elements of a list; none of an atom.
+    pub(super) fn elements(&self, index: u32) -> &[u32] {
+        match &self.get(index).kind {
+            Kind::List(elements) => elements,
+            Kind::Atom => &[],
+        }
+    }
+
+    /// The text of an atom.
+    pub(super) fn atom(&self, index: u32) -> Option<&'text str> {
+        let tree = self.get(index);
+        (tree.kind == Kind::Atom).then(|| &self.text[tree.span.clone()])
+    }
+
+    /// The word a list starts with.
+    pub(super) fn head(&self, index: u32) -> Option<&'text str> {
+        self.elements(index)
+            .first()
+            .and_then(|&head| self.atom(head))
+    }
+
+    /// The comment before a tree, when it stands on the line before or on its
+    /// own line.
+    pub(super) fn comment(&self, index: u32) -> Option<&'text str> {
+        let before = self.text[..self.get(index).span.start].trim_end();
+        let line = before.rsplit('\n').next()?.trim();
+        let comment = line.strip_prefix(';')?.trim_start_matches(';').trim();
+        (!comment.is_empty()).then_some(comment)
+    }
+}
+
+pub(super) fn error(span: Range<usize>, message: impl Into<String>) -> Diagnostic {
+    Diagnostic::error()
+        .with_message(message.into())
+        .with_labels(vec![Label::primary(0, span)])
+}
+
+/// Reads all trees of a text.
+pub(super) fn read(text: &str) -> Result<Forest<'_>, Diagnostic> {
+    let mut forest = Forest {
+        text,
+        trees: Vec::new(),
+        roots: Vec::new(),
+    };
+    let mut open: Vec<(Range<usize>, Vec<u32>)> = Vec::new();
+    for (token, span) in Token::lexer(text).spanned() {
+        let tree = match token {
+            Err(()) if text[span.clone()].starts_with('"') => {
+                return Err(error(span, "this text has no closing '\"'"));
+            }
+            Err(()) => return Err(error(span, "this character has no place here")),
+            Ok(Token::Open) => {
+                open.push((span, Vec::new()));
+                continue;
+            }
+            Ok(Token::Close) => {
+                let Some((start, elements)) = open.pop() else {
+                    return Err(error(span, "no parenthesis is open here"));
+                };
+                if (&text[start.clone()] == "(") != (&text[span.clone()] == ")") {
+                    let label = Label::secondary(0, start).with_message("opened here");
+                    let message = "this parenthesis is not of the kind that was opened";
+                    let mut diagnostic = error(span, message);
+                    diagnostic.labels.push(label);
+                    return Err(diagnostic);
+                }
+                Tree {
+                    kind: Kind::List(elements),
+                    span: start.start..span.end,
+                }
+            }
+            Ok(Token::Text | Token::Atom) => Tree {
+                kind: Kind::Atom,
+                span,
+            },
+        };
+        let index = forest.trees.len() as u32;
+        forest.trees.push(tree);
+        match open.last_mut() {
+            Some((_, elements)) => elements.push(index),
+            None => forest.roots.push(index),
+        }
+    }
+    match open.pop() {
+        Some((start, _)) => Err(error(start, "this parenthesis is not closed")),
+        None => Ok(forest),
+    }
+}

@@ -1,0 +1,101 @@
+//! `robovec rules import` and `robovec rules export`.
+
+use super::super::{Failure, input, output};
+use super::{list, read};
+use clap::{Args, ValueEnum};
+use robovec_ir::diagnostic::termcolor::ColorChoice;
+use robovec_passes::rules::check::{check, diagnose};
+use robovec_passes::rules::syntax::{self, Syntax};
+use std::path::{Path, PathBuf};
+
+/// Trials in floating point to find the class of an imported rule.
+const TRIALS: usize = 20_000;
+
+/// A syntax of another tool.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+enum SyntaxName {
+    /// Programs of egglog: (rewrite left right)
+    Egglog,
+    /// Rule groups of Herbie: (define-rules group [name left right])
+    Herbie,
+}
+
+impl SyntaxName {
+    fn syntax(self) -> Syntax {
+        match self {
+            SyntaxName::Egglog => Syntax::Egglog,
+            SyntaxName::Herbie => Syntax::Herbie,
+        }
+    }
+}
+
+/// What is read.
+#[derive(Args, Debug)]
+pub(super) struct ImportArguments {
+    /// File with rules of another tool, or - for the standard input
+    file: PathBuf,
+    /// Its syntax
+    #[arg(long, value_enum)]
+    syntax: SyntaxName,
+    /// File to write instead of the standard output
+    #[arg(short, long, value_name = "PATH")]
+    output: Option<PathBuf>,
+}
+
+/// What is written.
+#[derive(Args, Debug)]
+pub(super) struct ExportArguments {
+    /// Rule files, or names of files that ship; all that ship by default
+    files: Vec<String>,
+    /// The syntax to write
+    #[arg(long, value_enum)]
+    syntax: SyntaxName,
+    /// File to write instead of the standard output
+    #[arg(short, long, value_name = "PATH")]
+    output: Option<PathBuf>,
+}
+
+/// Reads rules of another tool, finds their classes, and gives them as a rule
+/// file. Rules that are not sound are told and become comments.
+pub(super) fn import(arguments: &ImportArguments) -> Result<String, Failure> {
+    let text = input::text(&arguments.file)?;
+    let name = arguments.file.display().to_string();
+    let (mut set, mut warnings) =
+        syntax::import(&text, &name, arguments.syntax.syntax()).map_err(Failure)?;
+    let mut lines = String::new();
+    for rule in &mut set.rules {
+        let finding = check(rule, TRIALS);
+        rule.class = finding.class;
+        let sound = finding.is_sound();
+        warnings.extend(diagnose(rule, &finding));
+        lines += &format!("{}{rule}\n", if sound { "" } else { "# not sound: " });
+    }
+    // When the standard error is closed there is nobody left to tell.
+    warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
+    deliver(lines, arguments.output.as_deref())
+}
+
+/// Writes rules for another tool.
+pub(super) fn export(arguments: &ExportArguments) -> Result<String, Failure> {
+    let names = if arguments.files.is_empty() {
+        list::shipped()
+    } else {
+        arguments.files.clone()
+    };
+    let set = read::read(&names)?;
+    let text = syntax::export(&set, arguments.syntax.syntax());
+    deliver(text, arguments.output.as_deref())
+}
+
+/// Writes a text to a file, or hands it on for the standard output.
+pub(super) fn deliver(text: String, path: Option<&Path>) -> Result<String, Failure> {
+    match path {
+        Some(path) if path != Path::new("-") => {
+            output::write_file(path, |writer| writer.write_all(text.as_bytes()))?;
+            Ok(String::new())
+        }
+        _ => Ok(text),
+    }
+}
