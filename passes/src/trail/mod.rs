@@ -18,6 +18,7 @@ mod account;
 mod expression;
 mod find;
 mod follow;
+mod names;
 mod notes;
 mod state;
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! named operands by their names, inner nodes of an expression by what they
 //! say in turn.
 
+use super::names::Names;
 use hashbrown::HashMap;
 use robovec_ir::print::print_output;
 use robovec_ir::{
@@ -32,9 +33,7 @@ pub(super) enum Subject {
 /// The definitions of one state of a function.
 pub(super) struct State {
     bodies: Vec<u64>,
-    names: HashMap<Name, Value, FxBuildHasher>,
-    /// For every symbol the first value whose name is derived from it.
-    first_derived: HashMap<Symbol, Value, FxBuildHasher>,
+    names: Names,
 }
 
 impl State {
@@ -42,22 +41,15 @@ impl State {
     pub(super) fn of(function: &Function) -> State {
         let mut state = State {
             bodies: Vec::with_capacity(function.nodes().len()),
-            names: HashMap::with_capacity_and_hasher(function.nodes().len(), FxBuildHasher),
-            first_derived: HashMap::default(),
+            names: Names::of(function),
         };
-        for (value, node) in function.values() {
+        for node in function.nodes() {
             let mut hasher = FxHasher::default();
             (node.operation as u32).hash(&mut hasher);
             for &operand in node.operands() {
                 state.said_by(function, operand.kind()).hash(&mut hasher);
             }
             state.bodies.push(hasher.finish());
-            if !node.name.is_none() {
-                state.names.insert(node.name, value);
-                if node.name.suffix > 0 {
-                    state.first_derived.entry(node.name.base).or_insert(value);
-                }
-            }
         }
         state
     }
@@ -76,7 +68,7 @@ impl State {
 
     /// The value of a name.
     pub(super) fn value(&self, name: Name) -> Option<Value> {
-        self.names.get(&name).copied()
+        self.names.find(name)
     }
 
     /// What a value or output says.
@@ -108,8 +100,8 @@ impl State {
         }
         let output = owners.0.get(&name.base).copied().map(Subject::Output);
         output.or_else(|| {
-            let derived = self.first_derived.get(&name.base);
-            derived.copied().map(Subject::Value)
+            let derived = self.names.first(name.base);
+            derived.map(Subject::Value)
         })
     }
 }
