@@ -62,6 +62,7 @@ fn execute(module: &mut Module, text: &str, machine: &str) {
         Config {
             check_each: Some(2),
             seed: 7,
+            histories: text.len().is_multiple_of(2),
             ..Config::new(&machine, &mut log)
         },
     );
