@@ -8,8 +8,8 @@ use naive::Random;
 use robovec_ir::arithmetic::{Binary32, Binary64};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{
-    Array, Assignment, Constant, Function, Input, Level, Module, Name, Node, Operand, Operation,
-    Output, Shape, SourceSet, View,
+    Array, Assignment, Constant, Function, Input, Level, Machine, Module, Name, Node, Operand,
+    Operation, Output, Shape, SourceSet, View,
 };
 use robovec_passes::codegen::c::{Real, c_files};
 use std::fmt::Write as _;
@@ -146,9 +146,10 @@ fn check(module: &Module, inputs: &[f64]) {
 
 #[test]
 fn atomic_functions_of_many_parts() {
+    let machine = Machine::built_in("fused").expect("it ships");
     for (seed, operations) in [(1, 30), (2, 600), (3, 4000)] {
         let mut random = Random(seed);
-        let module = naive::random_function(&mut random, operations);
+        let module = naive::random_function(&mut random, operations, &machine);
         let inputs: Vec<f64> = (0..5).map(|_| random.number()).collect();
         check(&module, &inputs);
     }
@@ -191,19 +192,24 @@ fn trees(random: &mut Random, definitions: u32) -> Module {
             let positive: Operand = Input(random.below(13) as u32).into();
             // Roots and quotients of inputs only, and few products: numbers
             // stay finite, so that their bits say something.
-            let (operation, left, right) = match Operation::ALL[random.below(9)] {
+            let (operation, left, right) = match Operation::ALL[random.below(Operation::ALL.len())]
+            {
                 Operation::Div => (Operation::Div, tree, positive),
                 Operation::Sqrt if level == 0 => (Operation::Sqrt, positive, positive),
                 Operation::Sqrt => (Operation::Cos, tree, tree),
                 Operation::Mul if random.below(2) > 0 => (Operation::Sin, tree, tree),
+                operation if operation.is_fused() && random.below(2) > 0 => {
+                    (Operation::Sin, tree, tree)
+                }
                 operation if random.below(2) == 0 => (operation, tree, other),
-                operation if operation.arity() == 2 => (operation, other, tree),
+                operation if operation.arity() > 1 => (operation, other, tree),
                 operation => (operation, tree, tree),
             };
             let last = level == depth;
             let operands = match operation.arity() {
-                1 => [left, Operand::NONE],
-                _ => [left, right],
+                1 => Operand::list([left]),
+                2 => Operand::list([left, right]),
+                _ => [left, right, known[random.below(known.len())]],
             };
             let suffix = count;
             let name = if last {

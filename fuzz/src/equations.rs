@@ -82,11 +82,15 @@ struct Maker<'a, 'b> {
 }
 
 impl Maker<'_, '_> {
-    fn push(&mut self, operation: Operation, operands: [Operand; 2]) -> Operand {
+    fn push<const COUNT: usize>(
+        &mut self,
+        operation: Operation,
+        operands: [Operand; COUNT],
+    ) -> Operand {
         let value = self.function.push(Node {
             name: Name::NONE,
             sources: SourceSet::EMPTY,
-            operands,
+            operands: Operand::list(operands),
             operation,
         });
         value.into()

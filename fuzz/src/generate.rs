@@ -252,7 +252,7 @@ impl Generator<'_, '_> {
         self.function.push(Node {
             name: Name::NONE,
             sources: SourceSet::EMPTY,
-            operands,
+            operands: Operand::list(operands),
             operation,
         })
     }

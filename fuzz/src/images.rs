@@ -68,7 +68,7 @@ fn sound_images(bytes: &mut Unstructured<'_>, machine: &Machine) -> Result<Vec<(
         let value = function.push(Node {
             name: Name { base, suffix },
             sources: SourceSet::EMPTY,
-            operands,
+            operands: Operand::list(operands),
             operation,
         });
         known.push(value.into());

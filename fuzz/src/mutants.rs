@@ -16,7 +16,7 @@ use robovec_passes::check::check;
 const INPUTS: u32 = 4;
 const STATES: u32 = 3;
 const CONSTANTS: [f64; 6] = [0.0, 1.0, 2.0, 0.5, -3.0, 0.1];
-const OPERATIONS: [Operation; 12] = [
+const OPERATIONS: [Operation; 14] = [
     Operation::Add,
     Operation::Add,
     Operation::Sub,
@@ -29,6 +29,8 @@ const OPERATIONS: [Operation; 12] = [
     Operation::Sin,
     Operation::Cos,
     Operation::Sqrt,
+    Operation::Fma,
+    Operation::Fnma,
 ];
 
 /// What became of a planted mutation.
@@ -120,9 +122,9 @@ fn function(bytes: &mut Unstructured<'_>, tables: &mut Tables) -> Result<Functio
     let count: u32 = bytes.int_in_range(1..=40)?;
     for suffix in 0..count {
         let operation = *bytes.choose(&OPERATIONS)?;
-        let mut operands = [operand(bytes, &mut function, suffix)?, Operand::NONE];
-        if operation.arity() == 2 {
-            operands[1] = operand(bytes, &mut function, suffix)?;
+        let mut operands = [Operand::NONE; Operand::MOST];
+        for place in &mut operands[..operation.arity()] {
+            *place = operand(bytes, &mut function, suffix)?;
         }
         function.push(Node {
             name: Name { base, suffix },

@@ -26,6 +26,20 @@ pub trait Arithmetic {
     fn cos(&self, a: Self::Number) -> Self::Number;
     /// `sqrt(a)`.
     fn sqrt(&self, a: Self::Number) -> Self::Number;
+    /// `a * b + c`, rounded once.
+    fn fma(&self, a: Self::Number, b: Self::Number, c: Self::Number) -> Self::Number;
+
+    /// `a * b - c`, rounded once: negation is exact and rounding to nearest
+    /// is symmetric.
+    #[inline]
+    fn fms(&self, a: Self::Number, b: Self::Number, c: Self::Number) -> Self::Number {
+        self.fma(a, b, self.neg(c))
+    }
+    /// `c - a * b`, rounded once.
+    #[inline]
+    fn fnma(&self, a: Self::Number, b: Self::Number, c: Self::Number) -> Self::Number {
+        self.fma(self.neg(a), b, c)
+    }
 }
 
 /// IEEE binary64.
@@ -67,6 +81,9 @@ impl Arithmetic for Binary64 {
     fn sqrt(&self, a: f64) -> f64 {
         a.sqrt()
     }
+    fn fma(&self, a: f64, b: f64, c: f64) -> f64 {
+        a.mul_add(b, c)
+    }
 }
 
 impl Arithmetic for Binary32 {
@@ -98,5 +115,8 @@ impl Arithmetic for Binary32 {
     }
     fn sqrt(&self, a: f32) -> f32 {
         a.sqrt()
+    }
+    fn fma(&self, a: f32, b: f32, c: f32) -> f32 {
+        a.mul_add(b, c)
     }
 }

@@ -78,6 +78,9 @@ impl<A: Arithmetic, const LANES: usize> Arithmetic for Batch<A, LANES> {
     fn sqrt(&self, a: Self::Number) -> Self::Number {
         self.unary(a, A::sqrt)
     }
+    fn fma(&self, a: Self::Number, b: Self::Number, c: Self::Number) -> Self::Number {
+        array::from_fn(|lane| self.0[lane].fma(a[lane], b[lane], c[lane]))
+    }
 }
 
 #[cfg(test)]
@@ -98,6 +101,7 @@ mod tests {
             assert_eq!(batch.sin(a)[lane], a[lane].sin());
             assert_eq!(batch.cos(a)[lane], a[lane].cos());
             assert_eq!(batch.sqrt(b)[lane], b[lane].sqrt());
+            assert_eq!(batch.fma(a, b, a)[lane], a[lane].mul_add(b[lane], a[lane]));
         }
         assert_eq!(batch.literal(2.5), [2.5; 3]);
         let lanes = [vec![1.0, 2.0], vec![3.0, 4.0], vec![5.0, 6.0]];

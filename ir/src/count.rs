@@ -26,6 +26,8 @@ pub struct Counts {
     pub div: usize,
     /// Square roots.
     pub sqrt: usize,
+    /// Fused multiply-adds, each one operation.
+    pub fused: usize,
     /// Sines and cosines.
     pub sin_cos: usize,
     /// Signs: negations, or subtractions from a literal zero.
@@ -57,12 +59,13 @@ impl Counts {
                 Operation::Div => counts.div += 1,
                 Operation::Sin | Operation::Cos => counts.sin_cos += 1,
                 Operation::Sqrt => counts.sqrt += 1,
+                Operation::Fma | Operation::Fms | Operation::Fnma => counts.fused += 1,
             }
         }
         for assignment in &function.assignments {
             counts.equations += usize::from(!is_same_equation(function, assignment));
         }
-        counts.operations = counts.add_sub + counts.mul + counts.div + counts.sqrt;
+        counts.operations = counts.add_sub + counts.mul + counts.div + counts.sqrt + counts.fused;
         if function.level == Level::Equations {
             counts.operations += function
                 .nodes()
@@ -117,11 +120,15 @@ mod tests {
     use crate::symbol::{Name, Symbols};
     use crate::{Input, Output, Value};
 
-    fn node(name: Name, operation: Operation, operands: [Operand; 2]) -> Node {
+    fn node<const COUNT: usize>(
+        name: Name,
+        operation: Operation,
+        operands: [Operand; COUNT],
+    ) -> Node {
         Node {
             name,
             sources: SourceSet::EMPTY,
-            operands,
+            operands: Operand::list(operands),
             operation,
         }
     }
@@ -135,10 +142,10 @@ mod tests {
         let q = Operand::from(Input(0));
         // S = sin(q); A = -(S*q); c = A + q.
         let sine = Name::plain(symbols.intern("S"));
-        let sine = function.push(node(sine, Operation::Sin, [q, Operand::NONE]));
+        let sine = function.push(node(sine, Operation::Sin, [q]));
         let product = function.push(node(Name::NONE, Operation::Mul, [sine.into(), q]));
         let minus = Name::plain(symbols.intern("A"));
-        let minus = node(minus, Operation::Neg, [product.into(), Operand::NONE]);
+        let minus = node(minus, Operation::Neg, [product.into()]);
         let minus: Value = function.push(minus);
         let sum = function.push(node(Name::NONE, Operation::Add, [minus.into(), q]));
         function.assignments.push(Assignment {

@@ -337,6 +337,10 @@ impl Arithmetic for DoubleDouble {
     fn sqrt(&self, a: Double) -> Double {
         a.sqrt()
     }
+    /// Two roundings: as a reference the number has bits to spare for both.
+    fn fma(&self, a: Double, b: Double, c: Double) -> Double {
+        a * b + c
+    }
 }
 
 #[cfg(test)]

@@ -76,13 +76,27 @@ pub enum OperandKind {
     Input(Input),
     /// A literal.
     Constant(Constant),
-    /// No operand: the second one of a unary operation.
+    /// No operand, behind those that an operation takes.
     None,
 }
 
 impl Operand {
-    /// The absent second operand of a unary operation.
+    /// The absent operand behind those that an operation takes.
     pub const NONE: Operand = Operand(u32::MAX);
+
+    /// The most operands an operation takes: a fused multiply-add has three.
+    /// They lie inside the node, which grows by four bytes for the third;
+    /// a table beside the nodes would save them and cost every traversal.
+    pub const MOST: usize = 3;
+
+    /// The operands of an operation, filled up with [`Operand::NONE`].
+    #[inline]
+    pub fn list<const COUNT: usize>(given: [Operand; COUNT]) -> [Operand; Operand::MOST] {
+        const { assert!(COUNT <= Operand::MOST) };
+        let mut operands = [Operand::NONE; Operand::MOST];
+        operands[..COUNT].copy_from_slice(&given);
+        operands
+    }
 
     /// The operand taken apart.
     #[inline]

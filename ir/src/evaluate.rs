@@ -34,7 +34,7 @@ pub fn evaluate_nodes<A: Arithmetic>(
     let none = slots.len() - 1;
     let starts = [0, count, count + inputs.len(), none.wrapping_sub(CAPACITY)];
     for (index, node) in function.nodes().iter().enumerate() {
-        let [a, b] = node.operands.map(|operand| {
+        let [a, b, c] = node.operands.map(|operand| {
             let (kind, place) = operand.parts();
             slots[starts[kind].wrapping_add(place)]
         });
@@ -48,6 +48,9 @@ pub fn evaluate_nodes<A: Arithmetic>(
             Operation::Sin => arithmetic.sin(a),
             Operation::Cos => arithmetic.cos(a),
             Operation::Sqrt => arithmetic.sqrt(a),
+            Operation::Fma => arithmetic.fma(a, b, c),
+            Operation::Fms => arithmetic.fms(a, b, c),
+            Operation::Fnma => arithmetic.fnma(a, b, c),
         };
     }
     slots.truncate(count);
@@ -92,4 +95,74 @@ pub fn outputs<A: Arithmetic>(
             OperandKind::None => arithmetic.literal(0.0),
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::{Binary32, Binary64};
+    use crate::double_double::DoubleDouble;
+    use crate::field::PrimeField;
+    use crate::parse::parse_module;
+
+    const FUSED: &str = "function f atomic {
+      in x[1..3]
+      out o[1..3]
+      %a = fma(x[1], x[2], x[3])
+      %b = fms(x[1], x[2], x[3])
+      %c = fnma(x[1], x[2], x[3])
+      o[1] = %a
+      o[2] = %b
+      o[3] = %c
+    }";
+
+    fn fused<A: Arithmetic>(arithmetic: &A, inputs: [f64; 3]) -> Vec<A::Number> {
+        let module = parse_module("fused", FUSED).expect("it is well formed");
+        let inputs = inputs.map(|number| arithmetic.literal(number));
+        evaluate(&module.functions[0], arithmetic, &inputs)
+    }
+
+    #[test]
+    fn a_fused_operation_rounds_once() {
+        // (1 + e)(1 - e) - 1 = -e^2, which two roundings lose.
+        let e = f64::EPSILON;
+        let expected = [-e * e, 2.0, e * e];
+        assert_eq!(fused(&Binary64, [1.0 + e, 1.0 - e, -1.0])[0], expected[0]);
+        assert_eq!(fused(&Binary64, [1.0 + e, 1.0 - e, 1.0])[1], expected[0]);
+        assert_eq!(fused(&Binary64, [1.0 + e, 1.0 - e, 1.0])[2], expected[2]);
+        let e = f64::from(f32::EPSILON);
+        let results = fused(&Binary32, [1.0 + e, 1.0 - e, 1.0]);
+        assert_eq!(results, [2.0, (-e * e) as f32, (e * e) as f32]);
+        // 1549 * 10831 = 2^24 + 3 lies in the middle between two binary32
+        // numbers and a little less is nearer to the lower one; rounded to
+        // binary64 on the way the little is lost.
+        let little = 2f64.powi(-40);
+        let sum = fused(&Binary32, [1549.0, 10831.0, -little])[0];
+        assert_eq!(sum, 16_777_218.0);
+        assert_eq!((1549.0 * 10831.0 - little) as f32, 16_777_220.0);
+    }
+
+    #[test]
+    fn signs_are_those_of_the_names_in_every_arithmetic() {
+        let inputs = [3.0, 5.0, 7.0];
+        let expected = [22.0, 8.0, -8.0];
+        assert_eq!(fused(&Binary64, inputs), expected);
+        assert_eq!(
+            fused(&Binary32, inputs),
+            expected.map(|number| number as f32)
+        );
+        let reference = fused(&DoubleDouble, inputs);
+        assert_eq!(
+            reference,
+            expected.map(|number| DoubleDouble.literal(number))
+        );
+        let field = PrimeField {
+            seed: 1,
+            circle: false,
+        };
+        assert_eq!(
+            fused(&field, inputs),
+            expected.map(|number| field.literal(number))
+        );
+    }
 }

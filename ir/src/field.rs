@@ -195,6 +195,11 @@ impl Arithmetic for PrimeField {
         }
         exact_root(a).unwrap_or_else(|| self.draw(a, Role::Root))
     }
+
+    #[inline]
+    fn fma(&self, a: u64, b: u64, c: u64) -> u64 {
+        self.add(self.mul(a, b), c)
+    }
 }
 
 /// Elements are below 2⁶¹, the undefined mark has its top bit set.

@@ -21,7 +21,7 @@ use std::fmt;
 pub enum Level {
     /// A definition is an expression tree, as Robotran prints it.
     Equations,
-    /// A definition is one operation on at most two operands.
+    /// A definition is one operation.
     Atomic,
     /// Every operation has a cycle and a processing element.
     Scheduled,
@@ -62,8 +62,8 @@ pub struct Node {
     pub name: Name,
     /// The equations the node comes from.
     pub sources: SourceSet,
-    /// The operands; the second is [`Operand::NONE`] for a unary operation.
-    pub operands: [Operand; 2],
+    /// The operands, filled up with [`Operand::NONE`]; see [`Operand::list`].
+    pub operands: [Operand; Operand::MOST],
     /// What is computed.
     pub operation: Operation,
 }

@@ -67,7 +67,8 @@ impl Default for NumberFormat {
 pub struct ElementDescription {
     /// Its name: letters only, since the text form appends a number.
     pub kind: String,
-    /// What it computes: `add`, `sub`, `mul`, `div`, `sqrt`.
+    /// What it computes: `add`, `sub`, `mul`, `div`, `sqrt`, and the fused
+    /// `fma` (a*b + c), `fms` (a*b - c) and `fnma` (c - a*b).
     pub operations: Vec<String>,
     /// How many there are, unless a pass is told otherwise.
     pub count: u32,
@@ -84,6 +85,14 @@ impl ElementDescription {
         self.stages + self.transfer
     }
 
+    /// True when elements of this kind perform a fused operation, and so
+    /// read three operands.
+    pub fn is_fused(&self) -> bool {
+        Operation::ALL
+            .into_iter()
+            .any(|operation| operation.is_fused() && self.performs(operation))
+    }
+
     /// True when elements of this kind perform the operation.
     pub fn performs(&self, operation: Operation) -> bool {
         self.operations.iter().any(|name| name == operation.name())
@@ -96,7 +105,9 @@ impl ElementDescription {
 pub enum MemoryStyle {
     /// One memory per element with two ports and twice the clock: both
     /// operands are read in the first half of a cycle, up to `writes` words
-    /// are written in the second.
+    /// are written in the second. An element that performs a fused operation
+    /// reads three: its memory is there twice, written alike, and the second
+    /// copy hands out the addend.
     Unified,
     /// One memory per operand side, each with one read and one write port, on
     /// one clock: an operand must lie in the memory of its side.
@@ -172,7 +183,7 @@ pub enum MachineError {
 }
 
 /// The machine files that ship with robovec, by name.
-pub const BUILT_IN: [(&str, &str); 7] = [
+pub const BUILT_IN: [(&str, &str); 8] = [
     ("ideal", include_str!("../../machines/ideal.toml")),
     ("thesis", include_str!("../../machines/thesis.toml")),
     ("side-split", include_str!("../../machines/side-split.toml")),
@@ -188,6 +199,7 @@ pub const BUILT_IN: [(&str, &str); 7] = [
         "pipeline-10-5",
         include_str!("../../machines/pipeline-10-5.toml"),
     ),
+    ("fused", include_str!("../../machines/fused.toml")),
     ("de10-nano", include_str!("../../machines/de10-nano.toml")),
 ];
 
@@ -233,6 +245,12 @@ impl Machine {
         }
         for (index, element) in self.elements.iter().enumerate() {
             let kind = &element.kind;
+            if element.is_fused() && self.memory.style == MemoryStyle::SideSplit {
+                return fail(format!(
+                    "the kind '{kind}' performs a fused operation, whose three operands a memory \
+                     per side cannot hand out; let the memory have the style 'unified'"
+                ));
+            }
             if kind.is_empty()
                 || !kind.bytes().all(|byte| byte.is_ascii_lowercase())
                 || kind == "host"
@@ -265,7 +283,7 @@ impl Machine {
                 if !known || matches!(name.as_str(), "copy" | "neg" | "sin" | "cos") {
                     return fail(format!(
                         "the kind '{kind}' performs '{name}'; a processing element performs \
-                         add, sub, mul, div or sqrt"
+                         add, sub, mul, div, sqrt, fma, fms or fnma"
                     ));
                 }
                 let others = &self.elements[..index];
@@ -333,5 +351,18 @@ mod tests {
         assert_eq!(machine.weight(Operation::Neg), 12);
         assert_eq!(machine.weight(Operation::Mul), 7);
         assert_eq!(machine.weight(Operation::Sin), 0);
+    }
+
+    #[test]
+    fn three_operands_need_a_memory_for_both_sides() {
+        let fused = Machine::built_in("fused").expect("it ships");
+        let kind = fused
+            .kind_of(Operation::Fnma)
+            .expect("it has such elements");
+        assert!(fused.elements[kind].is_fused());
+        assert!(!fused.elements[0].is_fused());
+        let split = include_str!("../../machines/fused.toml").replace("unified", "side-split");
+        let error = Machine::parse(&split).expect_err("it cannot be built");
+        assert!(error.to_string().contains("three operands"), "{error}");
     }
 }

@@ -22,11 +22,17 @@ pub enum Operation {
     Cos,
     /// `sqrt(a)`.
     Sqrt,
+    /// `a * b + c`, rounded once.
+    Fma,
+    /// `a * b - c`, rounded once.
+    Fms,
+    /// `c - a * b`, rounded once.
+    Fnma,
 }
 
 impl Operation {
     /// All operations, in order of declaration.
-    pub const ALL: [Operation; 9] = [
+    pub const ALL: [Operation; 12] = [
         Operation::Copy,
         Operation::Neg,
         Operation::Add,
@@ -36,9 +42,14 @@ impl Operation {
         Operation::Sin,
         Operation::Cos,
         Operation::Sqrt,
+        Operation::Fma,
+        Operation::Fms,
+        Operation::Fnma,
     ];
 
-    /// How many operands the operation takes: 1 or 2.
+    /// How many operands the operation takes: 1 to [`Operand::MOST`].
+    ///
+    /// [`Operand::MOST`]: crate::Operand::MOST
     #[inline]
     pub fn arity(self) -> usize {
         match self {
@@ -48,13 +59,21 @@ impl Operation {
             | Operation::Sin
             | Operation::Cos
             | Operation::Sqrt => 1,
+            Operation::Fma | Operation::Fms | Operation::Fnma => 3,
         }
     }
 
-    /// True when the operands may be exchanged without changing a bit.
+    /// True when the first two operands (of a fused operation the factors)
+    /// may be exchanged without changing a bit.
     #[inline]
     pub fn is_commutative(self) -> bool {
-        matches!(self, Operation::Add | Operation::Mul)
+        matches!(self, Operation::Add | Operation::Mul) || self.is_fused()
+    }
+
+    /// True for a product and a sum in one operation, with one rounding.
+    #[inline]
+    pub fn is_fused(self) -> bool {
+        matches!(self, Operation::Fma | Operation::Fms | Operation::Fnma)
     }
 
     /// True for sine and cosine, which the thesis' machine takes from the
@@ -77,6 +96,9 @@ impl Operation {
             Operation::Sin => "sin",
             Operation::Cos => "cos",
             Operation::Sqrt => "sqrt",
+            Operation::Fma => "fma",
+            Operation::Fms => "fms",
+            Operation::Fnma => "fnma",
         }
     }
 }

@@ -135,10 +135,11 @@ pub struct Write {
 pub struct Placement {
     /// Initial data, in order of element, bank and address.
     pub preloads: Vec<Preload>,
-    /// Read addresses of the left and right operand, in the issuing
-    /// element's memory (for a side-split element in its left and right
-    /// memory); `u32::MAX` where there is no operand. One entry per node.
-    pub reads: Vec<[u32; 2]>,
+    /// Read addresses of the operands, in the issuing element's memory (for
+    /// a side-split element those of the left and right operand in its left
+    /// and right memory); `u32::MAX` where there is no operand. One entry per
+    /// node.
+    pub reads: Vec<[u32; crate::Operand::MOST]>,
     /// The buffer word of the producing element that holds the result from
     /// its write-back on, or `u32::MAX`. One entry per node.
     pub buffers: Vec<u32>,

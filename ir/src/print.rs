@@ -373,13 +373,10 @@ impl<'a> FunctionPrinter<'a> {
         value: Value,
     ) {
         let reads = placement.reads[value.index()];
-        if reads[0] != Placement::NONE {
-            text.push(" read ");
-            text.integer(reads[0]);
-            if reads[1] != Placement::NONE {
-                text.push(" ");
-                text.integer(reads[1]);
-            }
+        let present = reads.iter().take_while(|&&read| read != Placement::NONE);
+        for (index, &read) in present.enumerate() {
+            text.push(if index == 0 { " read " } else { " " });
+            text.integer(read);
         }
         let buffer = placement.buffers[value.index()];
         if buffer != Placement::NONE {
@@ -465,7 +462,7 @@ impl<'a> FunctionPrinter<'a> {
     /// Pushes the pieces of one node, last first.
     fn open(&self, pieces: &mut Vec<Piece>, text: &mut Text<'_>, value: Value) {
         let node = self.view.function.node(value);
-        let [left, right] = node.operands;
+        let [left, right, third] = node.operands;
         let (fixed, binding) = match node.operation {
             Operation::Add => (" + ", SUM),
             Operation::Sub => (" - ", SUM),
@@ -490,6 +487,17 @@ impl<'a> FunctionPrinter<'a> {
                 text.push(node.operation.name());
                 text.push("(");
                 pieces.push(Piece::Text(")"));
+                pieces.push(Piece::Operand(left, 0));
+                return;
+            }
+            Operation::Fma | Operation::Fms | Operation::Fnma => {
+                text.push(node.operation.name());
+                text.push("(");
+                pieces.push(Piece::Text(")"));
+                pieces.push(Piece::Operand(third, 0));
+                pieces.push(Piece::Text(", "));
+                pieces.push(Piece::Operand(right, 0));
+                pieces.push(Piece::Text(", "));
                 pieces.push(Piece::Operand(left, 0));
                 return;
             }
@@ -531,7 +539,13 @@ fn precedence(operation: Operation) -> u8 {
         Operation::Add | Operation::Sub => SUM,
         Operation::Mul | Operation::Div => PRODUCT,
         Operation::Neg => UNARY,
-        Operation::Copy | Operation::Sin | Operation::Cos | Operation::Sqrt => UNARY + 1,
+        Operation::Copy
+        | Operation::Sin
+        | Operation::Cos
+        | Operation::Sqrt
+        | Operation::Fma
+        | Operation::Fms
+        | Operation::Fnma => UNARY + 1,
     }
 }
 

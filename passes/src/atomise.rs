@@ -46,7 +46,8 @@ impl Pass for Atomise {
                         continue;
                     }
                     minuses += 1;
-                    operands = [Operand::from(rewriter.new.constant(0.0)), operands[0]];
+                    let zero = Operand::from(rewriter.new.constant(0.0));
+                    operands = Operand::list([zero, operands[0]]);
                     Operation::Sub
                 }
                 other => other,

@@ -30,18 +30,16 @@ declare_pass! {
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Key {
     operation: Operation,
-    operands: [Operand; 2],
+    operands: [Operand; Operand::MOST],
 }
 
 impl Key {
     /// The key of an operation.
-    pub fn new(operation: Operation, operands: [Operand; 2]) -> Key {
-        let [a, b] = operands;
-        let operands = if operation.is_commutative() && b < a {
-            [b, a]
-        } else {
-            operands
-        };
+    pub fn new<const COUNT: usize>(operation: Operation, operands: [Operand; COUNT]) -> Key {
+        let mut operands = Operand::list(operands);
+        if operation.is_commutative() && operands[1] < operands[0] {
+            operands.swap(0, 1);
+        }
         Key {
             operation,
             operands,
@@ -54,7 +52,7 @@ impl Key {
 
     fn hash(self) -> u64 {
         FxBuildHasher.hash_one((
-            self.operation as u32,
+            u64::from(self.operation as u32) << 32 | u64::from(self.operands[2].bits()),
             u64::from(self.operands[0].bits()) << 32 | u64::from(self.operands[1].bits()),
         ))
     }

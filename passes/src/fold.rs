@@ -55,8 +55,11 @@ enum Simple {
 }
 
 fn simplify(function: &mut Function, node: Node) -> Simple {
-    let [a, b] = node.operands;
+    let [a, b, c] = node.operands;
     let (x, y) = (function.number(a), function.number(b));
+    if node.operation.is_fused() {
+        return simplify_fused(function, node, [a, b, c]);
+    }
     if let Some(number) = known(node.operation, x, y) {
         return Simple::Operand(function.constant(number).into());
     }
@@ -78,6 +81,33 @@ fn simplify(function: &mut Function, node: Node) -> Simple {
     }
 }
 
+/// A fused operation that is a sum or a product, or less. Where its product
+/// is known exactly, or a factor is 1 or -1, one rounding is left either way.
+fn simplify_fused(function: &mut Function, node: Node, [a, b, c]: [Operand; 3]) -> Simple {
+    let (x, y, z) = (function.number(a), function.number(b), function.number(c));
+    let product = match (x, y) {
+        (Some(0.0), _) | (_, Some(0.0)) => Some(function.constant(0.0).into()),
+        (Some(1.0), _) => Some(b),
+        (_, Some(1.0)) => Some(a),
+        _ => known(Operation::Mul, x, y).map(|number| function.constant(number).into()),
+    };
+    let (operation, operands) = match (node.operation, product, z) {
+        (Operation::Fma, Some(product), _) => (Operation::Add, [product, c]),
+        (Operation::Fms, Some(product), _) => (Operation::Sub, [product, c]),
+        (Operation::Fnma, Some(product), _) => (Operation::Sub, [c, product]),
+        (Operation::Fma | Operation::Fms, None, Some(0.0)) => (Operation::Mul, [a, b]),
+        _ => return Simple::Node(node),
+    };
+    simplify(
+        function,
+        Node {
+            operation,
+            operands: Operand::list(operands),
+            ..node
+        },
+    )
+}
+
 /// `x` where the operand is `0 - x`.
 fn minus_of(function: &Function, operand: Operand) -> Option<Operand> {
     let node = function.node(operand.value()?);
@@ -89,7 +119,7 @@ fn minus(function: &mut Function, node: Node, operand: Operand) -> Simple {
     let zero = Operand::from(function.constant(0.0));
     Simple::Node(Node {
         operation: Operation::Sub,
-        operands: [zero, operand],
+        operands: Operand::list([zero, operand]),
         ..node
     })
 }

@@ -236,13 +236,13 @@ fn substitutable(function: &Function) -> Vec<bool> {
 }
 
 /// What a node becomes: `0 - x` is a minus, unless `x` is a number.
-fn shape(function: &Function, node: &Node) -> (Operation, [Operand; 2]) {
-    let [left, right] = node.operands;
+fn shape(function: &Function, node: &Node) -> (Operation, [Operand; Operand::MOST]) {
+    let [left, right, _] = node.operands;
     let zero = function
         .number(left)
         .is_some_and(|number| number.to_bits() == 0);
     if node.operation == Operation::Sub && zero && right.constant().is_none() {
-        return (Operation::Neg, [right, Operand::NONE]);
+        return (Operation::Neg, Operand::list([right]));
     }
     (node.operation, node.operands)
 }
@@ -253,7 +253,13 @@ fn binding(operation: Operation) -> u8 {
     match operation {
         Operation::Add | Operation::Sub | Operation::Neg => 1,
         Operation::Mul | Operation::Div => 2,
-        Operation::Copy | Operation::Sin | Operation::Cos | Operation::Sqrt => 3,
+        Operation::Copy
+        | Operation::Sin
+        | Operation::Cos
+        | Operation::Sqrt
+        | Operation::Fma
+        | Operation::Fms
+        | Operation::Fnma => 3,
     }
 }
 
@@ -265,7 +271,15 @@ fn needed(operation: Operation, place: usize) -> u8 {
         (Operation::Mul | Operation::Div, 0) => 2,
         (Operation::Mul | Operation::Div, _) => 3,
         // The argument of a function stands in its parentheses.
-        (Operation::Sin | Operation::Cos | Operation::Sqrt, _) => 4,
+        (
+            Operation::Sin
+            | Operation::Cos
+            | Operation::Sqrt
+            | Operation::Fma
+            | Operation::Fms
+            | Operation::Fnma,
+            _,
+        ) => 4,
     }
 }
 

@@ -14,6 +14,7 @@ pub mod codegen;
 pub mod cse;
 pub mod dce;
 pub mod eqsat;
+pub mod fma;
 pub mod fold;
 pub mod inline;
 pub mod lookahead;

@@ -3,8 +3,8 @@
 
 use crate::pass::PassInfo;
 use crate::{
-    asap_alap, atomise, balance, codegen, cse, dce, eqsat, fold, inline, lookahead, place, swap,
-    zero_removal,
+    asap_alap, atomise, balance, codegen, cse, dce, eqsat, fma, fold, inline, lookahead, place,
+    swap, zero_removal,
 };
 
 /// All passes, in the order a function usually meets them.
@@ -17,6 +17,7 @@ pub const PASSES: &[PassInfo] = &[
     eqsat::Eqsat::INFO,
     cse::Cse::INFO,
     dce::Dce::INFO,
+    fma::Fma::INFO,
     inline::Inline::INFO,
     lookahead::Lookahead::INFO,
     asap_alap::AsapAlap::INFO,

@@ -48,11 +48,8 @@ impl<'a> Rewriter<'a> {
     }
 
     /// The operands of a node, translated.
-    pub fn translate_operands(&mut self, node: &Node) -> [Operand; 2] {
-        [
-            self.translate(node.operands[0]),
-            self.translate(node.operands[1]),
-        ]
+    pub fn translate_operands(&mut self, node: &Node) -> [Operand; Operand::MOST] {
+        node.operands.map(|operand| self.translate(operand))
     }
 
     /// Says what the next old value has become; called once per value, in

@@ -198,6 +198,11 @@ impl Arithmetic for Bits {
     fn sqrt(&self, a: usize) -> usize {
         self.unary(a, |number| number.sqrt(self.precision, ROUNDING))
     }
+    fn fma(&self, a: usize, b: usize, c: usize) -> usize {
+        // The full product has at most as many bits as both factors.
+        let product = self.binary(a, b, |a, b, _, _| a.mul_full_prec(b));
+        self.add(product, c)
+    }
 }
 
 impl Show for Bits {

@@ -328,7 +328,7 @@ impl Writer<'_> {
             .push(Node {
                 name: Name::NONE,
                 sources: SourceSet::EMPTY,
-                operands,
+                operands: Operand::list(operands),
                 operation,
             })
             .into()

@@ -34,7 +34,7 @@ fn sample() -> Module {
         Operand::from(function.push(Node {
             name,
             sources: SourceSet::EMPTY,
-            operands,
+            operands: Operand::list(operands),
             operation,
         }))
     };
@@ -87,7 +87,9 @@ fn place(function: &mut Function, [a, b, zero]: [Operand; 3]) {
             preload(1, 0, a),
             preload(1, 1, b),
         ],
-        reads: vec![[Placement::NONE; 2], [0, 1], [0, 2], [3, 1]],
+        reads: [[Placement::NONE; 2], [0, 1], [0, 2], [3, 1]]
+            .map(|[left, right]| [left, right, Placement::NONE])
+            .to_vec(),
         buffers: vec![Placement::NONE, 0, Placement::NONE, Placement::NONE],
         write_starts: vec![0, 0, 1, 2, 3],
         writes: vec![write(2, 8), write(3, 20), write(0, 32)],

@@ -17,7 +17,8 @@ struct Bits {
 pub(super) struct Fields {
     issue: Bits,
     operation: Bits,
-    reads: [Bits; 2],
+    /// Left, right, addend; the last one without bits where nothing is fused.
+    reads: [Bits; 3],
     /// Memory (0 or 1), enable, address and select of every write port.
     writes: Vec<(usize, [Bits; 3])>,
     buffer_write: [Bits; 2],
@@ -65,7 +66,7 @@ impl Fields {
         let mut fields = Fields {
             issue: take("issue"),
             operation: take("operation"),
-            reads: [take("read.left"), take("read.right")],
+            reads: ["read.left", "read.right", "read.addend"].map(&mut take),
             writes: Vec::new(),
             buffer_write: [take("buffer.write.enable"), take("buffer.write.address")],
             buffer_reads: Vec::new(),
@@ -118,8 +119,8 @@ pub(super) struct Issue {
     pub(super) element: u32,
     /// Code of the operation.
     pub(super) code: u32,
-    /// Read addresses, left and right.
-    pub(super) reads: [u32; 2],
+    /// Read addresses: left, right, addend.
+    pub(super) reads: [u32; 3],
 }
 
 /// A write port takes something from the crossbar.

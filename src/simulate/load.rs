@@ -356,8 +356,9 @@ impl<'a> Loader<'a> {
             self.reference(&value.name, operand, place)?;
         }
         let operands = match (operation.arity(), value.operands.as_slice()) {
-            (1, &[only]) => [only, only],
-            (2, &[left, right]) => [left, right],
+            (1, &[only]) => [only; 3],
+            (2, &[left, right]) => [left, right, left],
+            (3, &[left, right, addend]) => [left, right, addend],
             (arity, given) => {
                 return Err(LoadError::Dangling {
                     user: value.name.clone(),

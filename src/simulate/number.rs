@@ -7,7 +7,8 @@
 //! flushed when it is that small *before* rounding, which is the cheaper test
 //! in hardware; it differs from the test after rounding only where a product
 //! would round up to the least normal number. Sums and differences that small
-//! are exact, so there is only one test for them.
+//! are exact, so there is only one test for them. A fused multiply-add is
+//! judged by its rounded result.
 
 use robovec_ir::Operation;
 
@@ -21,8 +22,9 @@ pub(super) trait Number: Copy + Default {
     fn from_binary64(number: f64) -> Self;
     /// The number, exactly.
     fn to_binary64(self) -> f64;
-    /// What an element or the host computes; unary operations ignore `b`.
-    fn compute(operation: Operation, a: Self, b: Self) -> Self;
+    /// What an element or the host computes; operations ignore what lies
+    /// behind their operands.
+    fn compute(operation: Operation, operands: [Self; 3]) -> Self;
     /// True for a nonzero number below the least normal one.
     fn is_subnormal(self) -> bool;
     /// True when the exact product is nonzero and below the least normal
@@ -33,11 +35,12 @@ pub(super) trait Number: Copy + Default {
 }
 
 /// As [`Number::compute`], without subnormal numbers when `flush` is set.
-pub(super) fn compute<N: Number>(operation: Operation, a: N, b: N, flush: bool) -> N {
-    let result = N::compute(operation, a, b);
+pub(super) fn compute<N: Number>(operation: Operation, operands: [N; 3], flush: bool) -> N {
+    let result = N::compute(operation, operands);
     if !flush {
         return result;
     }
+    let [a, b, _] = operands;
     let tiny = operation == Operation::Mul && N::product_is_tiny(a, b);
     if tiny {
         result.to_zero()
@@ -68,7 +71,7 @@ impl Number for f32 {
     fn to_binary64(self) -> f64 {
         f64::from(self)
     }
-    fn compute(operation: Operation, a: f32, b: f32) -> f32 {
+    fn compute(operation: Operation, [a, b, c]: [f32; 3]) -> f32 {
         match operation {
             Operation::Copy => a,
             Operation::Neg => -a,
@@ -77,6 +80,9 @@ impl Number for f32 {
             Operation::Mul => a * b,
             Operation::Div => a / b,
             Operation::Sqrt => a.sqrt(),
+            Operation::Fma => a.mul_add(b, c),
+            Operation::Fms => a.mul_add(b, -c),
+            Operation::Fnma => (-a).mul_add(b, c),
             // The host's sine and cosine: those of binary64, rounded once.
             Operation::Sin => f64::from(a).sin() as f32,
             Operation::Cos => f64::from(a).cos() as f32,
@@ -108,7 +114,7 @@ impl Number for f64 {
     fn to_binary64(self) -> f64 {
         self
     }
-    fn compute(operation: Operation, a: f64, b: f64) -> f64 {
+    fn compute(operation: Operation, [a, b, c]: [f64; 3]) -> f64 {
         match operation {
             Operation::Copy => a,
             Operation::Neg => -a,
@@ -117,6 +123,9 @@ impl Number for f64 {
             Operation::Mul => a * b,
             Operation::Div => a / b,
             Operation::Sqrt => a.sqrt(),
+            Operation::Fma => a.mul_add(b, c),
+            Operation::Fms => a.mul_add(b, -c),
+            Operation::Fnma => (-a).mul_add(b, c),
             Operation::Sin => a.sin(),
             Operation::Cos => a.cos(),
         }
@@ -150,7 +159,7 @@ mod tests {
     use super::*;
 
     fn product<N: Number>(a: N, b: N) -> f64 {
-        compute(Operation::Mul, a, b, true).to_binary64()
+        compute(Operation::Mul, [a, b, N::default()], true).to_binary64()
     }
 
     #[test]
@@ -177,8 +186,8 @@ mod tests {
     #[test]
     fn sums_are_flushed_and_kept_by_choice() {
         let (a, b) = (f32::MIN_POSITIVE * 1.5, f32::MIN_POSITIVE);
-        assert_eq!(compute(Operation::Sub, a, b, true), 0.0);
-        assert_eq!(compute(Operation::Sub, a, b, false), a - b);
-        assert!(compute(Operation::Sub, b, a, true).is_sign_negative());
+        assert_eq!(compute(Operation::Sub, [a, b, 0.0], true), 0.0);
+        assert_eq!(compute(Operation::Sub, [a, b, 0.0], false), a - b);
+        assert!(compute(Operation::Sub, [b, a, 0.0], true).is_sign_negative());
     }
 }

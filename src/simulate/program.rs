@@ -61,8 +61,8 @@ pub(super) struct MemoryUnit {
 #[derive(Clone, Debug)]
 pub(super) struct HostStep {
     pub(super) operation: Operation,
-    /// A unary operation has its operand twice.
-    pub(super) operands: [Reference; 2],
+    /// Behind the operands of the operation the first one again.
+    pub(super) operands: [Reference; 3],
     /// Where it is loaded.
     pub(super) words: Vec<u32>,
 }

@@ -132,8 +132,8 @@ impl<'p, N: Number> Runner<'p, N> {
             words.iter().for_each(|&word| self.put(word, number));
         }
         for step in &program.host {
-            let [a, b] = step.operands.map(|operand| known.get(operand));
-            let number = compute(step.operation, a, b, flush);
+            let operands = step.operands.map(|operand| known.get(operand));
+            let number = compute(step.operation, operands, flush);
             known.host.push(number);
             step.words.iter().for_each(|&word| self.put(word, number));
         }
@@ -170,13 +170,11 @@ impl<'p, N: Number> Runner<'p, N> {
                 code: issue.code,
             });
         };
-        let a = self.read(cycle, issue, 0)?;
-        let b = if operation.arity() == 2 {
-            self.read(cycle, issue, 1)?
-        } else {
-            a
-        };
-        let result = compute(operation, a, b, program.flush);
+        let mut operands = [N::default(); 3];
+        for (side, operand) in operands[..operation.arity()].iter_mut().enumerate() {
+            *operand = self.read(cycle, issue, side)?;
+        }
+        let result = compute(operation, operands, program.flush);
         let (first, now) = self.slots[issue.element as usize];
         self.pipelines[(first + now) as usize] = Some(result);
         Ok(())
@@ -184,7 +182,8 @@ impl<'p, N: Number> Runner<'p, N> {
 
     fn read(&mut self, cycle: u32, issue: &Issue, side: usize) -> Result<N, Hazard> {
         let element = &self.program.elements[issue.element as usize];
-        let memory = element.memories[side];
+        // An addend comes from where the left operand does.
+        let memory = element.memories[side % 2];
         let place = self.place(cycle, memory, issue.reads[side])?;
         let cell = &mut self.memory[place];
         if cell.written == EMPTY {

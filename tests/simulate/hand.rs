@@ -14,8 +14,8 @@ use robovec::simulate::mif::Image;
 use robovec::simulate::{Hazard, LoadError, Program};
 use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
 use robovec_ir::{
-    Assignment, Function, Input, Level, Machine, Module, Name, Node, Operation, Output, Shape,
-    SourceSet,
+    Assignment, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation, Output,
+    Shape, SourceSet,
 };
 use robovec_passes::codegen::images;
 use robovec_passes::codegen::manifest::Manifest;
@@ -54,9 +54,21 @@ fn function(module: &mut Module) -> Function {
         operands,
         operation,
     };
-    let x = function.push(node(names[0], Operation::Add, [a.into(), b.into()]));
-    let y = function.push(node(names[1], Operation::Mul, [x.into(), b.into()]));
-    let z = function.push(node(names[2], Operation::Sub, [x.into(), y.into()]));
+    let x = function.push(node(
+        names[0],
+        Operation::Add,
+        Operand::list([a.into(), b.into()]),
+    ));
+    let y = function.push(node(
+        names[1],
+        Operation::Mul,
+        Operand::list([x.into(), b.into()]),
+    ));
+    let z = function.push(node(
+        names[2],
+        Operation::Sub,
+        Operand::list([x.into(), y.into()]),
+    ));
     function.assignments = [z, y]
         .into_iter()
         .enumerate()
@@ -95,7 +107,9 @@ pub(crate) fn module() -> Module {
             preload(ADD0, 1, 1),
             preload(MULTI0, 0, 1),
         ],
-        reads: vec![[0, 1], [1, 0], [2, 3]],
+        reads: [[0, 1], [1, 0], [2, 3]]
+            .map(|[left, right]| [left, right, Placement::NONE])
+            .to_vec(),
         buffers: vec![0, Placement::NONE, Placement::NONE],
         write_starts: vec![0, 2, 3, 4],
         writes: vec![

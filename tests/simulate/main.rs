@@ -24,7 +24,7 @@ fn view(module: &Module) -> View<'_> {
 
 fn random_placed(seed: u64, operations: usize, machine: &Machine) -> Module {
     let mut random = Random(seed);
-    let mut module = naive::random_function(&mut random, operations);
+    let mut module = naive::random_function(&mut random, operations, machine);
     naive::place(&mut module.functions[0], machine, &mut random);
     module
 }
@@ -76,7 +76,14 @@ fn random_programs_give_the_evaluators_bits_on_every_machine() {
 #[test]
 fn placed_programs_give_the_evaluators_bits() {
     let mut buffered = 0;
-    for name in ["thesis", "side-split", "ideal", "de10-nano", "pipeline-3-3"] {
+    for name in [
+        "thesis",
+        "side-split",
+        "ideal",
+        "de10-nano",
+        "pipeline-3-3",
+        "fused",
+    ] {
         for count in [1, 2, 3, 4, 8, 16, 32] {
             let mut machine = Machine::built_in(name).expect("it ships");
             for element in &mut machine.elements {
@@ -84,7 +91,7 @@ fn placed_programs_give_the_evaluators_bits() {
             }
             for choice in [Choice::First, Choice::Preferential] {
                 let seed = u64::from(count) + if choice == Choice::First { 100 } else { 0 };
-                let mut module = naive::random_function(&mut Random(seed), 400);
+                let mut module = naive::random_function(&mut Random(seed), 400, &machine);
                 let options = PlaceOptions {
                     choice,
                     ..PlaceOptions::default()

@@ -33,8 +33,10 @@ impl Random {
 }
 
 /// An atomic function of some operations on 5 inputs, with sines and cosines
-/// of two of them, and with outputs of every kind.
-pub(crate) fn random_function(random: &mut Random, operations: usize) -> Module {
+/// of two of them, and with outputs of every kind; with fused operations if
+/// the machine has elements for them.
+pub(crate) fn random_function(random: &mut Random, operations: usize, machine: &Machine) -> Module {
+    let fused = machine.kind_of(Operation::Fma).is_some();
     let mut module = Module::new();
     let mut function = Function::new("random", Level::Atomic);
     let symbols = &mut module.tables.symbols;
@@ -49,7 +51,7 @@ pub(crate) fn random_function(random: &mut Random, operations: usize) -> Module 
                 suffix: count as u32,
             },
             sources: SourceSet::EMPTY,
-            operands: [Input(count as u32 * 3).into(), Operand::NONE],
+            operands: Operand::list([Input(count as u32 * 3).into()]),
             operation,
         });
         known.push(value.into());
@@ -57,7 +59,14 @@ pub(crate) fn random_function(random: &mut Random, operations: usize) -> Module 
     known.push(function.constant(0.1).into());
     known.push(function.constant(-1.0).into());
     for count in 0..operations {
-        let operation = [Operation::Add, Operation::Sub, Operation::Mul][random.below(3)];
+        let operation = [
+            Operation::Add,
+            Operation::Sub,
+            Operation::Mul,
+            Operation::Fma,
+            Operation::Fms,
+            Operation::Fnma,
+        ][random.below(if fused { 6 } else { 3 })];
         let mut pick = || {
             let recent = random.below(3) > 0 && known.len() > 12;
             let from = if recent { known.len() - 12 } else { 0 };
@@ -65,8 +74,15 @@ pub(crate) fn random_function(random: &mut Random, operations: usize) -> Module 
         };
         // Factors below 1 keep long chains finite, so that bits say something.
         let operands = match operation {
-            Operation::Mul => [pick(), known[[7, 7, 5, 6][random.below(4)]]],
-            _ => [pick(), pick()],
+            Operation::Add | Operation::Sub => Operand::list([pick(), pick()]),
+            _ => {
+                let (wide, addend) = (pick(), pick());
+                let small = known[[7, 7, 5, 6][random.below(4)]];
+                match operation {
+                    Operation::Mul => Operand::list([wide, small]),
+                    _ => [wide, small, addend],
+                }
+            }
         };
         let value = function.push(Node {
             name: Name {
@@ -114,7 +130,7 @@ pub(crate) fn place(function: &mut Function, machine: &Machine, random: &mut Ran
 
 struct Naive {
     schedule: Schedule,
-    reads: Vec<[u32; 2]>,
+    reads: Vec<[u32; Operand::MOST]>,
     buffers: Vec<u32>,
     writes: Vec<Vec<Write>>,
     preloads: Vec<Preload>,
@@ -142,7 +158,7 @@ impl Naive {
                 cycles: 0,
                 lower_bound: 0,
             },
-            reads: vec![[Placement::NONE; 2]; count],
+            reads: vec![[Placement::NONE; Operand::MOST]; count],
             buffers: vec![Placement::NONE; count],
             writes: vec![Vec::new(); count],
             preloads: Vec::new(),
@@ -166,11 +182,11 @@ impl Naive {
         self.issued += 1;
         self.schedule.slots.push(Slot { cycle, element });
         let banks = match machine.memory.style {
-            MemoryStyle::Unified => [Bank::Unified; 2],
-            MemoryStyle::SideSplit => [Bank::Left, Bank::Right],
+            MemoryStyle::Unified => [Bank::Unified; Operand::MOST],
+            MemoryStyle::SideSplit => [Bank::Left, Bank::Right, Bank::Left],
         };
-        for (side, bank) in banks.into_iter().enumerate() {
-            let operand = node.operands[side];
+        for (side, &operand) in node.operands().iter().enumerate() {
+            let bank = banks[side];
             let word = self.bring(machine, operand, element, bank, random);
             self.reads[value.index()][side] = word.address;
         }

@@ -6,6 +6,7 @@
 use super::builder::{Builder, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
+use crate::entity::Operand;
 use crate::function::{Level, Timing};
 use crate::history::History;
 use crate::placement::{Placement, Slot, Word, Write};
@@ -18,7 +19,7 @@ const TIMING_KEYS: [&str; 5] = ["asap", "alap", "asap_cycle", "alap_cycle", "mob
 pub(super) struct Attributes {
     pub(super) sources: Option<(SourceSet, Span)>,
     pub(super) slot: Option<(Slot, Span)>,
-    pub(super) reads: Option<([u32; 2], Span)>,
+    pub(super) reads: Option<([u32; Operand::MOST], Span)>,
     pub(super) buffer: Option<(u32, Span)>,
     pub(super) write: Option<Span>,
     pub(super) home: Option<(Word, Span)>,
@@ -92,12 +93,12 @@ impl Builder<'_> {
     }
 
     /// `read 12 40`.
-    pub(super) fn read(&mut self, left: Span, right: Option<Span>, span: Span) {
+    pub(super) fn read(&mut self, addresses: [Option<Span>; Operand::MOST], span: Span) {
         let first = self.attributes.reads.map(|(_, span)| span);
         if self.belongs_to(Level::Placed, span, "addresses") && self.once(first, span, "'read'") {
-            let left = self.integer(left);
-            let right = right.map_or(Placement::NONE, |right| self.integer(right));
-            self.attributes.reads = Some(([left, right], span));
+            let reads = addresses
+                .map(|address| address.map_or(Placement::NONE, |address| self.integer(address)));
+            self.attributes.reads = Some((reads, span));
         }
     }
 

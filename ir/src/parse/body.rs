@@ -11,6 +11,49 @@ use crate::placement::Placement;
 use crate::source::SourceSet;
 use crate::symbol::Name;
 
+/// What is written as a function.
+const FUNCTIONS: [Operation; 6] = [
+    Operation::Sin,
+    Operation::Cos,
+    Operation::Sqrt,
+    Operation::Fma,
+    Operation::Fms,
+    Operation::Fnma,
+];
+
+/// The arguments of a function: the first ones, and how many there are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Arguments {
+    operands: [Operand; Operand::MOST],
+    count: u32,
+}
+
+impl Arguments {
+    /// The first argument.
+    pub(super) fn first(operand: Operand) -> Arguments {
+        Arguments {
+            operands: Operand::list([operand]),
+            count: 1,
+        }
+    }
+
+    /// The list with one more.
+    pub(super) fn and(mut self, operand: Operand) -> Arguments {
+        if let Some(place) = self.operands.get_mut(self.count as usize) {
+            *place = operand;
+        }
+        self.count = self.count.saturating_add(1);
+        self
+    }
+}
+
+fn arguments(count: u32) -> String {
+    match count {
+        1 => "one argument".to_owned(),
+        _ => format!("{count} arguments"),
+    }
+}
+
 impl Builder<'_> {
     /// `%x =`.
     pub(super) fn begin_definition(&mut self, span: Span) {
@@ -45,7 +88,12 @@ impl Builder<'_> {
         self.head = Head::Assignment(output, span);
     }
 
-    fn push(&mut self, operation: Operation, operands: [Operand; 2], span: Span) -> Operand {
+    fn push(
+        &mut self,
+        operation: Operation,
+        operands: [Operand; Operand::MOST],
+        span: Span,
+    ) -> Operand {
         let node = Node {
             name: Name::NONE,
             sources: SourceSet::EMPTY,
@@ -64,27 +112,44 @@ impl Builder<'_> {
         b: Operand,
         span: Span,
     ) -> Operand {
-        self.push(operation, [a, b], span)
+        self.push(operation, Operand::list([a, b]), span)
     }
 
     /// `-a`.
     pub(super) fn unary(&mut self, operation: Operation, a: Operand, span: Span) -> Operand {
-        self.push(operation, [a, Operand::NONE], span)
+        self.push(operation, Operand::list([a]), span)
     }
 
-    /// `sin(a)` and its like.
-    pub(super) fn call(&mut self, name: Span, a: Operand, end: u32) -> Operand {
-        let operation = match self.slice(name) {
-            "sin" => Operation::Sin,
-            "cos" => Operation::Cos,
-            "sqrt" => Operation::Sqrt,
-            other => {
-                let message = format!("there is no function '{}'", clip(other));
-                self.advise(name, message, "the functions are sin, cos and sqrt");
-                Operation::Sqrt
-            }
+    /// `sin(a)`, `fma(a, b, c)` and their like.
+    pub(super) fn call(&mut self, name: Span, given: Arguments, end: u32) -> Operand {
+        let text = self.slice(name);
+        let mut functions = FUNCTIONS.iter();
+        let Some(&operation) = functions.find(|operation| operation.name() == text) else {
+            let message = format!("there is no function '{}'", clip(text));
+            self.advise(
+                name,
+                message,
+                "the functions are sin, cos, sqrt, fma, fms and fnma",
+            );
+            return self.nothing();
         };
-        self.push(operation, [a, Operand::NONE], Span::new(name.start, end))
+        let span = Span::new(name.start, end);
+        if given.count as usize != operation.arity() {
+            let message = format!(
+                "{text} takes {}, not {}",
+                arguments(operation.arity() as u32),
+                given.count
+            );
+            let help = match operation.is_fused() {
+                true => {
+                    "fma(a, b, c) is a*b + c, fms(a, b, c) is a*b - c, fnma(a, b, c) is c - a*b"
+                }
+                false => "an angle or a number stands in the parentheses",
+            };
+            self.advise(span, message, help);
+            return self.nothing();
+        }
+        self.push(operation, given.operands, span)
     }
 
     /// A number, with the minus before it.
@@ -333,7 +398,7 @@ impl Builder<'_> {
         let Some(placement) = &mut self.open.function.placement else {
             return;
         };
-        let none = [Placement::NONE; 2];
+        let none = [Placement::NONE; Operand::MOST];
         placement.reads.resize(count - 1, none);
         placement
             .reads

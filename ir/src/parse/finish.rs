@@ -179,7 +179,9 @@ impl<'t> Builder<'t> {
             schedule.slots.resize(count, slot);
         }
         if let Some(placement) = &mut function.placement {
-            placement.reads.resize(count, [Placement::NONE; 2]);
+            placement
+                .reads
+                .resize(count, [Placement::NONE; Operand::MOST]);
             placement.buffers.resize(count, Placement::NONE);
             placement
                 .write_starts

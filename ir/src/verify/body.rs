@@ -49,17 +49,16 @@ fn operands(collector: &mut Collector<'_>) -> bool {
     let bounds = bounds(collector);
     let mut sound = true;
     for (value, node) in collector.view.function.values() {
-        let [left, right] = node.operands;
-        let right_fits = match node.operation.arity() {
-            1 => right.is_none(),
-            _ => bounds.holds(right, value.index()),
-        };
-        if !bounds.holds(left, value.index()) || !right_fits {
+        let (present, absent) = node.operands.split_at(node.operation.arity());
+        let fits = |&operand: &Operand| bounds.holds(operand, value.index());
+        if !present.iter().all(fits) || !absent.iter().all(|operand| operand.is_none()) {
             sound = false;
+            let given = node.operands.iter().filter(|operand| !operand.is_none());
+            let given: Vec<&Operand> = given.collect();
             let operation = node.operation.name();
             collector.value(value, || {
                 format!(
-                    "('{operation}') does not read {} earlier values, inputs or constants: {left:?}, {right:?}",
+                    "('{operation}') does not read {} earlier values, inputs or constants: {given:?}",
                     node.operation.arity()
                 )
             });

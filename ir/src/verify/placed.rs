@@ -17,11 +17,9 @@ pub(super) fn check(collector: &mut Collector<'_>, schedule: &Schedule, placemen
             true => 0,
             false => node.operation.arity(),
         };
-        let present = reads
-            .iter()
-            .filter(|&&read| read != Placement::NONE)
-            .count();
-        let in_order = reads[0] != Placement::NONE || reads[1] == Placement::NONE;
+        let is_there = |&&read: &&u32| read != Placement::NONE;
+        let present = reads.iter().filter(is_there).count();
+        let in_order = reads.iter().take_while(is_there).count() == present;
         if present != expected || !in_order {
             collector.value(value, || {
                 format!("has {present} addresses to read from instead of {expected}")

@@ -53,11 +53,12 @@ const ATOMIC: &str = "function f atomic {
 #[test]
 fn operands_must_exist_and_fit_the_operation() {
     let broken = [
-        [Value(1).into(), Input(0).into()],
-        [Input(3).into(), Input(0).into()],
-        [Constant(0).into(), Input(0).into()],
-        [Input(0).into(), Operand::NONE],
-        [Operand::NONE, Operand::NONE],
+        Operand::list([Value(1).into(), Input(0).into()]),
+        Operand::list([Input(3).into(), Input(0).into()]),
+        Operand::list([Constant(0).into(), Input(0).into()]),
+        Operand::list([Input(0).into()]),
+        [Operand::NONE; Operand::MOST],
+        [Input(0).into(); Operand::MOST],
     ];
     for operands in broken {
         let messages = after(ATOMIC, |f| f.node_mut(Value(1)).operands = operands);
@@ -117,7 +118,7 @@ fn inner_nodes_follow_the_text() {
     );
     // It is used twice.
     let messages = after(EQUATIONS, |f| {
-        f.node_mut(Value(1)).operands = [Value(0).into(), Value(0).into()];
+        f.node_mut(Value(1)).operands = Operand::list([Value(0).into(); 2]);
     });
     assert_eq!(messages.len(), 1);
     assert!(
@@ -201,7 +202,7 @@ fn long_lists_are_cut_and_counted() {
         function.push(Node {
             name,
             sources: SourceSet::EMPTY,
-            operands: [zero.into(), zero.into()],
+            operands: Operand::list([zero.into(); 2]),
             operation: Operation::Add,
         });
     }

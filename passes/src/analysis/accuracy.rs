@@ -384,7 +384,7 @@ mod tests {
         let node = Node {
             name: Name::NONE,
             sources: SourceSet::EMPTY,
-            operands: [a, b],
+            operands: Operand::list([a, b]),
             operation,
         };
         function.push(node).into()

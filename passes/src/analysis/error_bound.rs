@@ -165,6 +165,14 @@ impl Arithmetic for Binary32Bound {
             roundings: a.roundings + 1.0,
         }
     }
+
+    fn fma(&self, a: Bounded, b: Bounded, c: Bounded) -> Bounded {
+        Bounded {
+            value: a.value * b.value + c.value,
+            magnitude: a.magnitude * b.magnitude + c.magnitude,
+            roundings: (a.roundings + b.roundings).max(c.roundings) + 1.0,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ mod tests {
             function.push(Node {
                 name: Name::NONE,
                 sources: SourceSet::EMPTY,
-                operands: [a, b],
+                operands: Operand::list([a, b]),
                 operation: Operation::Mul,
             })
         };

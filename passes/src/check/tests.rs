@@ -41,7 +41,7 @@ impl Builder {
         let node = Node {
             name,
             sources: SourceSet::EMPTY,
-            operands: [a, b],
+            operands: Operand::list([a, b]),
             operation,
         };
         self.function.push(node).into()

@@ -132,7 +132,7 @@ impl Writer<'_> {
 
     fn opaque(&mut self, index: u32, naming: Naming) -> Held {
         let opaque = self.network.opaques[index as usize];
-        let mut operands = [Operand::NONE; 2];
+        let mut operands = [Operand::NONE; Operand::MOST];
         let mut arrival = 0;
         for (slot, operand) in operands.iter_mut().zip(opaque.operands) {
             if let Some(signed) = operand {
@@ -226,10 +226,10 @@ impl Writer<'_> {
         self.push(Operation::Sub, [zero, held.operand], naming.last, naming)
     }
 
-    fn push(
+    fn push<const COUNT: usize>(
         &mut self,
         operation: Operation,
-        operands: [Operand; 2],
+        operands: [Operand; COUNT],
         name: Name,
         naming: Naming,
     ) -> Operand {
@@ -241,7 +241,7 @@ impl Writer<'_> {
             .push(Node {
                 name,
                 sources: naming.sources,
-                operands,
+                operands: Operand::list(operands),
                 operation,
             })
             .into()

@@ -129,7 +129,7 @@ impl Reader<'_> {
                 signed
             }
             None => {
-                let mut operands = [None; 2];
+                let mut operands = [None; Operand::MOST];
                 for (slot, &operand) in operands.iter_mut().zip(node.operands()) {
                     *slot = Some(self.operand_or_zero(operand));
                 }

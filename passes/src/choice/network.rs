@@ -3,7 +3,7 @@
 use hashbrown::HashMap;
 use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::field::PrimeField;
-use robovec_ir::{Input, Operation, SourceSet, Symbol};
+use robovec_ir::{Input, Operand, Operation, SourceSet, Symbol};
 use rustc_hash::FxBuildHasher;
 use std::hash::BuildHasher;
 
@@ -77,7 +77,7 @@ pub(crate) enum Form {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Opaque {
     pub(crate) operation: Operation,
-    pub(crate) operands: [Option<Signed>; 2],
+    pub(crate) operands: [Option<Signed>; Operand::MOST],
     /// True when the class is the negation of the result.
     pub(crate) negative: bool,
 }

@@ -235,15 +235,14 @@ impl<'a> Binding<'a> {
         for &value in &self.host {
             let node = function.node(value);
             let get = |operand: Operand| self.number(encoding, inputs, &host, operand);
-            let first = get(node.operands[0]);
-            let second = if node.operation.arity() == 2 {
-                get(node.operands[1])
-            } else {
-                Some(0.0)
-            };
-            let result = first
-                .zip(second)
-                .map(|(a, b)| encoding.apply(node.operation, a, b));
+            let mut operands = Some([0.0; Operand::MOST]);
+            for (place, &operand) in node.operands().iter().enumerate() {
+                operands = operands.zip(get(operand)).map(|(mut known, number)| {
+                    known[place] = number;
+                    known
+                });
+            }
+            let result = operands.map(|operands| encoding.apply(node.operation, operands));
             host.push(result);
         }
         let mut loads = self.traffic.placement.preloads.clone();

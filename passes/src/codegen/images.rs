@@ -205,7 +205,8 @@ impl ImageWriter<'_> {
     }
 
     fn layout(&self, element: u32) -> Layout {
-        Layout::new(&self.sizes, self.operations(element).len())
+        let kind = &self.traffic.machine.elements[self.traffic.kinds[element as usize]];
+        Layout::new(&self.sizes, kind.operations.len(), kind.is_fused())
     }
 
     fn banks(&self) -> &'static [Bank] {

@@ -72,17 +72,19 @@ pub(super) struct Layout {
 pub(super) const ISSUE: u32 = 0;
 /// Place of the field `operation`.
 pub(super) const OPERATION: u32 = 1;
-/// Place of the field `read.left`; `read.right` follows.
+/// Place of the field `read.left`; `read.right` follows and, in an element of
+/// fused operations, `read.addend`.
 pub(super) const READ: u32 = 2;
 
 impl Layout {
-    /// The layout of an element that performs a number of operations.
-    pub(super) fn new(sizes: &Sizes, operations: usize) -> Layout {
+    /// The layout of an element that performs a number of operations, on
+    /// three operands if some of them are fused.
+    pub(super) fn new(sizes: &Sizes, operations: usize, fused: bool) -> Layout {
         let mut layout = Layout {
             fields: Vec::new(),
             width: 0,
             write_ports: sizes.write_ports,
-            writes_from: 4,
+            writes_from: 0,
             buffer_from: 0,
         };
         let address = bits(sizes.words);
@@ -96,6 +98,10 @@ impl Layout {
         layout.field("operation".to_owned(), codes);
         layout.field("read.left".to_owned(), address);
         layout.field("read.right".to_owned(), address);
+        if fused {
+            layout.field("read.addend".to_owned(), address);
+        }
+        layout.writes_from = layout.fields.len() as u32;
         for memory in 0..sizes.memories {
             let side = match (sizes.memories, memory) {
                 (1, _) => "",
@@ -184,7 +190,7 @@ mod tests {
             buffer: Some((16, 1)),
             elements: 8,
         };
-        let layout = Layout::new(&sizes, 2);
+        let layout = Layout::new(&sizes, 2, false);
         // Four addresses of 11 bits, two enables and the operation as in the
         // thesis; the issue bit is ours; two selects of 4 bits; 9 bits for
         // the buffer.
@@ -198,5 +204,11 @@ mod tests {
         assert_eq!(name(layout.write(0, 1)), "write1.enable");
         assert_eq!(name(layout.buffer_write()), "buffer.write.enable");
         assert_eq!(name(layout.buffer_read(0)), "buffer.read0.address");
+        let fused = Layout::new(&sizes, 2, true);
+        assert_eq!(fused.width(), layout.width() + 11);
+        let addend = fused.fields().iter().position(|f| f.name == "read.addend");
+        assert_eq!(addend, Some(READ as usize + 2));
+        let place = fused.write(0, 1) as usize;
+        assert_eq!(fused.fields()[place].name, "write1.enable");
     }
 }

@@ -69,11 +69,15 @@ impl Encoding {
     }
 
     /// What the host computes from numbers of the format.
-    pub(super) fn apply(self, operation: Operation, a: f64, b: f64) -> f64 {
+    pub(super) fn apply(self, operation: Operation, operands: [f64; 3]) -> f64 {
         let raw = if self.double {
-            apply(&Binary64, operation, a, b)
+            apply(&Binary64, operation, operands)
         } else {
-            f64::from(apply(&Binary32, operation, a as f32, b as f32))
+            f64::from(apply(
+                &Binary32,
+                operation,
+                operands.map(|number| number as f32),
+            ))
         };
         self.rounded(raw)
     }
@@ -82,8 +86,7 @@ impl Encoding {
 fn apply<A: Arithmetic>(
     arithmetic: &A,
     operation: Operation,
-    a: A::Number,
-    b: A::Number,
+    [a, b, c]: [A::Number; 3],
 ) -> A::Number {
     match operation {
         Operation::Copy => a,
@@ -95,5 +98,8 @@ fn apply<A: Arithmetic>(
         Operation::Sin => arithmetic.sin(a),
         Operation::Cos => arithmetic.cos(a),
         Operation::Sqrt => arithmetic.sqrt(a),
+        Operation::Fma => arithmetic.fma(a, b, c),
+        Operation::Fms => arithmetic.fms(a, b, c),
+        Operation::Fnma => arithmetic.fnma(a, b, c),
     }
 }

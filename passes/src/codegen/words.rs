@@ -97,13 +97,12 @@ impl<'a> Words<'a> {
         let operation = traffic.view.function.node(Value(value)).operation;
         let mut codes = self.writer.operations(self.element).iter();
         let code = codes.position(|name| name == operation.name());
-        let [left, right] = traffic.placement.reads[value as usize];
         self.set(ISSUE, 1);
         // Traffic has checked that the element performs the operation.
         self.set(OPERATION, code.unwrap_or(0) as u32);
-        self.set(READ, left);
-        if operation.arity() == 2 {
-            self.set(READ + 1, right);
+        let reads = traffic.placement.reads[value as usize];
+        for (field, &address) in (READ..).zip(&reads[..operation.arity()]) {
+            self.set(field, address);
         }
     }
 

@@ -31,6 +31,9 @@ fn word(operation: Operation) -> &'static str {
         Operation::Sin => "sin",
         Operation::Cos => "cos",
         Operation::Sqrt => "sqrt",
+        Operation::Fma => "fma",
+        Operation::Fms => "fms",
+        Operation::Fnma => "fnma",
     }
 }
 

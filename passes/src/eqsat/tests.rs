@@ -80,7 +80,7 @@ impl Case {
         let value = self.function.push(Node {
             name,
             sources: SourceSet::EMPTY,
-            operands,
+            operands: Operand::list(operands),
             operation,
         });
         value.into()

@@ -105,10 +105,10 @@ impl Writer<'_> {
             .map_or(0, |value| self.arrivals[value.index()])
     }
 
-    fn emit(
+    fn emit<const COUNT: usize>(
         &mut self,
         operation: Operation,
-        operands: [Operand; 2],
+        operands: [Operand; COUNT],
         sources: SourceSet,
         name: impl FnOnce(&mut FreshNames) -> Name,
     ) -> Operand {
@@ -116,12 +116,13 @@ impl Writer<'_> {
             self.merges.add(same, sources);
             return same.into();
         }
-        let ready = self.arrival(operands[0]).max(self.arrival(operands[1]));
+        let ready = operands.iter().map(|&operand| self.arrival(operand));
+        let ready = ready.max().unwrap_or(0);
         let name = name(&mut self.names);
         let value = self.out.push(Node {
             name,
             sources,
-            operands,
+            operands: Operand::list(operands),
             operation,
         });
         let weight = self.weights.of(operation);

@@ -14,7 +14,7 @@ use super::graph::Graph;
 use super::plan::Verdict;
 use super::ports::Ports;
 use super::sweep::{Outcome, Sweep};
-use robovec_ir::{Function, Value};
+use robovec_ir::{Function, Operand, Value};
 
 const UNBOUND: u32 = u32::MAX;
 
@@ -180,7 +180,7 @@ impl Ahead {
     ) -> impl Iterator<Item = usize> + use<> {
         let banks = self.banks;
         let data = graph.data[user as usize];
-        (0..2)
+        (0..Operand::MOST)
             .filter(move |&operand| data[operand] == node as u32)
             .map(move |operand| {
                 let side = operand ^ usize::from(seat.swapped);

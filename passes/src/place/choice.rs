@@ -1,6 +1,6 @@
 //! Which element an operation goes to (thesis 2.3 and Table 2.1).
 //!
-//! An element can take an operation when both operands are in its memory or
+//! An element can take an operation when all operands are in its memory or
 //! can still get there: *directly*, through a write port that is free in the
 //! very cycle the operand appeared on the crossbar, or *indirectly*, through
 //! the producer's buffer in a later cycle that is past. Table 2.1 ranks the
@@ -10,6 +10,7 @@
 use super::locations::Locations;
 use super::ports::Ports;
 use crate::option_words;
+use robovec_ir::Operand;
 
 option_words! {
     /// How the processing element is chosen among those that can take an
@@ -30,6 +31,11 @@ option_words! {
 /// Table 2.1: preference by status of the left (row) and right (column)
 /// operand, each in the order memory, direct, indirect.
 pub(super) const RANKS: [[u8; 3]; 3] = [[1, 2, 5], [3, 4, 7], [6, 8, 9]];
+
+/// What the addend of a fused operation adds to the rank of its factors, by
+/// status. The thesis has no such operation; as in its table an operand in
+/// memory is best, and one through a buffer is worse than anything without.
+pub(super) const ADDEND_RANKS: [u8; 3] = [0, 2, 9];
 
 /// How many cycles after its write-back an operand's indirect write is looked
 /// for, and how many before the issue. Between them lies what is busy anyway;
@@ -102,6 +108,47 @@ impl Planned {
     }
 }
 
+/// The transfers planned for the other operands; no two of them bring the
+/// same datum to the same memory.
+#[derive(Clone, Copy, Default, Debug)]
+pub(super) struct Others([Option<Planned>; Operand::MOST - 1]);
+
+impl Others {
+    /// Adds a transfer, unless it is there.
+    pub(super) fn add(&mut self, planned: Planned) {
+        let same = |other: &Planned| {
+            other.source.datum == planned.source.datum && other.memory == planned.memory
+        };
+        if !self.iter().any(same)
+            && let Some(place) = self.0.iter_mut().find(|place| place.is_none())
+        {
+            *place = Some(planned);
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &Planned> {
+        self.0.iter().flatten()
+    }
+
+    /// Words they write into a memory in a cycle.
+    fn writes(&self, cycle: u32, memory: usize) -> u8 {
+        self.iter().map(|other| other.writes(cycle, memory)).sum()
+    }
+
+    /// Words other than this one they read from a buffer in a cycle.
+    fn other_words(&self, datum: u32, cycle: u32, element: usize) -> u8 {
+        self.iter()
+            .filter(|other| other.source.datum != datum && other.reads_buffer(cycle, element))
+            .count() as u8
+    }
+
+    /// True when one of them reads this word from the buffer in the cycle.
+    fn reads_same(&self, datum: u32, cycle: u32, element: usize) -> bool {
+        self.iter()
+            .any(|other| other.source.datum == datum && other.reads_buffer(cycle, element))
+    }
+}
+
 /// The route without buffer, if the ports allow one; `held` is the entry of
 /// the datum in the memory, if it has one.
 pub(super) fn plain_route(
@@ -109,7 +156,7 @@ pub(super) fn plain_route(
     source: Source,
     memory: usize,
     held: Option<u32>,
-    other: Option<Planned>,
+    others: &Others,
 ) -> Option<Route> {
     if let Some(entry) = held {
         return Some(Route::Held(entry));
@@ -117,7 +164,7 @@ pub(super) fn plain_route(
     match source.result {
         None => Some(Route::Load),
         Some((back, _)) => {
-            let planned = other.map_or(0, |other| other.writes(back, memory));
+            let planned = others.writes(back, memory);
             ports
                 .can_write(back, memory, planned + 1)
                 .then_some(Route::Direct(back))
@@ -134,7 +181,7 @@ pub(super) fn indirect_route(
     source: Source,
     memory: usize,
     issue: u32,
-    other: Option<Planned>,
+    others: &Others,
 ) -> Option<Route> {
     let (back, producer) = source.result?;
     if !ports.has_buffer() {
@@ -142,23 +189,20 @@ pub(super) fn indirect_route(
     }
     let early_end = issue.min(back + 1 + EARLY_WINDOW);
     let late_start = early_end.max(issue.saturating_sub(LATE_WINDOW));
-    let mut room = Room::new(ports, locations, source, other);
+    let mut room = Room::new(ports, locations, source, others);
     for cycle in (back + 1..early_end).chain(late_start..issue) {
-        let planned = other.map_or(0, |other| other.writes(cycle, memory));
+        let planned = others.writes(cycle, memory);
         if !ports.can_write(cycle, memory, planned + 1) {
             continue;
         }
-        let taken = other.is_some_and(|other| {
-            other.source.datum != source.datum && other.reads_buffer(cycle, producer)
-        });
+        let taken = others.other_words(source.datum, cycle, producer);
         let shared = || {
-            other.is_some_and(|other| {
-                other.source.datum == source.datum && other.reads_buffer(cycle, producer)
-            }) || locations
-                .of(source.datum)
-                .any(|(_, entry)| entry.written == cycle)
+            others.reads_same(source.datum, cycle, producer)
+                || locations
+                    .of(source.datum)
+                    .any(|(_, entry)| entry.written == cycle)
         };
-        if !ports.can_read_buffer(cycle, producer, u8::from(taken) + 1) && !shared() {
+        if !ports.can_read_buffer(cycle, producer, taken + 1) && !shared() {
             continue;
         }
         return room
@@ -176,7 +220,7 @@ struct Room {
 }
 
 impl Room {
-    fn new(ports: &Ports, locations: &Locations, source: Source, other: Option<Planned>) -> Room {
+    fn new(ports: &Ports, locations: &Locations, source: Source, others: &Others) -> Room {
         let (back, producer) = source.result.unwrap_or((0, 0));
         let mut next = back;
         if ports.buffers_are_limited()
@@ -184,14 +228,14 @@ impl Room {
         {
             next = until + 1;
         }
-        let rival = other.is_some_and(|other| {
+        let rivals = others.iter().filter(|other| {
             matches!(other.route, Route::Indirect(_))
                 && other.source.datum != source.datum
                 && other.source.result.is_some_and(|(_, by)| by == producer)
         });
         Room {
             next,
-            words: u16::from(rival) + 1,
+            words: rivals.count() as u16 + 1,
         }
     }
 

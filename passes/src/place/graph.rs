@@ -34,7 +34,7 @@ pub(super) struct Graph {
     pub(super) user_starts: Vec<u32>,
     /// See [`Graph::user_starts`].
     pub(super) users: Vec<u32>,
-    /// How many operands of each node the machine computes: 0 to 2.
+    /// How many operands of each node the machine computes.
     pub(super) computed_operands: Vec<u8>,
     /// The earliest issue of each node with elements without number.
     pub(super) head: Vec<u32>,
@@ -45,7 +45,7 @@ pub(super) struct Graph {
     pub(super) path: u32,
     /// The data each node reads: below the number of nodes a node, from there
     /// on an index into [`Graph::initial`]; [`NO_DATUM`] for no operand.
-    pub(super) data: Vec<[u32; 2]>,
+    pub(super) data: Vec<[u32; Operand::MOST]>,
     /// The inputs and constants that are read, in order.
     pub(super) initial: Vec<Operand>,
 }

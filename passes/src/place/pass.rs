@@ -42,6 +42,9 @@ declare_pass! {
         pub n_div: Option<u32> = None,
         /// Square-root extractors, on machines that have them.
         pub n_sqrt: Option<u32> = None,
+        /// Elements that multiply and add in one operation, on machines that
+        /// have them.
+        pub n_fma: Option<u32> = None,
         /// Which operation goes first.
         pub priority: Priority = Priority::default(),
         /// Which element it goes to.
@@ -66,6 +69,7 @@ impl Place {
             ("n_multi", "multi", self.n_multi),
             ("n_div", "div", self.n_div),
             ("n_sqrt", "sqrt", self.n_sqrt),
+            ("n_fma", "fma", self.n_fma),
         ];
         for (option, kind, count) in counts {
             let Some(count) = count else { continue };

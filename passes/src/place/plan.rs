@@ -1,10 +1,13 @@
-//! Planning one operation: for each element, how both operands would get
+//! Planning one operation: for each element, how its operands would get
 //! there; then the best of them.
 
-use super::choice::{Choice, Planned, RANKS, Route, Source, indirect_route, plain_route};
+use super::choice::{
+    ADDEND_RANKS, Choice, Others, Planned, RANKS, Route, Source, indirect_route, plain_route,
+};
 use super::graph::NO_DATUM;
 use super::locations::NOT_COMPUTED;
 use super::sweep::Sweep;
+use robovec_ir::Operand;
 
 /// An operation waits for a better element only while its longest chain ends
 /// this many cycles before the target.
@@ -23,9 +26,38 @@ pub(super) struct Plan {
     /// The operands change sides.
     pub(super) swapped: bool,
     /// The memory each operand, as written in the program, is read from.
-    pub(super) memories: [usize; 2],
+    pub(super) memories: [usize; Operand::MOST],
     /// How it gets there; `None` for no operand or not planned yet.
-    pub(super) routes: [Option<Route>; 2],
+    pub(super) routes: [Option<Route>; Operand::MOST],
+}
+
+/// The operands of an operation as data flow; `None` behind the last one.
+pub(super) type Sources = [Option<Source>; Operand::MOST];
+
+/// The route of an earlier operand that is the same datum in the same memory:
+/// one transfer, not two that compete.
+fn shared(sources: &Sources, plan: &Plan, operand: usize) -> Option<Route> {
+    let same = |&before: &usize| {
+        sources[before] == sources[operand] && plan.memories[before] == plan.memories[operand]
+    };
+    (0..operand)
+        .find(same)
+        .and_then(|before| plan.routes[before])
+}
+
+/// The transfers planned for the other operands.
+fn planned(sources: &Sources, plan: &Plan, operand: usize) -> Others {
+    let mut others = Others::default();
+    for other in (0..Operand::MOST).filter(|&other| other != operand) {
+        if let (Some(source), Some(route)) = (sources[other], plan.routes[other]) {
+            let same =
+                sources[operand] == Some(source) && plan.memories[operand] == plan.memories[other];
+            if !same {
+                others.add(Planned::new(source, plan.memories[other], route));
+            }
+        }
+    }
+    others
 }
 
 /// What [`Choice::Preferential`] minimises: the rank, the cycles results stay
@@ -54,7 +86,7 @@ impl Sweep<'_> {
         Some(Source { datum, result })
     }
 
-    pub(super) fn mark(&mut self, sources: [Option<Source>; 2]) {
+    pub(super) fn mark(&mut self, sources: Sources) {
         self.stamp += 1;
         for (marks, source) in self.marks.iter_mut().zip(sources) {
             let Some(source) = source else { continue };
@@ -100,7 +132,7 @@ impl Sweep<'_> {
     /// equals.
     fn cheapest(
         &self,
-        sources: [Option<Source>; 2],
+        sources: Sources,
         places: impl Iterator<Item = Plan>,
         plan: impl Fn(Plan) -> Option<Plan>,
     ) -> Option<Plan> {
@@ -132,7 +164,7 @@ impl Sweep<'_> {
     /// difference, with sides exchanged.
     pub(super) fn places(&self, node: usize) -> impl Iterator<Item = Plan> + use<> {
         let kind = self.graph.kinds[self.graph.kind[node] as usize];
-        let [left, right] = self.graph.data[node];
+        let [left, right, _] = self.graph.data[node];
         let banks = self.banks;
         let exchanges =
             banks > 1 && left != right && self.function.nodes()[node].operation.is_commutative();
@@ -147,92 +179,85 @@ impl Sweep<'_> {
             Plan {
                 element,
                 swapped,
-                memories: if swapped { [far, near] } else { [near, far] },
-                routes: [None; 2],
+                // Machines with a memory per side have no third operand.
+                memories: if swapped {
+                    [far, near, near]
+                } else {
+                    [near, far, near]
+                },
+                routes: [None; Operand::MOST],
             }
         })
     }
 
     /// The plan without buffers.
-    pub(super) fn plain(&self, sources: [Option<Source>; 2], at: Plan) -> Option<Plan> {
+    pub(super) fn plain(&self, sources: Sources, at: Plan) -> Option<Plan> {
         let ports = &self.draft.ports;
-        let [Some(left), right] = sources else {
-            return None;
-        };
-        let [left_memory, right_memory] = at.memories;
-        let first = plain_route(ports, left, left_memory, self.held(0, left_memory), None)?;
-        let second = match right {
-            None => None,
-            Some(right) if right == left && left_memory == right_memory => Some(first),
-            Some(right) => {
-                let other = Planned::new(left, left_memory, first);
-                let held = self.held(1, right_memory);
-                Some(plain_route(ports, right, right_memory, held, Some(other))?)
-            }
-        };
-        Some(Plan {
-            routes: [Some(first), second],
-            ..at
-        })
+        let mut plan = at;
+        for operand in 0..Operand::MOST {
+            let Some(source) = sources[operand] else {
+                break;
+            };
+            let route = match shared(&sources, &plan, operand) {
+                Some(route) => route,
+                None => {
+                    let memory = plan.memories[operand];
+                    let held = self.held(operand, memory);
+                    let others = planned(&sources, &plan, operand);
+                    plain_route(ports, source, memory, held, &others)?
+                }
+            };
+            plan.routes[operand] = Some(route);
+        }
+        Some(plan)
     }
 
     /// The plan with at least one operand through a buffer; called when there
     /// is none without. What can go directly does.
-    fn indirect(&self, sources: [Option<Source>; 2], at: Plan, cycle: u32) -> Option<Plan> {
+    fn indirect(&self, sources: Sources, at: Plan, cycle: u32) -> Option<Plan> {
         let draft = &self.draft;
         if !draft.ports.has_buffer() {
             return None;
         }
-        let mut routes = [None; 2];
-        for operand in 0..2 {
+        let mut plan = at;
+        for operand in 0..Operand::MOST {
             if let Some(source) = sources[operand] {
-                let memory = at.memories[operand];
-                let other = self.planned(sources, &at, &routes, 1 - operand);
+                let memory = plan.memories[operand];
                 let held = self.held(operand, memory);
-                routes[operand] = plain_route(&draft.ports, source, memory, held, other);
+                plan.routes[operand] = shared(&sources, &plan, operand).or_else(|| {
+                    let others = planned(&sources, &plan, operand);
+                    plain_route(&draft.ports, source, memory, held, &others)
+                });
             }
         }
-        for operand in 0..2 {
+        for operand in 0..Operand::MOST {
             let Some(source) = sources[operand] else {
                 continue;
             };
-            if routes[operand].is_some() {
+            if plan.routes[operand].is_some() {
                 continue;
             }
-            let memory = at.memories[operand];
-            if operand == 1 && sources[0] == sources[1] && memory == at.memories[0] {
-                routes[1] = routes[0];
-                continue;
-            }
-            let other = self.planned(sources, &at, &routes, 1 - operand);
-            let ports = &draft.ports;
-            let route = indirect_route(ports, &draft.locations, source, memory, cycle, other)?;
-            routes[operand] = Some(route);
+            let route = match shared(&sources, &plan, operand) {
+                Some(route) => route,
+                None => {
+                    let memory = plan.memories[operand];
+                    let others = planned(&sources, &plan, operand);
+                    let ports = &draft.ports;
+                    indirect_route(ports, &draft.locations, source, memory, cycle, &others)?
+                }
+            };
+            plan.routes[operand] = Some(route);
         }
-        Some(Plan { routes, ..at })
+        Some(plan)
     }
 
-    fn planned(
-        &self,
-        sources: [Option<Source>; 2],
-        at: &Plan,
-        routes: &[Option<Route>; 2],
-        operand: usize,
-    ) -> Option<Planned> {
-        // One datum in one memory is one transfer, not two that compete.
-        if sources[0] == sources[1] && at.memories[0] == at.memories[1] {
-            return None;
-        }
-        let (source, route) = (sources[operand]?, routes[operand]?);
-        Some(Planned::new(source, at.memories[operand], route))
-    }
-
-    fn cost(&self, sources: [Option<Source>; 2], plan: &Plan) -> Cost {
+    fn cost(&self, sources: Sources, plan: &Plan) -> Cost {
         let status = |side: usize| {
             // Exchanged, the first operand is the one on the right.
             plan.routes[side ^ usize::from(plan.swapped)].map_or(0, Route::status)
         };
-        let rank = RANKS[status(0)][status(1)];
+        let addend = plan.routes[2].map_or(0, Route::status);
+        let rank = RANKS[status(0)][status(1)] + ADDEND_RANKS[addend];
         let loads = plan
             .routes
             .iter()
@@ -269,10 +294,10 @@ impl Sweep<'_> {
 
     /// True when every operand is there, can go directly, or can stay in its
     /// buffer until now, so that a later cycle may find a port.
-    fn may_wait(&self, sources: [Option<Source>; 2], at: Plan, cycle: u32) -> bool {
+    fn may_wait(&self, sources: Sources, at: Plan, cycle: u32) -> bool {
         let draft = &self.draft;
         draft.ports.has_buffer()
-            && (0..2).all(|operand| {
+            && (0..Operand::MOST).all(|operand| {
                 let Some(source) = sources[operand] else {
                     return true;
                 };
@@ -281,7 +306,7 @@ impl Sweep<'_> {
                 let Some((back, producer)) = source.result else {
                     return true;
                 };
-                if plain_route(&draft.ports, source, memory, held, None).is_some() {
+                if plain_route(&draft.ports, source, memory, held, &Others::default()).is_some() {
                     return true;
                 }
                 let from = draft

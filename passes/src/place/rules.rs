@@ -168,7 +168,7 @@ fn a_commutative_operation_changes_sides_where_that_saves_a_transfer() {
     // One of the two products was turned round, and the value is in one of
     // the multiplier's memories only; the difference stayed as it was.
     assert_eq!(operands(left), operands(right));
-    assert_eq!(operands(difference), [q[2], a]);
+    assert_eq!(operands(difference), Operand::list([q[2], a]));
     let value = a.value().expect("a node");
     let writes = placement(&function).writes_of(value);
     let in_multiplier = writes.iter().filter(|write| write.word.element == 1);

@@ -1,7 +1,7 @@
 //! The placement sweep: cycle by cycle, best operation first, each on the
 //! element that suits it, with every transfer reserved.
 //!
-//! Invariants. An operation is issued only when both operands can be read:
+//! Invariants. An operation is issued only when all operands can be read:
 //! every entry it uses was written in an earlier cycle. Reservations are
 //! never taken back. An operation that finds no element is tried again after
 //! a wait that doubles with each failure, so that the work stays proportional
@@ -15,7 +15,7 @@ use super::order::Order;
 use super::plan::{Plan, Verdict};
 use super::ports::Ports;
 use super::ready::{Calendar, RankSet};
-use robovec_ir::{Function, Machine};
+use robovec_ir::{Function, Machine, Operand};
 
 /// The longest wait between two tries of an operation, in cycles.
 const LONGEST_PAUSE: u32 = 64;
@@ -23,8 +23,8 @@ const LONGEST_PAUSE: u32 = 64;
 /// A schedule with its transfers, before addresses.
 #[derive(Clone, Debug)]
 pub(super) struct Draft {
-    /// The entries each node reads as left and right operand.
-    pub(super) reads: Vec<[u32; 2]>,
+    /// The entries each node reads as its operands.
+    pub(super) reads: Vec<[u32; Operand::MOST]>,
     /// The nodes whose operands change sides.
     pub(super) swapped: Vec<bool>,
     /// Where the data are.
@@ -120,7 +120,7 @@ pub(super) struct Sweep<'a> {
     /// The last cycle each element issued in, plus one.
     pub(super) busy: Vec<u32>,
     /// Per operand and memory: the stamp of the last look, and the entry.
-    pub(super) marks: [Vec<(u32, u32)>; 2],
+    pub(super) marks: [Vec<(u32, u32)>; Operand::MOST],
     pub(super) stamp: u32,
     pub(super) last_issue: u32,
     /// Operations wait for an element that needs no buffer while the schedule
@@ -153,7 +153,7 @@ impl<'a> Sweep<'a> {
             choice,
             banks,
             draft: Draft {
-                reads: vec![[NO_ENTRY; 2]; nodes],
+                reads: vec![[NO_ENTRY; Operand::MOST]; nodes],
                 swapped: vec![false; nodes],
                 locations: Locations::new(count_readers(function, graph).into_iter()),
                 ports: Ports::new(machine),
@@ -176,10 +176,7 @@ impl<'a> Sweep<'a> {
                 })
                 .collect(),
             busy: vec![0; elements],
-            marks: [
-                vec![(0, 0); elements * banks],
-                vec![(0, 0); elements * banks],
-            ],
+            marks: std::array::from_fn(|_| vec![(0, 0); elements * banks]),
             stamp: 0,
             last_issue: 0,
             picky: true,
@@ -294,17 +291,18 @@ impl<'a> Sweep<'a> {
     /// Issues a node as planned.
     pub(super) fn commit(&mut self, node: usize, cycle: u32, plan: Plan) {
         let data = self.graph.data[node];
-        let same_word = data[0] == data[1] && plan.memories[0] == plan.memories[1];
-        let mut reads = [NO_ENTRY; 2];
-        for operand in 0..2 {
+        let mut reads = [NO_ENTRY; Operand::MOST];
+        for operand in 0..Operand::MOST {
             let (Some(route), Some(source)) = (plan.routes[operand], self.source(data[operand]))
             else {
                 continue;
             };
-            reads[operand] = if operand == 1 && same_word {
-                reads[0]
-            } else {
-                self.transfer(source, route, plan.memories[operand], cycle)
+            let same_word = |&before: &usize| {
+                data[before] == data[operand] && plan.memories[before] == plan.memories[operand]
+            };
+            reads[operand] = match (0..operand).find(same_word) {
+                Some(before) => reads[before],
+                None => self.transfer(source, route, plan.memories[operand], cycle),
             };
         }
         for datum in data.into_iter().filter(|&datum| datum != NO_DATUM) {

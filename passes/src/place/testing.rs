@@ -4,7 +4,7 @@ use robovec_ir::machine::MemoryStyle;
 use robovec_ir::placement::{Bank, Placement, Slot, Word};
 use robovec_ir::{
     Assignment, Function, Level, Machine, Name, Node, Operand, Operation, Output, Shape, SourceSet,
-    Symbol,
+    Symbol, Value,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -53,7 +53,7 @@ impl Builder {
                 suffix,
             },
             sources: SourceSet::EMPTY,
-            operands: [left, right],
+            operands: Operand::list([left, right]),
             operation,
         });
         Operand::from(value)
@@ -101,6 +101,27 @@ pub(super) fn random_function(operations: usize, near: usize, seed: u64) -> Func
         }
     }
     builder.function
+}
+
+/// The program with an addend for every second product: an earlier value, an
+/// input, or one of the factors.
+pub(super) fn with_fused(mut function: Function, seed: u64) -> Function {
+    let mut random = Random(seed);
+    for index in 0..function.nodes().len() {
+        let node = function.node_mut(Value(index as u32));
+        if node.operation != Operation::Mul || random.below(2) == 0 {
+            continue;
+        }
+        let fused = [Operation::Fma, Operation::Fms, Operation::Fnma];
+        node.operation = fused[random.below(3)];
+        node.operands[2] = match random.below(6) {
+            0 => node.operands[0],
+            1 => Operand::from(robovec_ir::Input(random.below(8) as u32)),
+            _ if index == 0 => node.operands[1],
+            _ => Operand::from(Value((index - 1 - random.below(index.min(30))) as u32)),
+        };
+    }
+    function
 }
 
 /// A random program with quotients and roots as well.

@@ -1,8 +1,8 @@
 //! Placement on random programs and at the edges of the machine's rules.
 
-use super::testing::{machine, random_function, random_function_with_roots, replay};
+use super::testing::{machine, random_function, random_function_with_roots, replay, with_fused};
 use super::{Choice, PlaceOptions, Priority, place};
-use robovec_ir::Machine;
+use robovec_ir::{Machine, Operation};
 
 const CHOICES: [Choice; 2] = [Choice::Preferential, Choice::First];
 const PRIORITIES: [Priority; 4] = [
@@ -15,7 +15,7 @@ const PRIORITIES: [Priority; 4] = [
 /// Machines harder than the shipped ones.
 fn machines(adders: u32, multipliers: u32) -> Vec<(String, Machine)> {
     let mut machines = Vec::new();
-    for name in ["thesis", "side-split", "pipeline-3-3"] {
+    for name in ["thesis", "side-split", "pipeline-3-3", "fused"] {
         let machine = machine(name, adders, multipliers);
         let variants = [
             (Some(1), machine.buffer),
@@ -42,6 +42,9 @@ fn tiny_buffer(machine: &Machine) -> Option<robovec_ir::machine::BufferDescripti
 
 fn check(name: &str, machine: &Machine, operations: usize, near: usize, options: PlaceOptions) {
     let mut function = random_function(operations, near, operations as u64);
+    if machine.kind_of(Operation::Fma).is_some() {
+        function = with_fused(function, operations as u64);
+    }
     let placed = place(&mut function, machine, options);
     let summary = placed.unwrap_or_else(|error| panic!("{error}"));
     assert!(summary.lower_bound <= summary.cycles);
@@ -52,7 +55,7 @@ fn check(name: &str, machine: &Machine, operations: usize, near: usize, options:
 
 #[test]
 fn random_programs_obey_the_shipped_machines() {
-    for name in ["thesis", "side-split", "ideal", "de10-nano"] {
+    for name in ["thesis", "side-split", "ideal", "de10-nano", "fused"] {
         for (adders, multipliers) in [(1, 1), (2, 3), (6, 4)] {
             for (choice, priority) in CHOICES
                 .into_iter()

@@ -270,14 +270,19 @@ impl<'p> Builder<'p> {
 
     /// An operation that is neither a sum nor a product.
     fn other(&mut self, root: Value, node: &Node) -> Signed {
-        let a = self.signed(node.operands[0]);
-        let b = self.signed(node.operands[1]);
+        let [a, b, c] = node.operands.map(|operand| self.signed(operand));
         let mut naming = Naming {
             root: node.name,
             spare: Vec::new(),
             owner: self.plan.owners[root.index()],
             sources: node.sources,
         };
+        if node.operation.is_fused() {
+            let (operation, negative) = fused(node.operation, a.negative ^ b.negative, c.negative);
+            let operands = [a.operand, b.operand, c.operand];
+            let operand = self.emit(operation, operands, node.name, &mut naming);
+            return Signed { operand, negative };
+        }
         let (operand, negative) = match node.operation {
             Operation::Copy => return a,
             Operation::Div => (a.operand, a.negative ^ b.negative),
@@ -308,10 +313,10 @@ impl<'p> Builder<'p> {
     }
 
     /// Appends an operation, or finds an equal one.
-    pub(super) fn emit(
+    pub(super) fn emit<const COUNT: usize>(
         &mut self,
         operation: Operation,
-        operands: [Operand; 2],
+        operands: [Operand; COUNT],
         name: Name,
         naming: &mut Naming,
     ) -> Operand {
@@ -320,11 +325,12 @@ impl<'p> Builder<'p> {
             self.merges.add(same, naming.sources);
             return same.into();
         }
-        let ready = self.arrival(operands[0]).max(self.arrival(operands[1]));
+        let ready = operands.iter().map(|&operand| self.arrival(operand));
+        let ready = ready.max().unwrap_or(0);
         let value = self.out.push(Node {
             name,
             sources: naming.sources,
-            operands,
+            operands: Operand::list(operands),
             operation,
         });
         self.arrivals.push(ready + self.weights.of(operation));
@@ -473,6 +479,20 @@ impl<'p> Builder<'p> {
             return lay_out(&self.out);
         }
         self.out
+    }
+}
+
+/// The fused operation whose product and addend change sign where said, and
+/// whether its result is stored negated. Signs cost nothing: rounding to
+/// nearest is symmetric.
+fn fused(operation: Operation, product: bool, addend: bool) -> (Operation, bool) {
+    let product = product ^ (operation == Operation::Fnma);
+    let addend = addend ^ (operation == Operation::Fms);
+    match (product, addend) {
+        (false, false) => (Operation::Fma, false),
+        (false, true) => (Operation::Fms, false),
+        (true, false) => (Operation::Fnma, false),
+        (true, true) => (Operation::Fma, true),
     }
 }
 

@@ -32,7 +32,10 @@ impl Family {
             | Operation::Div
             | Operation::Sin
             | Operation::Cos
-            | Operation::Sqrt => None,
+            | Operation::Sqrt
+            | Operation::Fma
+            | Operation::Fms
+            | Operation::Fnma => None,
         }
     }
 }

@@ -106,7 +106,11 @@ impl Natural {
                 Operation::Mul | Operation::Div | Operation::Sin | Operation::Copy => {
                     (odd, false, by_leaf)
                 }
-                Operation::Cos | Operation::Sqrt => (false, false, false),
+                Operation::Cos
+                | Operation::Sqrt
+                | Operation::Fma
+                | Operation::Fms
+                | Operation::Fnma => (false, false, false),
             };
             natural.negative[root.index()] = negative;
             natural.flippable_alone[root.index()] = alone;

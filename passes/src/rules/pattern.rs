@@ -145,5 +145,8 @@ pub(super) fn apply<A: Arithmetic>(
         Operation::Sin => arithmetic.sin(a),
         Operation::Cos => arithmetic.cos(a),
         Operation::Sqrt => arithmetic.sqrt(a),
+        // No pattern has three operands; without its addend it is a product.
+        Operation::Fma | Operation::Fms => arithmetic.mul(a, b),
+        Operation::Fnma => arithmetic.neg(arithmetic.mul(a, b)),
     }
 }

@@ -86,7 +86,7 @@ impl<'a> Sketch<'a> {
         let top = self.function.push(Node {
             name: Name::plain(Symbol(0)),
             sources: SourceSet::EMPTY,
-            operands: [operand, Operand::NONE],
+            operands: Operand::list([operand]),
             operation: Operation::Copy,
         });
         let view = View {
@@ -154,7 +154,7 @@ impl<'a> Sketch<'a> {
         let leaf = self.function.push(Node {
             name: self.view.function.node(value).name,
             sources: SourceSet::EMPTY,
-            operands: [nothing, Operand::NONE],
+            operands: Operand::list([nothing]),
             operation: Operation::Copy,
         });
         self.map.insert(value, leaf);

@@ -180,8 +180,8 @@ fn notes_of_a_pass_reach_the_story() {
             let found = function.values().find(|(_, node)| node.name == name);
             let (value, node) = found.expect("it is in the text");
             assert_eq!(node.operation, Operation::Mul);
-            let [a, b]: [Operand; 2] = node.operands;
-            function.node_mut(value).operands = [b, a];
+            let [a, b, _] = node.operands;
+            function.node_mut(value).operands = Operand::list([b, a]);
             context.note(name, "commute");
             Ok(())
         }

@@ -247,7 +247,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
             let node = Node {
                 name: Name::NONE,
                 sources,
-                operands: [left, right],
+                operands: Operand::list([left, right]),
                 operation: node.operation,
             };
             match output {
@@ -401,7 +401,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         Operand::from(self.function.push(Node {
             name,
             sources,
-            operands: [operand, Operand::NONE],
+            operands: Operand::list([operand]),
             operation: Operation::Copy,
         }))
     }

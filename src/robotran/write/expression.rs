@@ -129,8 +129,13 @@ impl Printer {
     /// Pushes the pieces of a node in reverse order.
     fn node(&mut self, text: &mut Text, value: Value, function: &Function) {
         let node = function.node(value);
-        let [left, right] = node.operands;
-        self.count += usize::from(node.operation != Operation::Copy);
+        let [left, right, third] = node.operands;
+        self.count += match node.operation {
+            Operation::Copy => 0,
+            // Robotran has no fused operation: it becomes the two it stands for.
+            operation if operation.is_fused() => 2,
+            _ => 1,
+        };
         let (operator, binding) = match node.operation {
             Operation::Add => ("+", SUM),
             Operation::Sub => ("-", SUM),
@@ -152,10 +157,30 @@ impl Printer {
                 self.pieces.push(Piece::Operand(left, SUM));
                 return;
             }
+            Operation::Fma | Operation::Fms => {
+                let add = node.operation == Operation::Fma;
+                self.pieces.push(Piece::Operand(third, SUM + 1));
+                self.pieces
+                    .push(Piece::Operator(if add { "+" } else { "-" }));
+                self.product(left, right);
+                return;
+            }
+            Operation::Fnma => {
+                self.product(left, right);
+                self.pieces.push(Piece::Operator("-"));
+                self.pieces.push(Piece::Operand(third, SUM));
+                return;
+            }
         };
         self.pieces.push(Piece::Operand(right, binding + 1));
         self.pieces.push(Piece::Operator(operator));
         self.pieces.push(Piece::Operand(left, binding));
+    }
+
+    fn product(&mut self, left: Operand, right: Operand) {
+        self.pieces.push(Piece::Operand(right, PRODUCT + 1));
+        self.pieces.push(Piece::Operator("*"));
+        self.pieces.push(Piece::Operand(left, PRODUCT));
     }
 }
 
@@ -174,7 +199,12 @@ fn element(text: &mut Text, source: &Source<'_>, input: Input, outputs: bool) {
 
 fn precedence(operation: Operation) -> u8 {
     match operation {
-        Operation::Add | Operation::Sub | Operation::Neg => SUM,
+        Operation::Add
+        | Operation::Sub
+        | Operation::Neg
+        | Operation::Fma
+        | Operation::Fms
+        | Operation::Fnma => SUM,
         Operation::Mul | Operation::Div => PRODUCT,
         Operation::Copy | Operation::Sin | Operation::Cos | Operation::Sqrt => PRIMARY,
     }

@@ -216,7 +216,7 @@ impl<'a> Writer<'a> {
     /// at most [`super::parts`]' limit deep, so the recursion is bounded.
     fn expression(&self, value: Value) -> (String, u8) {
         let node = self.function.node(value);
-        let [left, right] = node.operands;
+        let [left, right, third] = node.operands;
         let binary = |sign: &str, binding: u8| {
             let (a, b) = (
                 self.operand(left, binding),
@@ -239,6 +239,17 @@ impl<'a> Writer<'a> {
             }
             Operation::Sqrt if !double => call("sqrtf"),
             Operation::Sin | Operation::Cos | Operation::Sqrt => call(node.operation.name()),
+            Operation::Fma | Operation::Fms | Operation::Fnma => {
+                let function = if double { "fma" } else { "fmaf" };
+                let signed = |minus: bool, operand: Operand| match minus {
+                    true => format!("-{}", self.operand(operand, PRIMARY)),
+                    false => self.operand(operand, 0),
+                };
+                let a = signed(node.operation == Operation::Fnma, left);
+                let b = self.operand(right, 0);
+                let c = signed(node.operation == Operation::Fms, third);
+                (format!("{function}({a}, {b}, {c})"), PRIMARY)
+            }
         }
     }
 

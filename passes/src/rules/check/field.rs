@@ -44,6 +44,9 @@ impl Arithmetic for RuleField {
     fn cos(&self, a: u64) -> u64 {
         self.0.cos(a)
     }
+    fn fma(&self, a: u64, b: u64, c: u64) -> u64 {
+        self.0.fma(a, b, c)
+    }
 
     fn sqrt(&self, a: u64) -> u64 {
         if PrimeField::is_undefined(a) {

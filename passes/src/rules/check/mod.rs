@@ -178,6 +178,10 @@ fn degree(pattern: &Pattern) -> u64 {
                     Operation::Div => (p.saturating_add(s), q.saturating_add(r)),
                     Operation::Sin | Operation::Cos => (2, 2),
                     Operation::Sqrt => (p, q),
+                    // No pattern has three operands.
+                    Operation::Fma | Operation::Fms | Operation::Fnma => {
+                        (p.saturating_add(r), q.saturating_add(s))
+                    }
                 }
             }
         };

@@ -1,0 +1,428 @@
+//! Products and sums in one operation.
+//!
+//! A fused multiply-add is shorter than a product and a sum in a row, but
+//! longer than the sum alone: on a chain that runs through the factors it
+//! saves cycles, on one that runs through the addend it costs some. And it
+//! saves an operation only where nothing else reads the product. So both are
+//! decided by arrival times: first each sum takes the form that is there
+//! earliest, which gives the shortest path (each form takes its operands as
+//! early as they can be, and no choice harms another); then, within the times
+//! that path leaves, each sum takes the form that makes a product vanish, or
+//! stays as it is.
+//!
+//! A contraction never adds an operation: a product that is read elsewhere
+//! too stays, and the sum that took it in is one operation as before.
+
+use crate::analysis::critical_path::{Weights, critical_path};
+use crate::declare_pass;
+use crate::pass::{Context, Gives, Pass, PassError};
+use crate::rewrite::Rewriter;
+use robovec_ir::{Function, Node, Operand, Operation};
+
+declare_pass! {
+    /// Contracts products and sums into fused multiply-adds.
+    ///
+    /// `a*b + c` becomes `fma(a, b, c)`, `a*b - c` becomes `fms(a, b, c)` and
+    /// `c - a*b` becomes `fnma(a, b, c)`, each with one rounding, where the
+    /// machine has elements that perform them (`machines/fused.toml`); on
+    /// other machines nothing is contracted and a remark says so.
+    ///
+    /// The longest path becomes as short as contraction can make it, in
+    /// cycles of the machine, and never longer. Within it every product goes
+    /// that can: those all of whose readers are sums with time for it. The
+    /// number of operations never grows.
+    ///
+    /// Best after `balance`, `cse` and `dce`, and before `place`.
+    pub struct Fma("fma") {
+        /// Contracts wherever a product vanishes, whatever the machine and
+        /// the path: for C on a processor that has the instruction.
+        pub always: bool = false,
+    }
+    takes: [Atomic],
+    gives: Gives::Same,
+    class: Real,
+    requires: [],
+    sets: [],
+    destroys: [Timed],
+}
+
+impl Pass for Fma {
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
+        let machine = context.machine;
+        let performs = |operation| self.always || machine.kind_of(operation).is_some();
+        let mut fused = Operation::ALL.into_iter().filter(|known| known.is_fused());
+        if !fused.any(performs) {
+            let name = &machine.name;
+            context.remarks.push(format!(
+                "nothing is contracted: the machine '{name}' has no elements that perform fma, \
+                 fms or fnma; the machine 'fused' has, and fma{{always}} is for C"
+            ));
+            return Ok(());
+        }
+        let forms = Contraction::new(function, &performs, Weights::cycles(machine), !self.always);
+        let forms = forms.decide();
+        let before = critical_path(function, machine).asap_cycle;
+        let sums = function.nodes().len();
+        let fused = forms.iter().filter(|&&form| form != Form::Plain).count();
+        *function = contracted(function, &forms, context);
+        let after = critical_path(function, machine).asap_cycle;
+        let saved = sums - function.nodes().len();
+        context.statistics.push(("sums fused", fused as u64));
+        context.statistics.push(("operations saved", saved as u64));
+        if !self.always {
+            let cycles = before.saturating_sub(after);
+            let cycles = ("cycles taken off the longest path", cycles.into());
+            context.statistics.push(cycles);
+        }
+        Ok(())
+    }
+}
+
+/// Sweeps after which a product that has kept a reader stays contracted for
+/// the others; more are needed only where sums compete for products in rows.
+const MOST_SWEEPS: usize = 4;
+
+/// What a sum takes in.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Form {
+    /// Nothing.
+    Plain,
+    /// The product that is its operand of this number, from 0.
+    Fused(usize),
+}
+
+/// What there is to gain from a form, the best first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+enum Gain {
+    /// The product goes: nothing else reads it.
+    Vanishes,
+    /// The product goes if its other readers take it in as well.
+    MayVanish,
+    /// No product is taken in.
+    Nothing,
+    /// The product stays.
+    Stays,
+}
+
+/// The choice of forms.
+struct Contraction<'a> {
+    function: &'a Function,
+    weights: Weights,
+    /// Operations that may be made.
+    performs: &'a dyn Fn(Operation) -> bool,
+    /// Whether the path must stay as short as it can be.
+    timed: bool,
+    uses: Vec<u32>,
+    /// Products that stay: read by something that does not take them in.
+    stays: Vec<bool>,
+}
+
+impl<'a> Contraction<'a> {
+    fn new(
+        function: &'a Function,
+        performs: &'a dyn Fn(Operation) -> bool,
+        weights: Weights,
+        timed: bool,
+    ) -> Contraction<'a> {
+        let mut stays = vec![false; function.nodes().len()];
+        for node in function.nodes() {
+            let [left, right, _] = node.operands;
+            if !is_sum(node) || left == right {
+                for value in node.operands().iter().filter_map(|operand| operand.value()) {
+                    stays[value.index()] = true;
+                }
+            }
+        }
+        for assignment in &function.assignments {
+            if let Some(value) = assignment.operand.value() {
+                stays[value.index()] = true;
+            }
+        }
+        Contraction {
+            function,
+            weights,
+            performs,
+            timed,
+            uses: function.use_counts(),
+            stays,
+        }
+    }
+
+    /// The form of every node.
+    fn decide(mut self) -> Vec<Form> {
+        let limits = self.timed.then(|| self.limits());
+        let mut forms = Vec::new();
+        for _ in 0..MOST_SWEEPS {
+            forms = self.sweep(limits.as_deref(), |gain, arrival| (gain as u32, arrival));
+            if !self.note_stays(&forms) {
+                break;
+            }
+        }
+        forms
+    }
+
+    /// For every node how late its result may be for the shortest path: that
+    /// of the earliest forms.
+    fn limits(&self) -> Vec<u32> {
+        let forms = self.sweep(None, |gain, arrival| (arrival, gain as u32));
+        let arrivals = self.arrivals(&forms);
+        let path = arrivals.into_iter().max().unwrap_or(0);
+        let mut limits = vec![path; self.function.nodes().len()];
+        for (value, node) in self.function.values().rev() {
+            let (operation, operands) = self.shape(node, forms[value.index()]);
+            let start = limits[value.index()].saturating_sub(self.weights.of(operation));
+            for operand in operands.iter().filter_map(|operand| operand.value()) {
+                let limit = &mut limits[operand.index()];
+                *limit = (*limit).min(start);
+            }
+        }
+        limits
+    }
+
+    /// Gives every node, in program order, the form that `key` likes best of
+    /// those that are there within the limit; one always is, since operands
+    /// keep to theirs.
+    fn sweep(&self, limits: Option<&[u32]>, key: impl Fn(Gain, u32) -> (u32, u32)) -> Vec<Form> {
+        let mut arrivals: Vec<u32> = Vec::with_capacity(self.function.nodes().len());
+        let mut forms = Vec::with_capacity(self.function.nodes().len());
+        for (value, node) in self.function.values() {
+            let limit = limits.map_or(u32::MAX, |limits| limits[value.index()]);
+            let mut best: Option<((bool, (u32, u32)), Form, u32)> = None;
+            for form in [Form::Plain, Form::Fused(0), Form::Fused(1)] {
+                let Some(gain) = self.gain(node, form) else {
+                    continue;
+                };
+                let (operation, operands) = self.shape(node, form);
+                let arrival = self.arrival(&arrivals, operation, &operands);
+                let key = (arrival > limit, key(gain, arrival));
+                if best.is_none_or(|(least, _, _)| key < least) {
+                    best = Some((key, form, arrival));
+                }
+            }
+            let (form, arrival) = best.map_or((Form::Plain, 0), |(_, form, at)| (form, at));
+            arrivals.push(arrival);
+            forms.push(form);
+        }
+        forms
+    }
+
+    /// Products that some reader takes in and another does not stay; true
+    /// when there are new ones.
+    fn note_stays(&mut self, forms: &[Form]) -> bool {
+        let taken = taken(self.function, forms);
+        let mut new = false;
+        for (index, &taken) in taken.iter().enumerate() {
+            if taken > 0 && taken < self.uses[index] && !self.stays[index] {
+                self.stays[index] = true;
+                new = true;
+            }
+        }
+        new
+    }
+
+    fn arrivals(&self, forms: &[Form]) -> Vec<u32> {
+        let mut arrivals: Vec<u32> = Vec::with_capacity(forms.len());
+        for (node, &form) in self.function.nodes().iter().zip(forms) {
+            let (operation, operands) = self.shape(node, form);
+            arrivals.push(self.arrival(&arrivals, operation, &operands));
+        }
+        arrivals
+    }
+
+    fn arrival(&self, arrivals: &[u32], operation: Operation, operands: &[Operand]) -> u32 {
+        let values = operands.iter().filter_map(|operand| operand.value());
+        let ready = values.map(|value| arrivals[value.index()]).max();
+        let weight = self.weights.of(operation);
+        ready.unwrap_or(0).saturating_add(weight)
+    }
+
+    /// What a form gains; `None` when the node cannot have it.
+    fn gain(&self, node: &Node, form: Form) -> Option<Gain> {
+        let Form::Fused(side) = form else {
+            return Some(Gain::Nothing);
+        };
+        if !is_sum(node) {
+            return None;
+        }
+        let product = node.operands[side].value()?;
+        let is_product = self.function.node(product).operation == Operation::Mul;
+        let (operation, _) = fused(self.function, node, side);
+        if !is_product || !(self.performs)(operation) {
+            return None;
+        }
+        Some(
+            match (self.stays[product.index()], self.uses[product.index()]) {
+                (true, _) => Gain::Stays,
+                (false, 1) => Gain::Vanishes,
+                (false, _) => Gain::MayVanish,
+            },
+        )
+    }
+
+    fn shape(&self, node: &Node, form: Form) -> (Operation, [Operand; Operand::MOST]) {
+        match form {
+            Form::Plain => (node.operation, node.operands),
+            Form::Fused(side) => fused(self.function, node, side),
+        }
+    }
+}
+
+fn is_sum(node: &Node) -> bool {
+    matches!(node.operation, Operation::Add | Operation::Sub)
+}
+
+/// A sum with the product on one side taken in.
+fn fused(function: &Function, node: &Node, side: usize) -> (Operation, [Operand; Operand::MOST]) {
+    let operation = match (node.operation, side) {
+        (Operation::Sub, 0) => Operation::Fms,
+        (Operation::Sub, _) => Operation::Fnma,
+        _ => Operation::Fma,
+    };
+    let [a, b, _] = match node.operands[side].value() {
+        Some(product) => function.node(product).operands,
+        None => [Operand::NONE; Operand::MOST],
+    };
+    (operation, [a, b, node.operands[1 - side]])
+}
+
+/// How many readers take in each node.
+fn taken(function: &Function, forms: &[Form]) -> Vec<u32> {
+    let mut taken = vec![0; forms.len()];
+    for (node, &form) in function.nodes().iter().zip(forms) {
+        if let Form::Fused(side) = form
+            && let Some(product) = node.operands[side].value()
+        {
+            taken[product.index()] += 1;
+        }
+    }
+    taken
+}
+
+/// The function with sums in their forms, without the products that all
+/// their readers took in.
+fn contracted(function: &Function, forms: &[Form], context: &mut Context<'_>) -> Function {
+    let taken = taken(function, forms);
+    let uses = function.use_counts();
+    let mut rewriter = Rewriter::new(function, function.level);
+    for (value, node) in function.values() {
+        let index = value.index();
+        if taken[index] > 0 && taken[index] == uses[index] {
+            rewriter.record(Operand::NONE);
+            continue;
+        }
+        let Form::Fused(side) = forms[index] else {
+            let operands = rewriter.translate_operands(node);
+            rewriter.keep(Node { operands, ..*node });
+            continue;
+        };
+        let (operation, operands) = fused(function, node, side);
+        let operands = operands.map(|operand| rewriter.translate(operand));
+        let mut sources = node.sources;
+        if let Some(product) = node.operands[side].value() {
+            let sets = [node.sources, function.node(product).sources];
+            sources = context.tables.sources.union(&sets);
+        }
+        rewriter.keep(Node {
+            operation,
+            operands,
+            sources,
+            ..*node
+        });
+        context.note(node.name, "contract");
+    }
+    rewriter.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_ir::Machine;
+    use robovec_ir::parse::parse_module;
+
+    /// Fewest cycles, then fewest operations, over all forms of all sums.
+    fn best_of_all(contraction: &Contraction<'_>) -> (u32, usize) {
+        let function = contraction.function;
+        let mut best = (u32::MAX, usize::MAX);
+        let sums: Vec<usize> = (0..function.nodes().len())
+            .filter(|&index| is_sum(&function.nodes()[index]))
+            .collect();
+        for code in 0..3_usize.pow(sums.len() as u32) {
+            let mut forms = vec![Form::Plain; function.nodes().len()];
+            let mut rest = code;
+            for &index in &sums {
+                forms[index] = [Form::Plain, Form::Fused(0), Form::Fused(1)][rest % 3];
+                rest /= 3;
+            }
+            let mut pairs = function.nodes().iter().zip(&forms);
+            if pairs.all(|(node, &form)| contraction.gain(node, form).is_some()) {
+                best = best.min(measure(contraction, &forms));
+            }
+        }
+        best
+    }
+
+    /// Path and operations of a choice.
+    fn measure(contraction: &Contraction<'_>, forms: &[Form]) -> (u32, usize) {
+        let function = contraction.function;
+        let taken = taken(function, forms);
+        let stays = (0..forms.len())
+            .filter(|&index| taken[index] == 0 || taken[index] < contraction.uses[index]);
+        let arrivals = contraction.arrivals(forms);
+        let path = stays.clone().map(|index| arrivals[index]).max();
+        (path.unwrap_or(0), stays.count())
+    }
+
+    /// A random program of sums and products, each read at least once.
+    fn random(seed: u64) -> Function {
+        let mut state = seed;
+        let mut below = |limit: usize| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 33) % limit as u64) as usize
+        };
+        let mut text = "function f atomic {\n in x[1..4]\n out o[1..9]\n".to_owned();
+        let mut unread: Vec<usize> = Vec::new();
+        for node in 0..9 {
+            let mut pick = |unread: &mut Vec<usize>| {
+                if !unread.is_empty() && below(3) > 0 {
+                    return format!("%v.{}", unread.remove(below(unread.len())));
+                }
+                match (node > 0, below(2)) {
+                    (true, 0) => {
+                        let other = 1 + below(node);
+                        unread.retain(|&known| known != other);
+                        format!("%v.{other}")
+                    }
+                    _ => format!("x[{}]", 1 + below(4)),
+                }
+            };
+            let (a, b) = (pick(&mut unread), pick(&mut unread));
+            let sign = ["*", "*", "+", "-"][below(4)];
+            text += &format!("%v.{} = {a} {sign} {b}\n", node + 1);
+            unread.push(node + 1);
+        }
+        for (place, value) in unread.iter().enumerate() {
+            text += &format!("o[{}] = %v.{value}\n", place + 1);
+        }
+        let mut module = parse_module("random", &(text + "}\n")).expect("a well-formed program");
+        module.functions.remove(0)
+    }
+
+    #[test]
+    fn paths_are_the_shortest_and_operations_nearly_the_fewest() {
+        let machine = Machine::built_in("fused").expect("it ships");
+        let (mut cases, mut fewest) = (0, 0);
+        for seed in 0..400 {
+            let function = random(seed);
+            let new = || Contraction::new(&function, &|_| true, Weights::cycles(&machine), true);
+            let (contraction, all) = (new(), best_of_all(&new()));
+            let reached = measure(&contraction, &new().decide());
+            assert_eq!(reached.0, all.0, "seed {seed}");
+            assert!(reached.1 >= all.1 && reached.1 <= function.nodes().len());
+            cases += 1;
+            fewest += u32::from(reached.1 == all.1);
+        }
+        assert!(fewest * 100 >= cases * 95, "fewest in {fewest} of {cases}");
+    }
+}
