@@ -58,6 +58,7 @@ fn a_small_plan_gives_these_numbers() {
             "table-3.1",
             "knee",
             "split",
+            "errors",
         ] {
             let text = read(&folder.join(format!("tables/{table}.csv")));
             insta::assert_snapshot!(table, text);

@@ -206,7 +206,10 @@ fn last_definition(view: View<'_>, item: trail::Item) -> Option<String> {
     };
     let mut values = view.function.values();
     let (value, _) = values.find(|(_, node)| node.name == name)?;
-    Some(print::print_definition(view, value))
+    // Its places were shown at the beginning.
+    let definition = print::print_definition(view, value);
+    let end = definition.find(" @").unwrap_or(definition.len());
+    Some(definition[..end].to_owned())
 }
 
 /// Who reads a value.

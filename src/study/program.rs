@@ -5,11 +5,16 @@ use super::plan::{NamedMachine, NamedPipeline, Subject};
 use super::store::Key;
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Report, did_you_mean};
-use robovec_ir::{Machine, Module, Operation, print};
+use robovec_ir::{Machine, Module, Operation, View, print};
 use robovec_passes::analysis::critical_path::critical_path;
+use robovec_passes::analysis::rounding::{Rounding, rounding, usual_states};
 use robovec_passes::manager::{self, Config};
 use serde::{Deserialize, Serialize};
 use std::io;
+use std::sync::Arc;
+
+/// Seed of the states at which rounding errors are measured.
+const SEED: u64 = 1;
 
 /// Where programs come from: the caller knows files and models.
 pub trait Sources: Sync {
@@ -50,6 +55,9 @@ pub struct ProgramFacts {
     pub path_mul: u32,
     /// How many of them add or subtract.
     pub path_add: u32,
+    /// Rounding errors in binary32, as read and now, at the same states.
+    #[serde(skip)]
+    pub rounding: [Arc<Rounding>; 2],
 }
 
 impl ProgramFacts {
@@ -85,6 +93,7 @@ pub struct Equations {
     pub key: Key,
     equations: usize,
     vectors: usize,
+    rounding: Arc<Rounding>,
 }
 
 impl Equations {
@@ -99,8 +108,15 @@ impl Equations {
         let mut key = Key::new();
         // Hashing cannot fail.
         let _ = print::write_module(&module, &mut key);
-        let counts = Counts::of(&module.functions[0]);
+        let function = &module.functions[0];
+        let counts = Counts::of(function);
+        let states = usual_states(counts.operations);
+        let view = View {
+            tables: &module.tables,
+            function,
+        };
         Ok(Equations {
+            rounding: Arc::new(rounding(view, states, SEED)),
             module,
             key,
             equations: counts.equations,
@@ -127,6 +143,11 @@ impl Equations {
         let counts = Counts::of(function);
         let path = critical_path(function, &machine.machine);
         let [path_add, path_mul] = kinds_on_path(function, &machine.machine);
+        let view = View {
+            tables: &module.tables,
+            function,
+        };
+        let now = rounding(view, self.rounding.states, SEED);
         let facts = ProgramFacts {
             model: subject.name.clone(),
             pipeline: pipeline.name.clone(),
@@ -141,6 +162,7 @@ impl Equations {
             asap_cycle: path.asap_cycle,
             path_mul,
             path_add,
+            rounding: [self.rounding.clone(), Arc::new(now)],
         };
         Ok(Program { module, facts })
     }

@@ -55,7 +55,7 @@ pub struct Quantiles {
 }
 
 /// The errors of all outputs of a function in all states.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Default, Debug)]
 pub struct Rounding {
     /// How many states.
     pub states: u32,

@@ -1,6 +1,7 @@
 //! The tables of a study, each named by its number in the thesis.
 
 mod cases;
+mod errors;
 mod formulations;
 mod knees;
 mod operators;
@@ -22,6 +23,7 @@ pub fn all(results: &Results) -> Vec<Table> {
     tables.extend(cases::table(results));
     tables.extend(knees::table(results));
     tables.extend(formulations::table(results));
+    tables.extend(errors::table(results));
     tables.extend(knees::splits(results));
     tables.extend(knees::couples_table(results));
     tables.push(points::programs(results));
