@@ -14,6 +14,8 @@ use robovec_passes::NumericClass;
 use robovec_passes::analysis::error_bound::{Binary32Bound, Bounded};
 use robovec_passes::manager::{self, Config, Executed, Limit, RunError};
 use robovec_passes::pipeline::{self, Pipeline};
+use robovec_passes::reduce::{Setting, WORK, reduce};
+use robovec_passes::rules::RuleSet;
 
 /// How often [`errors_stay_within_bounds`] ran, and on what.
 pub static STATISTICS: Statistics = Statistics::new("errors_stay_within_bounds");
@@ -74,7 +76,7 @@ fn execute(
     limit: Option<Limit>,
 ) -> Vec<Executed> {
     let machine = Machine::built_in("ideal").expect("it ships");
-    let before = print::print_module(module);
+    let before = module.clone();
     let mut executed = Vec::new();
     let result = manager::run(
         module,
@@ -91,7 +93,25 @@ fn execute(
         Ok(_) => executed,
         // A pass may refuse a function, with a reason.
         Err(RunError::Pass { .. }) => executed,
-        Err(error) => panic!("{pipeline}, limit {limit:?}, seed {seed}: {error}\non {before}"),
+        Err(error) => panic!(
+            "{pipeline}, limit {limit:?}, seed {seed}: {error}\n{}",
+            reduced(&before, pipeline, RuleSet::built_in(), seed)
+        ),
+    }
+}
+
+/// The smallest program that shows what goes wrong; the whole one when only
+/// the first rewrites of a pass go wrong.
+pub(crate) fn reduced(module: &Module, pipeline: &Pipeline, rules: RuleSet, seed: u64) -> String {
+    let setting = Setting {
+        machine: &Machine::built_in("ideal").expect("it ships"),
+        rules: &rules,
+        points: 2,
+        seed,
+    };
+    match reduce(module, pipeline, setting, WORK) {
+        Some(found) => format!("{found}{}", print::print_module(&found.program)),
+        None => format!("on {}", print::print_module(module)),
     }
 }
 
