@@ -11,8 +11,11 @@ pub mod models;
 pub mod mutants;
 pub mod passes;
 pub mod pipelines;
+pub mod rewriting;
 pub mod robotran;
+pub mod rules;
 pub mod statistics;
+mod term;
 pub mod text;
 pub mod written;
 
@@ -22,5 +25,6 @@ pub use inlined::inline_undoes_atomise;
 pub use models::{model_round_trip, read_model};
 pub use mutants::check_catches_mutants;
 pub use robotran::read_robotran;
+pub use rules::false_rules_are_caught;
 pub use text::{parse_text, round_trip};
 pub use written::written_reads_back;

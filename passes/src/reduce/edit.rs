@@ -19,7 +19,7 @@ pub(super) enum Fate {
     Keep,
     /// Its users read a new input instead.
     Cut,
-    /// Its users read its first (0) or second (1) operand instead.
+    /// Its users read its first (0), second (1) or last operand instead.
     Operand(usize),
 }
 

@@ -60,6 +60,7 @@ impl Shrinker<'_> {
         self.values(Fate::Cut);
         self.values(Fate::Operand(0));
         self.values(Fate::Operand(1));
+        self.values(Fate::Operand(2));
         self.numbers();
         self.size() < size
     }
