@@ -25,6 +25,7 @@ pub mod pass;
 pub mod pipeline;
 pub mod place;
 mod reassociate;
+pub mod recurrence;
 pub mod reduce;
 pub mod registry;
 pub mod rewrite;

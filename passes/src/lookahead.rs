@@ -41,6 +41,9 @@ declare_pass! {
         pub grid: u32 = 10,
         /// Frontiers looked back.
         pub frontiers: u32 = 24,
+        /// How often the distance between frontiers is doubled, to look further
+        /// back.
+        pub doublings: u32 = 0,
         /// Late terms a form may have.
         pub width: u32 = 12,
         /// A value ready so many cycles before a frontier counts as early.
@@ -68,6 +71,7 @@ impl Pass for Lookahead {
         let limits = Limits {
             grid: self.grid.max(1),
             frontiers: self.frontiers,
+            doublings: self.doublings,
             width: self.width as usize,
             window: self.window,
         };

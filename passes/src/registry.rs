@@ -4,7 +4,7 @@
 use crate::pass::PassInfo;
 use crate::{
     asap_alap, atomise, balance, codegen, cse, dce, eqsat, fma, fold, inline, lookahead, place,
-    swap, zero_removal,
+    recurrence, swap, zero_removal,
 };
 
 /// All passes, in the order a function usually meets them.
@@ -20,6 +20,7 @@ pub const PASSES: &[PassInfo] = &[
     fma::Fma::INFO,
     inline::Inline::INFO,
     lookahead::Lookahead::INFO,
+    recurrence::Recurrence::INFO,
     asap_alap::AsapAlap::INFO,
     place::Place::INFO,
     codegen::Codegen::INFO,

@@ -22,8 +22,11 @@ use std::rc::Rc;
 pub(crate) struct Limits {
     /// Cycles from one frontier to the next.
     pub(crate) grid: u32,
-    /// How many frontiers a form looks back.
+    /// How many frontiers a form looks back; of every distance.
     pub(crate) frontiers: u32,
+    /// How often the distance between frontiers is doubled for looking
+    /// further back.
+    pub(crate) doublings: u32,
     /// A form has at most so many late terms.
     pub(crate) width: usize,
     /// A variable that is available so many cycles before the frontier is
@@ -38,15 +41,16 @@ struct Linear {
     rest: Option<Signed>,
 }
 
-/// Adds forms that look back to all classes of a function.
-pub(crate) fn look_ahead(import: &mut Import, timing: Timing, limits: Limits) {
+/// Adds forms that look back to all classes of a function; gives the number
+/// of equations of the longest chain that is linear in its latest values.
+pub(crate) fn look_ahead(import: &mut Import, timing: Timing, limits: Limits) -> u32 {
     let mut composer = Composer {
         network: &mut import.network,
         reference: import.arrivals.clone(),
         arrivals: &mut import.arrivals,
         timing,
         limits,
-        bases: Vec::new(),
+        chains: Vec::new(),
         forms: Vec::new(),
     };
     for &class in &import.classes {
@@ -54,6 +58,7 @@ pub(crate) fn look_ahead(import: &mut Import, timing: Timing, limits: Limits) {
         composer.network.origin = origin;
         composer.extend(class);
     }
+    composer.chains.into_iter().max().unwrap_or(0)
 }
 
 struct Composer<'a> {
@@ -64,11 +69,11 @@ struct Composer<'a> {
     arrivals: &'a mut Arrivals,
     timing: Timing,
     limits: Limits,
-    /// By class: its own form.
-    bases: Vec<Option<Linear>>,
-    /// By class: the frontier of its first form and its forms, frontier by
-    /// frontier back.
-    forms: Vec<(u32, Vec<Option<Rc<Linear>>>)>,
+    /// By class: how many equations lie behind it, one linear in the latest
+    /// value of the next.
+    chains: Vec<u32>,
+    /// By class: its forms by frontier, the nearest first.
+    forms: Vec<Vec<(u32, Option<Rc<Linear>>)>>,
 }
 
 impl Composer<'_> {
@@ -78,35 +83,58 @@ impl Composer<'_> {
             return;
         };
         let count = class.index() + 1;
-        if self.bases.len() < count {
-            self.bases.resize(count, None);
-            self.forms.resize(count, (0, Vec::new()));
+        if self.chains.len() < count {
+            self.chains.resize(count, 0);
+            self.forms.resize(count, Vec::new());
         }
-        let arrival = self.reference.of(class);
-        let first = (arrival.max(1) - 1) / self.limits.grid;
-        self.bases[class.index()] = Some(base.clone());
-        self.forms[class.index()] = (first, Vec::new());
-        let base = Rc::new(base);
-        for back in 0..self.limits.frontiers.min(first + 1) {
-            let frontier = first - back;
+        let latest = base.terms.iter().map(|&(_, variable)| variable);
+        let latest = latest.max_by_key(|&variable| (self.reference.of(variable), variable));
+        let behind = latest.and_then(|variable| self.chains.get(variable.index()));
+        self.chains[class.index()] = 1 + behind.copied().unwrap_or(0);
+        let frontiers = self.frontiers(self.reference.of(class));
+        for &frontier in &frontiers {
             let mut made = self.compose(class, &base, frontier);
-            if back >= 2 {
-                let middle = self.form_of(class, first - back / 2);
-                if let Some(middle) = middle {
-                    let split = self.compose(class, &middle, frontier);
-                    made = made.or(split);
-                }
+            if let Some(middle) = self.middle(class, frontiers[0], frontier) {
+                let split = self.compose(class, &middle, frontier);
+                made = made.or(split);
             }
-            self.forms[class.index()].1.push(made);
+            self.forms[class.index()].push((frontier, made));
         }
     }
 
-    /// The form of a class at a frontier.
+    /// The frontiers of a class, the nearest first. Whatever lies between the
+    /// class and one of its frontiers has that frontier too.
+    fn frontiers(&self, arrival: u32) -> Vec<u32> {
+        let first = (arrival.max(1) - 1) / self.limits.grid;
+        let mut frontiers: Vec<u32> = Vec::new();
+        for level in 0..=self.limits.doublings.min(31) {
+            let nearest = first >> level << level;
+            for back in 0..self.limits.frontiers {
+                let Some(frontier) = nearest.checked_sub(back << level) else {
+                    break;
+                };
+                if frontiers.last().is_none_or(|&last| frontier < last) {
+                    frontiers.push(frontier);
+                }
+            }
+        }
+        frontiers
+    }
+
+    /// The form half way to a frontier.
+    fn middle(&self, class: Class, first: u32, frontier: u32) -> Option<Rc<Linear>> {
+        let half = frontier + (first - frontier).div_ceil(2);
+        let forms = self.forms[class.index()].iter();
+        let made = forms.filter_map(|(at, form)| Some((*at, form.as_ref()?)));
+        let nearest = made.min_by_key(|(at, _)| at.abs_diff(half));
+        nearest.map(|(_, form)| Rc::clone(form))
+    }
+
+    /// The form of a class at a frontier, or at the nearest one before it.
     fn form_of(&self, class: Class, frontier: u32) -> Option<Rc<Linear>> {
-        let (first, forms) = self.forms.get(class.index())?;
-        let back = first.checked_sub(frontier)? as usize;
-        let nearest = forms.iter().take(back + 1).rev().find_map(Option::as_ref);
-        nearest.cloned()
+        let forms = self.forms.get(class.index())?;
+        let near = forms.iter().take_while(|(at, _)| *at >= frontier);
+        near.filter_map(|(_, form)| form.as_ref()).last().cloned()
     }
 
     /// The class's own form.

@@ -19,6 +19,10 @@ pub(crate) struct Mapping {
     pub(crate) operations: u64,
 }
 
+/// The largest network whose choices are improved one by one, in classes: the
+/// operations that hang on a choice are counted anew for every form.
+const LARGEST_EXACT: usize = 200_000;
+
 /// Chooses forms.
 pub(crate) struct Mapper {
     dense: Dense,
@@ -120,7 +124,10 @@ impl Mapper {
         let uses = &model.unwrap_or(mapping).uses;
         let mut shares: Vec<f64> = uses.iter().map(share).collect();
         let mut best = mapping.clone();
-        let flow_rounds = rounds / 2;
+        let flow_rounds = match self.dense.len() > LARGEST_EXACT {
+            true => rounds,
+            false => rounds / 2,
+        };
         for round in 0..rounds {
             if round < flow_rounds {
                 self.flow_round(mapping, &shares);

@@ -1,0 +1,98 @@
+//! Linear recurrences solved by parallel prefix.
+
+use crate::analysis::critical_path::{Weights, arrivals};
+use crate::balance::balanced;
+use crate::choice::compose::{Limits, look_ahead};
+use crate::choice::emit::emit;
+use crate::choice::import::import;
+use crate::choice::map::Mapper;
+use crate::choice::timing::Timing;
+use crate::declare_pass;
+use crate::pass::{Context, Gives, Pass, PassError};
+use robovec_ir::{Function, Level};
+
+declare_pass! {
+    /// Finds linear recurrences and solves them by parallel prefix.
+    ///
+    /// Along a chain of bodies velocities, accelerations, forces and torques
+    /// follow recurrences `x = A*x' + b` whose matrices are known early. They are
+    /// found in the plain equations, whatever formulation these were made with:
+    /// every sum and product is seen as linear in its latest operands, and
+    /// written in what was available at the last multiple of 1, 2, 4, 8 ...
+    /// `grid` cycles, each of these forms being composed of two of the one
+    /// before. That is Sklansky's network (1960) on products of matrices that
+    /// all right-hand sides of a recurrence share; the longest path grows with
+    /// the logarithm of the length of the chain.
+    ///
+    /// The path comes first; operations are then taken off again where there is
+    /// time. Where `lookahead` buys a shorter path with a budget of operations,
+    /// this pass takes what the path costs. The function stays as it is where
+    /// its path does not become shorter. `balance,cse,dce` belong behind it.
+    pub struct Recurrence("recurrence") {
+        /// Longest path wanted, in cycles: nothing is spent on a shorter one.
+        pub path: u32 = 0,
+        /// Smallest distance between points to look back to, in cycles.
+        pub grid: u32 = 20,
+        /// Points looked back to, of every distance.
+        pub frontiers: u32 = 1,
+        /// Late terms a form may have.
+        pub width: u32 = 12,
+        /// A value ready so many cycles before such a point counts as early.
+        pub window: u32 = 60,
+        /// Rounds in which operations are saved again.
+        pub rounds: u32 = 6,
+    }
+    takes: [Atomic],
+    gives: Gives::Level(Level::Atomic),
+    class: Real,
+    requires: [],
+    sets: [],
+    destroys: [Timed],
+}
+
+impl Pass for Recurrence {
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
+        let weights = Weights::cycles(context.machine);
+        let timing = Timing::new(weights);
+        let longest = |function: &Function| arrivals(function, &weights).into_iter().max();
+        let before = longest(function).unwrap_or(0);
+        let Some(mut import) = import(function, context.tables, timing) else {
+            let reason = "a value is undefined everywhere; nothing is changed";
+            context.remarks.push(reason.to_owned());
+            return Ok(());
+        };
+        let grid = self.grid.max(1);
+        let limits = Limits {
+            grid,
+            frontiers: self.frontiers,
+            doublings: (before / grid).checked_ilog2().map_or(0, |power| power + 1),
+            width: self.width as usize,
+            window: self.window,
+        };
+        let chain = look_ahead(&mut import, timing, limits);
+        let mapper = Mapper::new(&import.network, timing, &import.outputs);
+        let mut mapping = mapper.earliest();
+        let target = mapper.path(&mapping).max(self.path);
+        let (classes, forms) = (import.network.len(), import.network.form_count());
+        context.statistics.extend([
+            ("equations in the longest recurrence", u64::from(chain)),
+            ("values considered", classes as u64),
+            ("forms considered", forms as u64),
+        ]);
+        let mut cycles = 0;
+        if target < before {
+            let model = mapper.cheapest(self.rounds);
+            mapper.recover(&mut mapping, target, self.rounds, Some(&model));
+            let raw = emit(function, &import, &mapper, &mapping, timing);
+            let new = balanced(&raw, context.tables, &weights);
+            let after = longest(&new).unwrap_or(0);
+            if after < before {
+                cycles = before - after;
+                *function = new;
+            }
+        }
+        let statistic = ("cycles taken off the longest path", u64::from(cycles));
+        context.statistics.push(statistic);
+        Ok(())
+    }
+}
