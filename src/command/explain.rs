@@ -3,7 +3,7 @@
 use super::Failure;
 use super::input::Input;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
-use robovec_ir::{Function, Machine, Place, SourceSet, View, print};
+use robovec_ir::{Function, Machine, Place, SourceSet, Step, View, print};
 use robovec_passes::trail::{self, Account, Change, Entry, Moment, Trail};
 use std::fmt::Write;
 
@@ -27,9 +27,9 @@ pub(crate) fn explain(
     let function = &module.functions[index];
     let account = trail::explain(&module.tables, function, trail, machine, item);
     let mut text = origin(&account, function, input);
-    text.push('\n');
-    for step in &account.earlier {
-        heading("before this run: ", &step.pass, &step.rules, &mut text);
+    for (name, steps) in &account.earlier {
+        let steps: Vec<String> = steps.iter().map(describe_step).collect();
+        let _ = writeln!(text, "before this run\n  {name}: {}", steps.join(", "));
     }
     if !account.read.is_empty() {
         text.push_str("as read\n");
@@ -125,18 +125,21 @@ fn print_entry(entry: &Entry, input: &Input, text: &mut String) {
             rules.push(rule.clone());
         }
     }
-    heading("", &entry.pass, &rules, text);
+    let rules = match &rules[..] {
+        [] => String::new(),
+        rules => format!(": {}", rules.join(", ")),
+    };
+    let _ = writeln!(text, "{}{rules}", entry.pass);
     for change in &entry.changes {
         print_change(change, input, text);
     }
 }
 
-fn heading(before: &str, pass: &str, rules: &[String], text: &mut String) {
-    let rules = match rules {
-        [] => String::new(),
-        rules => format!(": {}", rules.join(", ")),
-    };
-    let _ = writeln!(text, "{before}{pass}{rules}");
+fn describe_step(step: &Step) -> String {
+    match &step.rules[..] {
+        [] => step.pass.clone(),
+        rules => format!("{} ({})", step.pass, rules.join(", ")),
+    }
 }
 
 fn print_change(change: &Change, input: &Input, text: &mut String) {

@@ -16,8 +16,9 @@ pub struct Account {
     /// The equations it comes from; of an output, also those of the value it
     /// is set to.
     pub sources: Vec<SourceSet>,
-    /// What its history said before this run.
-    pub earlier: Vec<Step>,
+    /// What histories said before this run, of it and of what it was made
+    /// from: name and steps, those without a step left out.
+    pub earlier: Vec<(String, Vec<Step>)>,
     /// The states of it, and of what it was made from, before the first pass.
     pub read: Vec<Moment>,
     /// The passes that changed it, in order.
@@ -127,16 +128,8 @@ pub fn explain(
         pass: stages[last].pass.clone(),
         into: replacement(tables, &stages[last].notes, &name),
     });
-    let histories = after.view.function.histories.as_ref();
-    let earlier = histories.map_or(Vec::new(), |histories| {
-        let history = match read.first() {
-            Some(Subject::Value(value)) => histories.values.get(value.index()),
-            Some(Subject::Output(index)) => histories.outputs.get(*index),
-            None => None,
-        };
-        let chain = histories.chain(history.copied().unwrap_or_default());
-        chain.into_iter().cloned().collect()
-    });
+    let earlier = read.iter().map(|&subject| after.earlier(subject));
+    let earlier: Vec<_> = earlier.filter(|(_, steps)| !steps.is_empty()).collect();
     Account {
         name,
         sources,
@@ -207,6 +200,19 @@ impl<'a> Snapshot<'a> {
             Subject::Value(value) => self.view.function.node(value).sources,
             Subject::Output(index) => self.view.function.assignments[index].sources,
         }
+    }
+
+    /// A subject's name and the steps of its history.
+    fn earlier(&self, subject: Subject) -> (String, Vec<Step>) {
+        let steps = self.view.function.histories.as_ref().map(|histories| {
+            let history = match subject {
+                Subject::Value(value) => histories.values.get(value.index()),
+                Subject::Output(index) => histories.outputs.get(index),
+            };
+            let chain = histories.chain(history.copied().unwrap_or_default());
+            chain.into_iter().cloned().collect()
+        });
+        (name_of(self.view, subject), steps.unwrap_or_default())
     }
 
     fn definition(&self, subject: Subject) -> Definition {

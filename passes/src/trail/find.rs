@@ -1,7 +1,7 @@
 //! From what a user writes to a value or output.
 
 use super::Trail;
-use robovec_ir::diagnostic::did_you_mean;
+use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::print::print_output;
 use robovec_ir::{Function, Module, Name, Output, Tables, View};
 
@@ -56,7 +56,7 @@ pub fn find(module: &Module, trail: &Trail, asked: &str) -> Result<(usize, Item)
     }
     Err(NotFound {
         help: advice(module, trail, &text),
-        asked: asked.to_owned(),
+        asked: clip(asked).into_owned(),
     })
 }
 
