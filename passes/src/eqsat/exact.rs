@@ -1,39 +1,44 @@
-//! The fewest operations by trying everything, to measure extraction against.
+//! The fewest operations by trying everything, as far as steps reach.
+//!
+//! Small e-graphs are searched to the end, so that what is extracted from them
+//! is the optimum; larger ones keep what was found before the search.
 
 use super::alternatives::{Alternatives, Times};
 use super::extract::Demand;
 
-/// Searches all covers that keep the required times, with bounds.
+/// A search among all covers that keep the required times.
 pub(crate) struct Exact<'a> {
     alternatives: &'a Alternatives,
     times: Times<'a>,
     demands: &'a [Demand],
     choice: Vec<Option<u32>>,
     best: u32,
-    steps: u64,
+    best_choice: Option<Vec<u32>>,
+    steps: u32,
 }
 
 impl<'a> Exact<'a> {
-    /// The fewest operations below `known` with which every demand is met in
-    /// time, or `known`; `None` when the search takes more than so many steps.
-    pub(crate) fn fewest(
+    /// A choice with fewer operations than are known and every demand met in
+    /// time, the best if all could be tried; and whether all could be tried.
+    pub(crate) fn search(
         alternatives: &'a Alternatives,
         times: Times<'a>,
         demands: &'a [Demand],
         known: u32,
-        steps: u64,
-    ) -> Option<u32> {
+        steps: u32,
+    ) -> (Option<Vec<u32>>, bool) {
         let mut search = Exact {
             alternatives,
             times,
             demands,
             choice: vec![None; alternatives.classes.len()],
             best: known,
+            best_choice: None,
             steps,
         };
         let open: Vec<u32> = demands.iter().map(|demand| demand.class).collect();
         search.branch(&open, 0);
-        (search.steps > 0).then_some(search.best)
+        (search.best_choice, search.steps > 0)
     }
 
     /// Chooses a form for the last open class, and goes on. Depth is bounded
@@ -46,6 +51,8 @@ impl<'a> Exact<'a> {
         let Some((&class, rest)) = open.split_last() else {
             if self.in_time() {
                 self.best = operations;
+                let chosen = self.choice.iter().map(|index| index.unwrap_or(0));
+                self.best_choice = Some(chosen.collect());
             }
             return;
         };
@@ -54,6 +61,9 @@ impl<'a> Exact<'a> {
         }
         let alternatives = self.alternatives;
         for (index, form) in alternatives.classes[class as usize].iter().enumerate() {
+            if operations + form.operations() >= self.best {
+                continue;
+            }
             self.choice[class as usize] = Some(index as u32);
             let mut open = rest.to_vec();
             open.extend(&form.children);

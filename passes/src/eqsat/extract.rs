@@ -7,9 +7,11 @@
 //! are kept as bounds, small fronts of (arrival, operations) are built bottom
 //! up, a cover is chosen top down, and single choices are then changed as long
 //! as the whole cover gets smaller. Everything is linear in the number of
-//! alternatives: fronts have a fixed size, and changes a fixed budget.
+//! alternatives: fronts have a fixed size, and changes a fixed budget. At the
+//! end all covers are tried, as far as a fixed number of steps reaches.
 
 use super::alternatives::{Alternatives, Times};
+use super::exact::Exact;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -40,6 +42,9 @@ pub(crate) struct Cover {
 const FRONT: usize = 6;
 /// How often, per needed class and alternative, a change may be tried.
 const CHANGES: usize = 20_000;
+
+/// Steps of the search at the end, which small e-graphs do not use up.
+pub(crate) const SEARCH: u32 = 4000;
 
 /// A class that cannot be computed.
 const NEVER: u32 = u32::MAX;
@@ -90,7 +95,12 @@ pub(crate) fn extract(
             best = Some(cover);
         }
     }
-    best
+    let mut best = best?;
+    let (fewer, _) = Exact::search(alternatives, times, &demands, best.operations, SEARCH);
+    if let Some(cover) = fewer.and_then(|choice| extractor.evaluate(&choice)) {
+        best = cover;
+    }
+    Some(best)
 }
 
 /// The earliest arrival of every class.

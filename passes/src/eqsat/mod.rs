@@ -1,7 +1,6 @@
 //! Equality saturation on the critical slice.
 
 mod alternatives;
-#[cfg(test)]
 mod exact;
 mod extract;
 mod form;
