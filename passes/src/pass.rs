@@ -22,6 +22,13 @@ pub trait Pass {
     /// do, a memory that is too small); the function is then not used any
     /// more.
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError>;
+
+    /// What the pass promises about numbers with its options, from what it
+    /// declares; an option may weaken the promise, and the check then asks for
+    /// no more.
+    fn class(&self, declared: NumericClass) -> NumericClass {
+        declared
+    }
 }
 
 /// What a pass has at hand besides the function.

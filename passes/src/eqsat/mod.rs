@@ -15,11 +15,12 @@ mod tests;
 mod window;
 mod write;
 
+use crate::NumericClass;
 use crate::analysis::critical_path::{Weights, arrivals};
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
-use pattern::{BagRule, Signed};
-use robovec_ir::{Function, Operation};
+use pattern::BagRule;
+use robovec_ir::Function;
 use round::{Budget, Settings};
 use saturate::{Limits, STRUCTURE};
 
@@ -41,15 +42,21 @@ declare_pass! {
         /// Operations per window.
         pub window: u32 = 12,
         /// Forms in the e-graph of one window.
-        pub nodes: u32 = 1500,
+        pub nodes: u32 = 600,
         /// Rounds of rules per window.
-        pub iterations: u32 = 4,
+        pub iterations: u32 = 3,
         /// Steps of matching, per rule and round.
-        pub steps: u32 = 4000,
+        pub steps: u32 = 1000,
         /// Rounds over the function.
         pub rounds: u32 = 12,
         /// Operations the function may grow by, in percent.
         pub growth: u32 = 10,
+        /// Use the rules of class real-trig too: sines and cosines then lie on
+        /// the circle, and the pass is of that class itself.
+        pub trig: bool = false,
+        /// Associativity and commutativity by rule instead of bags, on windows
+        /// of plain operations: for small windows, and to compare.
+        pub ac: bool = false,
     }
     takes: [Atomic],
     gives: Gives::Same,
@@ -59,31 +66,11 @@ declare_pass! {
     destroys: [Timed],
 }
 
-/// Distribution and factoring.
-fn own_rules() -> Vec<BagRule> {
-    let variable = Signed::variable;
-    let two = |operation, a, b| Signed::operation(operation, vec![a, b]);
-    let factored = two(
-        Operation::Mul,
-        variable(0),
-        two(Operation::Add, variable(1), variable(2)),
-    );
-    let distributed = two(
-        Operation::Add,
-        two(Operation::Mul, variable(0), variable(1)),
-        two(Operation::Mul, variable(0), variable(2)),
-    );
-    let rule = |name: &str, left: &Signed, right: &Signed| BagRule {
-        name: name.to_owned(),
-        left: left.clone(),
-        right: right.clone(),
-        variables: 3,
-    };
-    vec![
-        rule("distribute", &factored, &distributed),
-        rule("factor", &distributed, &factored),
-    ]
-}
+/// Forms made in all windows of a function: so many, and so many more per
+/// operation. Time grows with them, and so with the function.
+const FIRST_NODES: usize = 1_000_000;
+/// See [`FIRST_NODES`].
+const NODES_PER_OPERATION: usize = 3;
 
 fn maker_name(rules: &[BagRule], maker: u32) -> &str {
     let maker = maker as usize;
@@ -94,11 +81,23 @@ fn maker_name(rules: &[BagRule], maker: u32) -> &str {
 }
 
 impl Pass for Eqsat {
+    fn class(&self, declared: NumericClass) -> NumericClass {
+        match self.trig {
+            true => NumericClass::RealTrig,
+            false => declared,
+        }
+    }
+
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
-        let rules = own_rules();
+        let rules = BagRule::all(context.rules, self.class(NumericClass::Real));
+        let plain = match self.ac {
+            true => plain::all(context.rules, self.class(NumericClass::Real)),
+            false => Vec::new(),
+        };
         let settings = Settings {
             rules: &rules,
+            plain: self.ac.then_some(&plain),
             weights: &weights,
             size: self.window as usize,
             limits: Limits {
@@ -106,7 +105,7 @@ impl Pass for Eqsat {
                 iterations: self.iterations,
                 steps: self.steps,
             },
-            trig: false,
+            trig: self.trig,
             trail: context.notes.are_wanted(),
         };
         let size = |function: &Function| {
@@ -116,22 +115,23 @@ impl Pass for Eqsat {
         let before = size(function);
         let mut best = before;
         let most = before.1 + before.1 * self.growth as usize / 100;
-        let mut nodes = 200_000 + before.1 * 4;
-        let mut step = (best.0 / 10).max(12);
+        let mut nodes = FIRST_NODES + before.1 * NODES_PER_OPERATION;
+        let mut step = (best.0 / 16).max(12);
         let mut windows = 0;
         let mut rewritten = 0;
         for _ in 0..self.rounds {
             let mut budget = Budget {
-                nodes,
+                nodes: nodes / 2,
                 operations: most as i64 - best.1 as i64,
             };
+            let given = budget.nodes;
             let round = round::run(
                 function,
                 &settings,
                 best.0.saturating_sub(step),
                 &mut budget,
             );
-            nodes = budget.nodes;
+            nodes -= given - budget.nodes;
             windows += round.windows;
             let (new, notes) = write::write(function, context.tables, &weights, &round.rewritings);
             let reached = size(&new);

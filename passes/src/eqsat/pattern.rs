@@ -1,5 +1,7 @@
 //! Rules as the e-graph sees them: patterns over signed bags.
 
+use crate::NumericClass;
+use crate::rules::{Condition, Pattern, PatternNode, Rule, RuleSet};
 use robovec_ir::Operation;
 
 /// A pattern: sums and products as wide as they are written, signs outside.
@@ -59,11 +61,14 @@ impl Signed {
                 for (place, operand) in operands.into_iter().enumerate() {
                     let operand = operand.turned(minus && place == 1);
                     match operand.bag {
-                        Bag::Sum(inner) => summands
-                            .extend(inner.into_iter().map(|term| term.turned(operand.negative))),
+                        Bag::Sum(inner) => {
+                            for term in inner {
+                                add(&mut summands, term.turned(operand.negative));
+                            }
+                        }
                         // Adding zero is no part of a pattern.
                         Bag::Number(0) => {}
-                        _ => summands.push(operand),
+                        _ => add(&mut summands, operand),
                     }
                 }
                 match summands.len() {
@@ -82,17 +87,92 @@ impl Signed {
                     negative ^= operand.negative;
                     match operand.bag {
                         Bag::Product(inner) => factors.extend(inner),
+                        Bag::Number(ONE) => {}
                         other => factors.push(other),
                     }
                 }
                 factors.sort();
+                let bag = match factors.len() {
+                    _ if factors.contains(&Bag::Number(0)) => return Signed::number(0.0),
+                    0 => Bag::Number(ONE),
+                    1 => factors.swap_remove(0),
+                    _ => Bag::Product(factors),
+                };
+                Signed { bag, negative }
+            }
+            // Signs come out of these, as they do in the e-graph.
+            Operation::Div | Operation::Sin | Operation::Cos => {
+                let odd = operands.iter().filter(|operand| operand.negative).count() % 2 == 1;
+                for operand in &mut operands {
+                    operand.negative = false;
+                }
                 Signed {
-                    bag: Bag::Product(factors),
-                    negative,
+                    bag: Bag::Other(operation, operands),
+                    negative: odd && operation != Operation::Cos,
                 }
             }
             _ => Bag::Other(operation, operands).into(),
         }
+    }
+}
+
+impl Signed {
+    /// The pattern with the variables of a mask negated.
+    fn flipped(&self, mask: u32) -> Signed {
+        let all = |parts: &[Signed]| parts.iter().map(|part| part.flipped(mask)).collect();
+        let flipped = match &self.bag {
+            Bag::Variable(variable) => Signed {
+                bag: self.bag.clone(),
+                negative: *variable < 32 && mask >> variable & 1 == 1,
+            },
+            Bag::Number(_) => self.bag.clone().into(),
+            Bag::Sum(parts) => {
+                let mut parts: Vec<Signed> = all(parts);
+                parts.sort();
+                Bag::Sum(parts).into()
+            }
+            Bag::Product(factors) => {
+                let parts: Vec<Signed> = factors
+                    .iter()
+                    .map(|factor| Signed::from(factor.clone()).flipped(mask))
+                    .collect();
+                Signed::operation(Operation::Mul, parts)
+            }
+            Bag::Other(operation, parts) => Signed::operation(*operation, all(parts)),
+        };
+        flipped.turned(self.negative)
+    }
+}
+
+/// The bits of one.
+const ONE: u64 = 1.0f64.to_bits();
+
+/// Adds a term to a sum, in which opposite terms cancel.
+fn add(summands: &mut Vec<Signed>, term: Signed) {
+    let opposite = term.clone().turned(true);
+    match summands.iter().position(|other| *other == opposite) {
+        Some(place) => {
+            summands.swap_remove(place);
+        }
+        None => summands.push(term),
+    }
+}
+
+impl From<&Pattern> for Signed {
+    fn from(pattern: &Pattern) -> Signed {
+        let mut parts: Vec<Signed> = Vec::with_capacity(pattern.nodes.len());
+        for node in &pattern.nodes {
+            parts.push(match *node {
+                PatternNode::Variable(variable) => Signed::variable(variable),
+                PatternNode::Number(number) => Signed::number(number),
+                PatternNode::Operation(operation, places) => {
+                    let operands = places[..operation.arity()].iter();
+                    let operands = operands.map(|&place| parts[place as usize].clone());
+                    Signed::operation(operation, operands.collect())
+                }
+            });
+        }
+        parts.pop().unwrap_or_else(|| Signed::number(0.0))
     }
 }
 
@@ -113,13 +193,68 @@ pub(crate) struct BagRule {
     pub(crate) right: Signed,
     /// Number of variables.
     pub(crate) variables: usize,
+    pub(crate) conditions: Vec<Condition>,
 }
 
 impl BagRule {
-    /// True when both sides are the same bag: what associativity,
-    /// commutativity and the rules of signs say is true of bags by
-    /// themselves.
-    pub(crate) fn is_trivial(&self) -> bool {
-        self.left == self.right
+    /// The rules of a set that say something about bags, in one direction
+    /// each: not those whose sides are the same bag, as associativity,
+    /// commutativity and the rules of signs are, nor those that would match
+    /// everything. Rules of a weaker class than allowed are left out.
+    pub(crate) fn all(rules: &RuleSet, weakest: NumericClass) -> Vec<BagRule> {
+        let allowed = rules.rules.iter().filter(|rule| rule.class <= weakest);
+        let directed = allowed.flat_map(Rule::directed);
+        let bags = directed.map(|rule| BagRule {
+            left: Signed::from(&rule.left),
+            right: Signed::from(&rule.right),
+            variables: rule.variables.len(),
+            conditions: rule.conditions,
+            name: rule.name,
+        });
+        let mut known: Vec<(Signed, Signed)> = Vec::new();
+        let new = |rule: &BagRule| {
+            let sides = rule.sides();
+            let is_new = !known.contains(&sides);
+            known.push(sides);
+            is_new || !rule.conditions.is_empty()
+        };
+        bags.filter(BagRule::is_useful).filter(new).collect()
+    }
+
+    /// Both sides with the signs of the variables chosen so that rules which
+    /// differ in signs only have the same: a variable of a bag stands for
+    /// values of either sign, so `distribute-sub` is `distribute`.
+    fn sides(&self) -> (Signed, Signed) {
+        let masks = 0..1u32 << self.variables.min(6);
+        let turned = masks.map(|mask| {
+            let (left, right) = (self.left.flipped(mask), self.right.flipped(mask));
+            let negative = left.negative;
+            (left.turned(negative), right.turned(negative))
+        });
+        // There is always the mask that turns nothing.
+        turned
+            .min()
+            .unwrap_or_else(|| (self.left.clone(), self.right.clone()))
+    }
+
+    fn is_useful(&self) -> bool {
+        let everything = matches!(self.left.bag, Bag::Variable(_) | Bag::Number(_));
+        let bound = |variable| self.left.bag.has(variable);
+        let closed = (0..self.variables as u32).all(|v| bound(v) || !self.right.bag.has(v));
+        self.left != self.right && !everything && closed
+    }
+}
+
+impl Bag {
+    /// True when a variable occurs.
+    fn has(&self, variable: u32) -> bool {
+        match self {
+            Bag::Variable(own) => *own == variable,
+            Bag::Number(_) => false,
+            Bag::Product(factors) => factors.iter().any(|bag| bag.has(variable)),
+            Bag::Sum(parts) | Bag::Other(_, parts) => {
+                parts.iter().any(|part| part.bag.has(variable))
+            }
+        }
     }
 }

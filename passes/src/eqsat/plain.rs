@@ -7,9 +7,11 @@
 
 use super::form::{Form, Knowledge};
 use super::saturate::Limits;
+use crate::NumericClass;
+use crate::rules::{Pattern as RulePattern, PatternNode, Rule, RuleSet};
 use egg::{
-    Applier, EGraph, ENodeOrVar, FromOp, FromOpError, Id, Pattern, RecExpr, Rewrite, Runner,
-    Searcher, SimpleScheduler, StopReason,
+    Applier, ConditionalApplier, EGraph, ENodeOrVar, FromOp, FromOpError, Id, Pattern, RecExpr,
+    Rewrite, Runner, Searcher, SimpleScheduler, StopReason, Subst, Var,
 };
 use robovec_ir::Operation;
 use std::fmt;
@@ -105,20 +107,65 @@ pub(crate) fn structural() -> Vec<PlainRule> {
     STRUCTURAL_RULES.clone()
 }
 
-/// A rule between two patterns; `None` when the right side has a variable
-/// that the left has not.
-pub(crate) fn rule(
-    name: &str,
-    left: RecExpr<ENodeOrVar<Form>>,
-    right: RecExpr<ENodeOrVar<Form>>,
-) -> Option<PlainRule> {
-    let (left, right) = (Pattern::new(left), Pattern::new(right));
+/// The rules of a set as rewrites of plain terms, in one direction each, with
+/// the structural rules. Conditions are on numbers and are looked up there.
+pub(crate) fn all(rules: &RuleSet, weakest: NumericClass) -> Vec<PlainRule> {
+    let mut all = structural();
+    let directed = rules.rules.iter().flat_map(Rule::directed);
+    for rule in directed.filter(|rule| rule.class <= weakest && !rule.left.is_variable()) {
+        all.extend(from_rule(&rule));
+    }
+    all
+}
+
+/// A rule as a rewrite; `None` when its right side has a variable more.
+pub(crate) fn from_rule(rule: &Rule) -> Option<PlainRule> {
+    let (left, right) = (pattern(&rule.left), pattern(&rule.right));
     let bound = Searcher::<Form, Knowledge>::vars(&left);
     let free = Applier::<Form, Knowledge>::vars(&right);
     if free.iter().any(|variable| !bound.contains(variable)) {
         return None;
     }
-    Rewrite::new(name, left, right).ok()
+    if rule.conditions.is_empty() {
+        return Rewrite::new(rule.name.as_str(), left, right).ok();
+    }
+    let conditions = rule.conditions.clone();
+    let holds = move |egraph: &mut EGraph<Form, Knowledge>, _: Id, subst: &Subst| {
+        conditions.iter().all(|condition| {
+            let class = subst.get(Var::from_u32(condition.variable));
+            let number = class.and_then(|&class| egraph[class].data.number);
+            number.is_some_and(|bits| condition.requirement.holds_for(f64::from_bits(bits)))
+        })
+    };
+    let applier = ConditionalApplier {
+        condition: holds,
+        applier: right,
+    };
+    Rewrite::new(rule.name.as_str(), left, applier).ok()
+}
+
+/// A side of a rule as a pattern of plain terms.
+fn pattern(side: &RulePattern) -> Pattern<Form> {
+    let mut nodes = RecExpr::default();
+    let mut ids: Vec<Id> = Vec::with_capacity(side.nodes.len());
+    for node in &side.nodes {
+        let node = match *node {
+            PatternNode::Variable(variable) => ENodeOrVar::Var(Var::from_u32(variable)),
+            PatternNode::Number(number) => ENodeOrVar::ENode(plain_number(number)),
+            PatternNode::Operation(operation, places) => {
+                let operands = places[..operation.arity()].iter();
+                let operands = operands.map(|&place| ids[place as usize]).collect();
+                ENodeOrVar::ENode(Form::Other(operation, operands))
+            }
+        };
+        ids.push(nodes.add(node));
+    }
+    Pattern::new(nodes)
+}
+
+/// A number as a plain term; zero has no sign.
+pub(crate) fn plain_number(number: f64) -> Form {
+    Form::Number(if number == 0.0 { 0 } else { number.to_bits() })
 }
 
 /// Saturates an e-graph of plain terms; true when nothing new is left to find.

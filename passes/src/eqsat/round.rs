@@ -5,14 +5,17 @@ use super::alternatives::{Alternatives, Times};
 use super::extract::{Cover, Demand, extract};
 use super::graph::{Graph, Maker};
 use super::pattern::BagRule;
+use super::plain::{self, PlainRule};
 use super::saturate::{Limits, saturate};
 use super::window::{Surroundings, Window, is_one_bag};
-use crate::analysis::critical_path::{Weights, tails};
+use crate::analysis::critical_path::{Weights, arrivals, tails};
 use robovec_ir::{Function, Value};
 
 /// How a round is run.
 pub(crate) struct Settings<'a> {
     pub(crate) rules: &'a [BagRule],
+    /// Instead: associativity and commutativity by rule.
+    pub(crate) plain: Option<&'a [PlainRule]>,
     pub(crate) weights: &'a Weights,
     /// Operations per window.
     pub(crate) size: usize,
@@ -67,6 +70,17 @@ pub(crate) fn run(
     let tails = tails(function, settings.weights);
     let uses = function.use_counts();
     let absorbed = absorbed(function, &uses);
+    let late = late(function, &tails, settings.weights, target, &absorbed);
+    // Every window gets its share: what the windows at one end of a chain
+    // gain is worth nothing without those at the other.
+    let share = budget.nodes / late.max(1);
+    if share < SMALLEST {
+        return Round::default();
+    }
+    let limits = Limits {
+        nodes: settings.limits.nodes.min(share),
+        ..settings.limits
+    };
     let mut times: Vec<u32> = Vec::with_capacity(function.nodes().len());
     let mut round = Round::default();
     for (value, node) in function.values() {
@@ -85,10 +99,18 @@ pub(crate) fn run(
             times: &times,
             uses: &uses,
             trig: settings.trig,
+            plain: settings.plain.is_some(),
         };
         let required = target.saturating_sub(tails[value.index()]);
         round.windows += 1;
-        let (made, found) = rewrite(&around, settings, value, required, budget.operations);
+        let (made, found) = rewrite(
+            &around,
+            settings,
+            limits,
+            value,
+            required,
+            budget.operations,
+        );
         budget.nodes = budget.nodes.saturating_sub(made);
         round.nodes += made;
         if let Some(rewriting) = found {
@@ -99,6 +121,22 @@ pub(crate) fn run(
         }
     }
     round
+}
+
+/// Forms below which a window is not worth looking at.
+const SMALLEST: usize = 60;
+
+/// How many windows there will be at most.
+fn late(
+    function: &Function,
+    tails: &[u32],
+    weights: &Weights,
+    target: u32,
+    absorbed: &[bool],
+) -> usize {
+    let times = arrivals(function, weights);
+    let late = |&place: &usize| !absorbed[place] && times[place] + tails[place] > target;
+    (0..times.len()).filter(late).count()
 }
 
 /// For each value whether it is inside a bag of its only user.
@@ -118,6 +156,7 @@ fn absorbed(function: &Function, uses: &[u32]) -> Vec<bool> {
 fn rewrite(
     around: &Surroundings<'_>,
     settings: &Settings<'_>,
+    limits: Limits,
     root: Value,
     required: u32,
     room: i64,
@@ -128,7 +167,12 @@ fn rewrite(
     }
     let mut graph = Graph::new();
     let (window, class) = Window::enter(around, interior, &mut graph);
-    saturate(&mut graph, settings.rules, settings.limits);
+    match settings.plain {
+        None => {
+            saturate(&mut graph, settings.rules, limits);
+        }
+        Some(rules) => graph = plain::saturate(graph.egraph, rules, limits).0.into(),
+    }
     let (alternatives, classes) = Alternatives::of(&graph, &[class]);
     let times = Times {
         weights: settings.weights,

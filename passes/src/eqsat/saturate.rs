@@ -64,8 +64,26 @@ pub(crate) fn saturate(graph: &mut Graph, rules: &[BagRule], limits: Limits) -> 
     false
 }
 
+/// True when what the variables stand for is known to meet the conditions.
+fn is_allowed(graph: &Graph, rule: &BagRule, found: &Match) -> bool {
+    rule.conditions.iter().all(|condition| {
+        let bound = found.bindings[condition.variable as usize].as_ref();
+        let Some(Binding::Term(term)) = bound else {
+            return false;
+        };
+        let number = graph.number_of(term.class);
+        number.is_some_and(|magnitude| {
+            let number = if term.negative { -magnitude } else { magnitude };
+            condition.requirement.holds_for(number)
+        })
+    })
+}
+
 /// Writes the right side of a rule where its left side was found.
 fn apply(graph: &mut Graph, rule: &BagRule, found: &Match) -> Option<()> {
+    if !is_allowed(graph, rule, found) {
+        return None;
+    }
     let right = instantiate(graph, &rule.right, &found.bindings)?;
     let right = right.signed(found.negative);
     let whole = match rule.left.bag {

@@ -6,10 +6,13 @@ use super::exact::Exact;
 use super::extract::{Demand, extract};
 use super::form::{Form, Knowledge, Term};
 use super::graph::Graph;
+use super::pattern::BagRule;
+use super::plain;
 use super::saturate::{Limits, saturate};
-use super::{own_rules, plain};
+use crate::NumericClass;
 use crate::analysis::critical_path::{Weights, arrivals};
 use crate::reassociate::{Reach, Shape as TreeShape, reassociate};
+use crate::rules::RuleSet;
 use egg::{EGraph, Id};
 use robovec_ir::{
     Assignment, Function, Input, Level, Machine, Name, Node, Operand, Operation, Output, Shape,
@@ -202,6 +205,13 @@ fn balance_is_the_optimum_of_saturated_ac() {
     assert!(proved >= 2500, "only {proved} saturated");
 }
 
+/// Distribution and factoring.
+fn distribution() -> Vec<BagRule> {
+    let text = "rule distribute: a*(b + c) <=> a*b + a*c class=real;";
+    let rules = RuleSet::parse(text, "distribution.rules").expect("well formed");
+    BagRule::all(&rules, NumericClass::Real)
+}
+
 /// A random e-graph with one to three results, saturated by distribution and
 /// factoring within limits.
 fn random_graph(operations: u32, nodes: usize, random: &mut Random) -> (Graph, Vec<Id>, Vec<u32>) {
@@ -213,7 +223,7 @@ fn random_graph(operations: u32, nodes: usize, random: &mut Random) -> (Graph, V
         times.push(random.below(40));
     }
     for _ in 0..operations {
-        let mut pick = |random: &mut Random| {
+        let pick = |random: &mut Random| {
             let place = random.below(terms.len() as u32) as usize;
             terms[place].signed(random.below(4) == 0)
         };
@@ -238,7 +248,7 @@ fn random_graph(operations: u32, nodes: usize, random: &mut Random) -> (Graph, V
         iterations: 3,
         steps: 300,
     };
-    saturate(&mut graph, &own_rules(), limits);
+    saturate(&mut graph, &distribution(), limits);
     (graph, roots, times)
 }
 

@@ -6,8 +6,9 @@
 //! Values of the window that others need too stay alive whatever happens, so
 //! they are leaves as well, beside their definitions, and cost nothing.
 
-use super::form::Term;
+use super::form::{Form, Term};
 use super::graph::Graph;
+use super::plain::plain_number;
 use egg::Id;
 use hashbrown::HashMap;
 use robovec_ir::{Function, Operand, OperandKind, Operation, Value};
@@ -36,6 +37,8 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) uses: &'a [u32],
     /// The arguments of sines and cosines are of interest.
     pub(crate) trig: bool,
+    /// Operations enter on two operands as they are, not as bags.
+    pub(crate) plain: bool,
 }
 
 fn is_sum(operation: Operation) -> bool {
@@ -171,6 +174,7 @@ impl Entry<'_, '_> {
                 let number = self.around.function.constant_number(constant);
                 // What is no number is nothing to calculate with.
                 match number.is_finite() {
+                    true if self.around.plain => self.graph.egraph.add(plain_number(number)).into(),
                     true => self.graph.number(number),
                     false => self.leaf(operand).into(),
                 }
@@ -197,6 +201,12 @@ impl Entry<'_, '_> {
         let node = *self.around.function.node(value);
         let mut bag = Vec::new();
         let known = match node.operation {
+            operation if self.around.plain => {
+                let operands = node.operands().iter();
+                let operands = operands.map(|&operand| self.operand(operand).class);
+                let form = Form::Other(operation, operands.collect());
+                Some(self.graph.egraph.add(form).into())
+            }
             Operation::Add | Operation::Sub | Operation::Mul => {
                 for (side, &operand) in node.operands().iter().enumerate() {
                     let minus = node.operation == Operation::Sub && side == 1;

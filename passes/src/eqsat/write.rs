@@ -153,6 +153,7 @@ impl Writer<'_> {
                 Kind::Number(bits) => self.out.constant(f64::from_bits(bits)).into(),
                 Kind::Sum(signs) => self.bag(Operation::Add, signs, &children, name, origin),
                 Kind::Product => self.bag(Operation::Mul, 0, &children, name, origin),
+                Kind::Other(Operation::Neg) => self.bag(Operation::Add, 1, &children, name, origin),
                 Kind::Other(operation) => {
                     let second = children.get(1).copied().unwrap_or(Operand::NONE);
                     let operands = [children[0], second];

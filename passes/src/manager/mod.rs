@@ -17,6 +17,7 @@ pub use instrument::{Dump, DumpState, PassFilter, PrintChanged};
 pub use measure::usage;
 pub use plan::PlanError;
 
+use crate::NumericClass;
 use crate::analysis::rounding::{Rounding, rounding, usual_states};
 use crate::check::{self, Verdict};
 use crate::pass::{Artifact, Context, PassError, PassInfo};
@@ -393,7 +394,8 @@ impl Run<'_> {
         (record.operations, record.asap_cycle) =
             measure::size(function, self.instruments.config.machine);
         if let (Some(points), Some(before)) = (self.instruments.config.check_each, &before) {
-            record.check = Some(self.check(step.info, &name, points, tables, before, function)?);
+            let class = pass.class(step.info.class);
+            record.check = Some(self.check(class, &name, points, tables, before, function)?);
         }
         record.rounding = self.measure_rounding(tables, function);
         self.instruments
@@ -482,7 +484,7 @@ impl Run<'_> {
 
     fn check(
         &self,
-        info: &PassInfo,
+        class: NumericClass,
         name: &str,
         points: u32,
         tables: &Tables,
@@ -498,7 +500,7 @@ impl Run<'_> {
                 tables,
                 function: after,
             },
-            info.class,
+            class,
             points,
             self.instruments.config.seed,
         );
