@@ -1,6 +1,7 @@
 //! Equality saturation on the critical slice.
 
 mod alternatives;
+pub mod derive;
 mod exact;
 mod extract;
 mod form;
@@ -19,6 +20,7 @@ use crate::NumericClass;
 use crate::analysis::critical_path::{Weights, arrivals};
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
+use crate::rules::RuleSet;
 use pattern::BagRule;
 use robovec_ir::Function;
 use round::{Budget, Settings};
@@ -68,9 +70,49 @@ declare_pass! {
 
 /// Forms made in all windows of a function: so many, and so many more per
 /// operation. Time grows with them, and so with the function.
-const FIRST_NODES: usize = 1_000_000;
+const FIRST_NODES: usize = 600_000;
 /// See [`FIRST_NODES`].
-const NODES_PER_OPERATION: usize = 3;
+const NODES_PER_OPERATION: usize = 2;
+
+/// Rules that are one to this pass, and those it has no use for.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct Kinds {
+    /// Names of rules that are the same between signed bags, in order.
+    pub used: Vec<Vec<String>>,
+    /// Names of rules that bags satisfy by themselves, that would match
+    /// everything, or whose class is too weak.
+    pub unused: Vec<String>,
+}
+
+/// Sorts the rules of a set by what this pass makes of them.
+pub fn kinds(rules: &RuleSet, trig: bool) -> Kinds {
+    let class = match trig {
+        true => NumericClass::RealTrig,
+        false => NumericClass::Real,
+    };
+    let mut kinds = Kinds::default();
+    let mut known = Vec::new();
+    for rule in &rules.rules {
+        let alone = RuleSet {
+            rules: vec![rule.clone()],
+            files: Vec::new(),
+        };
+        let made = BagRule::all(&alone, class);
+        let sides: Vec<_> = made
+            .iter()
+            .map(|made| (made.sides(), made.conditions.clone()))
+            .collect();
+        match known.iter().position(|other| *other == sides) {
+            _ if sides.is_empty() => kinds.unused.push(rule.name.clone()),
+            Some(place) => kinds.used[place].push(rule.name.clone()),
+            None => {
+                known.push(sides);
+                kinds.used.push(vec![rule.name.clone()]);
+            }
+        }
+    }
+    kinds
+}
 
 fn maker_name(rules: &[BagRule], maker: u32) -> &str {
     let maker = maker as usize;

@@ -224,7 +224,7 @@ impl BagRule {
     /// Both sides with the signs of the variables chosen so that rules which
     /// differ in signs only have the same: a variable of a bag stands for
     /// values of either sign, so `distribute-sub` is `distribute`.
-    fn sides(&self) -> (Signed, Signed) {
+    pub(crate) fn sides(&self) -> (Signed, Signed) {
         let masks = 0..1u32 << self.variables.min(6);
         let turned = masks.map(|mask| {
             let (left, right) = (self.left.flipped(mask), self.right.flipped(mask));

@@ -111,9 +111,11 @@ pub(crate) fn structural() -> Vec<PlainRule> {
 /// the structural rules. Conditions are on numbers and are looked up there.
 pub(crate) fn all(rules: &RuleSet, weakest: NumericClass) -> Vec<PlainRule> {
     let mut all = structural();
-    let directed = rules.rules.iter().flat_map(Rule::directed);
-    for rule in directed.filter(|rule| rule.class <= weakest && !rule.left.is_variable()) {
-        all.extend(from_rule(&rule));
+    let is_new = |name: &str| !STRUCTURAL.iter().any(|(known, ..)| *known == name);
+    for rule in rules.rules.iter().flat_map(Rule::directed) {
+        if rule.class <= weakest && !rule.left.is_variable() && is_new(&rule.name) {
+            all.extend(from_rule(&rule));
+        }
     }
     all
 }

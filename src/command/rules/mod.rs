@@ -1,10 +1,12 @@
 //! `robovec rules`: a bench for rules of rewriting (docs/rules.md).
 
+mod bench;
 mod check;
 mod exchange;
 mod list;
 mod profile;
 mod read;
+mod why_not;
 
 pub(crate) use read::sound;
 
@@ -20,6 +22,8 @@ pub(super) struct RulesArguments {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    /// Tell which rule earns how many cycles and operations on equations
+    Bench(bench::BenchArguments),
     /// Prove or refute rules, and tell what they do to numbers
     Check(check::CheckArguments),
     /// Write rules in the syntax of another tool
@@ -30,15 +34,19 @@ enum Command {
     List(list::ListArguments),
     /// Tell what rules do to errors, cycles, operations and graphs
     Profile(profile::ProfileArguments),
+    /// Tell how rules lead from one term to another, or why they do not
+    WhyNot(why_not::WhyNotArguments),
 }
 
 /// Runs the command.
 pub(super) fn run(arguments: &RulesArguments) -> Result<String, Failure> {
     match &arguments.command {
+        Command::Bench(arguments) => bench::run(arguments),
         Command::Check(arguments) => check::run(arguments),
         Command::Export(arguments) => exchange::export(arguments),
         Command::Import(arguments) => exchange::import(arguments),
         Command::List(arguments) => list::run(arguments),
         Command::Profile(arguments) => profile::run(arguments),
+        Command::WhyNot(arguments) => why_not::run(arguments),
     }
 }

@@ -1,0 +1,321 @@
+//! Whether rules lead from one term to another, and by which steps.
+
+use super::form::{Form, Knowledge};
+use super::plain::{self, plain_number};
+use super::saturate::Limits;
+use crate::NumericClass;
+use crate::rules::{Pattern, PatternNode, RuleSet};
+use egg::{EGraph, FlatTerm, Id, Language, RecExpr};
+
+/// A step of a derivation: a rule, and the whole term after it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Step {
+    /// The rule.
+    pub rule: String,
+    /// The rule was used from right to left.
+    pub backwards: bool,
+    /// The term it leads to.
+    pub term: Pattern,
+}
+
+/// What came of looking for a derivation.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Derivation {
+    /// The steps from the left to the right term.
+    Found(Vec<Step>),
+    /// The right term was not reached.
+    Nearest {
+        /// Of the terms equal to the left one, that nearest to the right one:
+        /// the fewest operations and values are different.
+        term: Pattern,
+        /// How it was reached.
+        steps: Vec<Step>,
+        /// Everything the rules lead to was reached; otherwise the budget
+        /// ended first.
+        complete: bool,
+        /// Nodes in the graph of equal terms.
+        nodes: usize,
+    },
+}
+
+/// What looking for a derivation may cost.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Effort {
+    /// Nodes in the graph of equal terms.
+    pub nodes: usize,
+    /// Rounds of all rules.
+    pub iterations: u32,
+}
+
+/// Looks for a derivation of one term from another by rules up to a class
+/// and those of order, grouping, signs, zeros and ones, which are always on.
+/// Variables stand for the same values in both terms.
+pub fn derive(
+    left: &Pattern,
+    right: &Pattern,
+    rules: &RuleSet,
+    weakest: NumericClass,
+    effort: Effort,
+) -> Derivation {
+    let rules = plain::all(rules, weakest);
+    let (from, to) = (term(left), term(right));
+    let mut egraph = EGraph::new(Knowledge).with_explanations_enabled();
+    let (start, goal) = (egraph.add_expr(&from), egraph.add_expr(&to));
+    egraph.rebuild();
+    let mut complete = false;
+    // Round by round: the fewer nodes, the shorter the explanation.
+    for _ in 0..effort.iterations {
+        if complete || egraph.find(start) == egraph.find(goal) {
+            break;
+        }
+        let limits = Limits {
+            nodes: effort.nodes,
+            iterations: 1,
+            steps: 0,
+        };
+        let before = (egraph.total_number_of_nodes(), egraph.number_of_classes());
+        egraph = plain::saturate(egraph, &rules, limits).0;
+        let after = (egraph.total_number_of_nodes(), egraph.number_of_classes());
+        complete = before == after;
+        if after.0 >= effort.nodes {
+            break;
+        }
+    }
+    let nodes = egraph.total_number_of_nodes();
+    if egraph.find(start) == egraph.find(goal) {
+        return Derivation::Found(steps(&mut egraph, &from, &to));
+    }
+    let nearest = nearest(&egraph, start, &to);
+    Derivation::Nearest {
+        term: pattern(&nearest),
+        steps: steps(&mut egraph, &from, &nearest),
+        complete,
+        nodes,
+    }
+}
+
+fn term(pattern: &Pattern) -> RecExpr<Form> {
+    let mut term = RecExpr::default();
+    let mut ids: Vec<Id> = Vec::with_capacity(pattern.nodes.len());
+    for node in &pattern.nodes {
+        let form = match *node {
+            PatternNode::Variable(variable) => Form::Leaf(variable),
+            PatternNode::Number(number) => plain_number(number),
+            PatternNode::Operation(operation, places) => {
+                let operands = places[..operation.arity()].iter();
+                Form::Other(
+                    operation,
+                    operands.map(|&place| ids[place as usize]).collect(),
+                )
+            }
+        };
+        ids.push(term.add(form));
+    }
+    term
+}
+
+fn pattern(term: &RecExpr<Form>) -> Pattern {
+    let mut pattern = Pattern::default();
+    for form in term.as_ref() {
+        match form {
+            Form::Leaf(variable) => pattern.push(PatternNode::Variable(*variable)),
+            Form::Number(bits) => pattern.push(PatternNode::Number(f64::from_bits(*bits))),
+            Form::Other(operation, children) => {
+                let operands: Vec<u32> =
+                    children.iter().map(|&id| usize::from(id) as u32).collect();
+                pattern.operation(*operation, &operands)
+            }
+            // Plain terms hold no bags.
+            Form::Sum(..) | Form::Product(_) => pattern.push(PatternNode::Number(0.0)),
+        };
+    }
+    pattern
+}
+
+fn steps(
+    egraph: &mut EGraph<Form, Knowledge>,
+    from: &RecExpr<Form>,
+    to: &RecExpr<Form>,
+) -> Vec<Step> {
+    let mut explanation = egraph.explain_equivalence(from, to);
+    let flat = explanation.make_flat_explanation();
+    let steps = flat.iter().filter_map(|flat| {
+        let (rule, backwards) = applied(flat)?;
+        Some(Step {
+            rule,
+            backwards,
+            term: pattern(&flat.get_recexpr()),
+        })
+    });
+    steps.collect()
+}
+
+/// The rule that led to a term of an explanation: it stands at the place in
+/// the term where it was used.
+fn applied(term: &FlatTerm<Form>) -> Option<(String, bool)> {
+    let mut open = vec![term];
+    while let Some(term) = open.pop() {
+        if let Some(rule) = term.forward_rule {
+            return Some((rule.to_string(), false));
+        }
+        if let Some(rule) = term.backward_rule {
+            return Some((rule.to_string(), true));
+        }
+        open.extend(&term.children);
+    }
+    None
+}
+
+/// The smallest term of every class, as the form of its root and its size.
+fn smallest(egraph: &EGraph<Form, Knowledge>, classes: &[Id]) -> Vec<Option<(usize, Form)>> {
+    let place = |id: Id| classes.binary_search(&egraph.find(id)).ok();
+    let mut best: Vec<Option<(usize, Form)>> = vec![None; classes.len()];
+    loop {
+        let mut changed = false;
+        for (index, &class) in classes.iter().enumerate() {
+            for form in &egraph[class].nodes {
+                let size = form.children().iter().try_fold(1usize, |sum, &child| {
+                    let (size, _) = best[place(child)?].as_ref()?;
+                    Some(sum.saturating_add(*size))
+                });
+                if let Some(size) = size
+                    && best[index].as_ref().is_none_or(|(known, _)| size < *known)
+                {
+                    best[index] = Some((size, form.clone()));
+                    changed = true;
+                }
+            }
+        }
+        if !changed {
+            return best;
+        }
+    }
+}
+
+/// The term of a class that has most in common with another term: for every
+/// class and every part of that term, the fewest nodes that differ, part by
+/// part from the leaves up.
+fn nearest(egraph: &EGraph<Form, Knowledge>, start: Id, goal: &RecExpr<Form>) -> RecExpr<Form> {
+    let mut classes: Vec<Id> = egraph.classes().map(|class| class.id).collect();
+    classes.sort_unstable();
+    let place = |id: Id| classes.binary_search(&egraph.find(id)).unwrap_or(0);
+    let smallest = smallest(egraph, &classes);
+    let parts = goal.as_ref();
+    // Per part and class the distance, and the form that has it; without a
+    // form, the smallest term of the class stands against the part.
+    let mut table: Vec<Vec<(usize, Option<Form>)>> = Vec::with_capacity(parts.len());
+    let mut sizes: Vec<usize> = Vec::with_capacity(parts.len());
+    for part in parts {
+        let size = 1 + part
+            .children()
+            .iter()
+            .map(|&c| sizes[usize::from(c)])
+            .sum::<usize>();
+        let mut row = Vec::with_capacity(classes.len());
+        for (index, &class) in classes.iter().enumerate() {
+            let own = smallest[index]
+                .as_ref()
+                .map_or(usize::MAX / 4, |(own, _)| *own);
+            let mut best = (own + size, None);
+            for form in egraph[class].nodes.iter().filter(|form| form.matches(part)) {
+                let pairs = form.children().iter().zip(part.children());
+                let distance: usize = pairs
+                    .map(|(&child, &goal)| table[usize::from(goal)][place(child)].0)
+                    .sum();
+                if distance < best.0 {
+                    best = (distance, Some(form.clone()));
+                }
+            }
+            row.push(best);
+        }
+        table.push(row);
+        sizes.push(size);
+    }
+    let mut term = RecExpr::default();
+    build(
+        &Tables {
+            egraph,
+            table: &table,
+            smallest: &smallest,
+            classes: &classes,
+            parts,
+        },
+        start,
+        Some(parts.len() - 1),
+        &mut term,
+    );
+    term
+}
+
+struct Tables<'a> {
+    egraph: &'a EGraph<Form, Knowledge>,
+    table: &'a [Vec<(usize, Option<Form>)>],
+    smallest: &'a [Option<(usize, Form)>],
+    classes: &'a [Id],
+    parts: &'a [Form],
+}
+
+/// Writes the chosen term. Depth is bounded by that of the goal and of the
+/// smallest terms, and those by the size of a pattern.
+fn build(tables: &Tables<'_>, class: Id, part: Option<usize>, term: &mut RecExpr<Form>) -> Id {
+    let place = tables
+        .classes
+        .binary_search(&tables.egraph.find(class))
+        .unwrap_or(0);
+    let chosen = part.and_then(|part| Some((part, tables.table[part][place].1.as_ref()?)));
+    let (form, goals) = match chosen {
+        Some((part, form)) => (form.clone(), Some(tables.parts[part].children())),
+        None => match &tables.smallest[place] {
+            Some((_, form)) => (form.clone(), None),
+            None => (Form::Number(0), None),
+        },
+    };
+    let mut written = form.clone();
+    for (index, &child) in form.children().iter().enumerate() {
+        let goal = goals.map(|goals| usize::from(goals[index]));
+        written.children_mut()[index] = build(tables, child, goal, term);
+    }
+    term.add(written)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn answer(question: &str, effort: Effort) -> Derivation {
+        let text = format!("rule question: {question} class=real;");
+        let set = RuleSet::parse(&text, "question.rules").expect("well formed");
+        let rules = RuleSet::built_in();
+        let rule = &set.rules[0];
+        derive(&rule.left, &rule.right, &rules, NumericClass::Real, effort)
+    }
+
+    const EFFORT: Effort = Effort {
+        nodes: 5_000,
+        iterations: 8,
+    };
+
+    #[test]
+    fn a_derivation_ends_at_the_goal() {
+        let Derivation::Found(steps) = answer("x*a - b*x => x*(a - b)", EFFORT) else {
+            panic!("derivable");
+        };
+        let last = steps.last().expect("not the same term");
+        let names = ["x", "a", "b"].map(str::to_owned);
+        assert_eq!(last.term.to_text(&names), "x*(a - b)");
+        assert!(
+            steps
+                .iter()
+                .any(|step| step.rule.contains("factor") || step.rule.contains("distribute"))
+        );
+    }
+
+    #[test]
+    fn what_is_not_reached_has_a_nearest_term() {
+        let Derivation::Nearest { term, .. } = answer("a*x + b => (a + b)*x", EFFORT) else {
+            panic!("the sides are different functions");
+        };
+        let names = ["a", "x", "b"].map(str::to_owned);
+        assert!(term.to_text(&names).contains('x'));
+    }
+}

@@ -1,0 +1,132 @@
+//! `robovec rules why-not`.
+
+use super::super::Failure;
+use super::read;
+use clap::Args;
+use robovec_passes::NumericClass;
+use robovec_passes::eqsat::derive::{Derivation, Effort, Step, derive};
+use robovec_passes::rules::check::{self, Verdict};
+use robovec_passes::rules::{Rule, RuleSet};
+use std::fmt::Write;
+
+/// What is asked.
+#[derive(Args, Debug)]
+pub(super) struct WhyNotArguments {
+    /// The term to start from: `a*x + b*x`
+    #[arg(allow_hyphen_values = true)]
+    left: String,
+    /// The term to reach: `(a + b)*x`
+    #[arg(allow_hyphen_values = true)]
+    right: String,
+    /// Rules beside those that ship: a .rules file
+    #[arg(long, value_name = "FILE")]
+    rules: Vec<String>,
+    /// Only the rules named by --rules
+    #[arg(long, requires = "rules")]
+    only: bool,
+    /// Use the rules about the circle too
+    #[arg(long)]
+    trig: bool,
+    /// Nodes in the graph of equal terms
+    #[arg(long, value_name = "N", default_value_t = 20_000,
+          value_parser = clap::value_parser!(u32).range(10..=2_000_000))]
+    nodes: u32,
+    /// Rounds of all rules
+    #[arg(long, value_name = "N", default_value_t = 10,
+          value_parser = clap::value_parser!(u32).range(1..=100))]
+    iterations: u32,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &WhyNotArguments) -> Result<String, Failure> {
+    let rules = read::sound(&arguments.rules, !arguments.only)?;
+    let class = match arguments.trig {
+        true => NumericClass::RealTrig,
+        false => NumericClass::Real,
+    };
+    let text = format!(
+        "rule question: {} => {} class={};",
+        arguments.left, arguments.right, class
+    );
+    let question = RuleSet::parse(&text, "<question>").map_err(Failure)?;
+    let Some(rule) = question.rules.first() else {
+        return Err(Failure::plain("there is no question".to_owned()));
+    };
+    let finding = check::check(rule, 0);
+    match finding.verdict {
+        Verdict::False(example) => {
+            return Ok(format!(
+                "No rules lead there, since the terms are not equal: {example}.\n"
+            ));
+        }
+        Verdict::Proved { circle: true, .. } if !arguments.trig => {
+            return Ok(
+                "The terms are equal only where sine and cosine lie on the circle: \
+                       ask with --trig.\n"
+                    .to_owned(),
+            );
+        }
+        Verdict::Proved { .. } | Verdict::Unproved => {}
+    }
+    let effort = Effort {
+        nodes: arguments.nodes as usize,
+        iterations: arguments.iterations,
+    };
+    let found = derive(&rule.left, &rule.right, &rules, class, effort);
+    Ok(answer(rule, &found))
+}
+
+fn answer(rule: &Rule, found: &Derivation) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    match found {
+        Derivation::Found(steps) => {
+            let count = match steps.len() {
+                1 => "one step".to_owned(),
+                count => format!("{count} steps"),
+            };
+            let _ = writeln!(text, "The rules lead there in {count}:\n");
+            text.push_str(&listing(rule, steps));
+        }
+        Derivation::Nearest {
+            term,
+            steps,
+            complete,
+            nodes,
+        } => {
+            let reason = match complete {
+                true => format!(
+                    "The terms are equal, but no rule leads there: all {nodes} terms were tried."
+                ),
+                false => format!(
+                    "Not reached within {nodes} nodes; --nodes and --iterations allow for more."
+                ),
+            };
+            let nearest = term.to_text(&rule.variables);
+            let _ = writeln!(text, "{reason}\nThe nearest that was reached: {nearest}\n");
+            text.push_str(&listing(rule, steps));
+            let _ = writeln!(
+                text,
+                "\nA rule that closes the gap:\n  rule new: {nearest} => {}  class=real;",
+                rule.right.to_text(&rule.variables)
+            );
+        }
+    }
+    text
+}
+
+/// The steps, aligned.
+pub(super) fn listing(rule: &Rule, steps: &[Step]) -> String {
+    let name = |step: &Step| match step.backwards {
+        true => format!("{} backwards", step.rule),
+        false => step.rule.clone(),
+    };
+    let width = steps.iter().map(|step| name(step).len()).max().unwrap_or(0);
+    let mut text = format!("  {:width$}  {}\n", "", rule.left.to_text(&rule.variables));
+    for step in steps {
+        let term = step.term.to_text(&rule.variables);
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "  {:width$}  {term}", name(step));
+    }
+    text
+}
