@@ -84,11 +84,14 @@ impl Pass for Balance {
         for _ in 0..rounds {
             let new = Self::round(function, context.tables, &weights, context.rewrites);
             let reached = size(&new);
-            if reached >= best && !context.rewrites.is_limited() {
+            if reached >= best && !context.rewrites.has_refused() {
                 break;
             }
             best = reached;
             *function = new;
+            if context.rewrites.has_refused() {
+                break;
+            }
         }
         context.statistics.push((
             "cycles taken off the longest path",

@@ -48,11 +48,11 @@ impl Rewrites {
         number <= limit
     }
 
-    /// True when some rewrites are refused. A pass that compares its result
-    /// with what it took must then give the result all the same: whether the
-    /// first rewrites alone are worth having is not the question.
-    pub fn is_limited(&self) -> bool {
-        self.limit.is_some()
+    /// True when a rewrite has been refused. A pass that compares its result
+    /// with what it took must then give the result all the same, and stop:
+    /// whether the first rewrites alone are worth having is not the question.
+    pub fn has_refused(&self) -> bool {
+        self.limit.is_some_and(|limit| self.asked.get() > limit)
     }
 
     /// How many rewrites were asked for, refused ones included.
@@ -85,6 +85,7 @@ mod tests {
         }
         assert_eq!((free.asked(), free.last()), (4, None));
         assert_eq!(limited.asked(), 4);
+        assert!(limited.has_refused() && !free.has_refused());
         assert_eq!(limited.last(), Some((name(1), "rule".to_owned())));
         assert!(!Rewrites::new(Some(0)).allow(name(0), "rule"));
     }

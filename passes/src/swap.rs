@@ -35,7 +35,7 @@ impl Pass for Swap {
         );
         let before = critical_path(function, context.machine).asap_cycle;
         let after = critical_path(&new, context.machine).asap_cycle;
-        if after <= before || context.rewrites.is_limited() {
+        if after <= before || context.rewrites.has_refused() {
             *function = new;
         } else {
             context

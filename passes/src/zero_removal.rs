@@ -46,7 +46,7 @@ impl Pass for ZeroRemoval {
             context.rewrites,
         );
         let before = minuses(function);
-        if new.nodes().len() <= function.nodes().len() || context.rewrites.is_limited() {
+        if new.nodes().len() <= function.nodes().len() || context.rewrites.has_refused() {
             *function = new;
         } else {
             context
