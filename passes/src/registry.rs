@@ -3,8 +3,7 @@
 
 use crate::pass::PassInfo;
 use crate::{
-    asap_alap, atomise, balance, codegen, cse, dce, eqsat, fma, fold, inline, lookahead, place,
-    recurrence, swap, zero_removal,
+    asap_alap, atomise, balance, codegen, composite, cse, dce, eqsat, factor, fma, fold, inline, lookahead, place, recurrence, swap, zero_removal,
 };
 
 /// All passes, in the order a function usually meets them.
@@ -12,6 +11,8 @@ pub const PASSES: &[PassInfo] = &[
     atomise::Atomise::INFO,
     fold::Fold::INFO,
     zero_removal::ZeroRemoval::INFO,
+    composite::Composite::INFO,
+    factor::Factor::INFO,
     swap::Swap::INFO,
     balance::Balance::INFO,
     eqsat::Eqsat::INFO,

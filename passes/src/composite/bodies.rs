@@ -1,0 +1,269 @@
+//! Inertias and forces of composite bodies, over any ring.
+//!
+//! Everything is in the axes of a joint's frame and about its origin. A unit
+//! acceleration of joint j gives the frame the angular part `OM` and the
+//! linear part `AM` (Robotran's names); the body, and the joints behind it,
+//! then need the force `FM` and the torque `CM` with
+//!
+//! ```text
+//! FM = a*AM + b*OM        CM = b'*AM + d*OM
+//! ```
+//!
+//! Over the reals with true sines `a` is the mass times the identity and `b`
+//! is skew, but nothing here uses that: with free sines and cosines a rotation
+//! does not keep lengths. Nor is `d` taken to be symmetric: Robotran leaves
+//! out what is zero in a model, and models exist that give the products of
+//! inertia on one side of the diagonal only.
+
+/// Numbers to compute with: fingerprints while a tree is looked for, values
+/// of a network when its equations are written.
+pub(super) trait Ring {
+    type Number: Copy;
+    fn zero(&mut self) -> Self::Number;
+    fn add(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
+    fn sub(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
+    fn mul(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
+}
+
+pub(super) type Vector<N> = [N; 3];
+pub(super) type Matrix<N> = [[N; 3]; 3];
+
+/// The kind of a joint: about or along an axis (0 to 2) of its frame.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Joint {
+    Revolute(usize),
+    Prismatic(usize),
+}
+
+impl Joint {
+    /// The six kinds.
+    pub(super) const ALL: [Joint; 6] = [
+        Joint::Revolute(0),
+        Joint::Revolute(1),
+        Joint::Revolute(2),
+        Joint::Prismatic(0),
+        Joint::Prismatic(1),
+        Joint::Prismatic(2),
+    ];
+}
+
+/// A body: mass, centre of mass, inertia about it.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Body<N> {
+    pub(super) mass: N,
+    pub(super) centre: Vector<N>,
+    pub(super) inertia: Matrix<N>,
+}
+
+impl<N> Body<Option<N>> {
+    /// True when nothing of it is there.
+    pub(super) fn is_absent(&self) -> bool {
+        let parts = self.centre.iter().chain(self.inertia.iter().flatten());
+        self.mass.is_none() && parts.into_iter().all(Option::is_none)
+    }
+
+    /// The body with what is missing of its inertia on one side of the
+    /// diagonal taken from the other, if that is asked for.
+    pub(super) fn mirrored(self, symmetric: bool) -> Body<Option<N>>
+    where
+        N: Copy,
+    {
+        let given = self.inertia;
+        let entry = |r: usize, c: usize| given[r][c].or(given[c][r].filter(|_| symmetric));
+        Body {
+            inertia: [0, 1, 2].map(|r| [0, 1, 2].map(|c| entry(r, c))),
+            ..self
+        }
+    }
+}
+
+/// How a frame stands on its parent: offset in the parent's axes, the joint's
+/// coordinate, and its cosine and sine.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stand<N> {
+    pub(super) joint: Joint,
+    pub(super) offset: Vector<N>,
+    pub(super) coordinate: N,
+    pub(super) cosine: N,
+    pub(super) sine: N,
+}
+
+/// The inertia of a composite body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inertia<N> {
+    pub(super) a: Matrix<N>,
+    pub(super) b: Matrix<N>,
+    pub(super) d: Matrix<N>,
+}
+
+/// What a unit acceleration needs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wrench<N> {
+    pub(super) force: Vector<N>,
+    pub(super) torque: Vector<N>,
+}
+
+pub(super) fn cross<R: Ring>(
+    ring: &mut R,
+    u: Vector<R::Number>,
+    v: Vector<R::Number>,
+) -> Vector<R::Number> {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| {
+        let (left, right) = (ring.mul(u[i], v[j]), ring.mul(u[j], v[i]));
+        ring.sub(left, right)
+    })
+}
+
+fn transpose<N: Copy>(m: Matrix<N>) -> Matrix<N> {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| m[j][i]))
+}
+
+impl<N: Copy> Stand<N> {
+    /// A vector of the frame in the axes of its parent.
+    fn turn_back<R: Ring<Number = N>>(&self, ring: &mut R, v: Vector<N>) -> Vector<N> {
+        let Joint::Revolute(axis) = self.joint else {
+            return v;
+        };
+        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+        let mut turned = v;
+        let (cb, sc) = (ring.mul(self.cosine, v[b]), ring.mul(self.sine, v[c]));
+        let (sb, cc) = (ring.mul(self.sine, v[b]), ring.mul(self.cosine, v[c]));
+        turned[b] = ring.sub(cb, sc);
+        turned[c] = ring.add(sb, cc);
+        turned
+    }
+
+    /// The transpose of the rotation times a matrix times the rotation.
+    fn turn_matrix<R: Ring<Number = N>>(&self, ring: &mut R, m: Matrix<N>) -> Matrix<N> {
+        let columns = transpose(m).map(|column| self.turn_back(ring, column));
+        transpose(columns).map(|row| self.turn_back(ring, row))
+    }
+
+    /// From the parent's origin to the frame's, in the parent's axes.
+    pub(super) fn arm<R: Ring<Number = N>>(&self, ring: &mut R) -> Vector<N> {
+        let mut arm = self.offset;
+        if let Joint::Prismatic(axis) = self.joint {
+            arm[axis] = ring.add(arm[axis], self.coordinate);
+        }
+        arm
+    }
+
+    /// A wrench in the axes of the parent, still about the frame's origin.
+    pub(super) fn turned<R: Ring<Number = N>>(&self, ring: &mut R, wrench: Wrench<N>) -> Wrench<N> {
+        Wrench {
+            force: self.turn_back(ring, wrench.force),
+            torque: self.turn_back(ring, wrench.torque),
+        }
+    }
+
+    /// A wrench on the frame as one on its parent.
+    pub(super) fn wrench<R: Ring<Number = N>>(&self, ring: &mut R, wrench: Wrench<N>) -> Wrench<N> {
+        let turned = self.turned(ring, wrench);
+        let arm = self.arm(ring);
+        let moment = cross(ring, arm, turned.force);
+        let torque = [0, 1, 2].map(|i| ring.add(turned.torque[i], moment[i]));
+        Wrench { torque, ..turned }
+    }
+
+    /// The inertia of the frame's composite body as part of the parent's.
+    pub(super) fn inertia<R: Ring<Number = N>>(
+        &self,
+        ring: &mut R,
+        inertia: &Inertia<N>,
+    ) -> Inertia<N> {
+        let a = self.turn_matrix(ring, inertia.a);
+        let b = self.turn_matrix(ring, inertia.b);
+        let d = self.turn_matrix(ring, inertia.d);
+        let arm = self.arm(ring);
+        // AM of the frame is AM - arm~ OM of the parent, and the torque gets
+        // arm x FM: with ~ the cross product's matrix,
+        // b <- b - a arm~, d <- d - b' arm~ + arm~ (b - a arm~).
+        let shifted = [0, 1, 2].map(|r| {
+            let moment = cross(ring, a[r], arm);
+            [0, 1, 2].map(|c| ring.sub(b[r][c], moment[c]))
+        });
+        let left = transpose(b).map(|column| cross(ring, column, arm));
+        let right = transpose(shifted).map(|column| cross(ring, arm, column));
+        let mut full = d;
+        for r in 0..3 {
+            for c in 0..3 {
+                let moved = ring.sub(right[c][r], left[r][c]);
+                full[r][c] = ring.add(d[r][c], moved);
+            }
+        }
+        Inertia {
+            a,
+            b: shifted,
+            d: full,
+        }
+    }
+}
+
+impl<N: Copy> Inertia<N> {
+    /// Of one body.
+    pub(super) fn of<R: Ring<Number = N>>(ring: &mut R, body: &Body<N>) -> Inertia<N> {
+        let zero = ring.zero();
+        let moment = body.centre.map(|part| ring.mul(body.mass, part));
+        let mut a = [[zero; 3]; 3];
+        let mut b = [[zero; 3]; 3];
+        let mut d = body.inertia;
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            a[i][i] = body.mass;
+            // FM = m (AM + OM x l): b is minus the matrix of the moment.
+            b[j][k] = moment[i];
+            b[k][j] = ring.sub(zero, moment[i]);
+        }
+        for r in 0..3 {
+            for c in 0..3 {
+                let product = ring.mul(moment[r], body.centre[c]);
+                if r != c {
+                    d[r][c] = ring.sub(d[r][c], product);
+                    continue;
+                }
+                for other in (0..3).filter(|&other| other != r) {
+                    let square = ring.mul(moment[other], body.centre[other]);
+                    d[r][r] = ring.add(d[r][r], square);
+                }
+            }
+        }
+        Inertia { a, b, d }
+    }
+
+    /// The sum of two.
+    pub(super) fn plus<R: Ring<Number = N>>(&self, ring: &mut R, other: &Inertia<N>) -> Inertia<N> {
+        let mut sum = |x: &Matrix<N>, y: &Matrix<N>| {
+            [0, 1, 2].map(|r| [0, 1, 2].map(|c| ring.add(x[r][c], y[r][c])))
+        };
+        Inertia {
+            a: sum(&self.a, &other.a),
+            b: sum(&self.b, &other.b),
+            d: sum(&self.d, &other.d),
+        }
+    }
+
+    /// The row of the frame's own joint: what does work in it, for any
+    /// acceleration, and by symmetry what its own unit acceleration needs.
+    pub(super) fn wrench(&self, joint: Joint) -> Wrench<N> {
+        match joint {
+            Joint::Revolute(axis) => Wrench {
+                force: transpose(self.b)[axis],
+                torque: self.d[axis],
+            },
+            Joint::Prismatic(axis) => Wrench {
+                force: self.a[axis],
+                torque: self.b[axis],
+            },
+        }
+    }
+}
+
+impl<N: Copy> Wrench<N> {
+    /// The part that does work in a joint.
+    pub(super) fn along(&self, joint: Joint) -> N {
+        match joint {
+            Joint::Revolute(axis) => self.torque[axis],
+            Joint::Prismatic(axis) => self.force[axis],
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! The mass matrix from composite bodies.
+//!
+//! `model` reads what the function says of the system, `tree` and `search`
+//! find the joints, `bodies` holds the mechanics over any ring, and `write`
+//! makes the new equations as values of the network that `factor` works on, so
+//! that what is zero, equal or opposite there is never computed.
+
+mod bodies;
+mod model;
+mod search;
+mod tree;
+mod write;
+
+use crate::analysis::critical_path::Weights;
+use crate::declare_pass;
+use crate::factor;
+use crate::pass::{Context, Gives, Pass, PassError};
+use model::Model;
+use robovec_ir::Function;
+
+declare_pass! {
+    /// Computes a mass matrix from the inertias of composite bodies.
+    ///
+    /// Robotran finds the mass matrix column by column: for every pair of a
+    /// joint and a joint before it a force and a torque, passed on from body to
+    /// body. The same matrix follows from one inertia for each joint, that of
+    /// everything behind it, with a third to a half of the operations for real
+    /// models and a quarter for long chains (Featherstone, Rigid Body Dynamics
+    /// Algorithms, 2008, section 6.2).
+    ///
+    /// The pass reads no model. It needs Robotran's arrays (`M` among the
+    /// outputs; `q`, `m`, `l`, `In` and `dpt` among the inputs) and finds the
+    /// tree of joints from the values of `M` at random points of two prime
+    /// fields: which joints stand behind which, their kinds, the points they
+    /// stand on. Every element of `M` whose new equations have the value of the
+    /// old ones is replaced; what else the function computes stays, and so does
+    /// a matrix that no tree explains, or that would not become cheaper.
+    ///
+    /// Masses are passed on as such only when sin^2 + cos^2 = 1. Robotran itself
+    /// relies on it when it adds masses up.
+    pub struct Composite("composite") {}
+    takes: [Atomic],
+    gives: Gives::Same,
+    class: RealTrig,
+    requires: [],
+    sets: [],
+    destroys: [Timed, ZeroFree],
+}
+
+impl Pass for Composite {
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
+        let weights = Weights::cycles(context.machine);
+        let mut network = factor::read::read(function, context.tables, true);
+        let Some(model) = Model::find(function, &network, context.tables) else {
+            let remark = "there is no mass matrix over Robotran's inputs";
+            context.remarks.push(remark.to_owned());
+            return Ok(());
+        };
+        let Some(places) = tree::find(&model, &network) else {
+            let remark = "the mass matrix is not that of a tree of bodies";
+            context.remarks.push(remark.to_owned());
+            return Ok(());
+        };
+        let before = network.cost;
+        write::rebuild(&mut network, &model, &places, function, context.tables);
+        let saved = before - network.cost;
+        context
+            .statistics
+            .push(("operations saved", u64::try_from(saved).unwrap_or(0)));
+        if saved > 0 {
+            *function =
+                factor::write::write(function, network, &weights, context.tables, context.notes);
+        }
+        Ok(())
+    }
+}

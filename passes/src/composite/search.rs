@@ -1,0 +1,436 @@
+//! The search for the choices that explain a mass matrix; see [`super::tree`].
+
+use super::bodies::{Body, Inertia, Joint, Ring, Stand, Wrench, cross};
+use super::model::Model;
+use super::tree::Place;
+use crate::factor::fingerprint::Fingerprint;
+use robovec_ir::{Input, Operation};
+
+/// How often a joint behind another may be explained anew to explain that one.
+const EFFORT: usize = 500;
+/// How many explanations of one column are kept.
+const MOST_OPTIONS: usize = 64;
+/// How far behind a joint choices are taken back to explain it.
+const DEEPEST: usize = 3;
+
+/// The numbers the search computes with.
+pub(super) struct Exact;
+
+impl Ring for Exact {
+    type Number = Fingerprint;
+    fn zero(&mut self) -> Fingerprint {
+        Fingerprint::ZERO
+    }
+    fn add(&mut self, a: Fingerprint, b: Fingerprint) -> Fingerprint {
+        a + b
+    }
+    fn sub(&mut self, a: Fingerprint, b: Fingerprint) -> Fingerprint {
+        a - b
+    }
+    fn mul(&mut self, a: Fingerprint, b: Fingerprint) -> Fingerprint {
+        a * b
+    }
+}
+
+/// One explanation of a joint's column: its kind, the points its children
+/// stand on, in order of the children, and whether the inertia of its body is
+/// to be mirrored.
+#[derive(Clone, PartialEq, Eq, Debug)]
+struct Choice {
+    joint: Joint,
+    symmetric: bool,
+    points: Vec<Option<usize>>,
+}
+
+/// What is known of a joint and of all behind it.
+struct State {
+    /// Explanations, given what was chosen behind the joint.
+    options: Vec<Choice>,
+    chosen: usize,
+    inertia: Inertia<Fingerprint>,
+    /// The joint's own and those behind it, with what a unit acceleration of
+    /// each needs, on this joint's frame.
+    wrenches: Vec<(usize, Wrench<Fingerprint>)>,
+}
+
+impl State {
+    fn new() -> State {
+        let zero = [[Fingerprint::ZERO; 3]; 3];
+        State {
+            options: Vec::new(),
+            chosen: 0,
+            inertia: Inertia {
+                a: zero,
+                b: zero,
+                d: zero,
+            },
+            wrenches: Vec::new(),
+        }
+    }
+}
+
+/// The choices made so far.
+pub(super) struct Search<'a> {
+    model: &'a Model,
+    /// Row by row.
+    matrix: Vec<Fingerprint>,
+    children: Vec<Vec<usize>>,
+    parents: Vec<Option<usize>>,
+    states: Vec<State>,
+    /// How often a joint may still be explained anew.
+    effort: usize,
+}
+
+impl<'a> Search<'a> {
+    /// A search in which nothing is chosen yet; `matrix` is row by row.
+    pub(super) fn new(
+        model: &'a Model,
+        matrix: Vec<Fingerprint>,
+        parents: Vec<Option<usize>>,
+    ) -> Search<'a> {
+        let mut children = vec![Vec::new(); parents.len()];
+        for (joint, parent) in parents.iter().enumerate() {
+            if let Some(parent) = *parent {
+                children[parent].push(joint);
+            }
+        }
+        Search {
+            model,
+            matrix,
+            children,
+            states: parents.iter().map(|_| State::new()).collect(),
+            parents,
+            effort: EFFORT,
+        }
+    }
+
+    fn value(&self, input: Option<Input>) -> Fingerprint {
+        input.map_or(Fingerprint::ZERO, Fingerprint::input)
+    }
+
+    fn stand(&self, joint: usize, kind: Joint, point: Option<usize>) -> Stand<Fingerprint> {
+        let coordinate = self.value(self.model.coordinates[joint]);
+        let turn = |operation| Fingerprint::of_function(operation, coordinate, true);
+        Stand {
+            joint: kind,
+            offset: point.map_or([Fingerprint::ZERO; 3], |point| {
+                self.model.points[point].map(|part| self.value(part))
+            }),
+            coordinate,
+            cosine: turn(Operation::Cos),
+            sine: turn(Operation::Sin),
+        }
+    }
+
+    fn kind(&self, joint: usize) -> Joint {
+        let state = &self.states[joint];
+        state.options[state.chosen].joint
+    }
+
+    /// Explains a joint, if need be by taking back choices behind it, the
+    /// nearest first and further and further back, or with one more child.
+    pub(super) fn settle(&mut self, joint: usize) -> bool {
+        for depth in 0..=DEEPEST {
+            if self.settle_within(joint, depth) {
+                return true;
+            }
+            for sibling in self.untied(joint) {
+                let parent = self.parents[joint];
+                self.stand_on(sibling, Some(joint));
+                if self.settle_within(joint, depth) {
+                    return true;
+                }
+                self.stand_on(sibling, parent);
+            }
+        }
+        false
+    }
+
+    /// Explains a joint by taking back choices at most so far behind it.
+    fn settle_within(&mut self, joint: usize, depth: usize) -> bool {
+        self.effort = EFFORT;
+        for kind in self.kinds(joint) {
+            let children = self.children[joint].clone();
+            let fit = |search: &mut Self, child: usize| search.fit(joint, kind, child, depth);
+            let mut more = children.into_iter().all(|child| fit(self, child));
+            while more && self.effort > 0 {
+                self.explain(joint);
+                if !self.states[joint].options.is_empty() {
+                    return true;
+                }
+                more = self.advance(joint, kind, depth);
+            }
+        }
+        false
+    }
+
+    /// Brings the children on to the next explanations that fit a kind of
+    /// their parent; false when there are no more.
+    fn advance(&mut self, joint: usize, kind: Joint, depth: usize) -> bool {
+        for child in self.children[joint].clone() {
+            while self.effort > 0 && self.next(child, depth) {
+                if !self.points(joint, kind, child).is_empty() {
+                    return true;
+                }
+            }
+            self.restart(child, depth);
+            if !self.fit(joint, kind, child, depth) {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// The kinds a joint may be of.
+    fn kinds(&self, joint: usize) -> Vec<Joint> {
+        let turns = self.model.turns[joint];
+        let possible = |kind: &Joint| !turns || matches!(kind, Joint::Revolute(_));
+        Joint::ALL.into_iter().filter(possible).collect()
+    }
+
+    /// Brings a child to an explanation that fits a kind of its parent.
+    fn fit(&mut self, joint: usize, kind: Joint, child: usize, depth: usize) -> bool {
+        if !self.points(joint, kind, child).is_empty() {
+            return true;
+        }
+        self.restart(child, depth);
+        loop {
+            if !self.points(joint, kind, child).is_empty() {
+                return true;
+            }
+            if self.effort == 0 || !self.next(child, depth) {
+                self.restart(child, depth);
+                return false;
+            }
+        }
+    }
+
+    /// Goes back to the first explanation of a joint.
+    fn restart(&mut self, joint: usize, depth: usize) {
+        if depth > 0 {
+            for child in self.children[joint].clone() {
+                self.restart(child, depth - 1);
+            }
+        }
+        self.explain(joint);
+    }
+
+    /// The next explanation of a joint that differs from the present one at
+    /// most so far behind it.
+    fn next(&mut self, joint: usize, depth: usize) -> bool {
+        let state = &mut self.states[joint];
+        if state.chosen + 1 < state.options.len() {
+            state.chosen += 1;
+            self.compute(joint);
+            return true;
+        }
+        if depth == 0 {
+            return false;
+        }
+        for child in self.children[joint].clone() {
+            while self.effort > 0 && self.next(child, depth - 1) {
+                self.explain(joint);
+                if !self.states[joint].options.is_empty() {
+                    return true;
+                }
+            }
+            self.restart(child, depth - 1);
+        }
+        false
+    }
+
+    /// Later joints with the same parent that may as well stand on this one:
+    /// nothing ties them to it, as with axes at right angles.
+    fn untied(&self, joint: usize) -> Vec<usize> {
+        let count = self.model.len();
+        let tied = |other: usize| self.model.elements[other * count + joint].is_some();
+        let Some(parent) = self.parents[joint] else {
+            return Vec::new();
+        };
+        let siblings = self.children[parent].iter().copied();
+        siblings
+            .filter(|&other| other > joint && !tied(other))
+            .filter(|&other| !self.behind(other).into_iter().any(tied))
+            .collect()
+    }
+
+    /// Gives a joint another parent.
+    fn stand_on(&mut self, joint: usize, parent: Option<usize>) {
+        if let Some(old) = self.parents[joint] {
+            self.children[old].retain(|&child| child != joint);
+        }
+        self.parents[joint] = parent;
+        if let Some(new) = parent {
+            self.children[new].push(joint);
+            self.children[new].sort_unstable();
+        }
+    }
+
+    /// The joints behind a joint, the nearest first.
+    fn behind(&self, joint: usize) -> Vec<usize> {
+        let mut behind = self.children[joint].clone();
+        let mut next = 0;
+        while next < behind.len() {
+            behind.extend_from_slice(&self.children[behind[next]]);
+            next += 1;
+        }
+        behind
+    }
+
+    /// Finds all explanations of a joint's column, given what is chosen behind
+    /// it, and takes the first.
+    fn explain(&mut self, joint: usize) {
+        self.effort = self.effort.saturating_sub(1);
+        let mut options = Vec::new();
+        for kind in self.kinds(joint) {
+            self.explain_as(joint, kind, &mut options);
+        }
+        let state = &mut self.states[joint];
+        state.options = options;
+        state.chosen = 0;
+        if !state.options.is_empty() {
+            self.compute(joint);
+        }
+    }
+
+    fn explain_as(&self, joint: usize, kind: Joint, options: &mut Vec<Choice>) {
+        let children = &self.children[joint];
+        let points: Vec<Vec<Option<usize>>> = children
+            .iter()
+            .map(|&child| self.points(joint, kind, child))
+            .collect();
+        if points.iter().any(Vec::is_empty) {
+            return;
+        }
+        // The diagonal element is the sum of what each part adds to it.
+        let parts: Vec<Vec<Fingerprint>> = points
+            .iter()
+            .zip(children)
+            .map(|(points, &child)| {
+                let part =
+                    |&point: &Option<usize>| self.moved(child, point).wrench(kind).along(kind);
+                points.iter().map(part).collect()
+            })
+            .collect();
+        let diagonal = self.matrix[joint * self.model.len() + joint];
+        let body = self.model.bodies[joint];
+        for symmetric in [true, false] {
+            if !symmetric && body.mirrored(true) == body {
+                continue;
+            }
+            let own = self.own(joint, symmetric).wrench(kind).along(kind);
+            let mut digits = vec![0; points.len()];
+            loop {
+                let chosen = parts.iter().zip(&digits).map(|(list, &at)| list[at]);
+                if chosen.fold(own, |sum, part| sum + part) == diagonal {
+                    let chosen = points.iter().zip(&digits).map(|(list, &at)| list[at]);
+                    options.push(Choice {
+                        joint: kind,
+                        symmetric,
+                        points: chosen.collect(),
+                    });
+                }
+                if options.len() >= MOST_OPTIONS || !advance(&mut digits, &points) {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// The points a child may stand on so that everything behind it gives the
+    /// right elements of its parent's column.
+    fn points(&self, joint: usize, kind: Joint, child: usize) -> Vec<Option<usize>> {
+        if self.states[child].options.is_empty() {
+            return Vec::new();
+        }
+        let stand = self.stand(child, self.kind(child), None);
+        let wrenches: Vec<(usize, Wrench<Fingerprint>)> = self.states[child]
+            .wrenches
+            .iter()
+            .map(|&(one, wrench)| (one, stand.turned(&mut Exact, wrench)))
+            .collect();
+        let fits = |point: Option<usize>| {
+            let arm = self.stand(child, self.kind(child), point).arm(&mut Exact);
+            wrenches.iter().all(|&(one, wrench)| {
+                let moment = cross(&mut Exact, arm, wrench.force);
+                let torque = [0, 1, 2].map(|i| wrench.torque[i] + moment[i]);
+                let value = Wrench { torque, ..wrench }.along(kind);
+                value == self.matrix[one * self.model.len() + joint]
+            })
+        };
+        let points = (0..self.model.points.len()).map(Some);
+        std::iter::once(None)
+            .chain(points)
+            .filter(|&point| fits(point))
+            .collect()
+    }
+
+    /// The inertia of a joint's own body.
+    fn own(&self, joint: usize, symmetric: bool) -> Inertia<Fingerprint> {
+        let body = self.model.bodies[joint].mirrored(symmetric);
+        let body = Body {
+            mass: self.value(body.mass),
+            centre: body.centre.map(|part| self.value(part)),
+            inertia: body.inertia.map(|row| row.map(|part| self.value(part))),
+        };
+        Inertia::of(&mut Exact, &body)
+    }
+
+    /// The inertia of a child and of all behind it, as part of its parent's.
+    fn moved(&self, child: usize, point: Option<usize>) -> Inertia<Fingerprint> {
+        let stand = self.stand(child, self.kind(child), point);
+        stand.inertia(&mut Exact, &self.states[child].inertia)
+    }
+
+    /// Inertia and wrenches that follow from the choice made for a joint.
+    fn compute(&mut self, joint: usize) {
+        let state = &self.states[joint];
+        let choice = state.options[state.chosen].clone();
+        let mut inertia = self.own(joint, choice.symmetric);
+        for (&child, &point) in self.children[joint].iter().zip(&choice.points) {
+            inertia = inertia.plus(&mut Exact, &self.moved(child, point));
+        }
+        let mut wrenches = vec![(joint, inertia.wrench(choice.joint))];
+        for (&child, &point) in self.children[joint].iter().zip(&choice.points) {
+            let stand = self.stand(child, self.kind(child), point);
+            for &(one, wrench) in &self.states[child].wrenches {
+                wrenches.push((one, stand.wrench(&mut Exact, wrench)));
+            }
+        }
+        self.states[joint].inertia = inertia;
+        self.states[joint].wrenches = wrenches;
+    }
+
+    /// What has been chosen.
+    pub(super) fn places(&self) -> Vec<Place> {
+        let mut places: Vec<Place> = (0..self.model.len())
+            .map(|joint| Place {
+                parent: self.parents[joint],
+                joint: self.kind(joint),
+                point: None,
+                symmetric: false,
+            })
+            .collect();
+        for (joint, state) in self.states.iter().enumerate() {
+            let choice = &state.options[state.chosen];
+            places[joint].symmetric = choice.symmetric;
+            let points = &choice.points;
+            for (&child, &point) in self.children[joint].iter().zip(points) {
+                places[child].point = point;
+            }
+        }
+        places
+    }
+}
+
+/// Counts on in mixed radix; false at the end.
+fn advance(digits: &mut [usize], lists: &[Vec<Option<usize>>]) -> bool {
+    for (digit, list) in digits.iter_mut().zip(lists) {
+        *digit += 1;
+        if *digit < list.len() {
+            return true;
+        }
+        *digit = 0;
+    }
+    false
+}

@@ -1,0 +1,387 @@
+//! Shared parts and common factors.
+//!
+//! The polynomial form of multilevel logic synthesis (Brayton and McMullen,
+//! "The decomposition and factorization of Boolean expressions", 1982; on
+//! polynomials Hosangadi, Fallah and Kastner, "Optimizing polynomial
+//! expressions by algebraic factorization and common subexpression
+//! elimination", 2006), restricted to divisors of two terms or two factors as
+//! Rajski and Vasudevamurthy do, so that their number is quadratic in the
+//! size of a sum and linear in that of the function. Larger kernels come about
+//! one term at a time.
+//!
+//! A divisor is identified by its value and not by its form: what several
+//! sums share may be written differently in each, and it may exist already.
+
+use super::fingerprint::Fingerprint;
+use super::network::{Edge, Kind, Network, Origin, cancel};
+use hashbrown::HashMap;
+use rustc_hash::FxBuildHasher;
+
+/// In larger sums and products only operands at most this far apart in the
+/// order of the operands are paired.
+const REACH: usize = 24;
+
+/// What is taken out of both terms of a pair.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Common {
+    /// Nothing: the pair itself is the divisor.
+    Nothing,
+    /// All factors they have in common.
+    All,
+    /// One factor, given by its node.
+    One(u32),
+}
+
+/// A pair of operands of a sum or product.
+#[derive(Clone, Copy, Debug)]
+struct Occurrence {
+    divisor: u32,
+    user: u32,
+    pair: [Edge; 2],
+    common: Common,
+}
+
+/// Divisors in order of what they promise.
+struct Divisors {
+    /// Values without their signs.
+    values: Vec<Fingerprint>,
+    /// By divisor, then in program order.
+    occurrences: Vec<Occurrence>,
+}
+
+/// Gains are estimated in these fractions of an operation.
+const UNIT: i64 = 12;
+
+/// Finds divisors that pay and applies them, the most promising first; gives
+/// the number of operations saved.
+pub(super) fn extract(network: &mut Network, order: &[u32]) -> i64 {
+    let before = network.cost;
+    let divisors = Divisors::find(network, order);
+    let ranked = divisors.rank(network);
+    for (start, end) in ranked {
+        let occurrences = &divisors.occurrences[start..end];
+        let value = divisors.values[occurrences[0].divisor as usize];
+        apply(network, value, occurrences);
+    }
+    before - network.cost
+}
+
+impl Divisors {
+    fn find(network: &Network, order: &[u32]) -> Divisors {
+        let mut sketch = Sketch::new(network, order);
+        for_each_pair(network, order, |value, _, _, _| sketch.count(value));
+        let mut divisors = Divisors {
+            values: Vec::new(),
+            occurrences: Vec::new(),
+        };
+        let mut index: HashMap<Fingerprint, u32, FxBuildHasher> = HashMap::default();
+        for_each_pair(network, order, |value, user, pair, common| {
+            let (size, _) = value.without_sign();
+            if !sketch.several(size) && network.find(size).is_none() && common == Common::Nothing {
+                return;
+            }
+            let next = divisors.values.len() as u32;
+            let divisor = *index.entry(size).or_insert(next);
+            if divisor == next {
+                divisors.values.push(size);
+            }
+            divisors.occurrences.push(Occurrence {
+                divisor,
+                user,
+                pair,
+                common,
+            });
+        });
+        // Stable: the order of the program stays within a divisor.
+        divisors.occurrences.sort_by_key(|one| one.divisor);
+        divisors
+    }
+
+    /// Ranges of the occurrences of those divisors that may pay, best first.
+    fn rank(&self, network: &Network) -> Vec<(usize, usize)> {
+        let mut ranked = Vec::new();
+        let mut start = 0;
+        for group in self.occurrences.chunk_by(|a, b| a.divisor == b.divisor) {
+            let end = start + group.len();
+            let gain: i64 = group.iter().map(|one| one.estimate(network)).sum();
+            let exists = network
+                .find(self.values[group[0].divisor as usize])
+                .is_some();
+            let price = if exists { 0 } else { group[0].price(network) };
+            if gain > price {
+                ranked.push((price - gain, start, end));
+            }
+            start = end;
+        }
+        ranked.sort_unstable();
+        ranked
+            .into_iter()
+            .map(|(_, start, end)| (start, end))
+            .collect()
+    }
+}
+
+impl Occurrence {
+    /// What the divisor would save here if it were there.
+    fn estimate(&self, network: &Network) -> i64 {
+        if self.common == Common::Nothing {
+            return UNIT;
+        }
+        let freed: i64 = self
+            .pair
+            .iter()
+            .map(|edge| {
+                let node = &network.nodes[edge.node()];
+                match node.kind {
+                    Kind::Product => {
+                        UNIT * (node.operands.len() as i64 - 1) / i64::from(node.uses.max(1))
+                    }
+                    _ => 0,
+                }
+            })
+            .sum();
+        let (common, _) = self.split(network);
+        UNIT + freed - UNIT * common.len() as i64
+    }
+
+    /// What making the divisor costs.
+    fn price(&self, network: &Network) -> i64 {
+        if self.common == Common::Nothing {
+            return UNIT;
+        }
+        let (_, rest) = self.split(network);
+        let products: usize = rest.iter().map(|rest| rest.len().saturating_sub(1)).sum();
+        UNIT * (1 + products as i64)
+    }
+
+    /// The common factors, and what is left of the two terms.
+    fn split(&self, network: &Network) -> (Vec<Edge>, [Vec<Edge>; 2]) {
+        let [(_, left), (_, right)] = self.pair.map(|edge| factors(network, edge));
+        match self.common {
+            Common::Nothing => (Vec::new(), [left, right]),
+            Common::All => divide(&left, &right),
+            Common::One(node) => {
+                let factor = Edge::new(node, false);
+                (
+                    vec![factor],
+                    [without(&left, factor), without(&right, factor)],
+                )
+            }
+        }
+    }
+}
+
+/// The factors of a term, sorted and without signs, and its sign.
+fn factors(network: &Network, term: Edge) -> (bool, Vec<Edge>) {
+    let node = &network.nodes[term.node()];
+    if node.kind != Kind::Product {
+        return (term.negative(), vec![term.flip(term.negative())]);
+    }
+    let odd = node.operands.iter().filter(|edge| edge.negative()).count() % 2 == 1;
+    let mut factors: Vec<Edge> = node
+        .operands
+        .iter()
+        .map(|edge| edge.flip(edge.negative()))
+        .collect();
+    factors.sort_unstable();
+    (term.negative() ^ odd, factors)
+}
+
+/// What two sorted lists have in common, and what not.
+fn divide(left: &[Edge], right: &[Edge]) -> (Vec<Edge>, [Vec<Edge>; 2]) {
+    let (mut common, mut rest) = (Vec::new(), [Vec::new(), Vec::new()]);
+    let (mut i, mut j) = (0, 0);
+    while i < left.len() || j < right.len() {
+        match (left.get(i), right.get(j)) {
+            (Some(a), Some(b)) if a == b => {
+                common.push(*a);
+                i += 1;
+                j += 1;
+            }
+            (Some(a), other) if other.is_none_or(|b| a < b) => {
+                rest[0].push(*a);
+                i += 1;
+            }
+            (_, other) => {
+                rest[1].extend(other);
+                j += 1;
+            }
+        }
+    }
+    (common, rest)
+}
+
+fn without(factors: &[Edge], factor: Edge) -> Vec<Edge> {
+    let mut rest = factors.to_vec();
+    if let Some(at) = rest.iter().position(|&edge| edge == factor) {
+        rest.remove(at);
+    }
+    rest
+}
+
+/// Calls back for every pair of operands, with each thing that can be taken
+/// out of it: the divisor's value, the user, the pair.
+fn for_each_pair(
+    network: &Network,
+    order: &[u32],
+    mut found: impl FnMut(Fingerprint, u32, [Edge; 2], Common),
+) {
+    let product = |factors: &[Edge]| {
+        factors
+            .iter()
+            .fold(Fingerprint::ONE, |value, &edge| value * network.value(edge))
+    };
+    let mut split: Vec<(bool, Vec<Edge>)> = Vec::new();
+    for &user in order {
+        let node = &network.nodes[user as usize];
+        let operands = &node.operands;
+        match node.kind {
+            Kind::Sum => {
+                split.clear();
+                split.extend(operands.iter().map(|&term| factors(network, term)));
+            }
+            Kind::Product if operands.len() > 2 => {}
+            _ => continue,
+        }
+        for (i, &a) in operands.iter().enumerate() {
+            for (j, &b) in operands.iter().enumerate().skip(i + 1).take(REACH) {
+                let (left, right) = (network.value(a), network.value(b));
+                if node.kind == Kind::Product {
+                    found(left * right, user, [a, b], Common::Nothing);
+                    continue;
+                }
+                if operands.len() > 2 {
+                    found(left + right, user, [a, b], Common::Nothing);
+                }
+                let mut take = |common: Common, rest: [&[Edge]; 2]| {
+                    let signed = |negative: bool, factors: &[Edge]| {
+                        let value = product(factors);
+                        if negative { -value } else { value }
+                    };
+                    let value = signed(split[i].0, rest[0]) + signed(split[j].0, rest[1]);
+                    found(value, user, [a, b], common);
+                };
+                let (common, [p, q]) = divide(&split[i].1, &split[j].1);
+                if common.is_empty() {
+                    continue;
+                }
+                take(Common::All, [&p, &q]);
+                if common.len() > 1 {
+                    for (at, &factor) in common.iter().enumerate() {
+                        if at == 0 || common[at - 1] != factor {
+                            let one = Common::One(factor.node() as u32);
+                            let rest = [&split[i].1, &split[j].1].map(|all| without(all, factor));
+                            take(one, [&rest[0], &rest[1]]);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// How often each divisor occurs, without the divisors: a byte for each slot
+/// of a table. Divisors that share a slot look more frequent than they are,
+/// which costs a look and nothing else.
+struct Sketch {
+    slots: Vec<u8>,
+}
+
+impl Sketch {
+    fn new(network: &Network, order: &[u32]) -> Sketch {
+        let pairs: usize = order
+            .iter()
+            .map(|&node| network.nodes[node as usize].operands.len())
+            .map(|count| count * count.min(REACH))
+            .sum();
+        Sketch {
+            slots: vec![0; pairs.next_power_of_two().clamp(1 << 10, 1 << 26)],
+        }
+    }
+
+    fn slot(&self, size: Fingerprint) -> usize {
+        size.bits() as usize & (self.slots.len() - 1)
+    }
+
+    fn count(&mut self, value: Fingerprint) {
+        let slot = self.slot(value.without_sign().0);
+        self.slots[slot] = self.slots[slot].saturating_add(1);
+    }
+
+    fn several(&self, size: Fingerprint) -> bool {
+        self.slots[self.slot(size)] > 1
+    }
+}
+
+/// Applies a divisor wherever it still occurs, unless that does not pay.
+fn apply(network: &mut Network, value: Fingerprint, occurrences: &[Occurrence]) {
+    let before = network.cost;
+    let mut undo: Vec<(usize, Kind, Vec<Edge>)> = Vec::new();
+    for one in occurrences {
+        if let Some((kind, operands)) = one.rewritten(network, value) {
+            let user = one.user as usize;
+            let (kind, operands) = network.replace(user, kind, operands);
+            undo.push((user, kind, operands));
+        }
+    }
+    if network.cost < before {
+        return;
+    }
+    for (user, kind, operands) in undo.into_iter().rev() {
+        network.replace(user, kind, operands);
+    }
+}
+
+impl Occurrence {
+    /// The operands of the user with the divisor in the place of the pair;
+    /// `None` when the pair has gone or the divisor would depend on the user.
+    fn rewritten(&self, network: &mut Network, value: Fingerprint) -> Option<(Kind, Vec<Edge>)> {
+        let user = &network.nodes[self.user as usize];
+        let (position, kind) = (user.position, user.kind);
+        if user.uses == 0 {
+            return None;
+        }
+        let mut rest = user.operands.clone();
+        for edge in self.pair {
+            let at = rest.iter().position(|&other| other == edge)?;
+            rest.remove(at);
+        }
+        let origin = Origin {
+            name: robovec_ir::Name::NONE,
+            owner: user.owner,
+            sources: user.sources,
+        };
+        if kind == Kind::Product {
+            let divisor = network
+                .find(value)
+                .unwrap_or_else(|| network.product(&self.pair, origin));
+            // The pair's value may be the negation of the divisor's.
+            let pair = network.value(self.pair[0]) * network.value(self.pair[1]);
+            let divisor = divisor.flip(network.value(divisor) != pair);
+            rest.push(divisor);
+            rest.sort_unstable();
+            return network.below(&rest, position).then_some((kind, rest));
+        }
+        let [(left, _), (right, _)] = self.pair.map(|edge| factors(network, edge));
+        let (common, [p, q]) = self.split(network);
+        let terms = match self.common {
+            Common::Nothing => self.pair,
+            _ => [
+                network.product(&p, origin).flip(left),
+                network.product(&q, origin).flip(right),
+            ],
+        };
+        let divisor = network.sum(&terms, origin);
+        if network.nodes[divisor.node()].position >= position {
+            return None;
+        }
+        let mut product = common;
+        product.push(divisor);
+        if rest.is_empty() {
+            return Some((Kind::Product, product));
+        }
+        rest.push(network.product(&product, origin));
+        cancel(&mut rest);
+        (rest.len() > 1 && network.below(&rest, position)).then_some((Kind::Sum, rest))
+    }
+}

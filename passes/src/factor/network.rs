@@ -1,0 +1,401 @@
+//! The function as a network of n-ary sums and products.
+//!
+//! **Invariants.** A node's value never changes; what is rewritten is how it
+//! is computed, so that its users need not be touched. No two live nodes have
+//! values that are equal or opposite: a value that is made is looked up by its
+//! fingerprint first. Operands stand at lower positions than their user, which
+//! keeps the network free of cycles. `uses` counts reads by live nodes and by
+//! outputs; a node without uses does not count its operands, so `cost` is the
+//! number of operations of what the outputs need.
+
+use super::fingerprint::Fingerprint;
+use hashbrown::HashMap;
+use robovec_ir::{Name, Operand, Operation, SourceSet, Symbol};
+use rustc_hash::FxBuildHasher;
+
+/// A node with a sign: reading it may negate it for nothing.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub(crate) struct Edge(u32);
+
+impl Edge {
+    pub(crate) fn new(node: u32, negative: bool) -> Edge {
+        Edge(node << 1 | u32::from(negative))
+    }
+
+    pub(crate) fn node(self) -> usize {
+        (self.0 >> 1) as usize
+    }
+
+    pub(crate) fn negative(self) -> bool {
+        self.0 & 1 == 1
+    }
+
+    pub(crate) fn flip(self, flip: bool) -> Edge {
+        Edge(self.0 ^ u32::from(flip))
+    }
+}
+
+/// What a node computes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum Kind {
+    /// An input element.
+    Input(Operand),
+    /// A literal.
+    Constant(f64),
+    /// The signed sum of its operands.
+    Sum,
+    /// The product of its operands.
+    Product,
+    /// Any other operation, or one on a value that is not defined.
+    Other(Operation),
+    /// Nothing any more: it is part of this node.
+    Part(u32),
+}
+
+/// A value and one way to compute it.
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    pub(crate) kind: Kind,
+    pub(crate) operands: Vec<Edge>,
+    pub(crate) value: Fingerprint,
+    pub(crate) uses: u32,
+    /// False for a value without a meaning, such as a quotient by zero, and
+    /// for all that depends on it: left as it is, equal to nothing.
+    pub(crate) defined: bool,
+    /// Greater than those of the operands.
+    pub(crate) position: u64,
+    /// [`Name::NONE`] for a value the pass made.
+    pub(crate) name: Name,
+    /// What names derived for it start with.
+    pub(crate) owner: Symbol,
+    pub(crate) sources: SourceSet,
+    /// The rule that made or rewrote it, for the trail.
+    pub(crate) rule: Option<&'static str>,
+}
+
+/// Names, owner and sources of a node.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Origin {
+    pub(crate) name: Name,
+    pub(crate) owner: Symbol,
+    pub(crate) sources: SourceSet,
+}
+
+impl Origin {
+    /// Of what belongs to the network and to no equation.
+    pub(crate) const NONE: Origin = Origin {
+        name: Name::NONE,
+        owner: Name::NONE.base,
+        sources: SourceSet::EMPTY,
+    };
+}
+
+/// The network.
+pub(crate) struct Network {
+    pub(crate) nodes: Vec<Node>,
+    /// What the outputs are set to.
+    pub(crate) outputs: Vec<Edge>,
+    /// Operations that the outputs need.
+    pub(crate) cost: i64,
+    /// Places and names of values that are part of others now.
+    pub(crate) merged: Vec<(u32, Origin)>,
+    known: HashMap<Fingerprint, u32, FxBuildHasher>,
+}
+
+/// The node of the literal 0.
+pub(crate) const ZERO: usize = 0;
+/// The node of the literal 1.
+pub(crate) const ONE: usize = 1;
+/// The distance of positions after [`Network::renumber`]: so many values can
+/// be made between two neighbours.
+const SPACING: u64 = 1 << 20;
+
+impl Network {
+    pub(crate) fn new() -> Network {
+        let mut network = Network {
+            nodes: Vec::new(),
+            outputs: Vec::new(),
+            cost: 0,
+            merged: Vec::new(),
+            known: HashMap::default(),
+        };
+        for number in [0.0, 1.0] {
+            network.constant(number);
+        }
+        network
+    }
+
+    pub(crate) fn constant(&mut self, number: f64) -> Edge {
+        let Some(value) = Fingerprint::literal(number) else {
+            let value = Fingerprint::random(!(self.nodes.len() as u64));
+            return self.push_unknown(Kind::Constant(number), Vec::new(), value, Origin::NONE);
+        };
+        self.find(value)
+            .unwrap_or_else(|| self.push(Kind::Constant(number), Vec::new(), value, Origin::NONE))
+    }
+
+    /// The node with this value, with the sign that makes it equal.
+    pub(crate) fn find(&self, value: Fingerprint) -> Option<Edge> {
+        let (size, _) = value.without_sign();
+        self.known
+            .get(&size)
+            .map(|&node| Edge::new(node, self.nodes[node as usize].value != value))
+    }
+
+    pub(crate) fn value(&self, edge: Edge) -> Fingerprint {
+        let value = self.nodes[edge.node()].value;
+        if edge.negative() { -value } else { value }
+    }
+
+    /// Appends a node that can be found by its value.
+    pub(crate) fn push(
+        &mut self,
+        kind: Kind,
+        operands: Vec<Edge>,
+        value: Fingerprint,
+        origin: Origin,
+    ) -> Edge {
+        let edge = self.push_unknown(kind, operands, value, origin);
+        self.nodes[edge.node()].defined = true;
+        self.known
+            .insert(value.without_sign().0, edge.node() as u32);
+        edge
+    }
+
+    /// Appends a node that is equal to nothing.
+    pub(crate) fn push_unknown(
+        &mut self,
+        kind: Kind,
+        operands: Vec<Edge>,
+        value: Fingerprint,
+        origin: Origin,
+    ) -> Edge {
+        let position = operands
+            .iter()
+            .map(|edge| self.nodes[edge.node()].position + 1)
+            .max()
+            .unwrap_or(0);
+        self.nodes.push(Node {
+            kind,
+            operands,
+            value,
+            uses: 0,
+            defined: false,
+            position,
+            name: origin.name,
+            owner: origin.owner,
+            sources: origin.sources,
+            rule: None,
+        });
+        Edge::new(self.nodes.len() as u32 - 1, false)
+    }
+
+    /// The sum of some terms: a known value if there is one.
+    pub(crate) fn sum(&mut self, terms: &[Edge], origin: Origin) -> Edge {
+        let value = terms
+            .iter()
+            .fold(Fingerprint::ZERO, |sum, &term| sum + self.value(term));
+        if let Some(edge) = self.find(value) {
+            return edge;
+        }
+        let mut operands = terms.to_vec();
+        cancel(&mut operands);
+        match operands[..] {
+            [single] => single,
+            _ => self.push(Kind::Sum, operands, value, origin),
+        }
+    }
+
+    /// The product of some factors: a known value if there is one.
+    pub(crate) fn product(&mut self, factors: &[Edge], origin: Origin) -> Edge {
+        let value = factors.iter().fold(Fingerprint::ONE, |product, &factor| {
+            product * self.value(factor)
+        });
+        if let Some(edge) = self.find(value) {
+            return edge;
+        }
+        let negative = factors.iter().filter(|edge| edge.negative()).count() % 2 == 1;
+        let mut operands: Vec<Edge> = factors
+            .iter()
+            .map(|edge| edge.flip(edge.negative()))
+            .filter(|edge| edge.node() != ONE)
+            .collect();
+        operands.sort_unstable();
+        match operands[..] {
+            [single] => single.flip(negative),
+            _ => {
+                let value = if negative { -value } else { value };
+                self.push(Kind::Product, operands, value, origin)
+                    .flip(negative)
+            }
+        }
+    }
+
+    /// What a node costs while it is used.
+    fn own_cost(&self, node: usize) -> i64 {
+        match self.nodes[node].kind {
+            Kind::Input(_) | Kind::Constant(_) | Kind::Part(_) => 0,
+            Kind::Sum | Kind::Product => self.nodes[node].operands.len() as i64 - 1,
+            Kind::Other(Operation::Sin | Operation::Cos) => 0,
+            Kind::Other(_) => 1,
+        }
+    }
+
+    /// One more read of a node.
+    pub(crate) fn acquire(&mut self, edge: Edge) {
+        let mut open = vec![edge.node()];
+        while let Some(node) = open.pop() {
+            self.nodes[node].uses += 1;
+            if self.nodes[node].uses == 1 {
+                self.cost += self.own_cost(node);
+                open.extend(self.nodes[node].operands.iter().map(|edge| edge.node()));
+            }
+        }
+    }
+
+    /// One read of a node less.
+    pub(crate) fn release(&mut self, edge: Edge) {
+        let mut open = vec![edge.node()];
+        while let Some(node) = open.pop() {
+            self.nodes[node].uses -= 1;
+            if self.nodes[node].uses == 0 {
+                self.cost -= self.own_cost(node);
+                open.extend(self.nodes[node].operands.iter().map(|edge| edge.node()));
+            }
+        }
+    }
+
+    /// Computes a live sum or product another way and returns how it was.
+    /// The operands must give the same value and stand at lower positions.
+    pub(crate) fn replace(
+        &mut self,
+        node: usize,
+        kind: Kind,
+        operands: Vec<Edge>,
+    ) -> (Kind, Vec<Edge>) {
+        for &edge in &operands {
+            self.acquire(edge);
+        }
+        self.cost -= self.own_cost(node);
+        let old_kind = std::mem::replace(&mut self.nodes[node].kind, kind);
+        let old = std::mem::replace(&mut self.nodes[node].operands, operands);
+        self.cost += self.own_cost(node);
+        for &edge in &old {
+            self.release(edge);
+        }
+        (old_kind, old)
+    }
+
+    /// True when all these stand below a position.
+    pub(crate) fn below(&self, edges: &[Edge], position: u64) -> bool {
+        edges
+            .iter()
+            .all(|edge| self.nodes[edge.node()].position < position)
+    }
+
+    /// The live nodes, operands before users, in an order that follows the
+    /// program's where it can.
+    pub(crate) fn order(&self) -> Vec<u32> {
+        let mut order: Vec<u32> = (0..self.nodes.len() as u32)
+            .filter(|&node| self.nodes[node as usize].uses > 0)
+            .collect();
+        order.sort_by_key(|&node| (self.nodes[node as usize].position, node));
+        order
+    }
+
+    /// Spreads positions in the present order, so that there is room between
+    /// them, and forgets the values that nothing uses.
+    pub(crate) fn renumber(&mut self) -> Vec<u32> {
+        let order = self.order();
+        self.known.clear();
+        for (rank, &node) in order.iter().enumerate() {
+            self.nodes[node as usize].position = (rank as u64 + 3) * SPACING;
+        }
+        for node in [ZERO, ONE] {
+            self.nodes[node].position = node as u64;
+            self.remember(node as u32);
+        }
+        for &node in &order {
+            self.remember(node);
+        }
+        order
+    }
+
+    fn remember(&mut self, node: u32) {
+        let size = self.nodes[node as usize].value.without_sign().0;
+        self.known.entry(size).or_insert(node);
+    }
+
+    /// Makes sums and products as large as they are: an operand of the same
+    /// kind that nothing else uses becomes part of its user.
+    pub(crate) fn regroup(&mut self, order: &[u32]) {
+        for &user in order {
+            let user = user as usize;
+            let kind = self.nodes[user].kind;
+            if !matches!(kind, Kind::Sum | Kind::Product) || self.nodes[user].uses == 0 {
+                continue;
+            }
+            let part = |network: &Network, edge: Edge| {
+                let node = &network.nodes[edge.node()];
+                node.kind == kind && node.uses == 1
+            };
+            while let Some(at) = self.nodes[user]
+                .operands
+                .iter()
+                .position(|&edge| part(self, edge))
+            {
+                let edge = self.nodes[user].operands.swap_remove(at);
+                let inner = &mut self.nodes[edge.node()];
+                inner.uses = 0;
+                inner.kind = Kind::Part(user as u32);
+                let origin = Origin {
+                    name: inner.name,
+                    owner: inner.owner,
+                    sources: inner.sources,
+                };
+                let parts = std::mem::take(&mut inner.operands);
+                let size = inner.value.without_sign().0;
+                self.known.remove(&size);
+                self.merged.push((user as u32, origin));
+                // A minus reaches all terms of a sum, but one factor only.
+                let flipped = if kind == Kind::Sum { parts.len() } else { 1 };
+                let parts = parts.iter().enumerate();
+                self.nodes[user]
+                    .operands
+                    .extend(parts.map(|(at, part)| part.flip(edge.negative() && at < flipped)));
+            }
+            self.tidy(user);
+        }
+    }
+
+    /// Sorts the operands of a sum or product; terms that cancel go.
+    fn tidy(&mut self, node: usize) {
+        let mut operands = self.nodes[node].operands.clone();
+        if self.nodes[node].kind == Kind::Sum {
+            cancel(&mut operands);
+        }
+        if operands.len() == self.nodes[node].operands.len() {
+            self.nodes[node].operands.sort_unstable();
+        } else if operands.len() > 1 {
+            self.replace(node, Kind::Sum, operands);
+        }
+    }
+}
+
+/// Removes pairs of a term and its negation, and zeros; sorts the rest.
+pub(crate) fn cancel(terms: &mut Vec<Edge>) {
+    terms.retain(|edge| edge.node() != ZERO);
+    terms.sort_unstable();
+    let mut kept: Vec<Edge> = Vec::with_capacity(terms.len());
+    for &term in terms.iter() {
+        // A term and its negation are neighbours, but several copies of one
+        // may lie between two pairs.
+        match kept.last() {
+            Some(&last) if last == term.flip(true) => {
+                kept.pop();
+            }
+            _ => kept.push(term),
+        }
+    }
+    *terms = kept;
+}

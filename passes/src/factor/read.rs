@@ -1,0 +1,144 @@
+//! From a function to a network.
+
+use super::fingerprint::Fingerprint;
+use super::network::{Edge, Kind, Network, Origin};
+use crate::rewrite::owners;
+use robovec_ir::{Function, Name, Node, Operand, OperandKind, Operation, Tables};
+use std::collections::HashMap;
+
+/// The network of a function; on the `circle`, values are also equal that
+/// need sin² + cos² = 1 for it.
+pub(crate) fn read(function: &Function, tables: &mut Tables, circle: bool) -> Network {
+    let owners = owners(tables, function);
+    let mut reader = Reader {
+        network: Network::new(),
+        map: Vec::with_capacity(function.nodes().len()),
+        inputs: HashMap::new(),
+        function,
+        circle,
+    };
+    for (value, node) in function.values() {
+        let origin = Origin {
+            name: node.name,
+            owner: owners[value.index()],
+            sources: node.sources,
+        };
+        let before = reader.network.nodes.len();
+        let edge = reader.operation(node, origin);
+        if edge.node() < before {
+            let merged = (edge.node() as u32, origin);
+            reader.network.merged.push(merged);
+        }
+        reader.map.push(edge);
+    }
+    let outputs: Vec<Edge> = function
+        .assignments
+        .iter()
+        .map(|assignment| reader.edge(assignment.operand))
+        .collect();
+    let mut network = reader.network;
+    for &edge in &outputs {
+        network.acquire(edge);
+    }
+    network.outputs = outputs;
+    network
+}
+
+struct Reader<'a> {
+    network: Network,
+    /// What the values read so far have become.
+    map: Vec<Edge>,
+    inputs: HashMap<u32, Edge>,
+    function: &'a Function,
+    circle: bool,
+}
+
+impl Reader<'_> {
+    fn edge(&mut self, operand: Operand) -> Edge {
+        match operand.kind() {
+            OperandKind::Value(value) => self.map[value.index()],
+            OperandKind::Constant(constant) => {
+                let number = self.function.constant_number(constant);
+                self.network.constant(number)
+            }
+            OperandKind::Input(input) => {
+                if let Some(&edge) = self.inputs.get(&input.0) {
+                    return edge;
+                }
+                let value = Fingerprint::input(input);
+                let kind = Kind::Input(operand);
+                let edge = self.network.push(kind, Vec::new(), value, Origin::NONE);
+                self.inputs.insert(input.0, edge);
+                edge
+            }
+            OperandKind::None => self.network.constant(0.0),
+        }
+    }
+
+    fn operation(&mut self, node: &Node, origin: Origin) -> Edge {
+        let operands: Vec<Edge> = node
+            .operands()
+            .iter()
+            .map(|&operand| self.edge(operand))
+            .collect();
+        if node.operation.is_fused() {
+            return self.fused(node.operation, &operands, origin);
+        }
+        self.single(node.operation, operands, origin)
+    }
+
+    /// A fused operation is taken apart, so that its parts can be shared.
+    fn fused(&mut self, operation: Operation, operands: &[Edge], origin: Origin) -> Edge {
+        let unnamed = Origin {
+            name: Name::NONE,
+            ..origin
+        };
+        let product = self.single(Operation::Mul, operands[..2].to_vec(), unnamed);
+        let (operation, pair) = match operation {
+            Operation::Fma => (Operation::Add, [product, operands[2]]),
+            Operation::Fms => (Operation::Sub, [product, operands[2]]),
+            _ => (Operation::Sub, [operands[2], product]),
+        };
+        self.single(operation, pair.to_vec(), origin)
+    }
+
+    fn single(&mut self, operation: Operation, operands: Vec<Edge>, origin: Origin) -> Edge {
+        let a = operands[0];
+        let b = operands.get(1).copied().unwrap_or(a);
+        let network = &mut self.network;
+        if !operands
+            .iter()
+            .all(|edge| network.nodes[edge.node()].defined)
+        {
+            return Self::unknown(network, operation, operands, origin);
+        }
+        let value = match operation {
+            Operation::Copy => return a,
+            Operation::Neg => return a.flip(true),
+            Operation::Add => return network.sum(&[a, b], origin),
+            Operation::Sub => return network.sum(&[a, b.flip(true)], origin),
+            Operation::Mul => return network.product(&[a, b], origin),
+            Operation::Div => match network.value(b).inverse() {
+                None => return Self::unknown(network, operation, operands, origin),
+                Some(inverse) => network.value(a) * inverse,
+            },
+            function => Fingerprint::of_function(function, network.value(a), self.circle),
+        };
+        let kind = Kind::Other(operation);
+        network
+            .find(value)
+            .unwrap_or_else(|| network.push(kind, operands, value, origin))
+    }
+
+    /// A value without a meaning: what it is computed from may be rewritten,
+    /// but not the operation.
+    fn unknown(
+        network: &mut Network,
+        operation: Operation,
+        operands: Vec<Edge>,
+        origin: Origin,
+    ) -> Edge {
+        let value = Fingerprint::random(!(network.nodes.len() as u64));
+        network.push_unknown(Kind::Other(operation), operands, value, origin)
+    }
+}
