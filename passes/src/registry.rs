@@ -3,7 +3,8 @@
 
 use crate::pass::PassInfo;
 use crate::{
-    asap_alap, atomise, balance, codegen, composite, cse, dce, eqsat, factor, fma, fold, inline, lookahead, place, recurrence, swap, zero_removal,
+    asap_alap, atomise, balance, codegen, composite, cse, dce, eqsat, factor, fma, fold, inline,
+    lookahead, place, recurrence, swap, zero_removal,
 };
 
 /// All passes, in the order a function usually meets them.
@@ -13,6 +14,7 @@ pub const PASSES: &[PassInfo] = &[
     zero_removal::ZeroRemoval::INFO,
     composite::Composite::INFO,
     factor::Factor::INFO,
+    factor::FactorTrig::INFO,
     swap::Swap::INFO,
     balance::Balance::INFO,
     eqsat::Eqsat::INFO,

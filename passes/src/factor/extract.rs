@@ -14,6 +14,7 @@
 
 use super::fingerprint::Fingerprint;
 use super::network::{Edge, Kind, Network, Origin, cancel};
+use super::times::Times;
 use hashbrown::HashMap;
 use rustc_hash::FxBuildHasher;
 
@@ -49,19 +50,23 @@ struct Divisors {
     occurrences: Vec<Occurrence>,
 }
 
+/// What the trail calls it.
+const RULE: &str = "common-part";
+
 /// Gains are estimated in these fractions of an operation.
 const UNIT: i64 = 12;
 
 /// Finds divisors that pay and applies them, the most promising first; gives
 /// the number of operations saved.
-pub(super) fn extract(network: &mut Network, order: &[u32]) -> i64 {
+/// `times`, if given, says what may be how late.
+pub(super) fn extract(network: &mut Network, order: &[u32], mut times: Option<Times>) -> i64 {
     let before = network.cost;
     let divisors = Divisors::find(network, order);
     let ranked = divisors.rank(network);
     for (start, end) in ranked {
         let occurrences = &divisors.occurrences[start..end];
         let value = divisors.values[occurrences[0].divisor as usize];
-        apply(network, value, occurrences);
+        apply(network, value, occurrences, times.as_mut());
     }
     before - network.cost
 }
@@ -314,17 +319,34 @@ impl Sketch {
 }
 
 /// Applies a divisor wherever it still occurs, unless that does not pay.
-fn apply(network: &mut Network, value: Fingerprint, occurrences: &[Occurrence]) {
-    let before = network.cost;
+fn apply(
+    network: &mut Network,
+    value: Fingerprint,
+    occurrences: &[Occurrence],
+    mut times: Option<&mut Times>,
+) {
+    let (before, first) = (network.cost, network.nodes.len());
     let mut undo: Vec<(usize, Kind, Vec<Edge>)> = Vec::new();
     for one in occurrences {
-        if let Some((kind, operands)) = one.rewritten(network, value) {
-            let user = one.user as usize;
-            let (kind, operands) = network.replace(user, kind, operands);
-            undo.push((user, kind, operands));
+        let Some((kind, operands)) = one.rewritten(network, value) else {
+            continue;
+        };
+        let user = one.user as usize;
+        let late = |times: &mut &mut Times| !times.allow(network, user, kind, &operands);
+        if times.as_mut().is_some_and(late) {
+            continue;
         }
+        let (kind, operands) = network.replace(user, kind, operands);
+        undo.push((user, kind, operands));
     }
     if network.cost < before {
+        let rewritten: Vec<usize> = undo.iter().map(|&(user, _, _)| user).collect();
+        for &user in &rewritten {
+            network.nodes[user].rule.get_or_insert(RULE);
+        }
+        if let Some(times) = times {
+            times.update(network, &rewritten, first);
+        }
         return;
     }
     for (user, kind, operands) in undo.into_iter().rev() {

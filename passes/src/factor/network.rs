@@ -91,6 +91,7 @@ impl Origin {
 }
 
 /// The network.
+#[derive(Clone)]
 pub(crate) struct Network {
     pub(crate) nodes: Vec<Node>,
     /// What the outputs are set to.
