@@ -32,9 +32,9 @@ declare_pass! {
         /// Longest path wanted, in cycles: nothing is spent on a shorter one.
         pub path: u32 = 0,
         /// Smallest distance between points to look back to, in cycles.
-        pub grid: u32 = 20,
+        pub grid: u32 = 40,
         /// Points looked back to, of every distance.
-        pub frontiers: u32 = 1,
+        pub frontiers: u32 = 3,
         /// Late terms a form may have.
         pub width: u32 = 12,
         /// A value ready so many cycles before such a point counts as early.

@@ -48,6 +48,8 @@ pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Timing) -
         points,
         timing,
         map: Vec::with_capacity(function.nodes().len()),
+        products: Vec::new(),
+        merges: Vec::new(),
         import: Import {
             network: Network::new(),
             outputs: Vec::new(),
@@ -66,7 +68,21 @@ pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Timing) -
         let output = reader.operand(assignment.operand);
         reader.import.outputs.push(output);
     }
-    Some(reader.import)
+    let Reader {
+        mut import,
+        mut merges,
+        ..
+    } = reader;
+    merges.sort_unstable();
+    merges.dedup();
+    for group in merges.chunk_by(|a, b| a.0 == b.0) {
+        let class = group[0].0;
+        let mut sets = vec![import.network.origin_of(class).1];
+        sets.extend(group.iter().map(|(_, sources)| *sources));
+        let union = tables.sources.union(&sets);
+        import.network.set_sources(class, union);
+    }
+    Some(import)
 }
 
 struct Reader<'a> {
@@ -80,6 +96,10 @@ struct Reader<'a> {
     timing: Timing,
     /// What old values have become; `None` for zero.
     map: Vec<Option<Signed>>,
+    /// Products that became terms of the sum being read.
+    products: Vec<Value>,
+    /// Classes and equations they also come from.
+    merges: Vec<(Class, SourceSet)>,
     import: Import,
 }
 
@@ -100,15 +120,36 @@ impl Reader<'_> {
             Some(signed) => signed,
             None => self.define(value, fingerprint, rank),
         };
+        self.note_sources(signed.class, value);
         self.map.push(Some(signed));
+    }
+
+    /// Notes that a class also comes from the equations of a value: of one
+    /// merged into it, or absorbed.
+    fn note_sources(&mut self, class: Class, value: Value) {
+        let own = self.import.network.origin_of(class).1;
+        let function = self.function;
+        let inner = self.groups.inner(value).iter();
+        for sources in inner
+            .map(|&inner| function.node(inner).sources)
+            .chain([function.node(value).sources])
+        {
+            if sources != own {
+                self.merges.push((class, sources));
+            }
+        }
     }
 
     fn define(&mut self, value: Value, fingerprint: Fingerprint, rank: u64) -> Signed {
         let node = self.function.node(value);
         match Family::of(node.operation) {
             Some(Family::Sum) => {
+                self.products.clear();
                 let terms = self.terms(value);
                 let signed = self.class(fingerprint, rank, node.name);
+                for product in std::mem::take(&mut self.products) {
+                    self.note_sources(signed.class, product);
+                }
                 let mut terms = terms;
                 self.import.network.tidy(&mut terms);
                 self.import.network.add_sum(signed.class, &mut terms);
@@ -174,6 +215,7 @@ impl Reader<'_> {
         for leaf in leaves {
             let inline = leaf.operand.value();
             let inline = inline.filter(|value| self.inlined[value.index()]);
+            self.products.extend(inline);
             let term = match inline {
                 Some(product) => self.product_term(product),
                 None => self.operand(leaf.operand).map(|signed| Term {

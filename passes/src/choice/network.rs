@@ -189,6 +189,11 @@ impl Network {
         (record.owner, record.sources)
     }
 
+    /// Says which equations a class comes from.
+    pub(crate) fn set_sources(&mut self, class: Class, sources: SourceSet) {
+        self.classes[class.index()].sources = sources;
+    }
+
     /// The forms of a class, the most recent first.
     pub(crate) fn forms(&self, class: Class) -> impl Iterator<Item = u32> + '_ {
         let mut next = self.classes[class.index()].last;
