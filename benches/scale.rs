@@ -68,10 +68,45 @@ fn main() {
     );
     translation(&c, folder.path());
     generation(folder.path());
+    saturation(folder.path());
     if let [Some(small), Some(large)] = own[..] {
         println!(
             "\nCPU time at 600,000 operations over 100,000: {:.2}",
             large / small
+        );
+    }
+}
+
+/// The default pipeline with `eqsat` on chains, whose critical slice is theirs
+/// in truth; a synthetic program has none that windows could shorten.
+fn saturation(folder: &Path) {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
+    for (model, size) in [
+        ("serial-50", 84_000),
+        ("serial-70", 160_000),
+        ("serial-100", 323_000),
+        ("serial-130", 543_457),
+    ] {
+        let equations = folder.join(format!("{model}.rvir"));
+        let made = Command::new(env!("CARGO_BIN_EXE_robovec"))
+            .arg("gen")
+            .arg(models.join(format!("{model}.mbs")))
+            .args(["--no-forces", "-o"])
+            .arg(&equations)
+            .status()
+            .expect("the command starts");
+        assert!(made.success(), "the model is generated");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_robovec-opt"));
+        command
+            .arg(&equations)
+            .arg("-passes=atomise,zero-removal,balance,eqsat,balance,cse,dce")
+            .arg("-o")
+            .arg(folder.join("out.rvir"));
+        row(
+            &format!("robovec-opt {model}, with eqsat"),
+            size,
+            command,
+            None,
         );
     }
 }

@@ -6,6 +6,7 @@ mod exchange;
 mod list;
 mod profile;
 mod read;
+mod why;
 mod why_not;
 
 pub(crate) use read::sound;
@@ -34,6 +35,8 @@ enum Command {
     List(list::ListArguments),
     /// Tell what rules do to errors, cycles, operations and graphs
     Profile(profile::ProfileArguments),
+    /// Tell by which rules a value came about
+    Why(why::WhyArguments),
     /// Tell how rules lead from one term to another, or why they do not
     WhyNot(why_not::WhyNotArguments),
 }
@@ -47,6 +50,7 @@ pub(super) fn run(arguments: &RulesArguments) -> Result<String, Failure> {
         Command::Import(arguments) => exchange::import(arguments),
         Command::List(arguments) => list::run(arguments),
         Command::Profile(arguments) => profile::run(arguments),
+        Command::Why(arguments) => why::run(arguments),
         Command::WhyNot(arguments) => why_not::run(arguments),
     }
 }
