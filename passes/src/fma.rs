@@ -17,7 +17,7 @@ use crate::analysis::critical_path::{Weights, critical_path};
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rewrite::Rewriter;
-use robovec_ir::{Function, Node, Operand, Operation};
+use robovec_ir::{Function, Machine, Node, Operand, Operation};
 
 declare_pass! {
     /// Contracts products and sums into fused multiply-adds.
@@ -32,11 +32,19 @@ declare_pass! {
     /// that can: those all of whose readers are sums with time for it. The
     /// number of operations never grows.
     ///
+    /// With few elements the schedule is as long as the operations of the
+    /// busiest kind take. `share` then leaves some products and sums as they
+    /// are, evenly through the program, so that no kind has more to do than
+    /// the numbers of elements in the machine file warrant.
+    ///
     /// Best after `balance`, `cse` and `dce`, and before `place`.
     pub struct Fma("fma") {
         /// Contracts wherever a product vanishes, whatever the machine and
         /// the path: for C on a processor that has the instruction.
         pub always: bool = false,
+        /// Shares the work among all kinds of elements instead of leaving as
+        /// few operations as possible.
+        pub share: bool = false,
     }
     takes: [Atomic],
     gives: Gives::Same,
@@ -59,8 +67,14 @@ impl Pass for Fma {
             ));
             return Ok(());
         }
-        let forms = Contraction::new(function, &performs, Weights::cycles(machine), !self.always);
-        let forms = forms.decide();
+        let weights = Weights::cycles(machine);
+        let contraction = Contraction::new(function, &performs, weights, !self.always);
+        let mut forms = contraction.decide(self.share.then_some(machine));
+        for (form, node) in forms.iter_mut().zip(function.nodes()) {
+            if *form != Form::Plain && !context.allow_rewrite(node.name, "contract") {
+                *form = Form::Plain;
+            }
+        }
         let before = critical_path(function, machine).asap_cycle;
         let sums = function.nodes().len();
         let fused = forms.iter().filter(|&&form| form != Form::Plain).count();
@@ -82,6 +96,9 @@ impl Pass for Fma {
 /// the others; more are needed only where sums compete for products in rows.
 const MOST_SWEEPS: usize = 4;
 
+/// All of a part: parts are counted in steps of this fraction.
+const WHOLE: u32 = 64;
+
 /// What a sum takes in.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Form {
@@ -90,6 +107,8 @@ enum Form {
     /// The product that is its operand of this number, from 0.
     Fused(usize),
 }
+
+const FORMS: [Form; 3] = [Form::Plain, Form::Fused(0), Form::Fused(1)];
 
 /// What there is to gain from a form, the best first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -148,23 +167,60 @@ impl<'a> Contraction<'a> {
         }
     }
 
-    /// The form of every node.
-    fn decide(mut self) -> Vec<Form> {
+    /// The form of every node; where the work is shared, for this machine.
+    fn decide(mut self, shared: Option<&Machine>) -> Vec<Form> {
         let limits = self.timed.then(|| self.limits());
+        let limits = limits.as_deref();
+        let key = |gain, arrival| (gain as u32, arrival);
         let mut forms = Vec::new();
         for _ in 0..MOST_SWEEPS {
-            forms = self.sweep(limits.as_deref(), |gain, arrival| (gain as u32, arrival));
+            forms = self.sweep(limits, WHOLE, key);
             if !self.note_stays(&forms) {
                 break;
             }
         }
+        if let Some(machine) = shared {
+            let least = self.sweep(limits, 0, key);
+            let part = self.part(machine, &least, &forms);
+            forms = self.sweep(limits, part, key);
+        }
         forms
+    }
+
+    /// Which part of the contractions that no path needs leaves the busiest
+    /// kind of element least to do, given those with none and with all.
+    fn part(&self, machine: &Machine, none: &[Form], all: &[Form]) -> u32 {
+        let [none, all] = [none, all].map(|forms| self.loads(machine, forms));
+        let busiest = |part: &u32| {
+            let loads = none.iter().zip(&all).zip(&machine.elements);
+            let loads = loads.map(|((&none, &all), element)| {
+                let operations = none * u64::from(WHOLE - part) + all * u64::from(*part);
+                operations.div_ceil(u64::from(element.count))
+            });
+            loads.max().unwrap_or(0)
+        };
+        // Of equals the largest: the fewest operations.
+        (0..=WHOLE).rev().min_by_key(busiest).unwrap_or(WHOLE)
+    }
+
+    /// Operations of every kind of element.
+    fn loads(&self, machine: &Machine, forms: &[Form]) -> Vec<u64> {
+        let taken = taken(self.function, forms);
+        let mut loads = vec![0; machine.elements.len()];
+        for (index, node) in self.function.nodes().iter().enumerate() {
+            let stays = taken[index] == 0 || taken[index] < self.uses[index];
+            let (operation, _) = self.shape(node, forms[index]);
+            if let Some(kind) = machine.kind_of(operation).filter(|_| stays) {
+                loads[kind] += 1;
+            }
+        }
+        loads
     }
 
     /// For every node how late its result may be for the shortest path: that
     /// of the earliest forms.
     fn limits(&self) -> Vec<u32> {
-        let forms = self.sweep(None, |gain, arrival| (arrival, gain as u32));
+        let forms = self.sweep(None, WHOLE, |gain, arrival| (arrival, gain as u32));
         let arrivals = self.arrivals(&forms);
         let path = arrivals.into_iter().max().unwrap_or(0);
         let mut limits = vec![path; self.function.nodes().len()];
@@ -181,16 +237,30 @@ impl<'a> Contraction<'a> {
 
     /// Gives every node, in program order, the form that `key` likes best of
     /// those that are there within the limit; one always is, since operands
-    /// keep to theirs.
-    fn sweep(&self, limits: Option<&[u32]>, key: impl Fn(Gain, u32) -> (u32, u32)) -> Vec<Form> {
+    /// keep to theirs. Of the nodes that would make a product vanish only a
+    /// part (of [`WHOLE`]), evenly spread, does so for its own sake.
+    fn sweep(
+        &self,
+        limits: Option<&[u32]>,
+        part: u32,
+        key: impl Fn(Gain, u32) -> (u32, u32),
+    ) -> Vec<Form> {
         let mut arrivals: Vec<u32> = Vec::with_capacity(self.function.nodes().len());
         let mut forms = Vec::with_capacity(self.function.nodes().len());
+        let mut due = 0;
         for (value, node) in self.function.values() {
             let limit = limits.map_or(u32::MAX, |limits| limits[value.index()]);
             let mut best: Option<((bool, (u32, u32)), Form, u32)> = None;
-            for form in [Form::Plain, Form::Fused(0), Form::Fused(1)] {
-                let Some(gain) = self.gain(node, form) else {
-                    continue;
+            let gains = FORMS.map(|form| self.gain(node, form));
+            let saves = |gain: &Option<Gain>| gain.is_some_and(|gain| gain < Gain::Nothing);
+            due += if gains.iter().any(saves) { part } else { 0 };
+            let saving = due >= WHOLE;
+            due -= if saving { WHOLE } else { 0 };
+            for (form, gain) in FORMS.into_iter().zip(gains) {
+                let Some(gain) = gain else { continue };
+                let gain = match saving || gain >= Gain::Nothing {
+                    true => gain,
+                    false => Gain::Stays,
                 };
                 let (operation, operands) = self.shape(node, form);
                 let arrival = self.arrival(&arrivals, operation, &operands);
@@ -336,7 +406,6 @@ fn contracted(function: &Function, forms: &[Form], context: &mut Context<'_>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_ir::Machine;
     use robovec_ir::parse::parse_module;
 
     /// Fewest cycles, then fewest operations, over all forms of all sums.
@@ -350,7 +419,7 @@ mod tests {
             let mut forms = vec![Form::Plain; function.nodes().len()];
             let mut rest = code;
             for &index in &sums {
-                forms[index] = [Form::Plain, Form::Fused(0), Form::Fused(1)][rest % 3];
+                forms[index] = FORMS[rest % 3];
                 rest /= 3;
             }
             let mut pairs = function.nodes().iter().zip(&forms);
@@ -417,7 +486,7 @@ mod tests {
             let function = random(seed);
             let new = || Contraction::new(&function, &|_| true, Weights::cycles(&machine), true);
             let (contraction, all) = (new(), best_of_all(&new()));
-            let reached = measure(&contraction, &new().decide());
+            let reached = measure(&contraction, &new().decide(None));
             assert_eq!(reached.0, all.0, "seed {seed}");
             assert!(reached.1 >= all.1 && reached.1 <= function.nodes().len());
             cases += 1;

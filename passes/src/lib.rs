@@ -22,6 +22,7 @@ pub mod inline;
 pub mod lookahead;
 pub mod manager;
 pub mod manual;
+pub mod optimise;
 pub mod options;
 pub mod pass;
 pub mod pipeline;

@@ -95,6 +95,18 @@ pub enum OptionError {
     },
 }
 
+/// The name of an option as users write it: a field named by a word that Rust
+/// keeps for itself (`r#for`) loses its prefix.
+pub const fn plain_name(field: &'static str) -> &'static str {
+    match field.as_bytes() {
+        [b'r', b'#', name @ ..] => match std::str::from_utf8(name) {
+            Ok(name) => name,
+            Err(_) => field,
+        },
+        _ => field,
+    }
+}
+
 /// An enumeration of words as an option type.
 #[macro_export]
 macro_rules! option_words {
@@ -155,7 +167,7 @@ macro_rules! declare_pass {
                 name: $name,
                 documentation: concat!($($documentation, "\n"),*),
                 options: &[$($crate::options::OptionInfo {
-                    name: stringify!($field),
+                    name: $crate::options::plain_name(stringify!($field)),
                     documentation: concat!($($field_documentation, "\n"),*),
                     type_name: <$type as $crate::options::OptionValue>::type_name,
                     default: || $crate::options::OptionValue::print(&$pass::default().$field),
@@ -176,7 +188,7 @@ macro_rules! declare_pass {
                 let mut pass = $pass::default();
                 for (name, text) in options {
                     match name.as_str() {
-                        $(stringify!($field) => {
+                        $(known if known == $crate::options::plain_name(stringify!($field)) => {
                             pass.$field = $crate::options::OptionValue::parse(text).map_err(
                                 |reason| $crate::options::OptionError::Value {
                                     name: name.clone(),

@@ -69,6 +69,40 @@ impl Context<'_> {
     }
 }
 
+/// What passes say when they are run by another pass, which decides what of
+/// it is passed on.
+#[derive(Default, Debug)]
+pub struct Aside {
+    /// As [`Context::artifacts`].
+    pub artifacts: Vec<Artifact>,
+    /// As [`Context::statistics`].
+    pub statistics: Vec<(&'static str, u64)>,
+    /// As [`Context::remarks`].
+    pub remarks: Vec<String>,
+    /// As [`Context::notes`].
+    pub notes: Notes,
+}
+
+impl Context<'_> {
+    /// The context for a pass that this one runs for a machine: the same
+    /// tables, and everything it says kept aside.
+    pub fn aside<'b>(&'b mut self, machine: &'b Machine, aside: &'b mut Aside) -> Context<'b> {
+        if self.notes.are_wanted() && !aside.notes.are_wanted() {
+            aside.notes = Notes::wanted();
+        }
+        Context {
+            tables: self.tables,
+            machine,
+            rules: self.rules,
+            rewrites: self.rewrites,
+            artifacts: &mut aside.artifacts,
+            statistics: &mut aside.statistics,
+            remarks: &mut aside.remarks,
+            notes: &mut aside.notes,
+        }
+    }
+}
+
 /// A file produced by code generation.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Artifact {

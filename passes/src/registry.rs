@@ -4,7 +4,7 @@
 use crate::pass::PassInfo;
 use crate::{
     asap_alap, atomise, balance, codegen, composite, cse, dce, eqsat, factor, fma, fold, inline,
-    lookahead, place, recurrence, swap, zero_removal,
+    lookahead, optimise, place, recurrence, swap, zero_removal,
 };
 
 /// All passes, in the order a function usually meets them.
@@ -25,6 +25,7 @@ pub const PASSES: &[PassInfo] = &[
     lookahead::Lookahead::INFO,
     recurrence::Recurrence::INFO,
     asap_alap::AsapAlap::INFO,
+    optimise::Optimise::INFO,
     place::Place::INFO,
     codegen::Codegen::INFO,
 ];

@@ -10,18 +10,20 @@ mod bisect;
 mod instrument;
 mod measure;
 mod plan;
+mod walk;
 
 pub use bisect::{Executed, Limit};
 pub(crate) use instrument::difference;
 pub use instrument::{Dump, DumpState, PassFilter, PrintChanged};
 pub use measure::usage;
 pub use plan::PlanError;
+pub use walk::apply;
 
 use crate::NumericClass;
 use crate::analysis::rounding::{Rounding, rounding, usual_states};
 use crate::check::{self, Verdict};
 use crate::pass::{Artifact, Context, PassError, PassInfo};
-use crate::pipeline::{PassStep, Pipeline, Step};
+use crate::pipeline::{PassStep, Pipeline};
 use crate::rewrites::Rewrites;
 use crate::rules::RuleSet;
 use crate::trail::{self, Follower, Notes, Trail};
@@ -33,6 +35,7 @@ use std::borrow::Cow;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+use walk::Walk;
 
 /// Told before each pass: its ordinal, the number of all, its name.
 pub type Progress<'a> = dyn FnMut(usize, usize, &str) + 'a;
@@ -252,14 +255,6 @@ struct Run<'a> {
     rounding: Option<(u64, Arc<Rounding>)>,
 }
 
-/// A group that is being repeated.
-struct Round {
-    /// Index of its first step.
-    first: usize,
-    left: u32,
-    fingerprint: u64,
-}
-
 impl Run<'_> {
     fn steps(
         &mut self,
@@ -267,30 +262,9 @@ impl Run<'_> {
         tables: &mut Tables,
         function: &mut Function,
     ) -> Result<(), RunError> {
-        let mut rounds: Vec<Round> = Vec::new();
-        let mut next = 0;
-        while let Some(step) = pipeline.steps.get(next) {
-            next += 1;
-            match step {
-                Step::Pass(step) => self.pass(step, tables, function)?,
-                Step::Open { max } => rounds.push(Round {
-                    first: next,
-                    left: *max,
-                    fingerprint: self.fingerprint,
-                }),
-                Step::Close => {
-                    let Some(round) = rounds.last_mut() else {
-                        continue;
-                    };
-                    round.left -= 1;
-                    if round.left > 0 && self.fingerprint != round.fingerprint {
-                        round.fingerprint = self.fingerprint;
-                        next = round.first;
-                    } else {
-                        rounds.pop();
-                    }
-                }
-            }
+        let mut walk = Walk::new(pipeline);
+        while let Some(step) = walk.next(self.fingerprint) {
+            self.pass(step, tables, function)?;
         }
         Ok(())
     }

@@ -26,7 +26,8 @@ pub(super) fn check(module: &Module, pipeline: &Pipeline) -> Result<(), PlanErro
         .try_for_each(|function| check_function(function, pipeline))
 }
 
-fn check_function(function: &Function, pipeline: &Pipeline) -> Result<(), PlanError> {
+/// Follows levels and properties for one function.
+pub(super) fn check_function(function: &Function, pipeline: &Pipeline) -> Result<(), PlanError> {
     let mut state = State {
         level: function.level,
         maker: None,

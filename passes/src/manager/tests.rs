@@ -3,6 +3,7 @@
 use super::*;
 use crate::pass::{Gives, Pass};
 use crate::pipeline;
+use crate::pipeline::Step;
 use crate::{declare_pass, registry};
 use robovec_ir::{Operation, parse};
 

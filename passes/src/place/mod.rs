@@ -47,6 +47,7 @@ pub use choice::Choice;
 pub use error::PlaceError;
 pub use order::Priority;
 pub use pass::Place;
+pub(crate) use pass::{ElementCounts, explain, with_counts};
 pub use statistics::{KindStatistics, PlacementStatistics, Spread, placement_statistics};
 
 use graph::Graph;
@@ -79,6 +80,17 @@ pub struct PlaceSummary {
     pub order: &'static str,
     /// Orders tried, with or without memories.
     pub tries: u32,
+}
+
+/// A length that no schedule of a function on a machine can beat, found
+/// without placing it.
+///
+/// # Errors
+///
+/// As [`place`], but for memories.
+pub fn schedule_bound(function: &Function, machine: &Machine) -> Result<u32, PlaceError> {
+    let graph = Graph::new(function, machine)?;
+    Ok(bound::lower_bound(&graph, &Order::fan_out(&graph)))
 }
 
 /// Places a function on a machine.

@@ -61,9 +61,43 @@ declare_pass! {
 /// The most elements of one kind.
 const MOST_ELEMENTS: u32 = 4096;
 
-impl Place {
-    fn machine(&self, machine: &Machine) -> Result<Machine, PassError> {
-        let mut machine = machine.clone();
+/// Numbers of elements of each kind, where a user gave them.
+pub(crate) type ElementCounts = [(&'static str, &'static str, Option<u32>); 5];
+
+/// The machine with other numbers of elements; each is named by its option
+/// and its kind.
+///
+/// # Errors
+///
+/// When a number is out of range, or the machine has no such kind.
+pub(crate) fn with_counts(machine: &Machine, counts: ElementCounts) -> Result<Machine, PassError> {
+    let mut machine = machine.clone();
+    for (option, kind, count) in counts {
+        let Some(count) = count else { continue };
+        if !(1..=MOST_ELEMENTS).contains(&count) {
+            return Err(PassError::new(format!(
+                "{option} is {count}; it must be from 1 to {MOST_ELEMENTS}"
+            )));
+        }
+        let name = machine.name.clone();
+        let element = machine
+            .elements
+            .iter_mut()
+            .find(|element| element.kind == kind);
+        match element {
+            Some(element) => element.count = count,
+            None => {
+                return Err(PassError::new(format!(
+                    "{option} is given, but the machine '{name}' has no elements of kind '{kind}'"
+                )));
+            }
+        }
+    }
+    Ok(machine)
+}
+
+impl Pass for Place {
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let counts = [
             ("n_add", "add", self.n_add),
             ("n_multi", "multi", self.n_multi),
@@ -71,34 +105,7 @@ impl Place {
             ("n_sqrt", "sqrt", self.n_sqrt),
             ("n_fma", "fma", self.n_fma),
         ];
-        for (option, kind, count) in counts {
-            let Some(count) = count else { continue };
-            if !(1..=MOST_ELEMENTS).contains(&count) {
-                return Err(PassError::new(format!(
-                    "{option} is {count}; it must be from 1 to {MOST_ELEMENTS}"
-                )));
-            }
-            let name = machine.name.clone();
-            let element = machine
-                .elements
-                .iter_mut()
-                .find(|element| element.kind == kind);
-            match element {
-                Some(element) => element.count = count,
-                None => {
-                    return Err(PassError::new(format!(
-                        "{option} is given, but the machine '{name}' has no elements of kind '{kind}'"
-                    )));
-                }
-            }
-        }
-        Ok(machine)
-    }
-}
-
-impl Pass for Place {
-    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
-        let machine = self.machine(context.machine)?;
+        let machine = with_counts(context.machine, counts)?;
         let options = PlaceOptions {
             priority: self.priority,
             choice: self.choice,
@@ -129,7 +136,7 @@ impl Pass for Place {
 }
 
 /// The error with the equations it is about and what can be done.
-fn explain(error: &PlaceError, function: &Function, context: &Context<'_>) -> PassError {
+pub(crate) fn explain(error: &PlaceError, function: &Function, context: &Context<'_>) -> PassError {
     let about = |value: &Value| {
         let node = function.node(*value);
         let name = node.name.display(&context.tables.symbols);

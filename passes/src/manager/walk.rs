@@ -1,0 +1,93 @@
+//! The order in which the passes of a pipeline run: one after the other,
+//! groups repeated until nothing changes.
+
+use super::{measure, plan};
+use crate::pass::{Context, PassError};
+use crate::pipeline::{PassStep, Pipeline, Step};
+use robovec_ir::Function;
+
+/// A way through a pipeline.
+pub(super) struct Walk<'p> {
+    pipeline: &'p Pipeline,
+    next: usize,
+    rounds: Vec<Round>,
+}
+
+/// A group that is being repeated.
+struct Round {
+    /// Index of its first step.
+    first: usize,
+    left: u32,
+    fingerprint: u64,
+}
+
+impl<'p> Walk<'p> {
+    /// Before the first step.
+    pub(super) fn new(pipeline: &'p Pipeline) -> Walk<'p> {
+        Walk {
+            pipeline,
+            next: 0,
+            rounds: Vec::new(),
+        }
+    }
+
+    /// The next pass, given the fingerprint of the function as it is now.
+    pub(super) fn next(&mut self, fingerprint: u64) -> Option<&'p PassStep> {
+        loop {
+            let step = self.pipeline.steps.get(self.next)?;
+            self.next += 1;
+            match step {
+                Step::Pass(step) => return Some(step),
+                Step::Open { max } => self.rounds.push(Round {
+                    first: self.next,
+                    left: *max,
+                    fingerprint,
+                }),
+                Step::Close => {
+                    let Some(round) = self.rounds.last_mut() else {
+                        continue;
+                    };
+                    round.left -= 1;
+                    if round.left > 0 && fingerprint != round.fingerprint {
+                        round.fingerprint = fingerprint;
+                        self.next = round.first;
+                    } else {
+                        self.rounds.pop();
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Runs a pipeline over one function with no instrument at all: for a pass
+/// that tries others. What comes out is for the caller to verify.
+///
+/// # Errors
+///
+/// When the pipeline cannot work at the function's level, or a pass gives up.
+pub fn apply(
+    pipeline: &Pipeline,
+    function: &mut Function,
+    context: &mut Context<'_>,
+) -> Result<(), PassError> {
+    plan::check_function(function, pipeline)
+        .map_err(|error| PassError::new(error.message).help(error.help))?;
+    let mut walk = Walk::new(pipeline);
+    // Only groups ask whether something changed.
+    let repeats = pipeline
+        .steps
+        .iter()
+        .any(|step| matches!(step, Step::Close));
+    let fingerprint = |function: &Function| match repeats {
+        true => measure::fingerprint(function),
+        false => 0,
+    };
+    while let Some(step) = walk.next(fingerprint(function)) {
+        let pass = (step.info.build)(&step.options)
+            .map_err(|error| PassError::new(format!("{step}: {error}")))?;
+        pass.run(function, context)?;
+        measure::forget_stale_properties(step.info, function);
+    }
+    Ok(())
+}

@@ -1,0 +1,140 @@
+//! What is tried.
+//!
+//! A variant is what a pipeline makes of the function as it came, or of
+//! another variant, so that common work is done once. Variants stand in the
+//! order in which they are made: those most often best first among equals.
+
+use crate::pipeline::{self, Pipeline};
+use crate::registry;
+
+/// One way to write the function.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Variant {
+    /// Its name in the table.
+    pub(super) name: &'static str,
+    /// The variant it starts from; the function as it came, if none.
+    pub(super) from: Option<&'static str>,
+    /// What is run.
+    pub(super) pipeline: &'static str,
+    /// The same with fewer operations allowed: where that one already has too
+    /// many for the elements, this one is not tried.
+    pub(super) beyond: Option<&'static str>,
+}
+
+const fn variant(
+    name: &'static str,
+    from: Option<&'static str>,
+    pipeline: &'static str,
+) -> Variant {
+    Variant {
+        name,
+        from,
+        pipeline,
+        beyond: None,
+    }
+}
+
+const fn beyond(
+    name: &'static str,
+    from: Option<&'static str>,
+    pipeline: &'static str,
+    beyond: &'static str,
+) -> Variant {
+    Variant {
+        beyond: Some(beyond),
+        ..variant(name, from, pipeline)
+    }
+}
+
+const REASSOCIATED: Option<&str> = Some("reassociated");
+
+/// All variants, each behind the one it starts from.
+pub(super) const VARIANTS: &[Variant] = &[
+    variant("reassociated", None, "fold,zero-removal,balance,cse,dce"),
+    variant("swapped", None, "fold,zero-removal,swap,cse,dce"),
+    variant("as printed", None, "fold,cse,dce"),
+    variant("factored", None, "fold,zero-removal,factor,balance,cse,dce"),
+    variant("saturated", REASSOCIATED, "eqsat,cse,dce"),
+    variant(
+        "look-ahead 100 %",
+        REASSOCIATED,
+        "lookahead{growth=100},balance,cse,dce",
+    ),
+    beyond(
+        "look-ahead 110 %",
+        REASSOCIATED,
+        "lookahead{growth=110},balance,cse,dce",
+        "look-ahead 100 %",
+    ),
+    beyond(
+        "look-ahead 120 %",
+        REASSOCIATED,
+        "lookahead{growth=120},balance,cse,dce",
+        "look-ahead 110 %",
+    ),
+    beyond(
+        "look-ahead 150 %",
+        REASSOCIATED,
+        "lookahead{growth=150},balance,cse,dce",
+        "look-ahead 120 %",
+    ),
+    beyond(
+        "look-ahead 200 %",
+        REASSOCIATED,
+        "lookahead{growth=200},balance,cse,dce",
+        "look-ahead 150 %",
+    ),
+    beyond(
+        "prefix",
+        REASSOCIATED,
+        "recurrence,balance,cse,dce",
+        "look-ahead 150 %",
+    ),
+];
+
+/// What makes variants of products and sums in one, on machines that have
+/// elements for it: names and pipelines.
+pub(super) const FUSED: [(&str, &str); 2] =
+    [("fused", "fma"), ("fused in part", "fma{share=true}")];
+
+impl Variant {
+    /// Its pipeline; `None` when a pass of it is not in this build.
+    pub(super) fn pipeline(&self) -> Option<Pipeline> {
+        let known = self
+            .pipeline
+            .split(',')
+            .map(|step| step.split('{').next().unwrap_or(step))
+            .all(|name| registry::find(name).is_some());
+        known.then(|| pipeline::parse(self.pipeline).ok()).flatten()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::class::NumericClass;
+
+    #[test]
+    fn variants_start_from_earlier_ones_and_change_no_function() {
+        for (index, variant) in VARIANTS.iter().enumerate() {
+            let earlier = |name: &str| VARIANTS[..index].iter().any(|other| other.name == name);
+            assert!(variant.from.is_none_or(earlier), "{}", variant.name);
+            assert!(variant.beyond.is_none_or(earlier), "{}", variant.name);
+            let Some(pipeline) = variant.pipeline() else {
+                let names = variant.pipeline.split(',');
+                let known = names.map(|step| step.split('{').next().unwrap_or(step));
+                let missing = known.filter(|name| registry::find(name).is_none());
+                assert!(missing.count() > 0, "{} does not parse", variant.pipeline);
+                continue;
+            };
+            for step in pipeline.passes() {
+                let class = step.info.class;
+                assert!(
+                    matches!(class, NumericClass::Exact | NumericClass::Real),
+                    "{} is {class}",
+                    step.info.name
+                );
+            }
+        }
+    }
+}
