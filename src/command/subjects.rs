@@ -101,7 +101,7 @@ fn equations(subject: &Subject) -> Result<Module, Failure> {
 }
 
 /// The built-in model of a name like `bogie` or `serial-23`.
-fn built_in(name: &str) -> Option<Model> {
+pub(super) fn built_in(name: &str) -> Option<Model> {
     if let Some(family) = Family::from_name(name) {
         return family.joints().map(|joints| family.build(joints, SEED));
     }

@@ -14,6 +14,7 @@ mod built_in;
 pub mod check;
 mod cursor;
 mod expression;
+pub mod find;
 mod graph;
 mod parse;
 mod pattern;

@@ -3,6 +3,7 @@
 mod bench;
 mod check;
 mod exchange;
+mod find;
 mod list;
 mod profile;
 mod read;
@@ -29,6 +30,8 @@ enum Command {
     Check(check::CheckArguments),
     /// Write rules in the syntax of another tool
     Export(exchange::ExportArguments),
+    /// Find new rules and rank them by what they would gain
+    Find(find::FindArguments),
     /// Read rules of another tool, and tell their classes
     Import(exchange::ImportArguments),
     /// List rules with their reasons
@@ -47,6 +50,7 @@ pub(super) fn run(arguments: &RulesArguments) -> Result<String, Failure> {
         Command::Bench(arguments) => bench::run(arguments),
         Command::Check(arguments) => check::run(arguments),
         Command::Export(arguments) => exchange::export(arguments),
+        Command::Find(arguments) => find::run(arguments),
         Command::Import(arguments) => exchange::import(arguments),
         Command::List(arguments) => list::run(arguments),
         Command::Profile(arguments) => profile::run(arguments),

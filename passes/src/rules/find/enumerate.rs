@@ -1,0 +1,237 @@
+//! All terms up to a size, told apart by their values.
+//!
+//! Terms are built from the smallest ones up, only from representatives: of
+//! terms with equal values at points of the prime field, which are equal
+//! terms but for a chance of about 2⁻¹⁸⁰, the first one. Every other term of
+//! that value is one side of a candidate, the representative the other.
+
+use super::super::check::RuleField;
+use super::super::pattern::{Pattern, PatternNode, apply};
+use hashbrown::HashMap;
+use robovec_ir::Operation::{self, Add, Cos, Mul, Sin, Sub};
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::field::PrimeField;
+
+/// Which terms are tried.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Space {
+    /// Operations of a term, at most.
+    pub operations: u32,
+    /// Variables besides an angle.
+    pub variables: u32,
+    /// Numbers that occur as they stand.
+    pub numbers: Vec<f64>,
+    /// True to add sine and cosine of an angle, as one value each.
+    pub trigonometric: bool,
+    /// Terms tried at most.
+    pub budget: usize,
+}
+
+impl Default for Space {
+    fn default() -> Space {
+        Space {
+            operations: 4,
+            variables: 3,
+            numbers: Vec::new(),
+            trigonometric: false,
+            budget: 200_000,
+        }
+    }
+}
+
+/// Points of the field that tell terms apart.
+const POINTS: usize = 3;
+
+type Fingerprint = [u64; POINTS];
+
+/// Two terms of equal value; the first one is the larger.
+pub(super) struct Candidate {
+    pub(super) left: Pattern,
+    pub(super) right: Pattern,
+}
+
+/// What was tried.
+pub(super) struct Enumeration {
+    pub(super) candidates: Vec<Candidate>,
+    /// Terms tried.
+    pub(super) tried: usize,
+    /// Terms of different value.
+    pub(super) different: usize,
+    /// True when all terms of the space were tried.
+    pub(super) complete: bool,
+}
+
+/// A term: a leaf or an operation on earlier terms.
+#[derive(Clone, Copy)]
+enum Term {
+    Leaf(PatternNode),
+    /// A sine or cosine of a variable.
+    Turn(Operation, u32),
+    Operation(Operation, [u32; 2]),
+}
+
+struct Terms {
+    fields: Vec<RuleField>,
+    terms: Vec<Term>,
+    values: Vec<Fingerprint>,
+    known: HashMap<Fingerprint, u32>,
+    /// Representatives by number of operations.
+    levels: Vec<Vec<u32>>,
+}
+
+/// Tries all terms of a space, in a fixed order.
+pub(super) fn enumerate(space: &Space) -> Enumeration {
+    let fields = (1..=POINTS as u64).map(|seed| {
+        RuleField(PrimeField {
+            seed: seed << 32,
+            circle: space.trigonometric,
+        })
+    });
+    let mut terms = Terms {
+        fields: fields.collect(),
+        terms: Vec::new(),
+        values: Vec::new(),
+        known: HashMap::new(),
+        levels: vec![Vec::new()],
+    };
+    let mut enumeration = Enumeration {
+        candidates: Vec::new(),
+        tried: 0,
+        different: 0,
+        complete: true,
+    };
+    terms.leaves(space);
+    for size in 1..=space.operations as usize {
+        terms.levels.push(Vec::new());
+        for first in 0..size {
+            let complete = terms.combine(first, size - 1 - first, space.budget, &mut enumeration);
+            enumeration.complete &= complete;
+        }
+    }
+    enumeration.different = terms.known.len();
+    enumeration
+}
+
+impl Terms {
+    fn leaves(&mut self, space: &Space) {
+        let count = (space.variables + u32::from(space.trigonometric)) as usize;
+        let points: Vec<Vec<u64>> = self
+            .fields
+            .iter()
+            .map(|field| field.0.point(count))
+            .collect();
+        let at = |variable: u32| -> Fingerprint {
+            std::array::from_fn(|point| points[point][variable as usize])
+        };
+        // Nothing is built from zero: known rules remove it again.
+        self.push(Term::Leaf(PatternNode::Number(0.0)), [0; POINTS]);
+        for variable in 0..space.variables {
+            self.leaf(Term::Leaf(PatternNode::Variable(variable)), at(variable));
+        }
+        for &number in &space.numbers {
+            let value = std::array::from_fn(|point| self.fields[point].literal(number));
+            self.leaf(Term::Leaf(PatternNode::Number(number)), value);
+        }
+        if space.trigonometric {
+            let angle = at(space.variables);
+            for turn in [Sin, Cos] {
+                let value = self.apply(turn, [angle, angle]);
+                self.leaf(Term::Turn(turn, space.variables), value);
+            }
+        }
+    }
+
+    fn leaf(&mut self, term: Term, value: Fingerprint) {
+        if let Some(index) = self.push(term, value) {
+            self.levels[0].push(index);
+        }
+    }
+
+    fn apply(&self, operation: Operation, [a, b]: [Fingerprint; 2]) -> Fingerprint {
+        std::array::from_fn(|point| apply(&self.fields[point], operation, a[point], b[point]))
+    }
+
+    /// Adds a term unless one of its value is known.
+    fn push(&mut self, term: Term, value: Fingerprint) -> Option<u32> {
+        if self.known.contains_key(&value) {
+            return None;
+        }
+        let index = self.terms.len() as u32;
+        self.known.insert(value, index);
+        self.terms.push(term);
+        self.values.push(value);
+        Some(index)
+    }
+
+    /// All operations on representatives of two sizes; false when the budget
+    /// does not suffice.
+    fn combine(
+        &mut self,
+        first: usize,
+        second: usize,
+        budget: usize,
+        enumeration: &mut Enumeration,
+    ) -> bool {
+        let (left, right) = (self.levels[first].clone(), self.levels[second].clone());
+        for &a in &left {
+            for &b in &right {
+                for operation in [Add, Sub, Mul] {
+                    // Of both orders of operands one is enough.
+                    if operation.is_commutative() && a < b {
+                        continue;
+                    }
+                    if enumeration.tried >= budget {
+                        return false;
+                    }
+                    enumeration.tried += 1;
+                    let operands = [self.values[a as usize], self.values[b as usize]];
+                    let value = self.apply(operation, operands);
+                    let term = Term::Operation(operation, [a, b]);
+                    if let Some(index) = self.push(term, value) {
+                        self.levels[first + second + 1].push(index);
+                        continue;
+                    }
+                    let same = self.known[&value];
+                    enumeration.candidates.push(Candidate {
+                        left: self.pattern(term),
+                        right: self.pattern(self.terms[same as usize]),
+                    });
+                }
+            }
+        }
+        true
+    }
+
+    /// A term written out.
+    fn pattern(&self, root: Term) -> Pattern {
+        enum Step {
+            Write(Term),
+            Apply(Operation),
+        }
+        let mut pattern = Pattern::default();
+        let mut operands: Vec<u32> = Vec::new();
+        let mut steps = vec![Step::Write(root)];
+        while let Some(step) = steps.pop() {
+            let node = match step {
+                Step::Write(Term::Leaf(node)) => pattern.push(node),
+                Step::Write(Term::Turn(operation, angle)) => {
+                    let angle = pattern.push(PatternNode::Variable(angle));
+                    pattern.operation(operation, &[angle])
+                }
+                Step::Write(Term::Operation(operation, [a, b])) => {
+                    steps.push(Step::Apply(operation));
+                    steps.push(Step::Write(self.terms[b as usize]));
+                    steps.push(Step::Write(self.terms[a as usize]));
+                    continue;
+                }
+                Step::Apply(operation) => {
+                    let from = operands.len() - 2;
+                    let taken = operands.split_off(from);
+                    pattern.operation(operation, &taken)
+                }
+            };
+            operands.push(node);
+        }
+        pattern
+    }
+}

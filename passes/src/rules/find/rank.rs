@@ -1,0 +1,159 @@
+//! What rules would gain on the critical paths of real functions.
+
+use super::super::pattern::{Pattern, PatternNode};
+use super::super::profile::{arrival_of, operations};
+use super::super::rule::Rule;
+use crate::analysis::critical_path::{Weights, arrivals, tails};
+use robovec_ir::{Function, Machine, Operand, OperandKind, Value};
+
+/// What a rule gains on some functions, taken alone and at each place by
+/// itself: an indication, since gains at one place change the next.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
+pub struct Gain {
+    /// Cycles by which values on a longest chain would be earlier, added up.
+    pub cycles: u64,
+    /// Operations saved, added up over the places where some are.
+    pub operations: u64,
+    /// Places on a longest chain that the left side matches.
+    pub critical_places: u64,
+    /// All places that the left side matches.
+    pub places: u64,
+}
+
+/// A function with its times.
+pub(super) struct Timed<'a> {
+    function: &'a Function,
+    arrivals: Vec<u32>,
+    critical: Vec<bool>,
+    uses: Vec<u32>,
+}
+
+impl<'a> Timed<'a> {
+    pub(super) fn new(function: &'a Function, weights: &Weights) -> Timed<'a> {
+        let arrivals = arrivals(function, weights);
+        let tails = tails(function, weights);
+        let longest = arrivals.iter().copied().max().unwrap_or(0);
+        let through = arrivals.iter().zip(&tails);
+        Timed {
+            critical: through
+                .map(|(arrival, tail)| arrival + tail == longest)
+                .collect(),
+            uses: function.use_counts(),
+            arrivals,
+            function,
+        }
+    }
+}
+
+/// The gain of a rule from left to right.
+pub(super) fn gain(rule: &Rule, functions: &[Timed<'_>], machine: &Machine) -> Gain {
+    let weights = Weights::cycles(machine);
+    let new_operations = operations(&rule.right);
+    let mut gain = Gain::default();
+    for timed in functions {
+        for (value, _) in timed.function.values() {
+            let matches = matches(&rule.left, timed.function, value, rule.variables.len());
+            if matches.is_empty() {
+                continue;
+            }
+            gain.places += 1;
+            let saved = matches.iter().map(|found| {
+                // The root goes, and what nothing else uses.
+                let single = found.inner.iter();
+                let single = single.filter(|inner| timed.uses[inner.index()] == 1);
+                1 + single.count() as i64 - new_operations
+            });
+            gain.operations += saved.max().unwrap_or(0).max(0) as u64;
+            if !timed.critical[value.index()] {
+                continue;
+            }
+            gain.critical_places += 1;
+            let now = i64::from(timed.arrivals[value.index()]);
+            let earlier = matches.iter().map(|found| {
+                let arrival = |variable: u32| {
+                    let operand = found.bound[variable as usize]?;
+                    let value = operand.value();
+                    Some(value.map_or(0, |value| i64::from(timed.arrivals[value.index()])))
+                };
+                now - arrival_of(&rule.right, &weights, &arrival).unwrap_or(0)
+            });
+            gain.cycles += earlier.max().unwrap_or(0).max(0) as u64;
+        }
+    }
+    gain
+}
+
+/// A place where a pattern matches.
+#[derive(Clone)]
+struct Match {
+    bound: Vec<Option<Operand>>,
+    /// The values below the root that the pattern covers.
+    inner: Vec<Value>,
+}
+
+/// Most matches at one place that are looked at.
+const MOST: usize = 64;
+
+/// All ways in which a pattern matches a value, operands in either order.
+fn matches(pattern: &Pattern, function: &Function, root: Value, variables: usize) -> Vec<Match> {
+    let start = Match {
+        bound: vec![None; variables],
+        inner: Vec::new(),
+    };
+    let mut found = Vec::new();
+    // What is still to be matched, beside what was bound so far.
+    let mut open = vec![(vec![(pattern.root() as u32, Operand::from(root))], start)];
+    while let Some((mut goals, mut state)) = open.pop() {
+        if found.len() >= MOST {
+            break;
+        }
+        let Some((index, operand)) = goals.pop() else {
+            found.push(state);
+            continue;
+        };
+        match pattern.nodes[index as usize] {
+            PatternNode::Variable(variable) => {
+                let place = &mut state.bound[variable as usize];
+                if place.is_none_or(|bound| bound == operand) {
+                    *place = Some(operand);
+                    open.push((goals, state));
+                }
+            }
+            PatternNode::Number(number) => {
+                if function.number(operand) == Some(number) {
+                    open.push((goals, state));
+                }
+            }
+            PatternNode::Operation(operation, [a, b]) => {
+                let OperandKind::Value(value) = operand.kind() else {
+                    continue;
+                };
+                let node = function.node(value);
+                if node.operation != operation {
+                    continue;
+                }
+                if value != root {
+                    state.inner.push(value);
+                }
+                let operands = node.operands();
+                let [first, second] = match *operands {
+                    [first, second] => [first, second],
+                    [only] => {
+                        goals.push((a, only));
+                        open.push((goals, state));
+                        continue;
+                    }
+                    _ => continue,
+                };
+                if operation.is_commutative() && first != second {
+                    let mut other = goals.clone();
+                    other.extend([(a, second), (b, first)]);
+                    open.push((other, state.clone()));
+                }
+                goals.extend([(a, first), (b, second)]);
+                open.push((goals, state));
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,223 @@
+//! `robovec rules find`.
+
+use super::super::subjects::built_in;
+use super::super::{Failure, input};
+use super::exchange::deliver;
+use super::{list, read};
+use crate::generate::{FunctionKind, Request, generate};
+use crate::report::table;
+use clap::Args;
+use robovec_ir::{Function, Machine, Module};
+use robovec_passes::manager::{self, Config};
+use robovec_passes::pipeline;
+use robovec_passes::rules::RuleSet;
+use robovec_passes::rules::find::{self, Found, Search, Space};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+
+/// What brings a function to the form in which rules meet it.
+const PIPELINE: &str = "atomise,zero-removal,balance,cse,dce";
+
+/// Which terms are tried, and on what.
+#[derive(Args, Debug)]
+pub(super) struct FindArguments {
+    /// Equations, models (.mbs) or names such as bogie and serial-23, on
+    /// whose critical paths rules are ranked
+    #[arg(default_values = ["bogie", "serial-23", "semi-serial-23", "parallel-23"])]
+    files: Vec<String>,
+    /// Operations of a term, at most
+    #[arg(long, value_name = "N", default_value_t = 4,
+          value_parser = clap::value_parser!(u32).range(1..=6))]
+    operations: u32,
+    /// Variables of a term
+    #[arg(long, value_name = "N", default_value_t = 3,
+          value_parser = clap::value_parser!(u32).range(1..=5))]
+    variables: u32,
+    /// Numbers that may occur in terms
+    #[arg(
+        long,
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        default_value = "1"
+    )]
+    numbers: Vec<f64>,
+    /// Add sine and cosine of an angle, which lie on the circle
+    #[arg(long)]
+    trigonometric: bool,
+    /// Terms tried at most
+    #[arg(long, value_name = "N", default_value_t = 200_000,
+          value_parser = clap::value_parser!(u32).range(1..=5_000_000))]
+    terms: u32,
+    /// Rules that are known, beside those that ship: a file, or a name of 'robovec rules list'
+    #[arg(long, value_name = "FILE")]
+    rules: Vec<String>,
+    /// Take only the rules that '--rules' names as known
+    #[arg(long, requires = "rules")]
+    no_default_rules: bool,
+    /// Machine whose cycles count: a name or a .toml file
+    #[arg(long, default_value = "thesis")]
+    machine: String,
+    /// Rules shown, best first
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    top: usize,
+    /// Also write the rules that are shown as a file of rules
+    #[arg(short, long, value_name = "PATH")]
+    output: Option<PathBuf>,
+    /// Write what was found as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &FindArguments) -> Result<String, Failure> {
+    if let Some(odd) = arguments.numbers.iter().find(|number| !number.is_finite()) {
+        return Err(Failure::plain(format!(
+            "a term cannot hold the number {odd}"
+        )));
+    }
+    let machine = input::machine(&arguments.machine)?;
+    let mut known = read::read(&list::shipped())?;
+    let mine: Vec<String> = arguments.rules.to_vec();
+    known
+        .extend(read::read(&mine)?.sound().0)
+        .map_err(Failure)?;
+    let modules = modules(arguments, &machine)?;
+    let functions: Vec<&Function> = modules
+        .iter()
+        .flat_map(|module| &module.functions)
+        .collect();
+    let space = Space {
+        operations: arguments.operations,
+        variables: arguments.variables,
+        numbers: arguments.numbers.clone(),
+        trigonometric: arguments.trigonometric,
+        budget: arguments.terms as usize,
+    };
+    let bar = indicatif::ProgressBar::hidden();
+    if io::stderr().is_terminal() {
+        bar.set_draw_target(indicatif::ProgressDrawTarget::stderr());
+    }
+    let mut progress = |done: usize, total: usize| {
+        bar.set_length(total as u64);
+        bar.set_position(done as u64);
+    };
+    let mut search = find::find(&space, &known, &functions, &machine, &mut progress);
+    bar.finish_and_clear();
+    let all = search.found.len();
+    search.found.truncate(arguments.top);
+    for found in &mut search.found {
+        found.rule.reason = reason(found, &arguments.files);
+    }
+    if let Some(path) = &arguments.output {
+        let rules = search.found.iter().map(|found| found.rule.clone());
+        let set = RuleSet {
+            rules: rules.collect(),
+            files: Vec::new(),
+        };
+        deliver(set.to_text(), Some(path))?;
+    }
+    if arguments.json {
+        return Ok(format!("{:#}\n", to_json(&search, all)));
+    }
+    Ok(to_text(&search, all))
+}
+
+fn modules(arguments: &FindArguments, machine: &Machine) -> Result<Vec<Module>, Failure> {
+    let pipeline = pipeline::parse(PIPELINE).map_err(|error| Failure(error.0))?;
+    let mut modules = Vec::new();
+    for name in &arguments.files {
+        let mut module = match built_in(name) {
+            Some(model) => generate(&model, &Request::new(FunctionKind::Dirdyna))
+                .map_err(|error| Failure::plain(format!("{name}: {error}")))?,
+            None => input::equations_or_model(Path::new(name), None, None)?.module,
+        };
+        manager::run(
+            &mut module,
+            &pipeline,
+            Config::new(machine, &mut io::sink()),
+        )
+        .map_err(|error| Failure::plain(format!("{name}: {error}")))?;
+        modules.push(module);
+    }
+    Ok(modules)
+}
+
+fn reason(found: &Found, files: &[String]) -> String {
+    let (gain, files) = (found.gain, files.join(", "));
+    let cycles = gain.cycles;
+    let operations = gain.operations;
+    // A quotation mark in the name of a file would end the reason.
+    format!("found: {cycles} cycles and {operations} operations in {files}").replace('"', "'")
+}
+
+fn to_text(search: &Search, all: usize) -> String {
+    let mut text = String::new();
+    let budget = if search.complete {
+        ""
+    } else {
+        " (more than the budget of terms or candidates allows)"
+    };
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        text,
+        "{} terms tried{budget}, {} of different value; {} candidates, {} derived by known rules, \
+         {all} new.",
+        search.tried, search.different, search.candidates, search.derived
+    );
+    let rows: Vec<Vec<String>> = search
+        .found
+        .iter()
+        .map(|Found { rule, gain }| {
+            let side = |pattern: &robovec_passes::rules::Pattern| pattern.to_text(&rule.variables);
+            vec![
+                rule.name.clone(),
+                format!("{} => {}", side(&rule.left), side(&rule.right)),
+                rule.class.to_string(),
+                gain.cycles.to_string(),
+                gain.critical_places.to_string(),
+                gain.operations.to_string(),
+                gain.places.to_string(),
+            ]
+        })
+        .collect();
+    let head = [
+        "name",
+        "rule",
+        "class",
+        "cycles",
+        "at critical places",
+        "operations",
+        "at places",
+    ];
+    let _ = writeln!(text, "\n{}", table(&head, &rows, &[3, 4, 5, 6]));
+    text.push_str(
+        "\nCycles: by how much values on a longest chain would be earlier, each place by itself, \
+         added up.\nOperations: saved, added up over the places where some are.\n",
+    );
+    text
+}
+
+fn to_json(search: &Search, all: usize) -> Value {
+    let found = search.found.iter().map(|Found { rule, gain }| {
+        json!({
+            "rule": rule.name,
+            "text": rule.to_string(),
+            "class": rule.class.name(),
+            "cycles": gain.cycles,
+            "critical_places": gain.critical_places,
+            "operations": gain.operations,
+            "places": gain.places,
+        })
+    });
+    json!({
+        "tried": search.tried,
+        "complete": search.complete,
+        "different": search.different,
+        "candidates": search.candidates,
+        "derived": search.derived,
+        "new": all,
+        "found": found.collect::<Vec<Value>>(),
+    })
+}
