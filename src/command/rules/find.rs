@@ -36,12 +36,7 @@ pub(super) struct FindArguments {
           value_parser = clap::value_parser!(u32).range(1..=5))]
     variables: u32,
     /// Numbers that may occur in terms
-    #[arg(
-        long,
-        value_delimiter = ',',
-        allow_hyphen_values = true,
-        default_value = "1"
-    )]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
     numbers: Vec<f64>,
     /// Add sine and cosine of an angle, which lie on the circle
     #[arg(long)]
@@ -78,11 +73,12 @@ pub(super) fn run(arguments: &FindArguments) -> Result<String, Failure> {
         )));
     }
     let machine = input::machine(&arguments.machine)?;
-    let mut known = read::read(&list::shipped())?;
-    let mine: Vec<String> = arguments.rules.to_vec();
-    known
-        .extend(read::read(&mine)?.sound().0)
-        .map_err(Failure)?;
+    let mut names = match arguments.no_default_rules {
+        true => Vec::new(),
+        false => list::shipped(),
+    };
+    names.extend(arguments.rules.iter().cloned());
+    let (known, _) = read::read(&names)?.sound();
     let modules = modules(arguments, &machine)?;
     let functions: Vec<&Function> = modules
         .iter()

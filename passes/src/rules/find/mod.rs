@@ -200,7 +200,9 @@ fn best(rule: Rule, functions: &[Timed<'_>], machine: &Machine) -> Found {
         rule,
     });
     // Of equal ones the first direction, towards the smaller term.
-    let best = gains.reduce(|best, other| if other.gain > best.gain { other } else { best });
+    let key = |found: &Found| (found.gain.cycles, found.gain.operations);
+    let better = |one: &Found, other: &Found| key(one) > key(other);
+    let best = gains.reduce(|best, other| if better(&other, &best) { other } else { best });
     best.unwrap_or(Found {
         rule,
         gain: Gain::default(),

@@ -1,0 +1,161 @@
+//! `robovec rules` on the files of tests/rules: what it prints stands beside
+//! each file. Bless with INSTA_UPDATE=always.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/rules")
+        .join(name)
+}
+
+/// Runs in the folder of the files, so that no message holds a path.
+fn rules(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_robovec"))
+        .arg("rules")
+        .args(arguments)
+        .current_dir(file(""))
+        .output()
+        .expect("the program starts")
+}
+
+fn both(output: &Output) -> String {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let code = output.status.code();
+    format!(
+        "{}--- messages, exit code {code:?}\n{}",
+        text(&output.stdout),
+        text(&output.stderr)
+    )
+}
+
+#[test]
+fn files_of_rules_are_checked_as_their_snapshots_say() {
+    let folder = file("");
+    let mut names: Vec<String> = std::fs::read_dir(&folder)
+        .expect("the folder")
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|name| name.ends_with(".rules"))
+        .collect();
+    names.sort();
+    assert!(names.len() >= 3);
+    for name in names {
+        let mut settings = insta::Settings::clone_current();
+        settings.set_snapshot_path(&folder);
+        settings.set_prepend_module_to_snapshot(false);
+        settings.set_omit_expression(true);
+        let shown = both(&rules(&["check", &name]));
+        settings.bind(|| insta::assert_snapshot!(name.trim_end_matches(".rules"), shown));
+    }
+}
+
+#[test]
+fn a_false_rule_is_named_and_the_others_run() {
+    let check = rules(&["check", "one-false.rules", "--json"]);
+    assert_eq!(check.status.code(), Some(1));
+    let found: serde_json::Value = serde_json::from_slice(&check.stdout).expect("JSON");
+    let sound: Vec<(&str, bool)> = found
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|rule| Some((rule["rule"].as_str()?, rule["sound"].as_bool()?)))
+        .collect();
+    assert_eq!(
+        sound,
+        [("three-terms", true), ("hasty", false), ("double", true)]
+    );
+    let counterexample = &found[1]["counterexample"];
+    assert_eq!(counterexample["values"]["c"], 1.0);
+    assert_eq!(counterexample["left"], 0.0);
+    assert_eq!(counterexample["right"], -1.0);
+
+    // The compiler warns of it and goes on with the others.
+    let input =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension/mbs_dirdyna_suspension.m");
+    let output = Command::new(env!("CARGO_BIN_EXE_robovec-opt"))
+        .arg(input)
+        .args(["-passes=atomise", "--rules", "one-false.rules"])
+        .current_dir(file(""))
+        .output()
+        .expect("the program starts");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{message}");
+    assert!(
+        message.contains("warning: the rule 'hasty' is false"),
+        "{message}"
+    );
+    assert!(message.contains("a = 0, b = 0, c = 1"), "{message}");
+}
+
+#[test]
+fn what_ships_is_sound() {
+    let output = rules(&["check"]);
+    assert!(output.status.success(), "{}", both(&output));
+}
+
+#[test]
+fn rules_survive_the_way_through_other_tools() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for syntax in ["egglog", "herbie"] {
+        let there = folder.path().join(syntax);
+        let path = there.to_str().expect("a plain path");
+        let export = rules(&["export", "--syntax", syntax, "distribution", "-o", path]);
+        assert!(export.status.success(), "{}", both(&export));
+        let import = rules(&["import", "--syntax", syntax, path]);
+        assert!(import.status.success(), "{}", both(&import));
+        let text = String::from_utf8_lossy(&import.stdout).into_owned();
+        assert!(
+            text.contains("rule distribute: a*(b + c) => a*b + a*c class=real"),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_an_error_and_no_panic() {
+    for (arguments, expected) in [
+        (&["check", "nothing.rules"][..], "cannot read"),
+        (&["check", "sings"][..], "did you mean 'signs'"),
+        (&["check", "signs", "signs"][..], ""),
+        (&["profile", "malformed.rules"][..], "no operation 'tan'"),
+        (
+            &["import", "--syntax", "egglog", "one-false.rules"][..],
+            "a command",
+        ),
+    ] {
+        let output = rules(arguments);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.success(), expected.is_empty(), "{message}");
+        assert!(message.contains(expected), "{message}");
+        assert!(!message.contains("panicked"), "{message}");
+    }
+}
+
+#[test]
+fn factoring_is_found_again() {
+    let known = ["signs", "commutativity", "associativity"];
+    let mut arguments = vec![
+        "find",
+        "bogie",
+        "--operations",
+        "3",
+        "--json",
+        "--no-default-rules",
+    ];
+    for name in known {
+        arguments.extend(["--rules", name]);
+    }
+    let output = rules(&arguments);
+    assert!(output.status.success(), "{}", both(&output));
+    let search: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let found = search["found"].as_array().expect("a list");
+    let mut texts = found.iter().filter_map(|rule| rule["text"].as_str());
+    let is_factoring = |text: &str| text.contains("b*a - c*a => (b - c)*a");
+    assert!(texts.any(is_factoring), "{search:#}");
+    assert_eq!(
+        output.stdout,
+        rules(&arguments).stdout,
+        "the same every time"
+    );
+}
