@@ -212,7 +212,7 @@ mod tests {
 
     #[test]
     fn random_pipelines_keep_equations_and_their_errors() {
-        for case in 0..400u64 {
+        for case in 0..150u64 {
             arbtest::arbtest(|bytes| {
                 let result = run(bytes);
                 STATISTICS.record(&result);
@@ -224,7 +224,7 @@ mod tests {
             arbtest::arbtest(|bytes| run(bytes).map(|_| ())).size_min(2000);
         }
         eprintln!("{STATISTICS}");
-        assert!(STATISTICS.valid() > 300, "{STATISTICS}");
+        assert!(STATISTICS.valid() > 120, "{STATISTICS}");
         assert!(STATISTICS.rewrites() > 10_000, "{STATISTICS}");
     }
 }
