@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &WhyArguments) -> Result<String, Failure> {
     let machine = input::machine(&arguments.machine)?;
     let rules = read::sound(&arguments.rules, true)?;
     let mut module = input::equations_or_model(&arguments.input, None, None)?.module;
-    let mut compile = |module: &mut Module, passes: &Pipeline| {
+    let compile = |module: &mut Module, passes: &Pipeline| {
         let mut log = Vec::new();
         let config = Config {
             rules: Some(&rules),
