@@ -146,6 +146,8 @@ impl Reader<'_> {
             Some(Family::Sum) => {
                 self.products.clear();
                 let terms = self.terms(value);
+                let used = terms.iter().flat_map(|term| [term.a, term.b]);
+                let rank = self.above(rank, used);
                 let signed = self.class(fingerprint, rank, node.name);
                 for product in std::mem::take(&mut self.products) {
                     self.note_sources(signed.class, product);
@@ -164,6 +166,7 @@ impl Reader<'_> {
                     .map(|factor| factor.class)
                     .filter(|&class| class != Class::ONE)
                     .collect();
+                let rank = self.above(rank, classes.iter().copied());
                 let signed = self.class(fingerprint, rank, node.name);
                 self.import.network.add_product(signed.class, &mut classes);
                 self.settle(signed.class, true);
@@ -174,6 +177,8 @@ impl Reader<'_> {
                 for (slot, &operand) in operands.iter_mut().zip(node.operands()) {
                     *slot = Some(self.operand_or_zero(operand));
                 }
+                let used = operands.iter().flatten().map(|operand| operand.class);
+                let rank = self.above(rank, used);
                 let signed = self.class(fingerprint, rank, node.name);
                 let operation = node.operation;
                 self.import.network.add_opaque(
@@ -188,6 +193,13 @@ impl Reader<'_> {
                 signed
             }
         }
+    }
+
+    /// A rank above those of the classes used. That of a value's level is not
+    /// always: a value merged with an equal one may stand deeper.
+    fn above(&self, rank: u64, used: impl Iterator<Item = Class>) -> u64 {
+        let highest = used.map(|class| self.import.network.rank(class)).max();
+        rank.max(highest.unwrap_or(0) + 1)
     }
 
     fn class(&mut self, fingerprint: Fingerprint, rank: u64, name: Name) -> Signed {
