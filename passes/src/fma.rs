@@ -99,6 +99,10 @@ const MOST_SWEEPS: usize = 4;
 /// All of a part: parts are counted in steps of this fraction.
 const WHOLE: u32 = 64;
 
+/// How good a form is, the least the best: whether it is late, then what it
+/// gains.
+type Rating = (bool, (u32, u32));
+
 /// What a sum takes in.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Form {
@@ -250,7 +254,7 @@ impl<'a> Contraction<'a> {
         let mut due = 0;
         for (value, node) in self.function.values() {
             let limit = limits.map_or(u32::MAX, |limits| limits[value.index()]);
-            let mut best: Option<((bool, (u32, u32)), Form, u32)> = None;
+            let mut best: Option<(Rating, Form, u32)> = None;
             let gains = FORMS.map(|form| self.gain(node, form));
             let saves = |gain: &Option<Gain>| gain.is_some_and(|gain| gain < Gain::Nothing);
             due += if gains.iter().any(saves) { part } else { 0 };

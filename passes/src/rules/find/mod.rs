@@ -106,7 +106,7 @@ pub fn find(
         found.push(best(rule, &timed, machine));
     }
     // Of equal gains the smaller rule, which was found first.
-    found.sort_by(|one, other| other.gain.cmp(&one.gain));
+    found.sort_by_key(|found| std::cmp::Reverse(found.gain));
     for (index, found) in found.iter_mut().enumerate() {
         found.rule.name = format!("found-{}", index + 1);
     }

@@ -158,11 +158,14 @@ fn rank(growth: Growth) -> (u32, f64) {
     }
 }
 
+/// Rules as the e-graph applies them.
+type Rewrites = [Rewrite<Term, ()>];
+
 /// The growth on a family; `None` when the rules add nothing to it.
 fn on_family(
     family: Family<'_>,
     rules: &[&Rule],
-    (rewrites, base): (&[Rewrite<Term, ()>], &[Rewrite<Term, ()>]),
+    (rewrites, base): (&Rewrites, &Rewrites),
     budget: Budget,
 ) -> Option<Growing> {
     let mut points: Vec<(u32, u64)> = Vec::new();
