@@ -49,6 +49,11 @@ pub const PRESETS: &[Preset] = &[
         pipeline: "atomise,zero-removal,balance,cse,dce,asap-alap",
     },
     Preset {
+        name: "ahead",
+        summary: "the shortest path that look-ahead reaches with no more operations than balanced",
+        pipeline: "atomise,zero-removal,balance,cse,dce,lookahead,balance,cse,dce,asap-alap",
+    },
+    Preset {
         name: "fpga",
         summary: "from equations to memory images for the machine's processing elements",
         pipeline: "atomise,fold,zero-removal,balance,cse,dce,place,codegen",
