@@ -161,7 +161,8 @@ impl Search<'_> {
 
     /// The function of a mapping, balanced.
     fn realise(&self, tables: &mut Tables, mapper: &Mapper, mapping: &Mapping) -> Function {
-        let raw = emit(self.function, self.import, mapper, mapping, self.timing);
+        let import = self.import;
+        let raw = emit(self.function, import, mapper, mapping, self.timing, tables);
         balanced(&raw, tables, &self.weights)
     }
 }

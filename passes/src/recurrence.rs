@@ -83,7 +83,8 @@ impl Pass for Recurrence {
         if target < before {
             let model = mapper.cheapest(self.rounds);
             mapper.recover(&mut mapping, target, self.rounds, Some(&model));
-            let raw = emit(function, &import, &mapper, &mapping, timing);
+            let tables = &mut *context.tables;
+            let raw = emit(function, &import, &mapper, &mapping, timing, tables);
             let new = balanced(&raw, context.tables, &weights);
             let after = longest(&new).unwrap_or(0);
             if after < before {

@@ -3,14 +3,20 @@
 //! The sums of a recursion are linear in what is late: `x = Σ c·u + e`, the
 //! coefficients `c` and the remainder `e` being ready long before the `u`.
 //! Substituting the same form of each `u` gives `x` as a linear function of
-//! what the `u` depend on, two steps back, with coefficients that can be
-//! computed beside the recursion. A form that goes back `d` steps is composed
-//! of one that goes back `i` and of ones that go back `d - i`; every split is
-//! another way to compute the same coefficients and the same remainder, so
-//! they meet in the same classes, and choosing among them is choosing a
-//! parallel prefix network (Kogge and Stone 1973; Ladner and Fischer 1980) by
-//! arrival times. Coefficients are the same for all right-hand sides of a
-//! recursion (the columns of a mass matrix), and are found to be.
+//! what the `u` depend on, with coefficients that can be computed beside the
+//! recursion.
+//!
+//! How far back is measured in time: at a *frontier* a class is written in
+//! what was available then, every variable behind it having been replaced by
+//! its own form at the same frontier. Variables of one frontier are thus of
+//! one age, and few: the state of the recursion. A form is composed directly,
+//! of the class's equation and the forms of its operands, and of the form at a
+//! nearer frontier and the forms of its variables. Both ways compute the same
+//! coefficients and the same remainder, so they meet in the same classes, and
+//! choosing among them is choosing a parallel prefix network (Sklansky 1960;
+//! Kogge and Stone 1973; Ladner and Fischer 1980) by arrival times.
+//! Coefficients are the same for all right-hand sides of a recursion (the
+//! columns of a mass matrix), and are found to be.
 
 use super::import::Import;
 use super::network::{Class, Form, Network, Signed, Term, add, negate};

@@ -6,7 +6,9 @@ use super::network::{Class, Form, Network, Term, add, multiply};
 use super::timing::Timing;
 use robovec_ir::{
     Assignment, FreshNames, Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol,
+    Tables,
 };
+use smallvec::SmallVec;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -26,16 +28,19 @@ pub(crate) fn emit(
     mapper: &Mapper,
     mapping: &Mapping,
     timing: Timing,
+    tables: &mut Tables,
 ) -> Function {
     let network = &import.network;
+    let used: Vec<(Class, u32)> = mapper.used(mapping).collect();
     let mut writer = Writer {
         network,
+        sources: sources(import, &used, tables),
         timing,
         out: old.skeleton(Level::Atomic),
         held: vec![None; network.len()],
         names: old.fresh_names(),
     };
-    for (class, form) in mapper.used(mapping) {
+    for &(class, form) in &used {
         let name = import.names.get(class.index()).copied();
         let name = name.unwrap_or(Name::NONE);
         writer.class(class, network.form(form), name);
@@ -56,6 +61,48 @@ pub(crate) fn emit(
     writer.out
 }
 
+/// A value made on the way comes from the equations it was made for; it names
+/// at most so many.
+const MOST_SERVED: usize = 8;
+
+/// The equations each class comes from: its own and, of values that are new,
+/// those of the values of the function that they lead to.
+fn sources(import: &Import, used: &[(Class, u32)], tables: &mut Tables) -> Vec<SourceSet> {
+    let network = &import.network;
+    let named = |class: Class| {
+        import
+            .names
+            .get(class.index())
+            .is_some_and(|name| !name.is_none())
+    };
+    let mut served: Vec<SmallVec<[SourceSet; 2]>> = vec![SmallVec::new(); network.len()];
+    let mut sources = vec![SourceSet::EMPTY; network.len()];
+    // Users come behind their operands.
+    for &(class, form) in used.iter().rev() {
+        let own = network.origin_of(class).1;
+        let mut sets = std::mem::take(&mut served[class.index()]);
+        if named(class) {
+            sets.clear();
+        }
+        if !sets.contains(&own) {
+            sets.insert(0, own);
+        }
+        sources[class.index()] = match network.form(form) {
+            Form::Input(..) | Form::Constant(_) => SourceSet::EMPTY,
+            _ => tables.sources.union(&sets),
+        };
+        network.operands(network.form(form), |operand| {
+            let list = &mut served[operand.index()];
+            for &set in &sets {
+                if list.len() < MOST_SERVED && !list.contains(&set) {
+                    list.push(set);
+                }
+            }
+        });
+    }
+    sources
+}
+
 /// What the operations of one class are named and where they come from.
 #[derive(Clone, Copy)]
 struct Naming {
@@ -66,6 +113,8 @@ struct Naming {
 
 struct Writer<'a> {
     network: &'a Network,
+    /// By class: the equations it comes from or serves.
+    sources: Vec<SourceSet>,
     timing: Timing,
     out: Function,
     held: Vec<Option<Held>>,
@@ -74,7 +123,8 @@ struct Writer<'a> {
 
 impl Writer<'_> {
     fn naming(&self, class: Class, last: Name, sources: SourceSet) -> Naming {
-        let (owner, own) = self.network.origin_of(class);
+        let owner = self.network.origin_of(class).0;
+        let own = self.sources[class.index()];
         let sources = if own == SourceSet::EMPTY {
             sources
         } else {

@@ -1,6 +1,6 @@
 //! Classes of equal values and their forms.
 
-use hashbrown::HashMap;
+use hashbrown::{HashMap, HashSet};
 use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::field::PrimeField;
 use robovec_ir::{Input, Operand, Operation, SourceSet, Symbol};
@@ -103,7 +103,8 @@ pub(crate) struct Network {
     classes: Vec<Record>,
     index: HashMap<Fingerprint, Class, FxBuildHasher>,
     forms: Vec<(Form, u32)>,
-    known: HashMap<(Class, u64), (), FxBuildHasher>,
+    /// Classes and hashes of their forms.
+    known: HashSet<(Class, u64), FxBuildHasher>,
     terms: Vec<Term>,
     pub(crate) opaques: Vec<Opaque>,
     /// What new classes are named after and come from.
@@ -117,7 +118,7 @@ impl Network {
             classes: Vec::new(),
             index: HashMap::default(),
             forms: Vec::new(),
-            known: HashMap::default(),
+            known: HashSet::default(),
             terms: Vec::new(),
             opaques: Vec::new(),
             origin: (Symbol(0), SourceSet::EMPTY),
@@ -312,7 +313,7 @@ impl Network {
             return false;
         }
         let hash = FxBuildHasher.hash_one((terms, product));
-        if self.known.insert((class, hash), ()).is_some() {
+        if !self.known.insert((class, hash)) {
             return false;
         }
         let start = self.terms.len() as u32;
