@@ -4,7 +4,7 @@ use crate::analysis::critical_path::{Weights, arrivals};
 use crate::balance::balanced;
 use crate::choice::compose::{Limits, look_ahead};
 use crate::choice::emit::emit;
-use crate::choice::import::{Import, import};
+use crate::choice::import::Import;
 use crate::choice::map::{Mapper, Mapping};
 use crate::choice::timing::Timing;
 use crate::declare_pass;
@@ -63,11 +63,6 @@ impl Pass for Lookahead {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
         let timing = Timing::new(weights);
-        let Some(mut import) = import(function, context.tables, timing) else {
-            let reason = "a value is undefined everywhere; nothing is changed";
-            context.remarks.push(reason.to_owned());
-            return Ok(());
-        };
         let limits = Limits {
             grid: self.grid.max(1),
             frontiers: self.frontiers,
@@ -75,7 +70,9 @@ impl Pass for Lookahead {
             width: self.width as usize,
             window: self.window,
         };
-        look_ahead(&mut import, timing, limits);
+        let Some((import, _)) = look_ahead(function, context, timing, limits) else {
+            return Ok(());
+        };
         let search = Search {
             pass: self,
             function,

@@ -4,7 +4,6 @@ use crate::analysis::critical_path::{Weights, arrivals};
 use crate::balance::balanced;
 use crate::choice::compose::{Limits, look_ahead};
 use crate::choice::emit::emit;
-use crate::choice::import::import;
 use crate::choice::map::Mapper;
 use crate::choice::timing::Timing;
 use crate::declare_pass;
@@ -56,11 +55,6 @@ impl Pass for Recurrence {
         let timing = Timing::new(weights);
         let longest = |function: &Function| arrivals(function, &weights).into_iter().max();
         let before = longest(function).unwrap_or(0);
-        let Some(mut import) = import(function, context.tables, timing) else {
-            let reason = "a value is undefined everywhere; nothing is changed";
-            context.remarks.push(reason.to_owned());
-            return Ok(());
-        };
         let grid = self.grid.max(1);
         let limits = Limits {
             grid,
@@ -69,7 +63,9 @@ impl Pass for Recurrence {
             width: self.width as usize,
             window: self.window,
         };
-        let chain = look_ahead(&mut import, timing, limits);
+        let Some((import, chain)) = look_ahead(function, context, timing, limits) else {
+            return Ok(());
+        };
         let mapper = Mapper::new(&import.network, timing, &import.outputs);
         let mut mapping = mapper.earliest();
         let target = mapper.path(&mapping).max(self.path);

@@ -18,9 +18,11 @@
 //! Coefficients are the same for all right-hand sides of a recursion (the
 //! columns of a mass matrix), and are found to be.
 
-use super::import::Import;
+use super::import::{Import, import};
 use super::network::{Class, Form, Network, Signed, Term, add, negate};
 use super::timing::{Arrivals, Timing};
+use crate::pass::Context;
+use robovec_ir::Function;
 use std::rc::Rc;
 
 /// How far and how wide forms go.
@@ -47,9 +49,25 @@ struct Linear {
     rest: Option<Signed>,
 }
 
-/// Adds forms that look back to all classes of a function; gives the number
-/// of equations of the longest chain that is linear in its latest values.
-pub(crate) fn look_ahead(import: &mut Import, timing: Timing, limits: Limits) -> u32 {
+/// A function as a network whose classes have forms that look back, and the
+/// number of equations of the longest chain that is linear in its latest
+/// values. `None`, with a remark, when nothing can be said of the function.
+pub(crate) fn look_ahead(
+    function: &Function,
+    context: &mut Context<'_>,
+    timing: Timing,
+    limits: Limits,
+) -> Option<(Import, u32)> {
+    let Some(mut import) = import(function, context.tables, timing) else {
+        let reason = "a value is undefined everywhere; nothing is changed";
+        context.remarks.push(reason.to_owned());
+        return None;
+    };
+    let chain = add_forms(&mut import, timing, limits);
+    Some((import, chain))
+}
+
+fn add_forms(import: &mut Import, timing: Timing, limits: Limits) -> u32 {
     let mut composer = Composer {
         network: &mut import.network,
         reference: import.arrivals.clone(),
