@@ -14,6 +14,7 @@ pub mod double_double;
 pub mod entity;
 pub mod evaluate;
 pub mod field;
+pub mod format;
 pub mod function;
 pub mod history;
 pub mod machine;
@@ -28,6 +29,7 @@ pub mod symbol;
 pub mod verify;
 
 pub use entity::{Constant, Input, Operand, OperandKind, Output, Value};
+pub use format::{FixedFormat, Format};
 pub use function::{Array, Assignment, Boundary, Function, Level, Node, Shape, Timing};
 pub use history::{Histories, History, Step};
 pub use machine::Machine;

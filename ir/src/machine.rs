@@ -40,7 +40,7 @@ pub struct Machine {
 }
 
 /// A binary floating-point format.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NumberFormat {
     /// Width of the exponent, in bits.
@@ -53,11 +53,7 @@ pub struct NumberFormat {
 
 impl Default for NumberFormat {
     fn default() -> NumberFormat {
-        NumberFormat {
-            exponent: 8,
-            mantissa: 23,
-            subnormals: true,
-        }
+        NumberFormat::BINARY32
     }
 }
 

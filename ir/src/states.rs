@@ -18,6 +18,9 @@
 //! | `tsim` | time | uniform, 0 to 10 |
 //! | any other | | uniform, ±1 |
 //!
+//! Where somebody knows better what an element can be ([`Ranges`]: a scene's),
+//! it is drawn uniformly from that range instead.
+//!
 //! No component is drawn as zero on purpose: a zero would hide the terms it
 //! multiplies. Every number is rounded to binary32, so that narrow and wide
 //! arithmetics start from the same state. An element depends on the seed, the
@@ -27,12 +30,45 @@
 use crate::field::mix;
 use crate::function::{Array, Shape};
 use crate::module::View;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// A seeded source of random states.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct States {
     seed: u64,
+    ranges: Arc<Ranges>,
+}
+
+/// What some input elements can be.
+#[derive(Clone, PartialEq, Default, Debug)]
+pub struct Ranges {
+    elements: BTreeMap<(String, [u32; 2]), [f64; 2]>,
+}
+
+impl Ranges {
+    /// Says that an element of an array, by its indices from 1 (0 for those
+    /// it does not have), lies between two numbers, in SI units; equal ones
+    /// say what it is.
+    pub fn set(&mut self, array: &str, indices: [u32; 2], low: f64, high: f64) {
+        let key = (array.to_owned(), indices);
+        self.elements.insert(key, [low, high]);
+    }
+
+    /// What is known of an element.
+    pub fn get(&self, array: &str, indices: [u32; 2]) -> Option<[f64; 2]> {
+        if self.elements.is_empty() {
+            return None;
+        }
+        self.elements.get(&(array.to_owned(), indices)).copied()
+    }
+
+    /// All elements that something is known of, in order of their names.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, [u32; 2], [f64; 2])> + '_ {
+        let elements = self.elements.iter();
+        elements.map(|((array, indices), range)| (array.as_str(), *indices, *range))
+    }
 }
 
 /// How an array's elements are distributed.
@@ -61,7 +97,38 @@ impl Scale {
 impl States {
     /// The states of a seed.
     pub fn new(seed: u64) -> States {
-        States { seed }
+        States {
+            seed,
+            ranges: Arc::default(),
+        }
+    }
+
+    /// The same states, but for elements whose range is known. The random
+    /// number that chooses inside a range is the one that would have chosen
+    /// without it.
+    #[must_use]
+    pub fn within(self, ranges: Arc<Ranges>) -> States {
+        States { ranges, ..self }
+    }
+
+    /// The seed they come from.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// What is known of the inputs.
+    pub fn ranges(&self) -> &Ranges {
+        &self.ranges
+    }
+
+    /// The bounds between which an element of an input array is drawn, by its
+    /// place in the array counted from 0, row by row.
+    pub fn bounds(&self, name: &str, array: &Array, offset: u32) -> [f64; 2] {
+        let (indices, _) = array.shape.indices(offset);
+        self.ranges.get(name, indices).unwrap_or_else(|| {
+            let (scale, _) = distribution(name, array, offset);
+            [scale.at(0.0), scale.at(1.0)]
+        })
     }
 
     /// The flattened inputs of a function in the state of a number.
@@ -79,11 +146,30 @@ impl States {
                 let random = mix(salt.wrapping_add(u64::from(place)));
                 // The upper 53 bits fill a binary64 mantissa.
                 let unit = (random >> 11) as f64 / (1u64 << 53) as f64;
-                inputs.push(f64::from(scale.at(unit) as f32));
+                let (indices, _) = array.shape.indices(offset);
+                inputs.push(match self.ranges.get(name, indices) {
+                    Some(range) => inside(range, unit),
+                    None => f64::from(scale.at(unit) as f32),
+                });
             }
         }
         inputs
     }
+}
+
+/// The binary32 number at a place of a range; outside it only when it holds
+/// none.
+fn inside([low, high]: [f64; 2], place: f64) -> f64 {
+    let number = (low + (high - low) * place) as f32;
+    let inner = if f64::from(number) > high {
+        number.next_down()
+    } else if f64::from(number) < low {
+        number.next_up()
+    } else {
+        number
+    };
+    let kept = (low..=high).contains(&f64::from(inner));
+    f64::from(if kept { inner } else { number })
 }
 
 /// The distribution of an element and the place whose random number it takes
@@ -172,5 +258,32 @@ mod tests {
         }
         assert_ne!(tensor[4..8], tensor[8..12]);
         assert!(g[2] < -9.5);
+    }
+
+    #[test]
+    fn known_ranges_are_kept_and_leave_the_rest_alone() {
+        let (tables, function) = sample();
+        let view = View {
+            tables: &tables,
+            function: &function,
+        };
+        let mut ranges = Ranges::default();
+        ranges.set("q", [3, 0], -0.05, 0.05);
+        ranges.set("In", [5, 2], 0.1, 0.1);
+        let free = States::new(1);
+        let bounded = free.clone().within(Arc::new(ranges));
+        for index in 0..50 {
+            let (before, after) = (free.draw(view, index), bounded.draw(view, index));
+            let changed = before.iter().zip(&after).enumerate();
+            let changed: Vec<usize> = changed
+                .filter(|(_, (a, b))| a != b)
+                .map(|(i, _)| i)
+                .collect();
+            assert_eq!(changed, [2, 100 + 4 * 4 + 1]);
+            assert!(after[2].abs() <= 0.05 && f64::from(after[2] as f32) == after[2]);
+            assert_eq!(after[117], f64::from(0.1f32));
+        }
+        assert_eq!(bounded.bounds("q", &function.inputs()[0], 2), [-0.05, 0.05]);
+        assert_eq!(bounded.bounds("q", &function.inputs()[0], 3), [-PI, PI]);
     }
 }
