@@ -17,6 +17,7 @@ pub(crate) use self::inputs::zero;
 use crate::align::align;
 use crate::generate::{FunctionKind, Options, Request, generate};
 use crate::model::{CutKind, Model};
+use robovec_ir::states::States;
 use robovec_ir::{Function, Input, Module, OperandKind, Place, Tables, View};
 use robovec_passes::NumericClass;
 use robovec_passes::check::check;
@@ -326,8 +327,8 @@ fn difference(
             function: &other,
         },
         NumericClass::RealTrig,
+        &States::new(1),
         POINTS,
-        1,
     );
     verdict.failure.map(|failure| failure.name)
 }

@@ -8,6 +8,7 @@
 use robovec::accuracy::{Options, Subject, measure};
 use robovec::generate::{FunctionKind, Request, generate};
 use robovec::model::mbs::read_mbs;
+use robovec_ir::states::States;
 use robovec_ir::{Level, Machine, Module};
 use robovec_passes::analysis::rounding::Trend;
 use robovec_passes::pass::Gives;
@@ -138,7 +139,7 @@ fn what_does_worsen_it_is_seen() {
             tables: &module.tables,
             function: &module.functions[0],
         };
-        rounding(view, 64, 1)
+        rounding(view, &States::new(1), 64)
     };
     let bodies = of(Formulation::from_name("recursive").expect("it exists"));
     let one_frame = of(Formulation::from_name("prefix-serial").expect("it exists"));

@@ -83,7 +83,7 @@ fn execute(
         pipeline,
         Config {
             check_each: Some(2),
-            seed,
+            states: States::new(seed),
             limit,
             executed: Some(&mut executed),
             ..Config::new(&machine, &mut std::io::sink())

@@ -11,6 +11,7 @@ use robovec::model::{Anchor, Asks, Cut, CutKind, Link, Model, Nature, Sensor};
 use robovec::robotran::write::{WriteOptions, write};
 use robovec::robotran::{Language, read};
 use robovec_ir::print::print_module;
+use robovec_ir::states::States;
 use robovec_ir::verify::verify;
 use robovec_ir::{Module, View, same_equations};
 use robovec_passes::NumericClass;
@@ -188,7 +189,7 @@ fn same_dynamics(model: &Model, request: &Request, module: &Module) {
         tables: &module.tables,
         function: &after,
     };
-    let verdict = check(before, after, NumericClass::RealTrig, 2, 1);
+    let verdict = check(before, after, NumericClass::RealTrig, &States::new(1), 2);
     assert!(verdict.holds(), "{request:?}: {verdict}");
 }
 

@@ -84,8 +84,8 @@ pub fn plant(bytes: &mut Unstructured<'_>) -> Result<Mutant> {
             view(&tables, &original),
             view(&tables, after),
             class,
+            &States::new(seed),
             STATES,
-            seed,
         )
     };
     for class in [NumericClass::Exact, NumericClass::RealTrig] {

@@ -2,6 +2,7 @@
 
 use crate::generate::{Kind, module};
 use arbitrary::{Result, Unstructured};
+use robovec_ir::states::States;
 use robovec_ir::{Level, Machine, Module, parse, print};
 use robovec_passes::manager::{self, Config};
 use robovec_passes::{pipeline, registry};
@@ -61,7 +62,7 @@ fn execute(module: &mut Module, text: &str, machine: &str) {
         &pipeline,
         Config {
             check_each: Some(2),
-            seed: 7,
+            states: States::new(7),
             histories: text.len().is_multiple_of(2),
             ..Config::new(&machine, &mut log)
         },

@@ -10,6 +10,7 @@ use crate::term::Term;
 use arbitrary::{Result, Unstructured};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::field::PrimeField;
+use robovec_ir::states::States;
 use robovec_ir::{Assignment, Input, Machine, Module, Operand, Output, Shape, SourceSet, print};
 use robovec_passes::manager::{self, Config, Executed, RunError};
 use robovec_passes::pipeline::{self, PassStep, Pipeline, Step};
@@ -212,7 +213,7 @@ fn execute(
         Config {
             check_each: Some(2),
             rules: Some(rules),
-            seed,
+            states: States::new(seed),
             executed: Some(&mut executed),
             ..Config::new(&machine, &mut std::io::sink())
         },

@@ -10,6 +10,7 @@ mod view;
 
 pub use view::{figure, summary, table, text};
 
+use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module};
 use robovec_passes::analysis::critical_path::critical_path;
 use robovec_passes::analysis::rounding::{Change, Rounding};
@@ -86,7 +87,7 @@ pub fn measure(
     let mut log = io::sink();
     let config = Config {
         rounding: Some(options.states),
-        seed: options.seed,
+        states: States::new(options.seed),
         progress: Some(progress),
         ..Config::new(machine, &mut log)
     };

@@ -118,8 +118,8 @@ fn proof(
         before,
         after,
         arguments.class(),
+        &States::new(arguments.seed),
         arguments.points,
-        arguments.seed,
     );
     if verdict.holds() {
         return Ok(verdict.to_string());

@@ -11,6 +11,7 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 use clap_complete::env::{CompleteEnv, Shells};
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, termcolor::ColorChoice};
+use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
 use robovec_passes::manager::{self, Config, Outcome, PassFilter, PrintChanged, RunError, usage};
 use robovec_passes::pipeline::Pipeline;
@@ -241,7 +242,7 @@ fn transform(
                 .check_each
                 .or_else(|| arguments.auto_reduce.as_ref().map(|_| reproducer::POINTS)),
             rounding: arguments.report.is_some().then_some(0),
-            seed: arguments.seed,
+            states: States::new(arguments.seed),
             print_before: filter(arguments.print_before.as_deref()),
             print_after: filter(print_after),
             print_changed: arguments.print_changed.as_deref().map(|how| match how {
@@ -372,10 +373,10 @@ fn write_report(
         })
         .collect();
     let options = report::ReportOptions {
-        seed: arguments.seed,
+        states: States::new(arguments.seed),
         ..report::ReportOptions::default()
     };
-    let mut report = report::Report::collect(module, machine, &records, options);
+    let mut report = report::Report::collect(module, machine, &records, &options);
     for (function, read) in report.functions.iter_mut().zip(read) {
         function.equations = read.equations;
         function.vectors = read.vectors;

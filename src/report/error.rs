@@ -1,9 +1,11 @@
 //! The rounding errors of every output, array by array.
 
+use super::ReportOptions;
 use super::records::SummaryReport;
 use robovec_ir::View;
+use robovec_ir::format::Format;
 use robovec_ir::print::print_output;
-use robovec_passes::analysis::accuracy::{Accuracy, ElementError, FormatAccuracy, Spread};
+use robovec_passes::analysis::accuracy::{ElementError, FormatAccuracy, Spread, accuracy};
 use serde::Serialize;
 
 /// Rounding errors over seeded random states.
@@ -77,13 +79,17 @@ impl From<Spread> for SpreadReport {
 }
 
 impl ErrorReport {
-    pub(super) fn new(view: View<'_>, accuracy: &Accuracy) -> ErrorReport {
+    pub(super) fn new(view: View<'_>, options: &ReportOptions) -> ErrorReport {
+        let formats = [Format::BINARY32, Format::BINARY64];
+        let accuracy = accuracy(view, &options.states, options.count, &formats);
+        let [binary32, binary64] =
+            [0, 1].map(|index| FormatReport::new(view, &accuracy.formats[index]));
         ErrorReport {
             reference: "double-double",
             states: accuracy.states,
             seed: accuracy.seed,
-            binary32: FormatReport::new(view, &accuracy.binary32),
-            binary64: FormatReport::new(view, &accuracy.binary64),
+            binary32,
+            binary64,
         }
     }
 }

@@ -16,8 +16,8 @@ pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
 pub(crate) use text::{table, units};
 
 use robovec_ir::count::Counts;
+use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, View};
-use robovec_passes::analysis::accuracy::accuracy;
 use robovec_passes::analysis::critical_path::critical_path;
 use robovec_passes::analysis::rounding::Rounding;
 use robovec_passes::check::Verdict;
@@ -50,19 +50,19 @@ pub struct PassRecord {
 }
 
 /// What a report measures.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct ReportOptions {
-    /// Random states over which rounding errors are measured.
-    pub states: u32,
-    /// Where the states come from.
-    pub seed: u64,
+    /// Where the states come from over which rounding errors are measured.
+    pub states: States,
+    /// How many of them.
+    pub count: u32,
 }
 
 impl Default for ReportOptions {
     fn default() -> ReportOptions {
         ReportOptions {
-            states: 16,
-            seed: 1,
+            states: States::new(1),
+            count: 16,
         }
     }
 }
@@ -130,7 +130,7 @@ impl Report {
         module: &Module,
         machine: &Machine,
         passes: &[PassRecord],
-        options: ReportOptions,
+        options: &ReportOptions,
     ) -> Report {
         let describe = |function: &Function| {
             let view = View {
@@ -164,7 +164,7 @@ impl FunctionReport {
         view: View<'_>,
         machine: &Machine,
         passes: &[PassRecord],
-        options: ReportOptions,
+        options: &ReportOptions,
     ) -> FunctionReport {
         let function = view.function;
         let counts = Counts::of(function);
@@ -190,7 +190,7 @@ impl FunctionReport {
             boundaries: BoundaryReport::collect(view),
             passes: own.map(|record| PassReport::new(record, view)).collect(),
             schedule: ScheduleReport::collect(function, machine),
-            error: ErrorReport::new(view, &accuracy(view, options.states, options.seed)),
+            error: ErrorReport::new(view, options),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
+use robovec_ir::states::States;
 use robovec_ir::{
     Assignment, Boundary, Input, Level, Name, Node, Operand, Operation, Output, Shape, SourceSet,
 };
@@ -114,13 +115,13 @@ fn report() -> Report {
         verdict,
         rounding: None,
     };
-    let measured = Arc::new(rounding(view, 32, 1));
+    let measured = Arc::new(rounding(view, &States::new(1), 32));
     let passes = [
         PassRecord {
             rounding: Some([measured.clone(), measured]),
             ..record(
                 "atomise",
-                Some(check(view, view, NumericClass::Exact, 3, 1)),
+                Some(check(view, view, NumericClass::Exact, &States::new(1), 3)),
             )
         },
         record("place{n_add=1 n_multi=1}", None),
@@ -129,7 +130,7 @@ fn report() -> Report {
             ..record("dce", None)
         },
     ];
-    Report::collect(&module, &machine, &passes, ReportOptions::default())
+    Report::collect(&module, &machine, &passes, &ReportOptions::default())
 }
 
 #[test]

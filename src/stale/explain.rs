@@ -4,6 +4,7 @@ use super::inputs::is_zero;
 use super::{Comparison, Element, element, extent, metadata, used};
 use crate::align::replace;
 use crate::model::{Model, Point};
+use robovec_ir::states::States;
 use robovec_ir::{Function, Module, Operand, Tables, View};
 use robovec_passes::NumericClass;
 use robovec_passes::check::check;
@@ -18,7 +19,14 @@ fn depends(tables: &Tables, function: &Function, on: &Element) -> bool {
     let named = |input| element(tables, function, input) == *on;
     replace(&mut without, |input| named(input).then_some(constant));
     let view = |function| View { tables, function };
-    !check(view(function), view(&without), NumericClass::RealTrig, 1, 1).holds()
+    !check(
+        view(function),
+        view(&without),
+        NumericClass::RealTrig,
+        &States::new(1),
+        1,
+    )
+    .holds()
 }
 
 /// A parameter as a user knows it.

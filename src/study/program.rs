@@ -5,6 +5,7 @@ use super::plan::{NamedMachine, NamedPipeline, Subject};
 use super::store::Key;
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Report, did_you_mean};
+use robovec_ir::states::States;
 use robovec_ir::{Machine, Module, Operation, View, print};
 use robovec_passes::analysis::critical_path::critical_path;
 use robovec_passes::analysis::rounding::{Rounding, rounding, usual_states};
@@ -116,7 +117,7 @@ impl Equations {
             function,
         };
         Ok(Equations {
-            rounding: Arc::new(rounding(view, states, SEED)),
+            rounding: Arc::new(rounding(view, &States::new(SEED), states)),
             module,
             key,
             equations: counts.equations,
@@ -147,7 +148,7 @@ impl Equations {
             tables: &module.tables,
             function,
         };
-        let now = rounding(view, self.rounding.states, SEED);
+        let now = rounding(view, &States::new(SEED), self.rounding.states);
         let facts = ProgramFacts {
             model: subject.name.clone(),
             pipeline: pipeline.name.clone(),

@@ -7,6 +7,7 @@ use robovec::align::align;
 use robovec::generate::{Formulation, FunctionKind, Request};
 use robovec_ir::View;
 use robovec_ir::double_double::Double;
+use robovec_ir::states::States;
 use robovec_passes::NumericClass;
 use robovec_passes::check::check;
 
@@ -96,7 +97,13 @@ fn formulations_are_equal_over_the_real_numbers() {
                     tables: &module.tables,
                     function,
                 });
-                let verdict = check(views[0], views[1], NumericClass::RealTrig, 2, case.seed);
+                let verdict = check(
+                    views[0],
+                    views[1],
+                    NumericClass::RealTrig,
+                    &States::new(case.seed),
+                    2,
+                );
                 assert!(
                     verdict.holds(),
                     "seed {}, {}: {verdict}",

@@ -24,6 +24,7 @@ use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_ir::batch::Batch;
 use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::evaluate::evaluate;
+use robovec_ir::format::Format;
 use robovec_ir::states::States;
 use robovec_ir::{Output, View};
 use std::array;
@@ -65,6 +66,8 @@ pub struct ArrayError {
 /// The errors in one number format.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FormatAccuracy {
+    /// What was computed with.
+    pub format: Format,
     /// One entry per assignment, in the function's order.
     pub elements: Vec<ElementError>,
     /// One entry per output array that has an assignment.
@@ -78,10 +81,15 @@ pub struct Accuracy {
     pub states: u32,
     /// From which seed.
     pub seed: u64,
-    /// In IEEE binary32.
-    pub binary32: FormatAccuracy,
-    /// In IEEE binary64.
-    pub binary64: FormatAccuracy,
+    /// One entry per format, in the order they were asked for.
+    pub formats: Vec<FormatAccuracy>,
+}
+
+impl Accuracy {
+    /// The errors in a format; `None` when it was not measured.
+    pub fn of(&self, format: Format) -> Option<&FormatAccuracy> {
+        self.formats.iter().find(|entry| entry.format == format)
+    }
 }
 
 /// The errors of a whole function in a few numbers.
@@ -124,52 +132,68 @@ impl FormatAccuracy {
     }
 }
 
-/// Measures the errors of a function over a number of states.
-pub fn accuracy(view: View<'_>, states: u32, seed: u64) -> Accuracy {
-    let mut narrow = Samples::new(view, 23, -126);
-    let mut wide = Samples::new(view, 52, -1022);
-    let source = States::new(seed);
-    // The last batch may hold more states than are wanted.
-    for first in (0..states).step_by(LANES) {
-        let inputs: [Vec<f64>; LANES] =
-            array::from_fn(|lane| source.draw(view, first + lane as u32));
-        let exact = evaluate_lanes(view, DoubleDouble, &inputs);
-        let single = evaluate_lanes(view, Binary32, &inputs);
-        let double = evaluate_lanes(view, Binary64, &inputs);
-        for lane in 0..LANES.min((states - first) as usize) {
-            let exact: Vec<Double> = exact.iter().map(|lanes| lanes[lane]).collect();
-            narrow.add(
-                view,
-                &exact,
-                single.iter().map(|lanes| f64::from(lanes[lane])),
-            );
-            wide.add(view, &exact, double.iter().map(|lanes| lanes[lane]));
+/// Measures the errors of a function in the given formats over the first
+/// `count` states.
+pub fn accuracy(view: View<'_>, states: &States, count: u32, formats: &[Format]) -> Accuracy {
+    let mut samples: Vec<Samples> = formats
+        .iter()
+        .map(|&format| Samples::new(view, format))
+        .collect();
+    for_each_batch(view, states, count, |inputs, exact| {
+        for samples in &mut samples {
+            let computed = evaluate_in(view, samples.format, inputs);
+            samples.add_batch(view, exact, &computed);
         }
-    }
+    });
     Accuracy {
-        states,
-        seed,
-        binary32: narrow.finish(view),
-        binary64: wide.finish(view),
+        states: count,
+        seed: states.seed(),
+        formats: samples.iter().map(|samples| samples.finish(view)).collect(),
     }
 }
 
-/// The errors in binary32 alone, state by state.
-pub(super) fn samples_binary32(view: View<'_>, states: u32, seed: u64) -> Samples {
-    let mut samples = Samples::new(view, 23, -126);
-    let source = States::new(seed);
-    for first in (0..states).step_by(LANES) {
-        let inputs: [Vec<f64>; LANES] =
-            array::from_fn(|lane| source.draw(view, first + lane as u32));
-        let exact = evaluate_lanes(view, DoubleDouble, &inputs);
-        let single = evaluate_lanes(view, Binary32, &inputs);
-        for lane in 0..LANES.min((states - first) as usize) {
-            let exact: Vec<Double> = exact.iter().map(|lanes| lanes[lane]).collect();
-            let single = single.iter().map(|lanes| f64::from(lanes[lane]));
-            samples.add(view, &exact, single);
-        }
-    }
+/// The errors in one format, state by state.
+pub(super) fn samples(view: View<'_>, states: &States, count: u32, format: Format) -> Samples {
+    let mut samples = Samples::new(view, format);
+    for_each_batch(view, states, count, |inputs, exact| {
+        let computed = evaluate_in(view, format, inputs);
+        samples.add_batch(view, exact, &computed);
+    });
     samples
+}
+
+/// Draws states and evaluates them exactly, some at a time. The exact outputs
+/// of every lane that is wanted are handed on: the last batch may hold more
+/// states.
+fn for_each_batch(
+    view: View<'_>,
+    states: &States,
+    count: u32,
+    mut use_batch: impl FnMut(&[Vec<f64>; LANES], &[Vec<Double>]),
+) {
+    for first in (0..count).step_by(LANES) {
+        let inputs: [Vec<f64>; LANES] =
+            array::from_fn(|lane| states.draw(view, first + lane as u32));
+        let exact = evaluate_lanes(view, DoubleDouble, &inputs);
+        let wanted = LANES.min((count - first) as usize);
+        let exact: Vec<Vec<Double>> = (0..wanted)
+            .map(|lane| exact.iter().map(|lanes| lanes[lane]).collect())
+            .collect();
+        use_batch(&inputs, &exact);
+    }
+}
+
+/// The outputs of all lanes in a format, as binary64 numbers.
+fn evaluate_in(view: View<'_>, format: Format, inputs: &[Vec<f64>; LANES]) -> Vec<[f64; LANES]> {
+    match format {
+        Format::BINARY64 => evaluate_lanes(view, Binary64, inputs),
+        Format::BINARY32 => evaluate_lanes(view, Binary32, inputs)
+            .into_iter()
+            .map(|lanes| lanes.map(f64::from))
+            .collect(),
+        // No number is what an arithmetic that is not there computes.
+        _ => vec![[f64::NAN; LANES]; view.function.assignments.len()],
+    }
 }
 
 /// The outputs of a function in a state, in the order of its assignments.
@@ -211,9 +235,7 @@ fn evaluate_lanes<A: Arithmetic + Copy>(
 
 /// Errors of one format, state after state.
 pub(super) struct Samples {
-    /// Stored bits of the mantissa and the smallest normal exponent.
-    mantissa: i32,
-    smallest: i32,
+    format: Format,
     /// For each state the relative errors and the errors in ulps of all
     /// assignments.
     states: Vec<Vec<(f64, f64)>>,
@@ -225,7 +247,7 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    fn new(view: View<'_>, mantissa: i32, smallest: i32) -> Samples {
+    fn new(view: View<'_>, format: Format) -> Samples {
         let outputs = view.function.outputs();
         let holds = |output: Output| {
             // As in the function: empty arrays share an offset with the next.
@@ -233,11 +255,16 @@ impl Samples {
         };
         let assignments = view.function.assignments.iter();
         Samples {
-            mantissa,
-            smallest,
+            format,
             states: Vec::new(),
             norms: Vec::new(),
             arrays: assignments.map(|a| holds(a.output)).collect(),
+        }
+    }
+
+    fn add_batch(&mut self, view: View<'_>, exact: &[Vec<Double>], computed: &[[f64; LANES]]) {
+        for (lane, exact) in exact.iter().enumerate() {
+            self.add(view, exact, computed.iter().map(|lanes| lanes[lane]));
         }
     }
 
@@ -286,12 +313,17 @@ impl Samples {
 
     /// The unit in the last place of a number.
     fn ulp(&self, size: f64) -> f64 {
+        let float = match self.format {
+            Format::Float(float) => float,
+            Format::Fixed(fixed) => return 2f64.powi(-(fixed.fraction as i32)),
+        };
+        let smallest = float.smallest_exponent();
         let exponent = match size.to_bits() >> 52 {
             // Zero and subnormals.
-            0 => self.smallest,
-            biased => (biased as i32 - 1023).max(self.smallest),
+            0 => smallest,
+            biased => (biased as i32 - 1023).max(smallest),
         };
-        2f64.powi(exponent - self.mantissa)
+        2f64.powi(exponent - float.mantissa as i32)
     }
 
     fn finish(&self, view: View<'_>) -> FormatAccuracy {
@@ -338,6 +370,7 @@ impl Samples {
             present[array] = true;
         }
         FormatAccuracy {
+            format: self.format,
             elements: assignments.map(|(i, a)| element(i, a.output)).collect(),
             arrays: (0..present.len())
                 .filter(|&index| present[index])
@@ -398,6 +431,11 @@ mod tests {
         });
     }
 
+    fn measured(view: View<'_>, count: u32) -> Accuracy {
+        let formats = [Format::BINARY32, Format::BINARY64];
+        accuracy(view, &States::new(3), count, &formats)
+    }
+
     #[test]
     fn one_rounding_costs_at_most_half_an_ulp_and_a_copy_nothing() {
         let mut tables = Tables::default();
@@ -410,15 +448,15 @@ mod tests {
             tables: &tables,
             function: &function,
         };
-        let accuracy = accuracy(view, 40, 3);
-        let narrow = &accuracy.binary32;
+        let accuracy = measured(view, 40);
+        let narrow = &accuracy.formats[0];
         let product = narrow.elements[0];
         assert!(product.ulps.worst <= 0.5 && product.ulps.worst > 0.4);
         assert!(product.ulps.median > 0.1 && product.ulps.median < 0.4);
         assert!(product.relative.worst <= 2f64.powi(-24));
         assert_eq!(narrow.elements[1].relative.worst, 0.0);
         // Products of two binary32 numbers are exact in binary64.
-        assert_eq!(accuracy.binary64.elements[0].ulps.worst, 0.0);
+        assert_eq!(accuracy.formats[1].elements[0].ulps.worst, 0.0);
         assert_eq!(narrow.summary().worst_output, Some(Output(0)));
         assert!(narrow.arrays[0].normwise.worst <= 2f64.powi(-24));
     }
@@ -441,17 +479,17 @@ mod tests {
             tables: &tables,
             function: &function,
         };
-        let accuracy = accuracy(view, 5, 3);
+        let accuracy = measured(view, 5);
         let errors = |format: &FormatAccuracy| {
             let worst = |index: usize| format.elements[index].relative.worst;
             (worst(0), worst(1), worst(2))
         };
-        let (cancelled, overflown, undefined) = errors(&accuracy.binary32);
+        let (cancelled, overflown, undefined) = errors(&accuracy.formats[0]);
         assert!(cancelled >= 1.0 && overflown == f64::INFINITY && undefined.is_nan());
-        let (cancelled, square, undefined) = errors(&accuracy.binary64);
+        let (cancelled, square, undefined) = errors(&accuracy.formats[1]);
         assert!(cancelled == 1.0 && square < 1e-15 && undefined.is_nan());
         assert_eq!(
-            accuracy.binary64.summary().worst_output,
+            accuracy.formats[1].summary().worst_output,
             Some(Output(0)),
             "an undefined output is not the worst"
         );
@@ -474,7 +512,7 @@ mod tests {
             tables: &tables,
             function: &function,
         };
-        let accuracy = accuracy(view, 40, 3).binary32;
+        let accuracy = measured(view, 40).formats[0].clone();
         let element = accuracy.elements[0];
         assert!(element.vanishing > 0 && element.vanishing < 40);
         assert_eq!(element.relative.worst, 0.0, "the other states are exact");

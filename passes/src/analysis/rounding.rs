@@ -19,8 +19,10 @@
 //! one of two hundred comparisons of equals, in either direction (Student's
 //! t with seven degrees of freedom, one-sided).
 
-use super::accuracy::samples_binary32;
+use super::accuracy::samples;
 use robovec_ir::View;
+use robovec_ir::format::Format;
+use robovec_ir::states::States;
 use std::cmp::Ordering;
 use std::fmt;
 use std::ops::Range;
@@ -112,9 +114,10 @@ pub fn usual_states(operations: usize) -> u32 {
 
 /// Measures the errors of a function over a number of states. Takes some ten
 /// nanoseconds per operation and state.
-pub fn rounding(view: View<'_>, states: u32, seed: u64) -> Rounding {
-    let samples = samples_binary32(view, states, seed);
-    let count = states as usize;
+pub fn rounding(view: View<'_>, states: &States, count: u32) -> Rounding {
+    let samples = samples(view, states, count, Format::BINARY32);
+    let drawn = count;
+    let count = count as usize;
     let relative = |states: Range<usize>| -> Vec<f64> {
         states.flat_map(|state| samples.relative(state)).collect()
     };
@@ -124,8 +127,8 @@ pub fn rounding(view: View<'_>, states: u32, seed: u64) -> Rounding {
     let block = |block: usize| block * count / BLOCKS..(block + 1) * count / BLOCKS;
     let blocks = (0..BLOCKS).map(block);
     Rounding {
-        states,
-        seed,
+        states: drawn,
+        seed: states.seed(),
         relative: Quantiles::of(&mut relative(0..count)),
         normwise: Quantiles::of(&mut normwise(0..count)),
         blocks: [
@@ -249,7 +252,7 @@ mod tests {
             tables: &module.tables,
             function: &module.functions[0],
         };
-        rounding(view, states, 5)
+        rounding(view, &States::new(5), states)
     }
 
     #[test]

@@ -38,8 +38,11 @@ pub use failure::{Failure, FailureKind};
 use field::Comparison;
 use pairing::{Pairs, Unpaired};
 use robovec_ir::field::PrimeField;
+use robovec_ir::format::Format;
 use robovec_ir::print::print_output;
+use robovec_ir::states::States;
 use robovec_ir::{Output, View};
+use std::array;
 use std::fmt;
 
 /// What the check found.
@@ -92,21 +95,21 @@ pub fn check(
     before: View<'_>,
     after: View<'_>,
     class: NumericClass,
+    states: &States,
     points: u32,
-    seed: u64,
 ) -> Verdict {
     let points = points.max(1);
     let mut verdict = Verdict {
         class,
         points,
-        seed,
+        seed: states.seed(),
         failure: None,
         undefined: 0,
         errors: None,
         deviation: None,
     };
     match Pairs::new(before, after) {
-        Ok(pairs) => judge(&pairs, &mut verdict),
+        Ok(pairs) => judge(&pairs, states, &mut verdict),
         Err(Unpaired { output, reason }) => {
             verdict.failure = Some(Failure {
                 kind: FailureKind::Signature { reason },
@@ -124,16 +127,16 @@ pub fn check(
     verdict
 }
 
-fn judge(pairs: &Pairs<'_>, verdict: &mut Verdict) {
+fn judge(pairs: &Pairs<'_>, states: &States, verdict: &mut Verdict) {
     let (points, seed) = (verdict.points, verdict.seed);
     if verdict.class == NumericClass::Approximating {
-        verdict.deviation = Some(numeric::deviation(pairs, points, seed));
+        verdict.deviation = Some(numeric::deviation(pairs, states, points));
     } else {
         let circle = verdict.class == NumericClass::RealTrig;
         match field::compare(pairs, circle, points, seed) {
             Comparison::Equal { undefined } => {
                 verdict.undefined = undefined.len() as u32;
-                let difference = numeric::first_distance(pairs, &undefined, points, seed);
+                let difference = numeric::first_distance(pairs, &undefined, states, points);
                 let field = PrimeField { seed, circle };
                 verdict.failure =
                     difference.map(|(output, kind)| explain(pairs, kind, output, &field));
@@ -155,7 +158,7 @@ fn judge(pairs: &Pairs<'_>, verdict: &mut Verdict) {
     }
     if verdict.failure.is_none()
         && verdict.class == NumericClass::Exact
-        && let Some((output, kind)) = numeric::first_bit_difference(pairs, points, seed)
+        && let Some((output, kind)) = numeric::first_bit_difference(pairs, states, points)
     {
         let field = PrimeField {
             seed,
@@ -164,23 +167,18 @@ fn judge(pairs: &Pairs<'_>, verdict: &mut Verdict) {
         verdict.failure = Some(explain(pairs, kind, output, &field));
     }
     if verdict.failure.is_none() {
-        verdict.errors = Some(error_changes(pairs, points, seed));
+        verdict.errors = Some(error_changes(pairs, states, points));
     }
 }
 
-fn error_changes(pairs: &Pairs<'_>, points: u32, seed: u64) -> [ErrorChange; 2] {
-    let before = accuracy(pairs.before, points, seed);
-    let after = accuracy(pairs.after, points, seed);
-    [
-        ErrorChange {
-            before: before.binary32.summary(),
-            after: after.binary32.summary(),
-        },
-        ErrorChange {
-            before: before.binary64.summary(),
-            after: after.binary64.summary(),
-        },
-    ]
+fn error_changes(pairs: &Pairs<'_>, states: &States, points: u32) -> [ErrorChange; 2] {
+    let formats = [Format::BINARY32, Format::BINARY64];
+    let [before, after] =
+        [pairs.before, pairs.after].map(|view| accuracy(view, states, points, &formats));
+    array::from_fn(|index| ErrorChange {
+        before: before.formats[index].summary(),
+        after: after.formats[index].summary(),
+    })
 }
 
 /// The seed of the `n`th point of a run.

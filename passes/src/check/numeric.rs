@@ -12,10 +12,9 @@ use robovec_ir::{Output, View};
 /// The first output that is not bit-equal in binary64 or binary32.
 pub(super) fn first_bit_difference(
     pairs: &Pairs<'_>,
+    source: &States,
     states: u32,
-    seed: u64,
 ) -> Option<(Output, FailureKind)> {
-    let source = States::new(seed);
     (0..states).find_map(|state| {
         let inputs = source.draw(pairs.before, state);
         compare_bits(pairs, &Binary64, &inputs, ("binary64", state))
@@ -87,14 +86,13 @@ where
 pub(super) fn first_distance(
     pairs: &Pairs<'_>,
     among: &[usize],
+    source: &States,
     states: u32,
-    seed: u64,
 ) -> Option<(Output, FailureKind)> {
     const TOLERANCE: f64 = 1e-9;
     if among.is_empty() {
         return None;
     }
-    let source = States::new(seed);
     (0..states).find_map(|state| {
         let inputs = source.draw(pairs.before, state);
         let before = evaluate_at(pairs.before, &DoubleDouble, &inputs);
@@ -116,13 +114,12 @@ pub(super) fn first_distance(
 }
 
 /// How far the versions are apart in double-double.
-pub(super) fn deviation(pairs: &Pairs<'_>, states: u32, seed: u64) -> Deviation {
+pub(super) fn deviation(pairs: &Pairs<'_>, source: &States, states: u32) -> Deviation {
     let mut deviation = Deviation {
         worst_normwise: 0.0,
         worst_relative: 0.0,
         output: None,
     };
-    let source = States::new(seed);
     let arrays = pairs.before.function.outputs();
     for state in 0..states {
         let inputs = source.draw(pairs.before, state);

@@ -1,6 +1,7 @@
 //! The check accepts what is equal and catches what is not.
 
 use super::*;
+use robovec_ir::states::States;
 use robovec_ir::{
     Assignment, Function, Input, Level, Name, Node, Operand, Operation, Shape, SourceSet, Tables,
 };
@@ -74,7 +75,7 @@ fn single(body: impl FnOnce(&mut Builder) -> Operand) -> Builder {
 use Operation::{Add, Cos, Div, Mul, Neg, Sin, Sqrt, Sub};
 
 fn verdict(before: &Builder, after: &Builder, class: NumericClass) -> Verdict {
-    check(before.view(), after.view(), class, 3, 11)
+    check(before.view(), after.view(), class, &States::new(11), 3)
 }
 
 fn holds(before: &Builder, after: &Builder, class: NumericClass) -> bool {
@@ -100,7 +101,13 @@ fn reassociation_is_real_and_not_exact() {
     assert!(holds(&left, &right, NumericClass::Real));
     assert!(holds(&left, &right, NumericClass::RealTrig));
     assert!(holds(&left, &left, NumericClass::Exact));
-    let verdict = check(left.view(), right.view(), NumericClass::Exact, 20, 11);
+    let verdict = check(
+        left.view(),
+        right.view(),
+        NumericClass::Exact,
+        &States::new(11),
+        20,
+    );
     let failure = verdict.failure.expect("some of 20 states round otherwise");
     assert!(matches!(failure.kind, FailureKind::Bits { .. }));
     assert_eq!(failure.name, "y[1]");
@@ -257,8 +264,8 @@ fn an_approximation_is_measured() {
         before.view(),
         after.view(),
         NumericClass::Approximating,
+        &States::new(1),
         20,
-        1,
     );
     let deviation = verdict.deviation.expect("approximations are measured");
     // Inputs called `x` lie within ±1, where the series is off by x⁴/24.

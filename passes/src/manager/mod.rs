@@ -29,6 +29,7 @@ use crate::rules::RuleSet;
 use crate::trail::{self, Follower, Notes, Trail};
 use instrument::Instruments;
 use measure::Meter;
+use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
 use std::any::Any;
 use std::borrow::Cow;
@@ -54,8 +55,9 @@ pub struct Config<'a> {
     /// so many states; [`usual_states`] of the function as it was read for
     /// `Some(0)`.
     pub rounding: Option<u32>,
-    /// Seed of the random points.
-    pub seed: u64,
+    /// Where random states come from; their seed is also that of the points
+    /// of the prime field.
+    pub states: States,
     /// Print the function before these passes.
     pub print_before: PassFilter,
     /// Print the function after these passes.
@@ -88,7 +90,7 @@ impl<'a> Config<'a> {
             verify_each: true,
             check_each: None,
             rounding: None,
-            seed: 1,
+            states: States::new(1),
             print_before: PassFilter::None,
             print_after: PassFilter::None,
             print_changed: None,
@@ -232,8 +234,7 @@ pub fn run(
                 states => states,
             };
             let view = View { tables, function };
-            let seed = run.instruments.config.seed;
-            let measured = rounding(view, states, seed);
+            let measured = rounding(view, &run.instruments.config.states, states);
             (measure::computation(function), Arc::new(measured))
         });
         run.steps(pipeline, tables, function)?;
@@ -396,7 +397,11 @@ impl Run<'_> {
             before.clone()
         } else {
             let view = View { tables, function };
-            Arc::new(rounding(view, before.states, before.seed))
+            Arc::new(rounding(
+                view,
+                &self.instruments.config.states,
+                before.states,
+            ))
         };
         self.rounding = Some((new, after.clone()));
         Some([before, after])
@@ -475,8 +480,8 @@ impl Run<'_> {
                 function: after,
             },
             class,
+            &self.instruments.config.states,
             points,
-            self.instruments.config.seed,
         );
         if verdict.holds() {
             return Ok(verdict);

@@ -5,6 +5,7 @@ use crate::pass::{Gives, Pass};
 use crate::pipeline;
 use crate::pipeline::Step;
 use crate::{declare_pass, registry};
+use robovec_ir::states::States;
 use robovec_ir::{Operation, parse};
 
 declare_pass! {
@@ -85,7 +86,7 @@ fn run_steps(steps: Vec<Step>, check_each: Option<u32>) -> Result<(Module, Outco
     let mut log = Vec::new();
     let config = Config {
         check_each,
-        seed: 3,
+        states: States::new(3),
         ..Config::new(&machine, &mut log)
     };
     let outcome = run(&mut module, &Pipeline { steps }, config)?;

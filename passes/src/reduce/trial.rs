@@ -3,6 +3,7 @@
 use crate::manager::{self, Config, Executed, Limit, RunError};
 use crate::pipeline::{PassStep, Pipeline, Step};
 use crate::rules::RuleSet;
+use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, Tables};
 use std::io;
 
@@ -91,7 +92,7 @@ pub(super) fn run(
         Config {
             check_each: judged.then_some(setting.points),
             verify_each: judged,
-            seed: setting.seed,
+            states: States::new(setting.seed),
             rules: Some(setting.rules),
             limit,
             executed: Some(&mut executed),
