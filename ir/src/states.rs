@@ -22,8 +22,8 @@
 //! it is drawn uniformly from that range instead.
 //!
 //! No component is drawn as zero on purpose: a zero would hide the terms it
-//! multiplies. Every number is rounded to binary32, so that narrow and wide
-//! arithmetics start from the same state. An element depends on the seed, the
+//! multiplies. Every number that is drawn is rounded to binary32, so that narrow
+//! and wide arithmetics start from the same state. An element depends on the seed, the
 //! number of the state, the array's name and the place in the array alone:
 //! two versions of a function see the same states.
 
@@ -158,8 +158,12 @@ impl States {
 }
 
 /// The binary32 number at a place of a range; outside it only when it holds
-/// none.
+/// none. A range of one number says what the element is: that number, whatever
+/// its bits, since a program into which it was compiled holds it so.
 fn inside([low, high]: [f64; 2], place: f64) -> f64 {
+    if low == high {
+        return low;
+    }
     let number = (low + (high - low) * place) as f32;
     let inner = if f64::from(number) > high {
         number.next_down()
@@ -281,7 +285,7 @@ mod tests {
                 .collect();
             assert_eq!(changed, [2, 100 + 4 * 4 + 1]);
             assert!(after[2].abs() <= 0.05 && f64::from(after[2] as f32) == after[2]);
-            assert_eq!(after[117], f64::from(0.1f32));
+            assert_eq!(after[117], 0.1);
         }
         assert_eq!(bounded.bounds("q", &function.inputs()[0], 2), [-0.05, 0.05]);
         assert_eq!(bounded.bounds("q", &function.inputs()[0], 3), [-PI, PI]);

@@ -34,6 +34,7 @@ pub mod registry;
 pub mod rewrite;
 pub mod rewrites;
 pub mod rules;
+pub mod scene;
 pub mod swap;
 pub mod trail;
 pub mod zero_removal;

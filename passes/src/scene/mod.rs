@@ -1,0 +1,254 @@
+//! Scenes: what a program is needed for.
+//!
+//! A function of a model answers every question for every parameter and every
+//! state. A scene says which questions are asked: the outputs that are needed
+//! and the error each may have, the inputs whose numbers are known when the
+//! program is compiled, the joints that do not move or move as prescribed, how
+//! large the state can be, and how long an evaluation may take. Passes read it
+//! from their context (`specialise` first of all), measurements draw their
+//! states from it.
+//!
+//! A scene is data and belongs to no function: arrays go by name, elements by
+//! their indices from 1 (0 for those an array does not have). What names an
+//! array that a function does not have says nothing about that function, so
+//! that one scene serves every formulation.
+//!
+//! **Invariants** (what reads scenes upholds): numbers are finite, the low end
+//! of a range is not above the high end, no element is both bound and ranged,
+//! and of locked joints position, velocity and acceleration are bound.
+
+mod pattern;
+
+pub use pattern::{IndexPattern, Pattern};
+use robovec_ir::states::{Ranges, States};
+use robovec_ir::{Input, Output, View};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// What a program is needed for.
+#[derive(Clone, PartialEq, Default, Debug)]
+pub struct Scene {
+    /// Its name.
+    pub name: String,
+    /// One line for people.
+    pub description: String,
+    /// The outputs that are needed; without any, all are.
+    pub outputs: Vec<Need>,
+    /// The numbers of inputs that are known when the program is compiled.
+    pub bound: Bindings,
+    /// Joints that are no degrees of freedom here.
+    pub joints: Vec<HeldJoint>,
+    /// How large the other inputs can be; what it does not name is free.
+    pub ranges: Ranges,
+    /// How long one evaluation may take, µs.
+    pub deadline: Option<f64>,
+    /// The machine compiled for: a name or a file beside the scene.
+    pub machine: Option<String>,
+    /// The function wished for (`dirdyna`, `accelred`, …).
+    pub function: Option<String>,
+    /// The formulation wished for (`recursive`, `articulated`, …).
+    pub formulation: Option<String>,
+}
+
+/// Outputs that are needed, and how well.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Need {
+    /// Which elements.
+    pub pattern: Pattern,
+    /// The error they may have; `None`: any that the number format has.
+    pub tolerance: Option<Tolerance>,
+}
+
+/// An allowed error.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Tolerance {
+    /// What the error is compared with.
+    pub measure: Measure,
+    /// The largest that is allowed.
+    pub bound: f64,
+}
+
+/// What an error is compared with.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Measure {
+    /// The largest element of the output's array.
+    #[default]
+    Norm,
+    /// The element itself.
+    Relative,
+    /// Nothing: the error has the unit of the output.
+    Absolute,
+}
+
+impl Measure {
+    /// All measures.
+    pub const ALL: [Measure; 3] = [Measure::Norm, Measure::Relative, Measure::Absolute];
+
+    /// The measure's name in scene files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Measure::Norm => "norm",
+            Measure::Relative => "relative",
+            Measure::Absolute => "absolute",
+        }
+    }
+
+    /// The measure with this name.
+    pub fn from_name(name: &str) -> Option<Measure> {
+        Measure::ALL
+            .into_iter()
+            .find(|measure| measure.name() == name)
+    }
+}
+
+impl fmt::Display for Tolerance {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let of = match self.measure {
+            Measure::Norm => " of its array's largest element",
+            Measure::Relative => " of itself",
+            Measure::Absolute => "",
+        };
+        write!(formatter, "{:e}{of}", self.bound)
+    }
+}
+
+/// A joint that is no degree of freedom in a scene.
+#[derive(Clone, PartialEq, Debug)]
+pub struct HeldJoint {
+    /// Its number, from 1.
+    pub number: u32,
+    /// Its name in the model; its number as text where there is no model.
+    pub name: String,
+    /// How it is held.
+    pub hold: Hold,
+}
+
+/// What decides the motion of a joint that is no degree of freedom.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Hold {
+    /// It stays at a position, m or rad; its velocity and its acceleration
+    /// are zero.
+    Locked(f64),
+    /// It moves as prescribed: position, velocity and acceleration are
+    /// inputs.
+    Driven,
+}
+
+/// Input elements and their numbers.
+#[derive(Clone, PartialEq, Default, Debug)]
+pub struct Bindings {
+    elements: BTreeMap<(String, [u32; 2]), f64>,
+}
+
+impl Bindings {
+    /// Says what an element of an array is, by its indices from 1 (0 for
+    /// those it does not have), in SI units.
+    pub fn set(&mut self, array: &str, indices: [u32; 2], number: f64) {
+        self.elements.insert((array.to_owned(), indices), number);
+    }
+
+    /// The number of an element.
+    pub fn get(&self, array: &str, indices: [u32; 2]) -> Option<f64> {
+        if self.elements.is_empty() {
+            return None;
+        }
+        self.elements.get(&(array.to_owned(), indices)).copied()
+    }
+
+    /// All bound elements, in order of their names.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, [u32; 2], f64)> + '_ {
+        let elements = self.elements.iter();
+        elements.map(|((array, indices), number)| (array.as_str(), *indices, *number))
+    }
+
+    /// How many elements are bound.
+    pub fn len(&self) -> usize {
+        self.elements.len()
+    }
+
+    /// True when nothing is bound.
+    pub fn is_empty(&self) -> bool {
+        self.elements.is_empty()
+    }
+
+    /// The number of every input element of a function, by their places;
+    /// `None` for those that are not bound.
+    pub fn of(&self, view: View<'_>) -> Vec<Option<f64>> {
+        (0..view.function.input_len() as u32)
+            .map(|index| {
+                let (array, indices, _) = view.function.input_element(Input(index));
+                self.get(view.tables.symbols.text(array.name), indices)
+            })
+            .collect()
+    }
+}
+
+impl Scene {
+    /// True when an output element of a function is needed.
+    pub fn needs(&self, view: View<'_>, output: Output) -> bool {
+        self.outputs.is_empty()
+            || self
+                .outputs
+                .iter()
+                .any(|need| need.pattern.matches_output(view, output))
+    }
+
+    /// The errors an output element may have: all that were given for it.
+    pub fn tolerances(&self, view: View<'_>, output: Output) -> Vec<Tolerance> {
+        let meant = |need: &&Need| need.pattern.matches_output(view, output);
+        let needs = self.outputs.iter().filter(meant);
+        needs.filter_map(|need| need.tolerance).collect()
+    }
+
+    /// What is known of inputs: the ranges, and bound elements as ranges of
+    /// one number.
+    pub fn known_inputs(&self) -> Ranges {
+        let mut ranges = self.ranges.clone();
+        for (array, indices, number) in self.bound.iter() {
+            ranges.set(array, indices, number, number);
+        }
+        ranges
+    }
+
+    /// Random states of the scene.
+    pub fn states(&self, seed: u64) -> States {
+        States::new(seed).within(Arc::new(self.known_inputs()))
+    }
+
+    /// How a joint is held, by its number from 1.
+    pub fn hold(&self, number: u32) -> Option<Hold> {
+        let held = self.joints.iter().find(|joint| joint.number == number);
+        held.map(|joint| joint.hold)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_ir::{Function, Level, Shape, Tables};
+
+    #[test]
+    fn states_of_a_scene_keep_ranges_and_bound_numbers() {
+        let mut tables = Tables::default();
+        let mut function = Function::new("sample", Level::Equations);
+        function.add_input(tables.symbols.intern("q"), Shape::Vector(3));
+        function.add_input(tables.symbols.intern("g"), Shape::Vector(3));
+        let view = View {
+            tables: &tables,
+            function: &function,
+        };
+        let mut scene = Scene::default();
+        scene.ranges.set("q", [2, 0], -0.05, 0.05);
+        scene.bound.set("g", [3, 0], -9.81);
+        scene.bound.set("unknown", [1, 1], 1.0);
+        let states = scene.states(1);
+        for index in 0..20 {
+            let state = states.draw(view, index);
+            assert!(state[1].abs() <= 0.05 && state[5] == -9.81, "{state:?}");
+        }
+        let mut known = vec![None; 6];
+        known[5] = Some(-9.81);
+        assert_eq!(scene.bound.of(view), known);
+    }
+}
