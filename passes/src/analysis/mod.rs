@@ -2,6 +2,7 @@
 //! changing it.
 
 pub mod accuracy;
+pub mod adjoint;
 pub mod critical_path;
 pub mod error_bound;
 pub mod rounding;

@@ -1,0 +1,118 @@
+//! What one operation can lose, and what it did lose.
+
+use super::only_moves;
+use super::tape::{Tape, apply};
+use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::{Format, Operation};
+
+/// How far the sine and cosine of the host's library can be from the true
+/// ones, relative to them, before they are rounded to the format: one unit in
+/// the last place of binary64.
+const HOST: f64 = f64::EPSILON;
+
+/// The largest error of rounding to a format when the result is `value`: half
+/// a unit in its last place; near zero half the least subnormal number, or
+/// the least normal one where subnormal numbers are flushed to zero; half a
+/// step in fixed point. Infinite for results that overflowed or saturated.
+pub fn half_ulp(format: Format, value: f64) -> f64 {
+    match format {
+        Format::Float(float) => {
+            let (smallest, largest) = (float.smallest_exponent(), float.largest_exponent());
+            let size = value.abs();
+            let exponent = match size.to_bits() >> 52 {
+                // Zero and the subnormal numbers of binary64.
+                0 => -1023,
+                biased => biased as i32 - 1023,
+            };
+            if exponent > largest || size.is_nan() {
+                return f64::INFINITY;
+            }
+            if !float.subnormals && exponent < smallest {
+                return power(smallest);
+            }
+            power(exponent.max(smallest) - float.mantissa as i32 - 1)
+        }
+        Format::Fixed(fixed) => {
+            let limit = power(fixed.integer as i32);
+            let step = power(-(fixed.fraction as i32));
+            // The greatest number is one step below the limit.
+            if value > -limit && value < limit - step {
+                0.5 * step
+            } else {
+                f64::INFINITY
+            }
+        }
+    }
+}
+
+/// A power of two down to the least subnormal number of binary64, and zero
+/// below.
+fn power(exponent: i32) -> f64 {
+    if exponent >= -1022 {
+        // The exponents of formats end at that of binary64.
+        f64::from_bits(((exponent + 1023) as u64) << 52)
+    } else if exponent >= -1074 {
+        f64::from_bits(1 << (exponent + 1074))
+    } else {
+        0.0
+    }
+}
+
+/// For every slot the largest error its rounding can have had, when it came
+/// out as `computed`; the exact values decide where they are larger, so that
+/// a result just below a power of two is not judged by luck.
+///
+/// Operations that never round have none: copies, negations, sums with a
+/// literal zero, and in fixed point all sums. A literal or an input that the
+/// format holds has none either, and the error of others is known.
+pub(super) fn bounds(tape: &Tape, format: Format, exact: &[f64], computed: &[f64]) -> Vec<f64> {
+    let nodes = tape.nodes();
+    let is_zero = |slot: usize| slot >= nodes + tape.inputs() && exact[slot] == 0.0;
+    let fixed = matches!(format, Format::Fixed(_));
+    let mut bounds = Vec::with_capacity(tape.slots());
+    for node in 0..nodes {
+        let operation = tape.operation(node);
+        let [a, b, _] = tape.operands(node);
+        let size = computed[node].abs().max(exact[node].abs());
+        let rounding = half_ulp(
+            format,
+            if computed[node].is_nan() {
+                f64::NAN
+            } else {
+                size
+            },
+        );
+        let sum = matches!(operation, Operation::Add | Operation::Sub);
+        let moves = only_moves(operation) || sum && (fixed || is_zero(a) || is_zero(b));
+        bounds.push(if moves && rounding.is_finite() {
+            0.0
+        } else if operation.is_trigonometric() {
+            rounding + HOST * size
+        } else {
+            rounding
+        });
+    }
+    let leaves = exact[nodes..].iter().zip(&computed[nodes..]);
+    bounds.extend(leaves.map(|(exact, computed)| (computed - exact).abs()));
+    bounds
+}
+
+/// For every slot the error its rounding had: what was computed less the
+/// exact result of the operation on the computed operands, by double-double.
+pub(super) fn errors(tape: &Tape, exact: &[f64], computed: &[f64]) -> Vec<f64> {
+    let nodes = tape.nodes();
+    let mut errors = Vec::with_capacity(tape.slots());
+    for node in 0..nodes {
+        let operation = tape.operation(node);
+        errors.push(if only_moves(operation) {
+            0.0
+        } else {
+            let operands = tape.operands(node).map(|slot| Double::from(computed[slot]));
+            let result = apply(&DoubleDouble, operation, operands);
+            (Double::from(computed[node]) - result).high
+        });
+    }
+    let leaves = exact[nodes..].iter().zip(&computed[nodes..]);
+    errors.extend(leaves.map(|(exact, computed)| computed - exact));
+    errors
+}

@@ -1,0 +1,164 @@
+//! A run of a function in a number format, beside the exact one.
+
+use super::{Adjoint, LANES, Lanes, Tape, Workspace, local};
+use robovec_ir::Format;
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::double_double::{Double, DoubleDouble};
+
+/// What a function computes in a format at one state, what it should have
+/// computed, and what every operation lost. All vectors count slots, as the
+/// [`Tape`] does.
+#[derive(Clone, Debug)]
+pub struct Run<'a> {
+    tape: &'a Tape,
+    exact: Vec<f64>,
+    computed: Vec<f64>,
+    errors: Vec<f64>,
+    local: Vec<f64>,
+    bounds: Vec<f64>,
+}
+
+/// What sweeps say of one output.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct OutputError {
+    /// The exact value, to binary64.
+    pub exact: f64,
+    /// Computed less exact.
+    pub actual: f64,
+    /// The signed prediction of `actual`.
+    pub predicted: f64,
+    /// No smaller than the size of `actual`; infinite where nothing can be
+    /// said, as after an overflow or a division by zero.
+    pub bound: f64,
+}
+
+/// Covers the rounding of the sums over adjoints themselves, which are
+/// computed in binary64: a part of 2⁻²⁰ is far above it for any function
+/// that fits into memory and far below what anybody reads off a bound.
+const SUMS: f64 = 1.0 + 1.0 / (1u64 << 20) as f64;
+
+impl<'a> Run<'a> {
+    /// Runs a function in an arithmetic that computes in a format.
+    ///
+    /// # Panics
+    ///
+    /// When there is not one number per input element.
+    pub fn new<A>(tape: &'a Tape, arithmetic: &A, format: Format, inputs: &[f64]) -> Run<'a>
+    where
+        A: Arithmetic,
+        A::Number: Into<f64>,
+    {
+        let computed = tape.evaluate(arithmetic, inputs);
+        let computed: Vec<f64> = computed.into_iter().map(Into::into).collect();
+        let exact = tape.evaluate(&DoubleDouble, inputs);
+        let both = exact.iter().zip(&computed);
+        let errors = both.map(|(exact, &computed)| (Double::from(computed) - *exact).high);
+        let errors = errors.collect();
+        let exact: Vec<f64> = exact.into_iter().map(|number| number.high).collect();
+        Run {
+            tape,
+            local: local::errors(tape, &exact, &computed),
+            bounds: local::bounds(tape, format, &exact, &computed),
+            exact,
+            computed,
+            errors,
+        }
+    }
+
+    /// The tape that was run.
+    pub fn tape(&self) -> &'a Tape {
+        self.tape
+    }
+
+    /// The exact number of every slot, to binary64.
+    pub fn exact(&self) -> &[f64] {
+        &self.exact
+    }
+
+    /// The number that was computed for every slot.
+    pub fn computed(&self) -> &[f64] {
+        &self.computed
+    }
+
+    /// The error of every slot: computed less exact.
+    pub fn errors(&self) -> &[f64] {
+        &self.errors
+    }
+
+    /// What the operation of every slot lost: its result less the exact one
+    /// on the same operands; for inputs and literals what the conversion
+    /// lost.
+    pub fn local_errors(&self) -> &[f64] {
+        &self.local
+    }
+
+    /// The most that the operation of every slot could lose.
+    pub fn local_bounds(&self) -> &[f64] {
+        &self.bounds
+    }
+
+    /// The derivatives between the exact and the computed run: quotients of
+    /// differences, with which errors add up without a second-order term.
+    pub fn adjoint(&self) -> Adjoint<'a> {
+        Adjoint::between(self.tape, &self.exact, &self.computed, &self.errors)
+    }
+
+    /// Actual error, prediction and bound of assignments, by their places in
+    /// [`robovec_ir::Function::assignments`].
+    ///
+    /// The bound holds for this run and every other whose operations round
+    /// like this one's in size: the adjoints are those between the exact and
+    /// the computed values, so nothing of second order is left out. It is
+    /// computed in binary64, and widened by 2⁻²⁰ of itself for that.
+    ///
+    /// # Panics
+    ///
+    /// When an output does not exist.
+    pub fn outputs(&self, outputs: &[usize]) -> Vec<OutputError> {
+        let adjoint = self.adjoint();
+        let mut workspace = Workspace::default();
+        let mut results = Vec::with_capacity(outputs.len());
+        for group in outputs.chunks(LANES) {
+            let (mut predicted, mut bound) = (Lanes::ZERO, Lanes::ZERO);
+            adjoint.sweep_lanes(&mut workspace, group, |slot, gradient| {
+                let (signed, largest) = (self.local[slot], self.bounds[slot]);
+                if largest == 0.0 {
+                    return;
+                }
+                predicted.add_multiple(signed, gradient);
+                bound.add_multiple(largest, &gradient.size());
+            });
+            results.extend(group.iter().enumerate().map(|(lane, &output)| {
+                let slot = self.tape.output_slot(output);
+                let (predicted, bound) = (predicted.0[lane], bound.0[lane] * SUMS);
+                OutputError {
+                    exact: self.exact[slot],
+                    actual: self.errors[slot],
+                    predicted,
+                    bound: if bound.is_nan() { f64::INFINITY } else { bound },
+                }
+            }));
+        }
+        results
+    }
+
+    /// The bounds alone, as [`Run::outputs`] gives them.
+    ///
+    /// # Panics
+    ///
+    /// When an output does not exist.
+    pub fn bounds(&self, outputs: &[usize]) -> Vec<f64> {
+        let outputs = self.outputs(outputs);
+        outputs.iter().map(|output| output.bound).collect()
+    }
+
+    /// The signed predictions alone, as [`Run::outputs`] gives them.
+    ///
+    /// # Panics
+    ///
+    /// When an output does not exist.
+    pub fn predictions(&self, outputs: &[usize]) -> Vec<f64> {
+        let outputs = self.outputs(outputs);
+        outputs.iter().map(|output| output.predicted).collect()
+    }
+}

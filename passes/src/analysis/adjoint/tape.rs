@@ -1,0 +1,186 @@
+//! The tape: a function as a list of operations over numbered slots.
+//!
+//! Nodes, inputs and constants lie behind one another in one vector of
+//! *slots*, so that a sweep over the function in either direction fetches an
+//! operand with one index and no branch. A tape depends on the function alone
+//! and serves any number of states.
+
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::{Constant, Function, Input, Operand, OperandKind, Operation, Value};
+
+/// A function as operations over slots.
+#[derive(Clone, Debug)]
+pub struct Tape {
+    operations: Vec<Operation>,
+    operands: Vec<[u32; 3]>,
+    outputs: Vec<u32>,
+    constants: Vec<f64>,
+    inputs: usize,
+}
+
+/// What lies in a slot.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Slot {
+    /// The result of a node.
+    Value(Value),
+    /// An input element.
+    Input(Input),
+    /// A literal.
+    Constant(Constant),
+    /// The slot behind all others, which absent operands refer to.
+    Nothing,
+}
+
+impl Tape {
+    /// The tape of a function of any level.
+    ///
+    /// # Panics
+    ///
+    /// When the function is not well formed (the verifier accepts only those
+    /// that are).
+    pub fn new(function: &Function) -> Tape {
+        let mut tape = Tape {
+            operations: Vec::with_capacity(function.nodes().len()),
+            operands: Vec::with_capacity(function.nodes().len()),
+            outputs: Vec::with_capacity(function.assignments.len()),
+            constants: function.constants().to_vec(),
+            inputs: function.input_len(),
+        };
+        let nodes = function.nodes().len();
+        let (inputs, total) = (tape.inputs, nodes + tape.inputs + tape.constants.len());
+        let slot = |operand: Operand| -> u32 {
+            let index = match operand.kind() {
+                OperandKind::Value(value) => value.index(),
+                OperandKind::Input(input) => nodes + input.index(),
+                OperandKind::Constant(constant) => nodes + inputs + constant.index(),
+                OperandKind::None => total,
+            };
+            // Entities are numbers below 2³⁰, so the sum of three fits.
+            index as u32
+        };
+        for (index, node) in function.nodes().iter().enumerate() {
+            let operands = node.operands.map(slot);
+            let earlier = |&operand: &u32| (operand as usize) < index || operand as usize >= nodes;
+            assert!(operands.iter().all(earlier), "operands are earlier nodes");
+            tape.operations.push(node.operation);
+            tape.operands.push(operands);
+        }
+        let assignments = function.assignments.iter();
+        let outputs = assignments.map(|assignment| slot(assignment.operand));
+        tape.outputs.extend(outputs);
+        tape
+    }
+
+    /// How many nodes the function has: their slots come first.
+    #[inline]
+    pub fn nodes(&self) -> usize {
+        self.operations.len()
+    }
+
+    /// How many input elements it has.
+    pub fn inputs(&self) -> usize {
+        self.inputs
+    }
+
+    /// How many assignments it has.
+    pub fn outputs(&self) -> usize {
+        self.outputs.len()
+    }
+
+    /// How many slots there are: nodes, inputs, constants, and one for absent
+    /// operands, which always holds 0.
+    #[inline]
+    pub fn slots(&self) -> usize {
+        self.nodes() + self.inputs + self.constants.len() + 1
+    }
+
+    /// The slot of an input element.
+    pub fn input_slot(&self, input: Input) -> usize {
+        self.nodes() + input.index()
+    }
+
+    /// The slot of a constant.
+    pub fn constant_slot(&self, constant: Constant) -> usize {
+        self.nodes() + self.inputs + constant.index()
+    }
+
+    /// The slot that an assignment reads, by its place in
+    /// [`Function::assignments`].
+    #[inline]
+    pub fn output_slot(&self, assignment: usize) -> usize {
+        self.outputs[assignment] as usize
+    }
+
+    /// What lies in a slot.
+    pub fn slot(&self, slot: usize) -> Slot {
+        let nodes = self.nodes();
+        if slot < nodes {
+            Slot::Value(Value(slot as u32))
+        } else if slot < nodes + self.inputs {
+            Slot::Input(Input((slot - nodes) as u32))
+        } else if slot < self.slots() - 1 {
+            Slot::Constant(Constant((slot - nodes - self.inputs) as u32))
+        } else {
+            Slot::Nothing
+        }
+    }
+
+    /// The operation of a node.
+    #[inline]
+    pub fn operation(&self, node: usize) -> Operation {
+        self.operations[node]
+    }
+
+    /// The slots that a node reads; absent operands read the last slot.
+    #[inline]
+    pub fn operands(&self, node: usize) -> [usize; 3] {
+        self.operands[node].map(|operand| operand as usize)
+    }
+
+    /// The numbers of the literals, in order of their slots.
+    pub fn constants(&self) -> &[f64] {
+        &self.constants
+    }
+
+    /// The number in every slot, inputs and literals converted.
+    ///
+    /// # Panics
+    ///
+    /// When there is not one number per input element.
+    pub fn evaluate<A: Arithmetic>(&self, arithmetic: &A, inputs: &[f64]) -> Vec<A::Number> {
+        assert_eq!(inputs.len(), self.inputs, "one number per input element");
+        let mut slots = Vec::with_capacity(self.slots());
+        slots.resize(self.nodes(), arithmetic.literal(0.0));
+        let leaves = inputs.iter().chain(&self.constants).chain(&[0.0]);
+        slots.extend(leaves.map(|&number| arithmetic.literal(number)));
+        for (node, (&operation, operands)) in self.operations.iter().zip(&self.operands).enumerate()
+        {
+            let operands = operands.map(|operand| slots[operand as usize]);
+            slots[node] = apply(arithmetic, operation, operands);
+        }
+        slots
+    }
+}
+
+/// One operation in an arithmetic.
+#[inline]
+pub(crate) fn apply<A: Arithmetic>(
+    arithmetic: &A,
+    operation: Operation,
+    [a, b, c]: [A::Number; 3],
+) -> A::Number {
+    match operation {
+        Operation::Copy => a,
+        Operation::Neg => arithmetic.neg(a),
+        Operation::Add => arithmetic.add(a, b),
+        Operation::Sub => arithmetic.sub(a, b),
+        Operation::Mul => arithmetic.mul(a, b),
+        Operation::Div => arithmetic.div(a, b),
+        Operation::Sin => arithmetic.sin(a),
+        Operation::Cos => arithmetic.cos(a),
+        Operation::Sqrt => arithmetic.sqrt(a),
+        Operation::Fma => arithmetic.fma(a, b, c),
+        Operation::Fms => arithmetic.fms(a, b, c),
+        Operation::Fnma => arithmetic.fnma(a, b, c),
+    }
+}

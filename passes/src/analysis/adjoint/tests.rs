@@ -1,0 +1,204 @@
+//! Adjoints against differences, bounds and predictions against errors.
+
+use super::*;
+use robovec_ir::arithmetic::Binary32;
+use robovec_ir::parse::parse_module;
+use robovec_ir::states::States;
+use robovec_ir::{Format, Module, Value, View};
+
+const EVERYTHING: &str = "function f atomic {
+  in x[1..4]
+  out y[1..5]
+  %a = x[1] * x[2]
+  %b = %a + x[3]
+  %c = %b / x[4]
+  %d = sin(%c)
+  %e = cos(%b)
+  %f = %d * %d
+  %g = %f + 1.1
+  %h = sqrt(%g)
+  %i = fma(%h, %e, x[1])
+  %j = fms(%i, %c, %d)
+  %k = fnma(%j, %h, %a)
+  %l = 0 - %k
+  %m = %l - %b
+  y[1] = %m
+  y[2] = %j
+  y[3] = x[2]
+  y[4] = %d
+  y[5] = 0.1
+}";
+
+fn module(text: &str) -> Module {
+    parse_module("sample", text).expect("it is well formed")
+}
+
+/// A state in the middle of the plain, every number one of binary32.
+const STATE: [f64; 4] = [0.75, -1.3125, 2.40625, 1.15625];
+
+#[test]
+fn adjoints_are_derivatives() {
+    let module = module(EVERYTHING);
+    let tape = Tape::new(&module.functions[0]);
+    let outputs: Vec<usize> = (0..tape.outputs()).collect();
+    let jacobian = Adjoint::new(&tape, &STATE).jacobian(&outputs);
+    let value =
+        |inputs: &[f64], output: usize| tape.evaluate(&Binary64, inputs)[tape.output_slot(output)];
+    for (output, row) in jacobian.iter().enumerate() {
+        for (input, &derivative) in row.iter().enumerate() {
+            let step = 1e-6;
+            let (mut above, mut below) = (STATE, STATE);
+            above[input] += step;
+            below[input] -= step;
+            let quotient = (value(&above, output) - value(&below, output)) / (2.0 * step);
+            let distance = (quotient - derivative).abs();
+            assert!(
+                distance <= 1e-8 * (1.0 + derivative.abs()),
+                "{output} {input}: {quotient} {derivative}"
+            );
+        }
+    }
+}
+
+#[test]
+fn adjoints_of_inner_values_are_products_along_paths() {
+    let module = module(
+        "function f atomic {
+  in x[1..2]
+  out y[1..2]
+  %a = x[1] * x[2]
+  %b = %a + %a
+  %c = %b * x[1]
+  y[1] = %c
+  y[2] = %b
+}",
+    );
+    let tape = Tape::new(&module.functions[0]);
+    let adjoint = Adjoint::new(&tape, &[3.0, 5.0]);
+    let mut seen = Vec::new();
+    adjoint.sweep(&[0, 1], |group, gradients| {
+        assert_eq!(group, [0, 1]);
+        seen = gradients
+            .iter()
+            .map(|lanes| [lanes.0[0], lanes.0[1]])
+            .collect();
+    });
+    let expected = [
+        [6.0, 2.0],
+        [3.0, 1.0],
+        [1.0, 0.0],
+        [60.0, 10.0],
+        [18.0, 6.0],
+    ];
+    assert_eq!(seen[..5], expected);
+    assert_eq!(adjoint.partials(0), [5.0, 3.0, 0.0]);
+}
+
+#[test]
+fn secants_predict_the_error_to_the_last_digits_and_bounds_hold() {
+    let module = module(EVERYTHING);
+    let view = View {
+        tables: &module.tables,
+        function: &module.functions[0],
+    };
+    let tape = Tape::new(view.function);
+    let outputs: Vec<usize> = (0..tape.outputs()).collect();
+    let states = States::new(3);
+    for state in 0..200 {
+        let inputs = states.draw(view, state);
+        let run = Run::new(&tape, &Binary32, Format::BINARY32, &inputs);
+        for error in run.outputs(&outputs) {
+            assert!(error.actual.abs() <= error.bound, "{state}: {error:?}");
+            let distance = (error.predicted - error.actual).abs();
+            assert!(distance <= 1e-6 * error.bound, "{state}: {error:?}");
+        }
+    }
+}
+
+#[test]
+fn a_literal_that_the_format_cannot_hold_is_an_error() {
+    let module = module(EVERYTHING);
+    let tape = Tape::new(&module.functions[0]);
+    let run = Run::new(&tape, &Binary32, Format::BINARY32, &STATE);
+    let [error] = run.outputs(&[4])[..] else {
+        panic!("one output was asked for");
+    };
+    assert_eq!(error.actual, f64::from(0.1f32) - 0.1);
+    assert_eq!(error.predicted, error.actual);
+    assert!(error.bound >= error.actual && error.bound < 1.1 * error.actual);
+}
+
+#[test]
+fn division_by_zero_has_no_bound_and_leaves_the_others_alone() {
+    let module = module(
+        "function f atomic {
+  in x[1..2]
+  out y[1..2]
+  %a = x[1] - x[1]
+  %b = x[2] / %a
+  %c = x[2] * x[2]
+  y[1] = %b
+  y[2] = %c
+}",
+    );
+    let tape = Tape::new(&module.functions[0]);
+    let run = Run::new(&tape, &Binary32, Format::BINARY32, &[3.0, 5.0]);
+    let bounds = run.bounds(&[0, 1]);
+    assert_eq!(bounds[0], f64::INFINITY);
+    assert!(bounds[1] > 0.0 && bounds[1] < 1e-5);
+}
+
+#[test]
+fn half_an_ulp_is_that_of_the_format() {
+    let f32 = Format::BINARY32;
+    assert_eq!(half_ulp(f32, 1.0), 2f64.powi(-24));
+    assert_eq!(half_ulp(f32, -1.99), 2f64.powi(-24));
+    assert_eq!(half_ulp(f32, 2.0), 2f64.powi(-23));
+    assert_eq!(half_ulp(f32, 0.0), 2f64.powi(-150));
+    assert_eq!(half_ulp(f32, 1e39), f64::INFINITY);
+    assert_eq!(half_ulp(f32, f64::NAN), f64::INFINITY);
+    let flush: Format = "float(8,23,flush)".parse().expect("it is one");
+    assert_eq!(half_ulp(flush, 1e-40), 2f64.powi(-126));
+    let fixed: Format = "fixed(3,4)".parse().expect("it is one");
+    assert_eq!(half_ulp(fixed, 7.9), 2f64.powi(-5));
+    assert_eq!(half_ulp(fixed, 8.0), f64::INFINITY);
+    assert_eq!(half_ulp(Format::BINARY64, 1.0), 2f64.powi(-53));
+}
+
+#[test]
+fn blame_goes_to_the_operation_that_cancels() {
+    // The product is large and loses much, the sum takes it away again.
+    let module = module(
+        "function f atomic {
+  in x[1..3]
+  out y[1..1]
+  %big = x[1] * x[2]
+  %gone = %big - x[3]
+  %small = %gone * x[1]
+  y[1] = %small
+}",
+    );
+    let view = View {
+        tables: &module.tables,
+        function: &module.functions[0],
+    };
+    let tape = Tape::new(view.function);
+    let factor = f64::from(1000.1f32);
+    let square = f64::from((factor * factor) as f32);
+    let run = Run::new(
+        &tape,
+        &Binary32,
+        Format::BINARY32,
+        &[factor, factor, square - 1.0],
+    );
+    let mut blame = Blame::new(&tape);
+    blame.add(view.function, &run, &[0]);
+    let equations = blame.equations(view, 12);
+    let first = equations[0].name.expect("it has one");
+    assert_eq!(module.tables.symbols.text(first), "big");
+    assert!(equations[0].share > 0.99, "{equations:?}");
+    let total: f64 = equations.iter().map(|equation| equation.share).sum();
+    assert!((total - 1.0).abs() < 1e-12);
+    assert_eq!(blame.operations(&tape, 1)[0].0, Value(0));
+    assert!(blame.inputs(&tape, 12).is_empty() && blame.literals(&tape) == 0.0);
+}
