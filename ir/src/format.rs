@@ -22,7 +22,8 @@ pub enum Format {
 }
 
 /// A fixed-point format: multiples of `2^-fraction` from `-2^integer` up to,
-/// but not including, `2^integer`.
+/// but not including, `2^integer`. At most 53 bits, so that its numbers are
+/// binary64 numbers as those of every other format.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct FixedFormat {
     /// Bits before the point, without the sign.
@@ -135,7 +136,7 @@ pub enum FormatError {
     /// A width that cannot be computed with.
     #[error(
         "a float has 2 to 11 bits of exponent and 1 to 52 of mantissa, \
-         a fixed-point number at most 62 bits without its sign, at least one of them"
+         a fixed-point number at most 53 bits without its sign, at least one of them"
     )]
     Width,
 }
@@ -178,7 +179,7 @@ impl FromStr for Format {
             }
             Format::Fixed(fixed) => {
                 let bits = fixed.integer.saturating_add(fixed.fraction);
-                (1..=62).contains(&bits)
+                (1..=53).contains(&bits)
             }
         };
         if possible {

@@ -23,6 +23,7 @@ pub mod operation;
 pub mod parse;
 pub mod placement;
 pub mod print;
+pub mod soft_float;
 pub mod source;
 pub mod states;
 pub mod symbol;
