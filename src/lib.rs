@@ -10,6 +10,7 @@ pub mod model;
 pub mod motion;
 pub mod report;
 pub mod robotran;
+pub mod scene;
 pub mod simulate;
 pub mod stale;
 pub mod study;

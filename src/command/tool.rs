@@ -6,6 +6,7 @@ use super::compare::{self, CheckArguments};
 use super::eval::{self, EvalArguments};
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
+use super::scene::{self, SceneArguments};
 use super::sim::{self, SimArguments};
 use super::{Failure, input, output, write};
 use crate::simulate::Program;
@@ -34,6 +35,8 @@ enum Command {
     Gen(GenArguments),
     /// Summarise a model, or write one of a family
     Model(ModelArguments),
+    /// Check a scene and tell what it means
+    Scene(SceneArguments),
     /// Integrate a model in time
     Sim(SimArguments),
     /// Run memory images cycle by cycle on given inputs
@@ -68,6 +71,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         Command::Eval(arguments) => eval::run(arguments),
         Command::Gen(arguments) => generation::run(arguments),
         Command::Model(arguments) => model::run(arguments),
+        Command::Scene(arguments) => scene::run(arguments),
         Command::Sim(arguments) => sim::run(arguments),
         Command::Simulate {
             folder,

@@ -1,0 +1,196 @@
+//! A scene file as TOML with the place of every key and value, and the
+//! messages about it.
+
+use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeArray, DeTable, DeValue};
+
+/// A range of bytes of the file.
+pub(super) type Span = Range<usize>;
+
+/// A table.
+pub(super) type Table<'t> = DeTable<'t>;
+
+/// A value with its place.
+pub(super) type Value<'t> = Spanned<DeValue<'t>>;
+
+/// The most messages about one file.
+const MOST_PROBLEMS: usize = 20;
+
+/// Collects what is wrong with a file.
+#[derive(Default)]
+pub(super) struct Problems {
+    list: Vec<Diagnostic>,
+}
+
+impl Problems {
+    /// Says that something is wrong at a place.
+    pub(super) fn add(&mut self, span: Span, message: impl Into<String>) {
+        self.advise(span, message, None);
+    }
+
+    /// As [`Problems::add`], with what to do.
+    pub(super) fn advise(&mut self, span: Span, message: impl Into<String>, note: Option<String>) {
+        self.point(span, message, note, None);
+    }
+
+    /// As [`Problems::advise`], with an earlier place that has to do with it.
+    pub(super) fn point(
+        &mut self,
+        span: Span,
+        message: impl Into<String>,
+        note: Option<String>,
+        other: Option<(Span, &str)>,
+    ) {
+        let mut labels = vec![Label::primary(0, span)];
+        labels.extend(other.map(|(span, text)| Label::secondary(0, span).with_message(text)));
+        self.list.push(
+            Diagnostic::error()
+                .with_message(message.into())
+                .with_labels(labels)
+                .with_notes(note.into_iter().collect()),
+        );
+    }
+
+    /// A word that is none of those that can stand there.
+    pub(super) fn unknown(&mut self, span: Span, what: &str, word: &str, known: &[&str]) {
+        let mut notes: Vec<String> = did_you_mean(word, known.iter().copied())
+            .map(|near| format!("did you mean '{near}'?"))
+            .into_iter()
+            .collect();
+        if !known.is_empty() && known.len() <= 40 {
+            notes.push(format!("known: {}", known.join(", ")));
+        }
+        self.list.push(
+            Diagnostic::error()
+                .with_message(format!("{what} '{}'", clip(word)))
+                .with_labels(vec![Label::primary(0, span)])
+                .with_notes(notes),
+        );
+    }
+
+    /// True when nothing is wrong so far.
+    pub(super) fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// The messages, in the order of the file.
+    pub(super) fn into_diagnostics(mut self) -> Vec<Diagnostic> {
+        self.list
+            .sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.range.start));
+        self.list.truncate(MOST_PROBLEMS);
+        self.list
+    }
+}
+
+/// Reads the text as TOML.
+pub(super) fn parse(text: &str) -> Result<Spanned<Table<'_>>, Diagnostic> {
+    DeTable::parse(text).map_err(|error| {
+        Diagnostic::error()
+            .with_message(error.message().to_owned())
+            .with_labels(vec![Label::primary(0, error.span().unwrap_or(0..0))])
+            .with_note("a scene is a TOML file; see docs/scenes.md")
+    })
+}
+
+/// Complains of keys that a table does not have.
+pub(super) fn only_keys(table: &Table<'_>, known: &[&str], problems: &mut Problems) {
+    for key in table.keys() {
+        let word = key.get_ref().as_ref();
+        if !known.contains(&word) {
+            problems.unknown(key.span(), "there is no key", word, known);
+        }
+    }
+}
+
+/// What a key of a table holds.
+pub(super) fn get<'a, 't>(table: &'a Table<'t>, key: &str) -> Option<&'a Value<'t>> {
+    let found = table
+        .iter()
+        .find(|(name, _)| name.get_ref().as_ref() == key);
+    found.map(|(_, value)| value)
+}
+
+/// A finite number.
+pub(super) fn number(value: &Value<'_>, problems: &mut Problems) -> Option<f64> {
+    let number = match value.get_ref() {
+        DeValue::Integer(integer) => match integer.radix() {
+            10 => integer.as_str().parse::<f64>().ok(),
+            radix => i64::from_str_radix(integer.as_str(), radix)
+                .ok()
+                .map(|integer| integer as f64),
+        },
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        other => {
+            let found = other.type_str();
+            problems.add(value.span(), format!("expected a number, not a {found}"));
+            return None;
+        }
+    };
+    let finite = number.filter(|number| number.is_finite());
+    if finite.is_none() {
+        problems.add(value.span(), "this is no finite number");
+    }
+    finite
+}
+
+/// A positive number.
+pub(super) fn positive(value: &Value<'_>, problems: &mut Problems) -> Option<f64> {
+    let number = number(value, problems)?;
+    if number <= 0.0 {
+        problems.add(
+            value.span(),
+            format!("{number} is not a number greater than 0"),
+        );
+        return None;
+    }
+    Some(number)
+}
+
+/// A text.
+pub(super) fn string<'a>(value: &'a Value<'_>, problems: &mut Problems) -> Option<&'a str> {
+    if let DeValue::String(text) = value.get_ref() {
+        return Some(text.as_ref());
+    }
+    let found = value.get_ref().type_str();
+    problems.add(value.span(), format!("expected a text, not a {found}"));
+    None
+}
+
+/// A table.
+pub(super) fn table<'a, 't>(
+    value: &'a Value<'t>,
+    problems: &mut Problems,
+) -> Option<&'a Table<'t>> {
+    if let DeValue::Table(table) = value.get_ref() {
+        return Some(table);
+    }
+    let found = value.get_ref().type_str();
+    problems.add(value.span(), format!("expected a table, not a {found}"));
+    None
+}
+
+/// A list.
+pub(super) fn array<'a, 't>(
+    value: &'a Value<'t>,
+    problems: &mut Problems,
+) -> Option<&'a DeArray<'t>> {
+    if let DeValue::Array(list) = value.get_ref() {
+        return Some(list);
+    }
+    let found = value.get_ref().type_str();
+    problems.add(value.span(), format!("expected a list, not a {found}"));
+    None
+}
+
+/// A list of texts, or a single one.
+pub(super) fn strings<'a>(value: &'a Value<'_>, problems: &mut Problems) -> Vec<(&'a str, Span)> {
+    if let DeValue::String(text) = value.get_ref() {
+        return vec![(text.as_ref(), value.span())];
+    }
+    let list = array(value, problems).map_or(&[][..], |list| list.as_ref());
+    list.iter()
+        .filter_map(|item| Some((string(item, problems)?, item.span())))
+        .collect()
+}

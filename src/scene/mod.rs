@@ -1,0 +1,107 @@
+//! Scene files: what a program is needed for, as a user writes it.
+//!
+//! ```toml
+//! name = "bogie on straight track"
+//! model = "../models/bogie.mbs"   # or: equations = "mbs_accelred_bogie.c"
+//! function = "accelred"           # of a model by default dirdyna
+//! formulation = "articulated"     # by default the generator's
+//! machine = "thesis"              # a name, or a .toml file beside the scene
+//! deadline = 50.0                 # µs
+//! parameters = "from-model"       # dpt, l, m, In, g, lrod are the model's
+//! free = ["m[Frame]"]             # but these stay inputs
+//! driven = ["T1_Frame"]           # joints whose motion is prescribed
+//!
+//! [locked]                        # joints that do not move
+//! R3_Frame = 0.0                  # m or rad, or "initial"
+//!
+//! [[output]]                      # what is needed; without any, everything
+//! elements = ["qdd[T3_Frame]", "qdd[6]"]
+//! error = 1e-6                    # allowed, …
+//! measure = "norm"                # … of the array's largest element,
+//!                                 # "relative" or "absolute"
+//!
+//! [bind]                          # inputs that are known numbers
+//! frc = 0.0
+//! "trq[2,*]" = 0.0
+//!
+//! [range]                         # how large the others are
+//! q = { all = [-0.05, 0.05], T1_Frame = [-100, 100] }
+//! ```
+//!
+//! The scene itself is [`robovec_passes::scene::Scene`]; here it is read,
+//! joined with its model or its equations ([`Subject`]), and every mistake is
+//! told with its place. docs/scenes.md is the manual.
+
+mod arrays;
+mod document;
+mod inputs;
+mod known;
+mod read;
+mod subject;
+
+pub use read::read;
+pub use subject::{ModelSubject, Subject};
+
+use crate::command::input;
+use crate::generate::{Formulation, GenerateError};
+use robovec_ir::Module;
+use robovec_ir::diagnostic::Report;
+use robovec_passes::scene::Scene;
+use std::path::Path;
+
+/// A scene with what it is about.
+#[derive(Debug)]
+pub struct SceneFile {
+    /// What is needed.
+    pub scene: Scene,
+    /// The model or the equations.
+    pub subject: Subject,
+    /// What the user should know of the model.
+    pub warnings: Report,
+}
+
+impl SceneFile {
+    /// Reads a scene file (`*.scene.toml`) and what it names.
+    ///
+    /// # Errors
+    ///
+    /// Messages that point into the scene, or into the file it names.
+    pub fn load(path: &Path) -> Result<SceneFile, Report> {
+        let text = input::text(path).map_err(|failure| failure.0)?;
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        let folder = path.parent().unwrap_or(Path::new(""));
+        read(&name.to_string_lossy(), &text, folder)
+    }
+
+    /// The function the scene is about, in the formulation it wishes for,
+    /// before anything of the scene is used: joints are held already.
+    ///
+    /// # Errors
+    ///
+    /// Those of the generator.
+    pub fn module(&self) -> Result<Module, GenerateError> {
+        match &self.subject {
+            Subject::Equations(module) => Ok(module.clone()),
+            Subject::Model(subject) => subject.equations(self.formulation()),
+        }
+    }
+
+    /// The same function for which nothing is known: every joint moves, every
+    /// output is there.
+    ///
+    /// # Errors
+    ///
+    /// Those of the generator.
+    pub fn general(&self) -> Result<Module, GenerateError> {
+        match &self.subject {
+            Subject::Equations(module) => Ok(module.clone()),
+            Subject::Model(subject) => subject.general_equations(self.formulation()),
+        }
+    }
+
+    /// The formulation the scene wishes for, else the generator's default.
+    pub fn formulation(&self) -> Formulation {
+        let wished = self.scene.formulation.as_deref();
+        wished.and_then(Formulation::from_name).unwrap_or_default()
+    }
+}

@@ -1,0 +1,356 @@
+//! From the text of a scene file to a scene and what it is about.
+
+use super::arrays::Arrays;
+use super::document::{
+    Problems, Span, Table, get, number, only_keys, parse, positive, string, strings, table,
+};
+use super::inputs::InputReader;
+use super::known::Words;
+use super::{ModelSubject, SceneFile, Subject};
+use crate::command::input;
+use crate::generate::{Formulation, FunctionKind, Options};
+use robovec_ir::diagnostic::Report;
+use robovec_ir::{Module, Shape, View};
+use robovec_passes::scene::{Hold, Measure, Need, Scene, Tolerance};
+use std::path::{Path, PathBuf};
+use toml::de::DeValue;
+
+/// The keys of a scene file.
+const KEYS: [&str; 15] = [
+    "name",
+    "description",
+    "model",
+    "equations",
+    "function",
+    "formulation",
+    "machine",
+    "deadline",
+    "parameters",
+    "free",
+    "driven",
+    "locked",
+    "output",
+    "bind",
+    "range",
+];
+
+/// Reads the text of a scene; the files it names are looked for in a folder.
+///
+/// # Errors
+///
+/// Messages that point into the text, or into the text of a file that it
+/// names.
+pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> {
+    let failed = |problems: Problems| Report::of(name, text, problems.into_diagnostics());
+    let document = parse(text).map_err(|message| Report::of(name, text, vec![message]))?;
+    let file = document.get_ref();
+    let mut problems = Problems::default();
+    only_keys(file, &KEYS, &mut problems);
+    let mut scene = wishes(name, file, folder, &mut problems)?;
+    let found = subject(file, &scene, folder, &mut problems)?;
+    let (Some((mut subject, warnings)), true) = (found, problems.is_empty()) else {
+        return Err(failed(problems));
+    };
+    let arrays = match &subject {
+        Subject::Model(subject) => Arrays::of_model(&subject.general),
+        Subject::Equations(module) => Arrays::of_module(module),
+    };
+    let mut reader = InputReader {
+        arrays: &arrays,
+        model: match &subject {
+            Subject::Model(subject) => Some(&subject.general),
+            Subject::Equations(_) => None,
+        },
+        words: Words::default(),
+        problems: &mut problems,
+    };
+    scene.joints = reader.read(file);
+    let words = reader.words;
+    if let Subject::Model(subject) = &mut subject {
+        subject.hold(&scene.joints);
+        subject.keep_needed_symbols(&words);
+    } else if let Some(joint) = scene.joints.iter().find(|joint| joint.hold == Hold::Driven) {
+        let message = format!(
+            "the equations of the joint '{}' are made already: only a model's joints can be driven",
+            joint.name
+        );
+        let span = get(file, "driven").map_or(0..0, |value| value.span());
+        problems.add(span, message);
+    }
+    if !problems.is_empty() {
+        return Err(failed(problems));
+    }
+    (scene.bound, scene.ranges) = words.split();
+    let mut complete = SceneFile {
+        scene,
+        subject,
+        warnings,
+    };
+    let module = complete.module().map_err(|error| {
+        let key = get(file, "function").or_else(|| get(file, "model"));
+        problems.add(key.map_or(0..0, |value| value.span()), error.to_string());
+        failed(std::mem::take(&mut problems))
+    })?;
+    complete.scene.outputs = outputs(file, &arrays, &module, &mut problems);
+    if problems.is_empty() {
+        Ok(complete)
+    } else {
+        Err(failed(problems))
+    }
+}
+
+/// What a scene says of itself and of how it is compiled.
+fn wishes(
+    name: &str,
+    file: &Table<'_>,
+    folder: &Path,
+    problems: &mut Problems,
+) -> Result<Scene, Report> {
+    let mut text = |key: &str| -> Option<String> {
+        get(file, key)
+            .and_then(|value| string(value, problems))
+            .map(str::to_owned)
+    };
+    let stem = name.strip_suffix(".toml").unwrap_or(name);
+    let stem = stem.strip_suffix(".scene").unwrap_or(stem);
+    let mut scene = Scene {
+        name: text("name").unwrap_or_else(|| stem.to_owned()),
+        description: text("description").unwrap_or_default(),
+        function: text("function"),
+        formulation: text("formulation"),
+        machine: text("machine"),
+        ..Scene::default()
+    };
+    scene.deadline = get(file, "deadline").and_then(|value| positive(value, problems));
+    if let (Some(value), Some(wish)) = (get(file, "formulation"), &scene.formulation)
+        && Formulation::from_name(wish).is_none()
+    {
+        let what = "there is no formulation";
+        problems.unknown(value.span(), what, wish, &Formulation::names());
+    }
+    if let (Some(value), Some(wish)) = (get(file, "machine"), &scene.machine)
+        && robovec_ir::Machine::built_in(wish).is_none()
+    {
+        let path = folder.join(wish);
+        if path.is_file() {
+            let path = path.to_string_lossy().into_owned();
+            input::machine(&path).map_err(|failure| failure.0)?;
+            scene.machine = Some(path);
+        } else {
+            let names: Vec<&str> = robovec_ir::machine::BUILT_IN
+                .iter()
+                .map(|(name, _)| *name)
+                .collect();
+            problems.unknown(value.span(), "there is no machine", wish, &names);
+        }
+    }
+    Ok(scene)
+}
+
+/// The model or the equations that a scene names.
+fn subject(
+    file: &Table<'_>,
+    scene: &Scene,
+    folder: &Path,
+    problems: &mut Problems,
+) -> Result<Option<(Subject, Report)>, Report> {
+    let (model, equations) = (get(file, "model"), get(file, "equations"));
+    let (key, value) = match (model, equations) {
+        (Some(value), None) => ("model", value),
+        (None, Some(value)) => ("equations", value),
+        (Some(_), Some(value)) => {
+            problems.add(value.span(), "a scene has a model or equations, not both");
+            return Ok(None);
+        }
+        (None, None) => {
+            let note = "write: model = \"FILE.mbs\", or: equations = \"FILE.c\"".to_owned();
+            let message = "the scene names neither a model nor equations";
+            problems.advise(0..0, message, Some(note));
+            return Ok(None);
+        }
+    };
+    let Some(path) = string(value, problems) else {
+        return Ok(None);
+    };
+    let path: PathBuf = folder.join(path);
+    if !path.is_file() {
+        let message = format!("there is no file {}", path.display());
+        let note = "files are looked for beside the scene".to_owned();
+        problems.advise(value.span(), message, Some(note));
+        return Ok(None);
+    }
+    let span = get(file, "function").map_or_else(|| value.span(), |value| value.span());
+    if key == "model" {
+        return model_subject(&path, scene, file, span, problems);
+    }
+    let input = input::equations(&path, None).map_err(|failure| failure.0)?;
+    let mut module = input.module;
+    let names: Vec<String> = module.functions.iter().map(|f| f.name.clone()).collect();
+    match &scene.function {
+        Some(wish) if names.contains(wish) => {
+            module.functions.retain(|function| function.name == *wish);
+        }
+        Some(wish) => {
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            problems.unknown(span, "the file has no function", wish, &names);
+        }
+        None if names.len() != 1 => {
+            let message = format!("the file has {} functions: say which", names.len());
+            let note = format!("write: function = one of {}", names.join(", "));
+            problems.advise(span, message, Some(note));
+        }
+        None => {}
+    }
+    Ok(Some((Subject::Equations(module), input.warnings)))
+}
+
+fn model_subject(
+    path: &Path,
+    scene: &Scene,
+    file: &Table<'_>,
+    span: Span,
+    problems: &mut Problems,
+) -> Result<Option<(Subject, Report)>, Report> {
+    let wish = scene.function.as_deref().unwrap_or("dirdyna");
+    // Cases of sensors are chosen from all.
+    let bare = wish.trim_end_matches(|c: char| c.is_ascii_digit());
+    let kind = FunctionKind::from_name(wish)
+        .or_else(|| FunctionKind::from_name(bare.trim_end_matches('_')));
+    let Some(kind) = kind else {
+        let names = FunctionKind::ALL.map(FunctionKind::name);
+        problems.unknown(span, "no model has a function", wish, &names);
+        return Ok(None);
+    };
+    let wished = scene.formulation.as_deref();
+    if let (Some(formulation), Some(value)) = (
+        wished.and_then(Formulation::from_name),
+        get(file, "formulation"),
+    ) && !formulation.gives(kind)
+    {
+        let message = format!("'{}' does not give {wish}", formulation.name());
+        problems.add(value.span(), message);
+        return Ok(None);
+    }
+    let read = input::model(path).map_err(|failure| failure.0)?;
+    let subject = ModelSubject {
+        model: read.model.clone(),
+        general: read.model,
+        function: kind,
+        name: wish.to_owned(),
+        options: Options::default(),
+    };
+    Ok(Some((Subject::Model(subject), read.warnings)))
+}
+
+/// The outputs that are needed.
+fn outputs(
+    file: &Table<'_>,
+    arrays: &Arrays,
+    module: &Module,
+    problems: &mut Problems,
+) -> Vec<Need> {
+    let Some(value) = get(file, "output") else {
+        return Vec::new();
+    };
+    let entries = match value.get_ref() {
+        DeValue::Array(list) if list.is_empty() => {
+            let note = "leave it out if every output is needed".to_owned();
+            problems.advise(value.span(), "the list of outputs is empty", Some(note));
+            return Vec::new();
+        }
+        DeValue::Array(list) => list.as_ref(),
+        _ => std::slice::from_ref(value),
+    };
+    let known: Vec<(String, Shape)> = module
+        .functions
+        .iter()
+        .flat_map(|function| function.outputs())
+        .map(|array| {
+            (
+                module.tables.symbols.text(array.name).to_owned(),
+                array.shape,
+            )
+        })
+        .collect();
+    let mut needs: Vec<(Need, Span)> = Vec::new();
+    for entry in entries {
+        let Some(section) = table(entry, problems) else {
+            continue;
+        };
+        only_keys(section, &["elements", "error", "measure"], problems);
+        let tolerance = tolerance(section, problems);
+        let Some(elements) = get(section, "elements") else {
+            let message = "this output names no elements";
+            let note = "write: elements = [\"qdd[3]\"]".to_owned();
+            problems.advise(entry.span(), message, Some(note));
+            continue;
+        };
+        let texts = strings(elements, problems);
+        if texts.is_empty() && problems.is_empty() {
+            problems.add(elements.span(), "the list of elements is empty");
+        }
+        for (text, span) in texts {
+            let pattern = arrays.output_pattern(&known, text, &span, problems);
+            let Some(pattern) = pattern else { continue };
+            let need = Need { pattern, tolerance };
+            check_need(module, &needs, (&need, &span), problems);
+            needs.push((need, span));
+        }
+    }
+    needs.into_iter().map(|(need, _)| need).collect()
+}
+
+/// Complains of outputs that do not exist or come twice.
+fn check_need(
+    module: &Module,
+    before: &[(Need, Span)],
+    (need, span): (&Need, &Span),
+    problems: &mut Problems,
+) {
+    let set = module.functions.iter().any(|function| {
+        let tables = &module.tables;
+        !need.pattern.outputs(View { tables, function }).is_empty()
+    });
+    if !set {
+        let message = format!("the function does not set '{}'", need.pattern);
+        problems.add(span.clone(), message);
+    }
+    let measure = |need: &Need| need.tolerance.map(|tolerance| tolerance.measure);
+    let twin = before
+        .iter()
+        .find(|(other, _)| other.pattern == need.pattern && measure(other) == measure(need));
+    if let Some((_, other)) = twin {
+        let message = format!("'{}' is listed already", need.pattern);
+        let other = Some((other.clone(), "here"));
+        problems.point(span.clone(), message, None, other);
+    }
+}
+
+/// The error that is allowed.
+fn tolerance(section: &Table<'_>, problems: &mut Problems) -> Option<Tolerance> {
+    let measure = get(section, "measure").and_then(|value| {
+        let name = string(value, problems)?;
+        let measure = Measure::from_name(name);
+        if measure.is_none() {
+            let names = Measure::ALL.map(Measure::name);
+            problems.unknown(value.span(), "there is no measure", name, &names);
+        }
+        measure
+    });
+    let value = get(section, "error");
+    if let (Some(value), None) = (get(section, "measure"), value) {
+        let message = "a measure without an error says nothing";
+        problems.add(value.span(), message);
+    }
+    let bound = number(value?, problems)?;
+    if bound <= 0.0 {
+        let note = "no program is free of rounding errors".to_owned();
+        let message = format!("{bound} is not an error greater than 0");
+        problems.advise(value?.span(), message, Some(note));
+        return None;
+    }
+    Some(Tolerance {
+        measure: measure.unwrap_or_default(),
+        bound,
+    })
+}

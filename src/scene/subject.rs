@@ -1,0 +1,97 @@
+//! What a scene is about: a model whose equations are made, or equations.
+
+use super::known::{Known, Words};
+use crate::generate::{Formulation, FunctionKind, GenerateError, Options, Request, generate};
+use crate::model::{Model, Nature};
+use crate::motion;
+use robovec_ir::Module;
+use robovec_passes::scene::{HeldJoint, Hold};
+
+/// What a scene is about.
+#[derive(Debug)]
+pub enum Subject {
+    /// A model and a function of it.
+    Model(ModelSubject),
+    /// Equations as they were read: the one function of the scene.
+    Equations(Module),
+}
+
+/// A model and a function of it.
+#[derive(Clone, Debug)]
+pub struct ModelSubject {
+    /// The model as it was read.
+    pub general: Model,
+    /// The model in which joints are held as the scene says: locked ones are
+    /// driven ones without velocity and acceleration.
+    pub model: Model,
+    /// The function.
+    pub function: FunctionKind,
+    /// The name of the one function wanted of those generated (`sensor_2`).
+    pub name: String,
+    /// How equations are generated.
+    pub options: Options,
+}
+
+impl ModelSubject {
+    /// The function in a formulation, with joints held.
+    ///
+    /// # Errors
+    ///
+    /// Those of the generator.
+    pub fn equations(&self, formulation: Formulation) -> Result<Module, GenerateError> {
+        self.generate(&self.model, formulation)
+    }
+
+    /// The function in a formulation, every joint free.
+    ///
+    /// # Errors
+    ///
+    /// Those of the generator.
+    pub fn general_equations(&self, formulation: Formulation) -> Result<Module, GenerateError> {
+        self.generate(&self.general, formulation)
+    }
+
+    fn generate(&self, model: &Model, formulation: Formulation) -> Result<Module, GenerateError> {
+        let request = Request {
+            function: self.function,
+            formulation,
+            options: self.options.clone(),
+        };
+        let mut module = generate(model, &request)?;
+        if module.functions.len() > 1 {
+            module
+                .functions
+                .retain(|function| function.name == self.name);
+        }
+        Ok(module)
+    }
+
+    /// Holds joints of the model.
+    pub(super) fn hold(&mut self, joints: &[HeldJoint]) {
+        for held in joints {
+            let joint = &mut self.model.joints[held.number as usize - 1];
+            joint.nature = Nature::Driven;
+            match held.hold {
+                Hold::Driven => {
+                    joint.has_velocity = true;
+                    joint.has_acceleration = true;
+                }
+                Hold::Locked(position) => {
+                    joint.has_velocity = false;
+                    joint.has_acceleration = false;
+                    joint.initial = [position, 0.0, 0.0];
+                }
+            }
+        }
+    }
+
+    /// Keeps the symbols of parameters that are zero in the model but not in
+    /// the scene.
+    pub(super) fn keep_needed_symbols(&mut self, words: &Words) {
+        self.options.all_parameters = words.said().any(|(array, indices, known)| {
+            let present = indices.iter().take_while(|&&index| index > 0).count();
+            motion::parameter(&self.general, array, &indices[..present]) == Some(0.0)
+                && known != Known::Bound(0.0)
+        });
+    }
+}
