@@ -7,3 +7,4 @@ pub mod critical_path;
 pub mod error_bound;
 pub mod rounding;
 pub mod slice;
+pub mod stochastic;

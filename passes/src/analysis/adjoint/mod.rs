@@ -203,12 +203,10 @@ impl<'a> Adjoint<'a> {
                 gradients[c].add_multiple(third(operation), &gradient);
             }
         }
-        for slot in tape.nodes()..tape.slots() {
-            let gradient = gradients[slot];
-            if !gradient.is_zero() {
-                gradients[slot] = Lanes::ZERO;
-                visit(slot, &gradient);
-            }
+        let leaves = gradients.iter_mut().enumerate().skip(tape.nodes());
+        for (slot, gradient) in leaves.filter(|(_, gradient)| !gradient.is_zero()) {
+            visit(slot, gradient);
+            *gradient = Lanes::ZERO;
         }
     }
 

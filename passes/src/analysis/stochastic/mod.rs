@@ -1,0 +1,199 @@
+//! Stochastic rounding: the error of every output from a handful of runs
+//! whose operations round up or down by chance.
+//!
+//! Every run has other rounding errors of the same sizes, so the spread of an
+//! output over the runs tells how far rounding to nearest can have brought it
+//! from the exact value, without knowing that value (Parker, *Monte Carlo
+//! Arithmetic*, 1997; Vignes' CESTAC method takes three runs). It costs
+//! [`SAMPLES`] evaluations for all outputs together, where adjoints cost a
+//! sweep for every few of them, and it sees cancellations and correlations
+//! that a bound adds up in size. It is no bound: it says where an error will
+//! be with a certain probability.
+//!
+//! How sigma is to be read: an operation that rounds by chance has an error
+//! of variance ulp²/6 on average, one that rounds to nearest ulp²/12, so the
+//! standard deviation of the samples is about √2 times that of the errors to
+//! be judged, and 3 sigma is about 4.2 of theirs. That margin pays for sigma
+//! being estimated from [`SAMPLES`] runs, whose own standard deviation is
+//! 18 % of it; with three runs it would be 52 %, and several outputs of a
+//! hundred would lie beyond three sigma. Where all runs agree because the
+//! last operation's result is nearly representable, the last rounding is
+//! still unknown; so sigma is never less than the standard deviation of one
+//! rounding to nearest of the output, ulp/√12.
+//!
+//! Random bits are a function of the seed, the sample and the place in the
+//! function: the same call gives the same bits everywhere, up to the sine and
+//! cosine of the platform.
+
+mod rounder;
+#[cfg(test)]
+mod tests;
+
+pub use rounder::MOST_BITS;
+
+use super::adjoint::{Tape, half_ulp};
+use robovec_ir::{Format, Operation};
+use rounder::Rounder;
+
+/// Runs that roundings are sampled in.
+pub const SAMPLES: usize = 16;
+
+/// Samples computed at a time: one cache line of binary64 numbers.
+const LANES: usize = 8;
+
+/// The format holds too many bits for its roundings to be sampled in
+/// binary64.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("roundings to {format} cannot be sampled: it has more than {MOST_BITS} bits of mantissa")]
+pub struct Unsupported {
+    /// The format.
+    pub format: Format,
+}
+
+/// What the samples say of one output.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Sampled {
+    /// The mean of the samples, an estimate of the exact value.
+    pub mean: f64,
+    /// The standard deviation that an error is judged by; NaN when a sample
+    /// was not finite.
+    pub sigma: f64,
+}
+
+/// Samples the roundings of a function at one state and gives what they say
+/// of every assignment, in order.
+///
+/// # Errors
+///
+/// When the format has more than [`MOST_BITS`] bits.
+///
+/// # Panics
+///
+/// When there is not one number per input element.
+pub fn stochastic(
+    tape: &Tape,
+    format: Format,
+    inputs: &[f64],
+    seed: u64,
+) -> Result<Vec<Sampled>, Unsupported> {
+    let slots: Vec<usize> = (0..tape.outputs()).map(|i| tape.output_slot(i)).collect();
+    stochastic_slots(tape, format, inputs, seed, &slots)
+}
+
+/// As [`stochastic`], for any slots of the tape.
+///
+/// # Errors
+///
+/// As [`stochastic`].
+///
+/// # Panics
+///
+/// When there is not one number per input element.
+pub fn stochastic_slots(
+    tape: &Tape,
+    format: Format,
+    inputs: &[f64],
+    seed: u64,
+    slots: &[usize],
+) -> Result<Vec<Sampled>, Unsupported> {
+    let rounder = Rounder::new(format)?;
+    let mut samples = vec![[0.0; SAMPLES]; slots.len()];
+    let mut values = vec![[0.0; LANES]; tape.slots()];
+    for first in (0..SAMPLES).step_by(LANES) {
+        let seed = mix(seed ^ mix(first as u64));
+        sample(tape, &rounder, inputs, seed, &mut values);
+        for (samples, &slot) in samples.iter_mut().zip(slots) {
+            samples[first..][..LANES].copy_from_slice(&values[slot]);
+        }
+    }
+    Ok(samples
+        .iter()
+        .map(|samples| judge(format, samples))
+        .collect())
+}
+
+/// One run of [`LANES`] samples.
+fn sample(tape: &Tape, rounder: &Rounder, inputs: &[f64], seed: u64, values: &mut [[f64; LANES]]) {
+    assert_eq!(inputs.len(), tape.inputs(), "one number per input element");
+    let leaves = inputs.iter().chain(tape.constants());
+    for ((slot, values), &number) in (tape.nodes()..)
+        .zip(&mut values[tape.nodes()..])
+        .zip(leaves)
+    {
+        *values = rounder.round([number; LANES], random(seed, slot));
+    }
+    for node in 0..tape.nodes() {
+        let [a, b, c] = tape.operands(node).map(|slot| values[slot]);
+        let exact = lanes(tape.operation(node), &a, &b, &c);
+        // What is representable stays: copies need no rounding of their own.
+        values[node] = rounder.round(exact, random(seed, node));
+    }
+}
+
+/// An operation in binary64. What binary64 itself rounds away is below the
+/// last place of the format by twelve bits at least.
+#[inline]
+fn lanes(
+    operation: Operation,
+    a: &[f64; LANES],
+    b: &[f64; LANES],
+    c: &[f64; LANES],
+) -> [f64; LANES] {
+    let each = |operation: &dyn Fn(usize) -> f64| std::array::from_fn(operation);
+    match operation {
+        Operation::Add => std::array::from_fn(|i| a[i] + b[i]),
+        Operation::Sub => std::array::from_fn(|i| a[i] - b[i]),
+        Operation::Mul => std::array::from_fn(|i| a[i] * b[i]),
+        Operation::Copy => *a,
+        Operation::Neg => each(&|i| -a[i]),
+        Operation::Div => each(&|i| a[i] / b[i]),
+        Operation::Sin => each(&|i| a[i].sin()),
+        Operation::Cos => each(&|i| a[i].cos()),
+        Operation::Sqrt => each(&|i| a[i].sqrt()),
+        Operation::Fma => each(&|i| a[i].mul_add(b[i], c[i])),
+        Operation::Fms => each(&|i| a[i].mul_add(b[i], -c[i])),
+        Operation::Fnma => each(&|i| (-a[i]).mul_add(b[i], c[i])),
+    }
+}
+
+/// Random bits for a place.
+#[inline]
+fn random(seed: u64, slot: usize) -> [u32; LANES] {
+    let mut bits = [0; LANES];
+    let place = seed.wrapping_add((slot as u64).wrapping_mul(LANES as u64 / 2));
+    for (pair, two) in bits.chunks_exact_mut(2).enumerate() {
+        let random = mix(place.wrapping_add(pair as u64));
+        two[0] = random as u32;
+        two[1] = (random >> 32) as u32;
+    }
+    bits
+}
+
+/// The finaliser of splitmix64 (Steele, Lea and Flood 2014): a counter in, 64
+/// bits that look random out.
+#[inline]
+fn mix(counter: u64) -> u64 {
+    let mut bits = counter.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    bits ^ bits >> 31
+}
+
+/// Mean and sigma of the samples of an output.
+fn judge(format: Format, samples: &[f64; SAMPLES]) -> Sampled {
+    let count = SAMPLES as f64;
+    let mean = samples.iter().sum::<f64>() / count;
+    let squares = samples
+        .iter()
+        .map(|sample| (sample - mean) * (sample - mean));
+    let deviation = (squares.sum::<f64>() / (count - 1.0)).sqrt();
+    let last = half_ulp(format, mean) / 3f64.sqrt();
+    Sampled {
+        mean,
+        sigma: if deviation.is_nan() {
+            f64::NAN
+        } else {
+            deviation.max(last)
+        },
+    }
+}
