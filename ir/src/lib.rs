@@ -27,6 +27,7 @@ pub mod soft_float;
 pub mod source;
 pub mod states;
 pub mod symbol;
+pub mod trigonometry;
 pub mod verify;
 
 pub use entity::{Constant, Input, Operand, OperandKind, Output, Value};

@@ -37,6 +37,7 @@ pub mod rules;
 pub mod scene;
 pub mod swap;
 pub mod trail;
+pub mod trigonometry;
 pub mod zero_removal;
 
 pub use class::NumericClass;

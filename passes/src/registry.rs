@@ -4,11 +4,12 @@
 use crate::pass::PassInfo;
 use crate::{
     asap_alap, atomise, balance, codegen, composite, cse, dce, eqsat, factor, fma, fold, inline,
-    lookahead, optimise, place, recurrence, swap, zero_removal,
+    lookahead, optimise, place, recurrence, swap, trigonometry, zero_removal,
 };
 
 /// All passes, in the order a function usually meets them.
 pub const PASSES: &[PassInfo] = &[
+    trigonometry::Trigonometry::INFO,
     atomise::Atomise::INFO,
     fold::Fold::INFO,
     zero_removal::ZeroRemoval::INFO,

@@ -1,0 +1,174 @@
+//! Intervals of binary64 numbers, rounded outwards.
+//!
+//! Every operation gives an interval that holds the results for all members
+//! of its operands: bounds are moved outwards by one number, which covers the
+//! rounding of the one operation that made them. No infinities are needed for
+//! angles and errors; where one appears it only makes an interval wide.
+
+/// All numbers from `low` to `high`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Interval {
+    /// The least number.
+    pub low: f64,
+    /// The largest number.
+    pub high: f64,
+}
+
+impl Interval {
+    /// The interval of one number.
+    pub fn point(number: f64) -> Interval {
+        Interval {
+            low: number,
+            high: number,
+        }
+    }
+
+    /// The numbers of at most this size.
+    pub fn within(size: f64) -> Interval {
+        Interval {
+            low: -size,
+            high: size,
+        }
+    }
+
+    /// The size of its largest member.
+    pub fn magnitude(self) -> f64 {
+        self.low.abs().max(self.high.abs())
+    }
+
+    /// The size of its smallest member.
+    pub fn mignitude(self) -> f64 {
+        if self.low <= 0.0 && self.high >= 0.0 {
+            0.0
+        } else {
+            self.low.abs().min(self.high.abs())
+        }
+    }
+
+    /// The interval with a margin on both sides.
+    #[must_use]
+    pub fn widened(self, margin: f64) -> Interval {
+        outwards(self.low - margin, self.high + margin)
+    }
+
+    /// The members that lie in another interval too; `self` when there are
+    /// none, which rounding alone can bring about.
+    #[must_use]
+    pub fn clamped(self, other: Interval) -> Interval {
+        let (low, high) = (self.low.max(other.low), self.high.min(other.high));
+        if low <= high {
+            Interval { low, high }
+        } else {
+            self
+        }
+    }
+
+    /// True when both bounds are numbers.
+    pub fn is_finite(self) -> bool {
+        self.low.is_finite() && self.high.is_finite()
+    }
+}
+
+/// The bounds moved outwards by one number; a bound that is zero stays, since
+/// sums and products of binary64 numbers round to zero only when they are
+/// zero or far below anything an error bound is about.
+fn outwards(low: f64, high: f64) -> Interval {
+    let down = |number: f64| match number {
+        0.0 => 0.0,
+        other => other.next_down(),
+    };
+    let up = |number: f64| match number {
+        0.0 => 0.0,
+        other => other.next_up(),
+    };
+    Interval {
+        low: down(low),
+        high: up(high),
+    }
+}
+
+impl std::ops::Add for Interval {
+    type Output = Interval;
+
+    fn add(self, other: Interval) -> Interval {
+        outwards(self.low + other.low, self.high + other.high)
+    }
+}
+
+impl std::ops::Neg for Interval {
+    type Output = Interval;
+
+    fn neg(self) -> Interval {
+        Interval {
+            low: -self.high,
+            high: -self.low,
+        }
+    }
+}
+
+impl std::ops::Sub for Interval {
+    type Output = Interval;
+
+    fn sub(self, other: Interval) -> Interval {
+        self + -other
+    }
+}
+
+impl std::ops::Mul for Interval {
+    type Output = Interval;
+
+    fn mul(self, other: Interval) -> Interval {
+        let products = [
+            self.low * other.low,
+            self.low * other.high,
+            self.high * other.low,
+            self.high * other.high,
+        ];
+        let low = products.into_iter().fold(f64::INFINITY, f64::min);
+        let high = products.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        outwards(low, high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_hold_those_of_all_members() {
+        let (a, b) = (
+            Interval {
+                low: -0.1,
+                high: 0.3,
+            },
+            Interval {
+                low: 0.7,
+                high: 1.1,
+            },
+        );
+        for i in 0..=10 {
+            for j in 0..=10 {
+                let x = -0.1 + 0.4 * f64::from(i) / 10.0;
+                let y = 0.7 + 0.4 * f64::from(j) / 10.0;
+                let holds = |interval: Interval, number: f64| {
+                    interval.low <= number + 1e-15 && number - 1e-15 <= interval.high
+                };
+                assert!(holds(a + b, x + y) && holds(a - b, x - y) && holds(a * b, x * y));
+            }
+        }
+        assert_eq!((a.magnitude(), a.mignitude()), (0.3, 0.0));
+        assert_eq!((b.magnitude(), (-b).mignitude()), (1.1, 0.7));
+        let product = Interval::point(0.1) * Interval::point(0.1);
+        assert!(product.low < 0.1 * 0.1 && product.high > 0.1 * 0.1);
+        let zero = Interval::point(0.0) * a;
+        assert_eq!((zero.low, zero.high), (0.0, 0.0));
+    }
+
+    #[test]
+    fn clamping_keeps_an_interval() {
+        let unit = Interval::within(1.0);
+        let inside = Interval::point(0.5).widened(0.75).clamped(unit);
+        assert!(inside.high == 1.0 && inside.low < -0.24);
+        assert_eq!(Interval::point(2.0).clamped(unit), Interval::point(2.0));
+    }
+}

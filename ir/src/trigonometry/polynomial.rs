@@ -1,0 +1,195 @@
+//! Polynomials that stand for a sine or a cosine.
+
+use crate::double_double::Double;
+use crate::format::Format;
+
+/// One of the two circular functions.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Circular {
+    /// The sine: odd powers of the angle.
+    Sine,
+    /// The cosine: even powers of the angle.
+    Cosine,
+}
+
+impl Circular {
+    /// Both functions.
+    pub const BOTH: [Circular; 2] = [Circular::Sine, Circular::Cosine];
+
+    /// The power of the angle that the first coefficient multiplies.
+    pub fn first_power(self) -> u32 {
+        match self {
+            Circular::Sine => 1,
+            Circular::Cosine => 0,
+        }
+    }
+
+    /// How many coefficients a polynomial of an order has: those of powers
+    /// up to the order.
+    pub fn terms(self, order: u32) -> usize {
+        ((order.max(1) - self.first_power()) / 2 + 1) as usize
+    }
+
+    /// The name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Circular::Sine => "sine",
+            Circular::Cosine => "cosine",
+        }
+    }
+
+    /// The first coefficients of the function's own series, to some 100 bits:
+    /// `(-1)^k / (2k + first power)!`.
+    pub fn series(self, terms: usize) -> Vec<Double> {
+        let mut coefficients = Vec::with_capacity(terms);
+        let mut coefficient = Double::from(1.0);
+        let mut power = f64::from(self.first_power());
+        for _ in 0..terms {
+            coefficients.push(coefficient);
+            let next = (power + 1.0) * (power + 2.0);
+            coefficient = -(coefficient / Double::from(next));
+            power += 2.0;
+        }
+        coefficients
+    }
+}
+
+/// The largest order a polynomial can have: the series of both functions
+/// then end below the rounding of binary64 for any angle of a turn.
+pub const MOST_ORDER: u32 = 31;
+
+/// The largest range polynomials are judged on, in radians: beyond five turns
+/// no series of [`MOST_ORDER`] is of use.
+pub const LARGEST_RANGE: f64 = 32.0;
+
+/// A polynomial in the square of the angle: `c[0] + c[1] x^2 + c[2] x^4 …`,
+/// which for a sine is multiplied by the angle.
+///
+/// Invariant: there is at least one coefficient.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Polynomial {
+    /// What it stands for.
+    pub of: Circular,
+    /// Its coefficients, as they are used.
+    pub coefficients: Vec<f64>,
+}
+
+impl Polynomial {
+    /// The series of Taylor up to an order: all terms whose power of the
+    /// angle is at most the order. Order 1 is `sin x = x` and `cos x = 1`,
+    /// order 3 is `x - x^3/6` and `1 - x^2/2`, as in the thesis.
+    pub fn taylor(of: Circular, order: u32) -> Polynomial {
+        let series = of.series(of.terms(order));
+        Polynomial {
+            of,
+            coefficients: series.iter().map(|number| number.high).collect(),
+        }
+    }
+
+    /// The largest power of the angle.
+    pub fn degree(&self) -> u32 {
+        2 * (self.coefficients.len() as u32 - 1) + self.of.first_power()
+    }
+
+    /// The polynomial with its coefficients rounded to a format.
+    #[must_use]
+    pub fn rounded(&self, format: Format) -> Polynomial {
+        let coefficients = self.coefficients.iter();
+        Polynomial {
+            of: self.of,
+            coefficients: coefficients
+                .map(|&number| round_to(number, format))
+                .collect(),
+        }
+    }
+
+    /// Its value to some 100 bits.
+    pub fn at(&self, angle: Double) -> Double {
+        let square = angle * angle;
+        let mut sum = Double::from(0.0);
+        for &coefficient in self.coefficients.iter().rev() {
+            sum = sum * square + Double::from(coefficient);
+        }
+        match self.of {
+            Circular::Sine => sum * angle,
+            Circular::Cosine => sum,
+        }
+    }
+
+    /// The largest absolute distance from the true function for angles of at
+    /// most `range` radians: never below it, and at most a few per cent above.
+    ///
+    /// Infinite beyond [`LARGEST_RANGE`] and for ranges that are no number.
+    pub fn proved_error(&self, range: f64) -> f64 {
+        let enclosure = super::enclosure::Enclosure::new(self, range);
+        enclosure.map_or(f64::INFINITY, |enclosure| {
+            super::bound::worst(range, |low, high| enclosure.error(low, high))
+        })
+    }
+}
+
+/// A number rounded to the nearest of a format, ties to even; what a format
+/// cannot hold becomes its largest number, and what is too small its nearest
+/// one or zero.
+pub fn round_to(number: f64, format: Format) -> f64 {
+    let step = match format {
+        Format::Fixed(fixed) => 2f64.powi(-(fixed.fraction as i32)),
+        Format::Float(float) => {
+            let exponent = match number.abs().to_bits() >> 52 {
+                0 => -1022,
+                biased => biased as i32 - 1023,
+            };
+            if exponent < float.smallest_exponent() && !float.subnormals {
+                return 0.0;
+            }
+            let exponent = exponent.max(float.smallest_exponent());
+            2f64.powi(exponent - float.mantissa as i32)
+        }
+    };
+    let largest = match format {
+        Format::Fixed(fixed) => 2f64.powi(fixed.integer as i32) - step,
+        Format::Float(float) => {
+            let ulps = 2.0 - 2f64.powi(-(float.mantissa as i32));
+            2f64.powi(float.largest_exponent()) * ulps
+        }
+    };
+    let scaled = number / step;
+    if !scaled.is_finite() {
+        return number;
+    }
+    (scaled.round_ties_even() * step).clamp(-largest, largest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_count_as_in_the_thesis() {
+        let taylor = |of, order| Polynomial::taylor(of, order).coefficients;
+        assert_eq!(taylor(Circular::Sine, 1), [1.0]);
+        assert_eq!(taylor(Circular::Cosine, 1), [1.0]);
+        assert_eq!(taylor(Circular::Sine, 2), [1.0]);
+        assert_eq!(taylor(Circular::Cosine, 2), [1.0, -0.5]);
+        assert_eq!(taylor(Circular::Sine, 3), [1.0, -1.0 / 6.0]);
+        assert_eq!(taylor(Circular::Cosine, 3), [1.0, -0.5]);
+        assert_eq!(taylor(Circular::Sine, 5).len(), 3);
+        assert_eq!(taylor(Circular::Cosine, 7).len(), 4);
+        assert_eq!(Polynomial::taylor(Circular::Sine, 7).degree(), 7);
+        assert_eq!(Polynomial::taylor(Circular::Cosine, 7).degree(), 6);
+    }
+
+    #[test]
+    fn coefficients_round_to_the_nearest_of_a_format() {
+        let round = |number, format: &str| round_to(number, format.parse().expect("it is one"));
+        assert_eq!(round(1.0 / 6.0, "f32"), f64::from(1.0f32 / 6.0));
+        assert_eq!(round(-1.0 / 3.0, "f64"), -1.0 / 3.0);
+        assert_eq!(round(0.3, "fixed(3,2)"), 0.25);
+        assert_eq!(round(99.0, "fixed(3,2)"), 7.75);
+        assert_eq!(round(1e-50, "f32"), 0.0);
+        assert_eq!(round(1e9, "f16"), 65504.0);
+        assert_eq!(round(3e-7, "f16"), 5.0 * 2f64.powi(-24));
+        assert_eq!(round(3e-7, "float(5,10,flush)"), 0.0);
+        assert_eq!(round(1e-40, "f32"), f64::from(1e-40f32));
+    }
+}

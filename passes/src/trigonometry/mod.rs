@@ -1,0 +1,249 @@
+//! Sines and cosines by operations of the processing elements.
+//!
+//! The thesis' machine adds and multiplies; sines and cosines are computed
+//! before the run, or the thesis cuts their series off (1.2.2). This pass
+//! writes them as polynomials ([`robovec_ir::trigonometry`]) whose error on
+//! the range of each angle is proved, and says what it proved.
+
+mod choose;
+mod emit;
+mod options;
+mod ranges;
+mod recipe;
+mod remarks;
+mod rounding;
+mod scheme;
+
+use crate::class::NumericClass;
+use crate::declare_pass;
+use crate::pass::{Context, Gives, Pass, PassError};
+use choose::{Choice, Wish};
+use emit::{Emitter, Treatment, circular};
+pub use options::{Angle, Method, Scheme, Tolerance};
+use ranges::Angles;
+pub use recipe::Recipe;
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::trigonometry::halving::MOST_HALVINGS;
+use robovec_ir::trigonometry::{Interval, LARGEST_RANGE, MOST_ORDER};
+use robovec_ir::{Format, Function, Input, SourceSet};
+use std::collections::BTreeMap;
+
+declare_pass! {
+    /// Computes sines and cosines by sums and products, with a proved error.
+    ///
+    /// `method=taylor` cuts the series of Taylor off behind the power `order`
+    /// of the angle: order 1 is `sin x = x` and `cos x = 1`, order 3 is
+    /// `x - x^3/6` and `1 - x^2/2`, as in the thesis (1.2.2).
+    /// `method=minimax` takes the polynomials of the same powers whose largest
+    /// error on the range of the angle is smallest: 2^order times smaller.
+    /// `method=true` leaves sines and cosines to the host.
+    ///
+    /// The range of an angle follows from the ranges of its inputs, `range`
+    /// for each of them, by interval arithmetic: the sum of two joints has
+    /// twice the range of one. Without an order the least one is taken whose
+    /// proved error on that range is at most `error`. `halvings` divides
+    /// angles by a power of two first and doubles them back with
+    /// `sin 2y = 2 sin y cos y` and `cos 2y = 1 - 2 sin² y`, so that large
+    /// angles need no large orders.
+    ///
+    /// For every range a remark says what is proved: the largest error of
+    /// sine and cosine with the coefficients as they are used, and what
+    /// rounding in the machine's format adds at most. Angles without a known
+    /// range stay with the host. Equal angles share their square. Follow it by
+    /// `fold` to get rid of the cosines that are 1.
+    pub struct Trigonometry("trigonometry") {
+        /// How sines and cosines are computed.
+        pub method: Method = Method::Minimax,
+        /// The largest power of the angle; 0 for what `error` needs.
+        pub order: u32 = 0,
+        /// The largest error allowed where no order is given; `machine` is
+        /// the rounding of the machine's number format.
+        pub error: Tolerance = Tolerance(None),
+        /// The size that inputs of angles do not exceed, in radians.
+        pub range: Angle = Angle(std::f64::consts::PI),
+        /// How often angles are halved.
+        pub halvings: u32 = 0,
+        /// The order of evaluation.
+        pub scheme: Scheme = Scheme::Shortest,
+        /// Coefficients are numbers of the machine's format.
+        pub round: bool = true,
+    }
+    takes: [Equations, Atomic],
+    gives: Gives::Same,
+    class: Approximating,
+    requires: [],
+    sets: [],
+    destroys: [Timed, ZeroFree, Shared, Live],
+}
+
+impl Pass for Trigonometry {
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
+        if self.method == Method::True {
+            return Ok(());
+        }
+        self.check()?;
+        let input = |_: Input| Interval::within(self.range.0);
+        let angles = Angles::new(function, &input);
+        let occurrences = occurrences(function, &angles, &input);
+        let decided = self.decide(&occurrences, context)?;
+        let Decided {
+            treatments,
+            choices,
+            recipes,
+        } = decided;
+        let before = function.nodes().len();
+        let rule = self.rule();
+        let (new, replaced) = Emitter::run(function, &angles, &treatments, &recipes, rule, context);
+        let after = new.nodes().len();
+        *function = new;
+        remarks::tell(&choices, &recipes, &treatments, &occurrences, context);
+        let added = (after + replaced as usize).saturating_sub(before);
+        context.statistics.extend([
+            ("sines and cosines replaced", replaced),
+            ("angles", treatments.len() as u64),
+            ("operations added", added as u64),
+        ]);
+        Ok(())
+    }
+
+    fn class(&self, declared: NumericClass) -> NumericClass {
+        match self.method {
+            Method::True => NumericClass::Exact,
+            Method::Taylor | Method::Minimax => declared,
+        }
+    }
+}
+
+/// One angle with all its sines and cosines.
+struct Occurrence {
+    /// Between these bounds it lies.
+    bounds: Option<Interval>,
+    /// The number it is.
+    known: Option<f64>,
+    /// Whether its sine and its cosine are there.
+    wanted: [bool; 2],
+    /// Where it is first written.
+    sources: SourceSet,
+}
+
+/// The angles of a function, by their keys.
+fn occurrences(
+    function: &Function,
+    angles: &Angles,
+    input: &dyn Fn(Input) -> Interval,
+) -> BTreeMap<u64, Occurrence> {
+    let mut found: BTreeMap<u64, Occurrence> = BTreeMap::new();
+    for node in function.nodes() {
+        let Some(of) = circular(node) else { continue };
+        let operand = node.operands[0];
+        let occurrence = found
+            .entry(angles.key(operand))
+            .or_insert_with(|| Occurrence {
+                bounds: angles.bounds(function, operand, input),
+                known: function.number(operand),
+                wanted: [false; 2],
+                sources: node.sources,
+            });
+        occurrence.wanted[recipe::place(of)] = true;
+    }
+    found
+}
+
+/// What is done with every angle.
+struct Decided {
+    treatments: BTreeMap<u64, Treatment>,
+    /// One per recipe: its range, what was chosen for it.
+    choices: Vec<(f64, Choice)>,
+    recipes: Vec<Recipe>,
+}
+
+impl Trigonometry {
+    /// The rule noted for values.
+    fn rule(&self) -> &'static str {
+        match self.method {
+            Method::True => "true",
+            Method::Taylor => "taylor",
+            Method::Minimax => "minimax",
+        }
+    }
+
+    fn check(&self) -> Result<(), PassError> {
+        if self.order > MOST_ORDER {
+            return Err(PassError::new(format!(
+                "order={} is beyond the largest order, {MOST_ORDER}",
+                self.order
+            ))
+            .help("halvings=2 or more brings large angles within reach of low orders"));
+        }
+        if self.halvings > MOST_HALVINGS {
+            return Err(PassError::new(format!(
+                "halvings={} is more than {MOST_HALVINGS}",
+                self.halvings
+            )));
+        }
+        Ok(())
+    }
+
+    fn decide(
+        &self,
+        occurrences: &BTreeMap<u64, Occurrence>,
+        context: &Context<'_>,
+    ) -> Result<Decided, PassError> {
+        let format = Format::Float(context.machine.number);
+        let wish = Wish {
+            method: self.method,
+            order: self.order,
+            error: self.error.0.unwrap_or(format.unit_roundoff()),
+            halvings: self.halvings,
+            format: self.round.then_some(format),
+        };
+        let mut decided = Decided {
+            treatments: BTreeMap::new(),
+            choices: Vec::new(),
+            recipes: Vec::new(),
+        };
+        let mut known: BTreeMap<(u64, [bool; 2]), usize> = BTreeMap::new();
+        for (&key, occurrence) in occurrences {
+            let range = occurrence.bounds.map(Interval::magnitude);
+            let treatment = match (occurrence.known, range) {
+                (Some(number), _) if number.abs() <= LARGEST_RANGE => {
+                    let angle = Double::from(number);
+                    let exact = [DoubleDouble.sin(angle), DoubleDouble.cos(angle)];
+                    Treatment::Known(exact.map(|number| number.high))
+                }
+                (_, Some(range)) if range <= LARGEST_RANGE => {
+                    let wanted = occurrence.wanted;
+                    let index = match known.get(&(range.to_bits(), wanted)) {
+                        Some(&index) => index,
+                        None => {
+                            let choice = wish
+                                .choose(range, wanted)
+                                .ok_or_else(|| self.beyond(range, wish.error, occurrence))?;
+                            let recipe =
+                                Recipe::new(&choice.halved, wanted, context.machine, self.scheme);
+                            decided.choices.push((range, choice));
+                            decided.recipes.push(recipe);
+                            let index = decided.recipes.len() - 1;
+                            known.insert((range.to_bits(), wanted), index);
+                            index
+                        }
+                    };
+                    Treatment::Computed(index)
+                }
+                _ => Treatment::Left,
+            };
+            decided.treatments.insert(key, treatment);
+        }
+        Ok(decided)
+    }
+
+    fn beyond(&self, range: f64, error: f64, occurrence: &Occurrence) -> PassError {
+        PassError::new(format!(
+            "no polynomial up to order {MOST_ORDER} has an error below {error:.1e} for angles \
+             of ±{range:.4}"
+        ))
+        .at(occurrence.sources)
+        .help("say halvings=2 or more, a smaller range, a larger error, or round=false")
+    }
+}

@@ -1,0 +1,112 @@
+//! The types of the pass's options.
+
+use crate::option_words;
+use crate::options::OptionValue;
+use std::f64::consts::PI;
+
+option_words! {
+    /// How sines and cosines are computed.
+    pub enum Method {
+        /// Left as they are: true sines and cosines.
+        True = "true",
+        /// The series of Taylor, cut off.
+        Taylor = "taylor",
+        /// Polynomials of the smallest error on the range.
+        Minimax = "minimax",
+    }
+}
+
+option_words! {
+    /// In which order a polynomial is evaluated.
+    pub enum Scheme {
+        /// The shortest path in cycles, then the fewest operations.
+        Shortest = "shortest",
+        /// Horner's scheme: the fewest operations.
+        Horner = "horner",
+    }
+}
+
+/// An angle in radians, of either sign: `0.1`, `pi`, `0.25pi`; or in degrees:
+/// `45deg`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Angle(pub f64);
+
+impl OptionValue for Angle {
+    fn type_name() -> String {
+        "number | pi | 0.25pi | 45deg".to_owned()
+    }
+    fn parse(text: &str) -> Result<Angle, String> {
+        let number = |text: &str| text.parse::<f64>().ok();
+        let angle = if text == "pi" {
+            Some(PI)
+        } else if let Some(factor) = text.strip_suffix("pi") {
+            number(factor).map(|factor| factor * PI)
+        } else if let Some(degrees) = text.strip_suffix("deg") {
+            number(degrees).map(|degrees| degrees * (PI / 180.0))
+        } else {
+            number(text)
+        };
+        let positive = angle.filter(|angle| angle.is_finite() && *angle > 0.0);
+        positive
+            .map(Angle)
+            .ok_or_else(|| format!("'{text}' is not a positive angle, as 0.1, pi, 0.25pi or 45deg"))
+    }
+    fn print(&self) -> String {
+        match self.0 / PI {
+            1.0 => "pi".to_owned(),
+            turns if (turns * 8.0).fract() == 0.0 && turns * PI == self.0 => format!("{turns}pi"),
+            _ => self.0.to_string(),
+        }
+    }
+}
+
+/// An error that may be left to the machine's number format.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Tolerance(pub Option<f64>);
+
+impl OptionValue for Tolerance {
+    fn type_name() -> String {
+        "number | machine".to_owned()
+    }
+    fn parse(text: &str) -> Result<Tolerance, String> {
+        if text == "machine" {
+            return Ok(Tolerance(None));
+        }
+        let number = text.parse::<f64>().ok();
+        let positive = number.filter(|number| number.is_finite() && *number > 0.0);
+        positive
+            .map(|number| Tolerance(Some(number)))
+            .ok_or_else(|| format!("'{text}' is neither a positive number nor 'machine'"))
+    }
+    fn print(&self) -> String {
+        match self.0 {
+            None => "machine".to_owned(),
+            Some(number) => format!("{number:e}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_and_tolerances_read_back() {
+        for text in ["0.1", "pi", "0.25pi", "2pi", "2.5"] {
+            let angle = Angle::parse(text).expect(text);
+            assert_eq!(angle.print(), text);
+        }
+        assert_eq!(Angle::parse("180deg"), Ok(Angle(PI)));
+        let degree = Angle::parse("1deg").expect("an angle");
+        assert_eq!(Angle::parse(&degree.print()), Ok(degree));
+        for text in ["", "0", "-1", "inf", "nan", "xpi", "pie", "deg", "-0.5pi"] {
+            assert!(Angle::parse(text).is_err(), "{text}");
+        }
+        for text in ["machine", "1e-6", "2.5e-1"] {
+            assert_eq!(Tolerance::parse(text).expect(text).print(), text);
+        }
+        for text in ["", "0", "-1", "nan", "small"] {
+            assert!(Tolerance::parse(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! In which order a polynomial is evaluated.
+//!
+//! A polynomial of `n` terms is a low part and a high part times a power of
+//! `t = x^2`; Horner's scheme always cuts behind the first term, Estrin's in
+//! the middle. Which cut is best depends on the cycles of adders and
+//! multipliers. There are few terms, so all ways to cut are compared, parts
+//! once each (dynamic programming): the earliest result wins, of equally
+//! early ones that with the fewest operations. A sine's factor `x` may stand
+//! before everything, or travel into the parts, where it waits for nobody.
+
+use super::options::Scheme;
+use super::recipe::Builder;
+use robovec_ir::trigonometry::{Circular, Polynomial};
+use robovec_ir::{Operand, Operation};
+
+/// Cycles of the operations a polynomial is made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cycles {
+    pub(super) add: u32,
+    pub(super) multiply: u32,
+}
+
+/// How a part is computed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Form {
+    /// It is one term.
+    Term,
+    /// The part without the factor `x`, times `x`.
+    Times,
+    /// A low part of this many terms plus a high part times a power of `t`;
+    /// whether the factor `x` of the high part travels into it, or stands at
+    /// the power.
+    Cut { terms: usize, inside: bool },
+}
+
+/// The best way to compute a part.
+#[derive(Clone, Copy, Debug)]
+struct Best {
+    /// When it is there, the angle being there at 0.
+    arrival: u32,
+    /// Operations, without those of powers.
+    operations: u32,
+    /// Powers of `t` needed, one bit each, and of `x t^k` behind them.
+    powers: u64,
+    form: Form,
+}
+
+impl Best {
+    fn key(&self) -> (u32, u32) {
+        (self.arrival, self.operations + self.powers.count_ones())
+    }
+}
+
+/// Powers `x t^k` lie this many bits behind `t^k`.
+const LED: u32 = 32;
+
+/// The plan for one polynomial.
+pub(super) struct Plan<'a> {
+    polynomial: &'a Polynomial,
+    cycles: Cycles,
+    /// Arrival of `t^k`, and the bits of all powers it needs.
+    powers: Vec<(u32, u64)>,
+    /// The best form of the terms from `first`, `count` of them, without and
+    /// with the factor `x`.
+    parts: Vec<Option<[Best; 2]>>,
+}
+
+impl<'a> Plan<'a> {
+    pub(super) fn new(polynomial: &'a Polynomial, cycles: Cycles, scheme: Scheme) -> Plan<'a> {
+        let terms = polynomial.coefficients.len();
+        let mut plan = Plan {
+            polynomial,
+            cycles,
+            powers: powers(terms, cycles),
+            parts: vec![None; terms * (terms + 1)],
+        };
+        for count in 1..=terms {
+            for first in 0..=terms - count {
+                let bare = plan.choose(first, count, false, None, scheme);
+                let led = plan.choose(first, count, true, Some(bare), scheme);
+                let place = plan.place(first, count);
+                plan.parts[place] = Some([bare, led]);
+            }
+        }
+        plan
+    }
+
+    fn place(&self, first: usize, count: usize) -> usize {
+        first * (self.polynomial.coefficients.len() + 1) + count
+    }
+
+    /// The best form of a part whose smaller parts are known.
+    fn part(&self, first: usize, count: usize, led: bool) -> Best {
+        self.parts[self.place(first, count)].expect("smaller parts are chosen first")
+            [usize::from(led)]
+    }
+
+    fn choose(
+        &self,
+        first: usize,
+        count: usize,
+        led: bool,
+        bare: Option<Best>,
+        scheme: Scheme,
+    ) -> Best {
+        let multiply = self.cycles.multiply;
+        if count == 1 {
+            let unit = self.polynomial.coefficients[first] == 1.0;
+            let product = u32::from(led && !unit);
+            return Best {
+                arrival: product * multiply,
+                operations: product,
+                powers: 0,
+                form: Form::Term,
+            };
+        }
+        let mut found: Vec<Best> = Vec::new();
+        if let Some(bare) = bare {
+            found.push(Best {
+                arrival: bare.arrival + multiply,
+                operations: bare.operations + 1,
+                form: Form::Times,
+                ..bare
+            });
+        }
+        let cuts = match scheme {
+            Scheme::Horner if led => 1..1,
+            Scheme::Horner => 1..2,
+            Scheme::Shortest => 1..count,
+        };
+        for terms in cuts {
+            for inside in [false, true] {
+                if inside && !led {
+                    continue;
+                }
+                let low = self.part(first, terms, led);
+                let high = self.part(first + terms, count - terms, inside);
+                let (mut arrival, mut bits) = self.powers[terms];
+                if led && !inside {
+                    arrival += multiply;
+                    bits |= 1 << (LED + terms as u32);
+                }
+                let product = high.arrival.max(arrival) + multiply;
+                found.push(Best {
+                    arrival: low.arrival.max(product) + self.cycles.add,
+                    operations: low.operations + high.operations + 2,
+                    powers: low.powers | high.powers | bits,
+                    form: Form::Cut { terms, inside },
+                });
+            }
+        }
+        let best = found.into_iter().min_by_key(Best::key);
+        best.expect("a part of several terms can be cut")
+    }
+
+    /// Builds the whole polynomial in a recipe.
+    pub(super) fn build(&self, builder: &mut Builder) -> Operand {
+        let led = self.polynomial.of == Circular::Sine;
+        self.write(builder, 0, self.polynomial.coefficients.len(), led)
+    }
+
+    /// Recursion no deeper than the number of terms.
+    fn write(&self, builder: &mut Builder, first: usize, count: usize, led: bool) -> Operand {
+        let angle = builder.angle();
+        match self.part(first, count, led).form {
+            Form::Term => {
+                let coefficient = self.polynomial.coefficients[first];
+                let constant = builder.constant(coefficient);
+                match led {
+                    false => constant,
+                    true if coefficient == 1.0 => angle,
+                    true => builder.push(Operation::Mul, constant, angle),
+                }
+            }
+            Form::Times => {
+                let rest = self.write(builder, first, count, false);
+                builder.push(Operation::Mul, rest, angle)
+            }
+            Form::Cut { terms, inside } => {
+                let low = self.write(builder, first, terms, led);
+                let high = self.write(builder, first + terms, count - terms, inside);
+                let mut power = self.power(builder, terms);
+                if led && !inside {
+                    power = builder.push(Operation::Mul, power, angle);
+                }
+                let product = builder.push(Operation::Mul, high, power);
+                builder.push(Operation::Add, low, product)
+            }
+        }
+    }
+
+    fn power(&self, builder: &mut Builder, power: usize) -> Operand {
+        if power == 1 {
+            let angle = builder.angle();
+            return builder.push(Operation::Mul, angle, angle);
+        }
+        let half = power / 2;
+        let (low, high) = (self.power(builder, half), self.power(builder, power - half));
+        builder.push(Operation::Mul, low, high)
+    }
+}
+
+/// Arrivals and needs of the powers of `t`, from its first; halves of about
+/// equal size come earliest.
+fn powers(most: usize, cycles: Cycles) -> Vec<(u32, u64)> {
+    let mut powers: Vec<(u32, u64)> = vec![(0, 0)];
+    for power in 1..most.max(2) {
+        let half = power / 2;
+        let needs = powers[half].1 | powers[power - half.max(1)].1;
+        let ready = match power {
+            1 => 0,
+            _ => powers[half].0.max(powers[power - half].0),
+        };
+        powers.push((ready + cycles.multiply, needs | 1 << power));
+    }
+    powers
+}
