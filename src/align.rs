@@ -123,6 +123,7 @@ fn rebuild(
             sources: assignment.sources,
         });
     }
+    rebuilt.formats = function.formats.clone();
     rebuilt.sort_assignments();
     rebuilt
 }

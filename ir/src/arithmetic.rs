@@ -3,6 +3,8 @@
 //! An [`Arithmetic`] is a value, not only a type, because some of them carry
 //! data: the prime field its random seed, a custom float format its widths.
 
+use crate::operation::Operation;
+
 /// Arithmetic on one kind of number.
 pub trait Arithmetic {
     /// The numbers.
@@ -28,6 +30,25 @@ pub trait Arithmetic {
     fn sqrt(&self, a: Self::Number) -> Self::Number;
     /// `a * b + c`, rounded once.
     fn fma(&self, a: Self::Number, b: Self::Number, c: Self::Number) -> Self::Number;
+
+    /// What an operation computes; it ignores what lies behind its operands.
+    #[inline]
+    fn apply(&self, operation: Operation, [a, b, c]: [Self::Number; 3]) -> Self::Number {
+        match operation {
+            Operation::Copy => a,
+            Operation::Neg => self.neg(a),
+            Operation::Add => self.add(a, b),
+            Operation::Sub => self.sub(a, b),
+            Operation::Mul => self.mul(a, b),
+            Operation::Div => self.div(a, b),
+            Operation::Sin => self.sin(a),
+            Operation::Cos => self.cos(a),
+            Operation::Sqrt => self.sqrt(a),
+            Operation::Fma => self.fma(a, b, c),
+            Operation::Fms => self.fms(a, b, c),
+            Operation::Fnma => self.fnma(a, b, c),
+        }
+    }
 
     /// `a * b - c`, rounded once: negation is exact and rounding to nearest
     /// is symmetric.

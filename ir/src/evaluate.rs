@@ -1,9 +1,11 @@
 //! The evaluator, generic over the kind of number.
 
+mod mixed;
+
 use crate::arithmetic::Arithmetic;
 use crate::entity::{CAPACITY, OperandKind};
 use crate::function::Function;
-use crate::operation::Operation;
+pub use mixed::{MixedArithmetic, evaluate_mixed, evaluate_mixed_nodes, evaluate_nodes_in};
 
 /// The value of every node, in program order, for the given flattened inputs.
 ///
@@ -34,24 +36,11 @@ pub fn evaluate_nodes<A: Arithmetic>(
     let none = slots.len() - 1;
     let starts = [0, count, count + inputs.len(), none.wrapping_sub(CAPACITY)];
     for (index, node) in function.nodes().iter().enumerate() {
-        let [a, b, c] = node.operands.map(|operand| {
+        let operands = node.operands.map(|operand| {
             let (kind, place) = operand.parts();
             slots[starts[kind].wrapping_add(place)]
         });
-        slots[index] = match node.operation {
-            Operation::Copy => a,
-            Operation::Neg => arithmetic.neg(a),
-            Operation::Add => arithmetic.add(a, b),
-            Operation::Sub => arithmetic.sub(a, b),
-            Operation::Mul => arithmetic.mul(a, b),
-            Operation::Div => arithmetic.div(a, b),
-            Operation::Sin => arithmetic.sin(a),
-            Operation::Cos => arithmetic.cos(a),
-            Operation::Sqrt => arithmetic.sqrt(a),
-            Operation::Fma => arithmetic.fma(a, b, c),
-            Operation::Fms => arithmetic.fms(a, b, c),
-            Operation::Fnma => arithmetic.fnma(a, b, c),
-        };
+        slots[index] = arithmetic.apply(node.operation, operands);
     }
     slots.truncate(count);
     slots

@@ -42,6 +42,20 @@ impl Format {
     /// the numbers of every other format exactly.
     pub const WIDEST: NumberFormat = NumberFormat::BINARY64;
 
+    /// True for widths that can be computed with: those that
+    /// [`Format::from_str`] accepts.
+    pub fn is_possible(self) -> bool {
+        match self {
+            Format::Float(float) => {
+                (2..=11).contains(&float.exponent) && (1..=52).contains(&float.mantissa)
+            }
+            Format::Fixed(fixed) => {
+                let bits = fixed.integer.saturating_add(fixed.fraction);
+                (1..=53).contains(&bits)
+            }
+        }
+    }
+
     /// Bits of a word.
     pub fn width(self) -> u32 {
         match self {
@@ -173,16 +187,7 @@ impl FromStr for Format {
             }),
             _ => return Err(FormatError::Unreadable),
         };
-        let possible = match format {
-            Format::Float(float) => {
-                (2..=11).contains(&float.exponent) && (1..=52).contains(&float.mantissa)
-            }
-            Format::Fixed(fixed) => {
-                let bits = fixed.integer.saturating_add(fixed.fraction);
-                (1..=53).contains(&bits)
-            }
-        };
-        if possible {
+        if format.is_possible() {
             Ok(format)
         } else {
             Err(FormatError::Width)

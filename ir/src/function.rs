@@ -6,6 +6,7 @@
 //! expression tree of the next named node (or output) that uses them.
 
 use crate::entity::{Constant, Input, Operand, Output, Value};
+use crate::formats::Formats;
 use crate::history::Histories;
 use crate::operation::Operation;
 use crate::placement::{Placement, Schedule};
@@ -209,6 +210,9 @@ pub struct Function {
     pub schedule: Option<Schedule>,
     /// Memory addresses and transfers, from level `placed`.
     pub placement: Option<Placement>,
+    /// Number formats of single values, from level `atomic`; `None` for a
+    /// function whose values all have that of the run.
+    pub formats: Option<Formats>,
     /// How every value came to be; kept only when somebody asks.
     pub histories: Option<Histories>,
     inputs: Vec<Array>,
@@ -230,6 +234,7 @@ impl Function {
             timing: None,
             schedule: None,
             placement: None,
+            formats: None,
             histories: None,
             inputs: Vec::new(),
             outputs: Vec::new(),
@@ -240,7 +245,8 @@ impl Function {
     }
 
     /// A function with the same name, signature and metadata and no body: the
-    /// start of a pass that writes the body anew.
+    /// start of a pass that writes the body anew. What belongs to single
+    /// nodes, such as their formats, is for the pass to carry over.
     pub fn skeleton(&self, level: Level) -> Function {
         Function {
             metadata: self.metadata.clone(),

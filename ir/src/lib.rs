@@ -15,6 +15,7 @@ pub mod entity;
 pub mod evaluate;
 pub mod field;
 pub mod format;
+pub mod formats;
 pub mod function;
 pub mod history;
 pub mod machine;
@@ -32,6 +33,7 @@ pub mod verify;
 
 pub use entity::{Constant, Input, Operand, OperandKind, Output, Value};
 pub use format::{FixedFormat, Format};
+pub use formats::Formats;
 pub use function::{Array, Assignment, Boundary, Function, Level, Node, Shape, Timing};
 pub use history::{Histories, History, Step};
 pub use machine::Machine;

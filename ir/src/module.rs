@@ -1,6 +1,7 @@
 //! A module: functions and the tables they share.
 
 use crate::entity::{Operand, OperandKind};
+use crate::formats::same_formats;
 use crate::function::{Array, Function, Node};
 use crate::history::same_histories;
 use crate::source::{SourceSet, Sources};
@@ -80,6 +81,7 @@ pub fn same_function(left: View<'_>, right: View<'_>) -> bool {
         // Without nodes there is nothing to say about times.
         && a.timing.as_deref().unwrap_or_default() == b.timing.as_deref().unwrap_or_default()
         && a.schedule == b.schedule
+        && same_formats(a.formats.as_ref(), b.formats.as_ref())
         && same_histories(a.histories.as_ref(), b.histories.as_ref())
         && same_arrays(left, a.inputs(), right, b.inputs())
         && same_arrays(left, a.outputs(), right, b.outputs())
@@ -122,6 +124,7 @@ pub fn same_equations(left: View<'_>, right: View<'_>) -> bool {
         && same_list(&a.boundaries, &b.boundaries, |x, y| {
             x.callee == y.callee && x.arguments == y.arguments && x.result == y.result
         })
+        && same_formats(a.formats.as_ref(), b.formats.as_ref())
         && same_list(a.nodes(), b.nodes(), |x, y| {
             same_operation(left, x, right, y)
         })

@@ -342,6 +342,14 @@ impl<'a> FunctionPrinter<'a> {
         self.name(text, value);
         text.push(" = ");
         self.expression(text, value);
+        if let Some(format) = function
+            .formats
+            .as_ref()
+            .and_then(|formats| formats.get(value))
+        {
+            text.push(" as ");
+            text.push(&format.to_string());
+        }
         if let Some(schedule) = &function.schedule {
             let slot = schedule.slots[value.index()];
             text.push(" on ");

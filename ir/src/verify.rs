@@ -70,8 +70,11 @@
 //!
 //! 20. Histories, when present, are there for every node and assignment and
 //!     in the table of steps, and inner nodes of expressions have none.
+//! 21. Formats of values, when present, are there for every node, are ones
+//!     that can be computed in, and are not there at the level `equations`.
 
 mod body;
+mod formats;
 mod header;
 mod history;
 mod names;
@@ -185,6 +188,7 @@ pub fn verify(view: View<'_>) -> Vec<Violation> {
     names::check(&mut collector);
     timing::check(&mut collector);
     history::check(&mut collector);
+    formats::check(&mut collector);
     let function = view.function;
     let level = function.level;
     if function.schedule.is_some() != (level >= Level::Scheduled) {

@@ -16,6 +16,7 @@ declare_pass! {
     /// Sums and products count as equal when their operands are exchanged;
     /// nothing is reassociated, so not a bit changes. The first of several
     /// equal values stays and takes over the source places of the others.
+    /// Values of different number formats are not equal.
     pub struct Cse("cse") {}
     takes: [Atomic],
     gives: Gives::Same,
@@ -141,14 +142,16 @@ pub fn merge_equal_noting(
     rewrites: &Rewrites,
     notes: &mut Notes,
 ) -> Option<(Function, u64)> {
-    let mut rewriter = Rewriter::new(function, function.level);
+    let mut rewriter = Rewriter::with_formats(function, function.level);
     let mut known = KnownValues::with_capacity(function.nodes().len());
     let mut merges = SourceMerges::default();
     let mut merged = 0;
-    for node in function.nodes() {
+    for (value, node) in function.values() {
         let operands = rewriter.translate_operands(node);
         let key = Key::new(node.operation, operands);
+        let format = |function: &Function, value| function.formats.as_ref()?.get(value);
         let same = known.find(&rewriter.new, key);
+        let same = same.filter(|&same| format(&rewriter.new, same) == format(function, value));
         if let Some(same) = same.filter(|_| rewrites.allow(node.name, "equal operations")) {
             merges.add(same, node.sources);
             if notes.are_wanted() {

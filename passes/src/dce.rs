@@ -55,7 +55,7 @@ pub fn remove_dead_asking(function: &Function, rewrites: &Rewrites) -> Option<(F
     if dead == 0 {
         return None;
     }
-    let mut rewriter = Rewriter::new(function, function.level);
+    let mut rewriter = Rewriter::with_formats(function, function.level);
     for (value, node) in function.values() {
         if live[value.index()] {
             let operands = rewriter.translate_operands(node);

@@ -1,8 +1,8 @@
 //! Writing a function anew: what every pass that changes the body shares.
 
 use robovec_ir::{
-    Assignment, Function, Level, Node, Operand, OperandKind, Output, SourceSet, Symbol, Tables,
-    Value, View, print,
+    Assignment, Formats, Function, Level, Node, Operand, OperandKind, Output, SourceSet, Symbol,
+    Tables, Value, View, print,
 };
 
 /// A function being written from another one, with the translation of the
@@ -25,6 +25,15 @@ impl<'a> Rewriter<'a> {
             new,
             map: Vec::with_capacity(old.nodes().len()),
         }
+    }
+
+    /// As [`Rewriter::new`]; the values that are [kept](Rewriter::keep) keep
+    /// their number formats too. For passes under which a format still says
+    /// the same: without this the formats are gone, which the manager refuses.
+    pub fn with_formats(old: &'a Function, level: Level) -> Rewriter<'a> {
+        let mut rewriter = Rewriter::new(old, level);
+        rewriter.new.formats = old.formats.as_ref().map(|_| Formats::new(0));
+        rewriter
     }
 
     /// As [`Rewriter::new`], for writing in another order: the translations
@@ -61,6 +70,10 @@ impl<'a> Rewriter<'a> {
     /// Appends a node and records it for the next old value.
     pub fn keep(&mut self, node: Node) -> Value {
         let value = self.new.push(node);
+        if let (Some(old), Some(new)) = (&self.old.formats, &mut self.new.formats) {
+            new.resize(value.index() + 1);
+            new.set(value, old.get(Value(self.map.len() as u32)));
+        }
         self.record(value.into());
         value
     }

@@ -7,6 +7,7 @@ use super::builder::{Builder, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;
+use crate::format::Format;
 use crate::function::{Level, Timing};
 use crate::history::History;
 use crate::placement::{Placement, Slot, Word, Write};
@@ -25,6 +26,7 @@ pub(super) struct Attributes {
     pub(super) home: Option<(Word, Span)>,
     pub(super) timing: Option<(Timing, Span)>,
     pub(super) history: Option<(History, Span)>,
+    pub(super) format: Option<(Format, Span)>,
     entries: [Option<u32>; 5],
 }
 
@@ -132,6 +134,25 @@ impl Builder<'_> {
         }
         if let Some(word) = self.word(element, address) {
             self.attributes.home = Some((word, span));
+        }
+    }
+
+    /// `as float(8,17)`; the word before it starts at `start`.
+    pub(super) fn format(&mut self, name: Span, start: u32) {
+        let span = Span::new(start, name.end);
+        let first = self.attributes.format.map(|(_, span)| span);
+        if !self.belongs_to(Level::Atomic, span, "formats of values")
+            || !self.once(first, span, "the format")
+        {
+            return;
+        }
+        let text = self.slice(name);
+        match text.parse() {
+            Ok(format) => self.attributes.format = Some((format, span)),
+            Err(problem) => {
+                let message = format!("'{}' is no number format", clip(text));
+                self.advise(name, message, &problem.to_string());
+            }
         }
     }
 

@@ -327,6 +327,7 @@ impl Builder<'_> {
         self.end_timing(span);
         self.end_slot(span);
         self.end_history(root);
+        self.end_format(root);
         self.next_statement();
     }
 
@@ -373,6 +374,14 @@ impl Builder<'_> {
         {
             histories.values.resize(root.index() + 1, History::NONE);
             histories.values[root.index()] = history;
+        }
+    }
+
+    fn end_format(&mut self, root: Value) {
+        if let Some((format, _)) = self.attributes.format {
+            let formats = self.open.function.formats.get_or_insert_default();
+            formats.resize(root.index() + 1);
+            formats.set(root, Some(format));
         }
     }
 
@@ -428,6 +437,7 @@ impl Builder<'_> {
             self.attributes.buffer.map(|(_, span)| span),
             self.attributes.write,
             self.attributes.timing.map(|(_, span)| span),
+            self.attributes.format.map(|(_, span)| span),
         ];
         if let Some(misplaced) = misplaced.into_iter().flatten().next() {
             self.error(

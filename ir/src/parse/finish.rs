@@ -168,6 +168,9 @@ impl<'t> Builder<'t> {
         if let Some(timing) = &mut function.timing {
             timing.resize(count, Timing::default());
         }
+        if let Some(formats) = &mut function.formats {
+            formats.resize(count);
+        }
         if let Some(histories) = &mut function.histories {
             histories.values.resize(count, History::NONE);
         }

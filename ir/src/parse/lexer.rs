@@ -77,6 +77,8 @@ pub(super) enum Token {
     Write,
     #[token("history")]
     History,
+    #[token("as")]
+    As,
     #[token("=")]
     Equals,
     #[token("+")]

@@ -115,7 +115,8 @@ impl Builder<'_> {
 
 const OPERATORS: [&str; 4] = ["+", "-", "*", "/"];
 
-const ATTRIBUTES: [&str; 9] = [
+const ATTRIBUTES: [&str; 10] = [
+    "as",
     "on",
     "read",
     "buffer",

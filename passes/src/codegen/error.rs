@@ -1,5 +1,6 @@
 //! What cannot be turned into memory images.
 
+use robovec_ir::Format;
 use std::io;
 
 /// Why a function has no memory images on a machine.
@@ -134,6 +135,18 @@ pub enum ImageError {
         count: usize,
         /// In a manifest.
         most: usize,
+    },
+    /// A value has a number format of its own, which the elements lack.
+    #[error(
+        "'%{value}' is computed as {format}, and the elements of the machine compute as {machine}"
+    )]
+    Format {
+        /// The value.
+        value: String,
+        /// Its format.
+        format: Format,
+        /// The machine's.
+        machine: Format,
     },
     /// As many inputs as the function has elements are needed.
     #[error("the data images need {expected} input values, {given} are given")]

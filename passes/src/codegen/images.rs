@@ -9,7 +9,7 @@ use super::number::Encoding;
 use super::traffic::Traffic;
 use super::words::Words;
 use robovec_ir::placement::{Bank, Preload};
-use robovec_ir::{Machine, View};
+use robovec_ir::{Format, Machine, View};
 use serde::Serialize;
 use std::io;
 
@@ -75,6 +75,7 @@ pub fn write_images(
     artifacts: &mut dyn Artifacts,
 ) -> Result<(), ImageError> {
     let traffic = Traffic::new(view, machine)?;
+    check_formats(view, machine)?;
     let encoding = Encoding::new(machine.number)?;
     let binding = Binding::new(&traffic)?;
     let loaded = binding.loaded(encoding, inputs)?;
@@ -113,6 +114,31 @@ pub fn write_images(
         write_manifest(target, &manifest)
     })?;
     Ok(())
+}
+
+/// All elements compute in the machine's format, so no value may ask for
+/// another.
+fn check_formats(view: View<'_>, machine: &Machine) -> Result<(), ImageError> {
+    let own = Format::Float(machine.number);
+    match foreign_format(view, own) {
+        None => Ok(()),
+        Some((value, format)) => Err(ImageError::Format {
+            value,
+            format,
+            machine: own,
+        }),
+    }
+}
+
+/// The first value with another format than `own`, and that format.
+pub(super) fn foreign_format(view: View<'_>, own: Format) -> Option<(String, Format)> {
+    let formats = view.function.formats.as_ref()?;
+    let mut values = view.function.values();
+    values.find_map(|(value, node)| {
+        let format = formats.get(value).filter(|format| *format != own)?;
+        let name = node.name.display(&view.tables.symbols).to_string();
+        Some((name, format))
+    })
 }
 
 /// The hash of what a program depends on; see

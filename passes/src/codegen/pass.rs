@@ -1,11 +1,12 @@
 //! Code generation as a pass.
 
 use super::c::{Real, c_files};
+use super::images::foreign_format;
 use super::{Artifacts, ImageError, write_images};
 use crate::options::OptionValue;
 use crate::pass::{Artifact, Context, Gives, Pass, PassError};
 use crate::{declare_pass, option_words};
-use robovec_ir::{Function, View};
+use robovec_ir::{Format, Function, View};
 use std::io;
 
 option_words! {
@@ -92,6 +93,18 @@ impl Pass for Codegen {
                 write_images(view, context.machine, None, context.artifacts).map_err(explain)?;
             }
             Target::C => {
+                let own = match self.number {
+                    Real::Double => Format::BINARY64,
+                    Real::Float => Format::BINARY32,
+                };
+                if let Some((value, format)) = foreign_format(view, own) {
+                    let message = format!(
+                        "'%{value}' is computed as {format}, and the C code computes in {}",
+                        self.number.name()
+                    );
+                    let help = "give values their formats for a machine only";
+                    return Err(PassError::new(message).help(help));
+                }
                 let files = c_files(view, self.number);
                 context.artifacts.extend(
                     files

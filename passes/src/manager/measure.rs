@@ -1,8 +1,8 @@
 //! What the manager measures around a pass: time, memory, size, change.
 
 use crate::analysis::critical_path::{Weights, arrivals};
-use crate::pass::{PassInfo, Property};
-use robovec_ir::{Function, Machine, Operation};
+use crate::pass::{PassError, PassInfo, Property};
+use robovec_ir::{Formats, Function, Machine, Operation};
 use rustc_hash::FxHasher;
 use std::hash::{Hash, Hasher};
 
@@ -64,6 +64,9 @@ pub(super) fn computation(function: &Function) -> u64 {
     for constant in function.constants() {
         constant.to_bits().hash(&mut hasher);
     }
+    for format in function.formats.iter().flat_map(Formats::iter) {
+        format.hash(&mut hasher);
+    }
     hasher.finish()
 }
 
@@ -111,6 +114,16 @@ pub(super) fn size(function: &Function, machine: &Machine) -> (u64, u32) {
         .count();
     let arrivals = arrivals(function, &Weights::cycles(machine));
     (operations as u64, arrivals.into_iter().max().unwrap_or(0))
+}
+
+/// Refuses the result of a pass that wrote the function anew and did not say
+/// what the number formats of its values have become.
+pub(super) fn check_formats(had: bool, function: &Function) -> Result<(), PassError> {
+    if !had || function.formats.is_some() {
+        return Ok(());
+    }
+    let error = PassError::new("the number formats of the values would be lost");
+    Err(error.help("give values their formats after this pass"))
 }
 
 /// Removes attributes that a pass has made untrue.

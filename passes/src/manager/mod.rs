@@ -323,8 +323,12 @@ impl Run<'_> {
             notes: &mut notes,
             rewrites: &rewrites,
         };
+        let formats = function.formats.is_some();
         // What a panic leaves half done is not looked at again.
-        let result = catch_unwind(AssertUnwindSafe(|| pass.run(function, &mut context)));
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            pass.run(function, &mut context)?;
+            measure::check_formats(formats, function)
+        }));
         if let Some(executed) = &mut self.instruments.config.executed {
             executed.push(Executed {
                 function: self.index,

@@ -86,7 +86,9 @@ pub fn apply(
     while let Some(step) = walk.next(fingerprint(function)) {
         let pass = (step.info.build)(&step.options)
             .map_err(|error| PassError::new(format!("{step}: {error}")))?;
+        let formats = function.formats.is_some();
         pass.run(function, context)?;
+        measure::check_formats(formats, function)?;
         measure::forget_stale_properties(step.info, function);
     }
     Ok(())

@@ -202,6 +202,11 @@ impl Writer<'_> {
                 let operands = node.operands.map(|operand| self.translate(operand));
                 let new = self.new.push(Node { operands, ..*node });
                 self.map[value.index()] = new.into();
+                if let Some(old) = &self.old.formats {
+                    let formats = self.new.formats.get_or_insert_default();
+                    formats.resize(new.index() + 1);
+                    formats.set(new, old.get(value));
+                }
             }
         }
     }

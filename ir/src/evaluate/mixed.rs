@@ -1,0 +1,170 @@
+//! Evaluation where every value may have a format of its own.
+//!
+//! An operation takes its operands as they are, in whatever format they were
+//! computed, and its exact result is rounded once into the format of its
+//! value. A constant is rounded into the format of the operation that reads
+//! it, which is where such a machine would keep it; inputs, and constants
+//! that are outputs, are in the format of the run.
+
+use super::evaluate_nodes;
+use crate::arithmetic::Arithmetic;
+use crate::entity::{Operand, OperandKind, Value};
+use crate::format::Format;
+use crate::formats::Formats;
+use crate::function::Function;
+use crate::soft_float::FormatArithmetic;
+
+/// The arithmetic of every value of a function.
+#[derive(Clone, Debug)]
+pub struct MixedArithmetic<'a> {
+    formats: Option<&'a Formats>,
+    /// Of values without a format, then those of the table.
+    arithmetics: Vec<FormatArithmetic>,
+}
+
+impl<'a> MixedArithmetic<'a> {
+    /// Values without a format are computed in `default`.
+    pub fn new(formats: Option<&'a Formats>, default: Format) -> MixedArithmetic<'a> {
+        let Some(table) = formats.map(Formats::table) else {
+            return MixedArithmetic {
+                formats,
+                arithmetics: vec![FormatArithmetic::new(default)],
+            };
+        };
+        let all = std::iter::once(&default).chain(table);
+        MixedArithmetic {
+            formats,
+            arithmetics: all.map(|&format| FormatArithmetic::mixed(format)).collect(),
+        }
+    }
+
+    /// The arithmetic a value is computed in.
+    #[inline]
+    pub fn of(&self, value: Value) -> &FormatArithmetic {
+        let index = self.formats.map_or(0, |formats| formats.index(value));
+        &self.arithmetics[index]
+    }
+
+    /// The arithmetic of inputs and of values without a format.
+    pub fn default(&self) -> &FormatArithmetic {
+        &self.arithmetics[0]
+    }
+}
+
+/// The value of every node, in program order, for the given flattened inputs,
+/// each value in its format or in `default`. Inputs are converted into
+/// `default`.
+///
+/// # Panics
+///
+/// As [`evaluate_nodes`].
+pub fn evaluate_mixed_nodes(function: &Function, default: Format, inputs: &[f64]) -> Vec<f64> {
+    evaluate_nodes_in(function, function.formats.as_ref(), default, inputs)
+}
+
+/// As [`evaluate_mixed_nodes`], with other formats than the function's own:
+/// for trying them.
+///
+/// # Panics
+///
+/// As [`evaluate_nodes`], and when there are not as many formats as nodes.
+pub fn evaluate_nodes_in(
+    function: &Function,
+    formats: Option<&Formats>,
+    default: Format,
+    inputs: &[f64],
+) -> Vec<f64> {
+    let mixed = MixedArithmetic::new(formats, default);
+    let inputs: Vec<f64> = inputs
+        .iter()
+        .map(|&number| mixed.default().convert(number))
+        .collect();
+    if formats.is_none() {
+        return evaluate_nodes(function, mixed.default(), &inputs);
+    }
+    let mut values: Vec<f64> = Vec::with_capacity(function.nodes().len());
+    for (value, node) in function.values() {
+        let arithmetic = mixed.of(value);
+        let fetch = |operand: Operand| match operand.kind() {
+            OperandKind::Value(value) => values[value.index()],
+            OperandKind::Input(input) => inputs[input.index()],
+            OperandKind::Constant(constant) => {
+                arithmetic.convert(function.constant_number(constant))
+            }
+            OperandKind::None => 0.0,
+        };
+        let result = arithmetic.apply(node.operation, node.operands.map(fetch));
+        values.push(result);
+    }
+    values
+}
+
+/// The value of every assignment, in the order of [`Function::assignments`];
+/// see [`evaluate_mixed_nodes`].
+///
+/// # Panics
+///
+/// As [`evaluate_nodes`].
+pub fn evaluate_mixed(function: &Function, default: Format, inputs: &[f64]) -> Vec<f64> {
+    let values = evaluate_mixed_nodes(function, default, inputs);
+    let arithmetic = FormatArithmetic::new(default);
+    let inputs: Vec<f64> = inputs
+        .iter()
+        .map(|&number| arithmetic.convert(number))
+        .collect();
+    super::outputs(function, &arithmetic, &inputs, &values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parse::parse_module;
+
+    const MIXED: &str = "function f atomic {
+      in x[1..2]
+      out o[1..4]
+      %a = x[1]*x[2] as f64
+      %b = %a + 0.1 as f16
+      %c = %a + 0.1
+      %d = %c - %b as fixed(2,20)
+      o[1] = %a
+      o[2] = %b
+      o[3] = %c
+      o[4] = %d
+    }";
+
+    #[test]
+    fn each_value_is_rounded_once_into_its_format() {
+        let module = parse_module("mixed", MIXED).expect("it is well formed");
+        let inputs = [0.3, 0.7];
+        let [x, y] = inputs.map(|number| f64::from(number as f32));
+        let results = evaluate_mixed(&module.functions[0], Format::BINARY32, &inputs);
+        let half = FormatArithmetic::new("f16".parse().expect("a format"));
+        let a = x * y;
+        // Sums of two binary64 numbers this near are exact enough here.
+        let b = half.convert(a + half.convert(0.1));
+        let c = f64::from((a + f64::from(0.1f32)) as f32);
+        let unit = 2f64.powi(20);
+        let d = ((c - b) * unit).round_ties_even() / unit;
+        assert_eq!(results, [a, b, c, d]);
+        assert_ne!(b, c);
+    }
+
+    #[test]
+    fn without_formats_it_is_the_evaluation_in_one() {
+        let text = MIXED.replace(" as f64", "").replace(" as f16", "");
+        let text = text.replace(" as fixed(2,20)", "");
+        let module = parse_module("plain", &text).expect("it is well formed");
+        let function = &module.functions[0];
+        let singles = [0.3f32, 0.7].map(f64::from);
+        let results = evaluate_mixed(function, Format::BINARY32, &singles);
+        let binary32 = crate::arithmetic::Binary32;
+        let expected = crate::evaluate::evaluate(function, &binary32, &[0.3, 0.7]);
+        assert_eq!(
+            results,
+            expected.into_iter().map(f64::from).collect::<Vec<_>>()
+        );
+        let doubles = evaluate_mixed(function, Format::BINARY64, &[0.3, 0.7]);
+        assert_eq!(doubles[0], 0.3 * 0.7);
+    }
+}
