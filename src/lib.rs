@@ -13,4 +13,5 @@ pub mod robotran;
 pub mod scene;
 pub mod simulate;
 pub mod stale;
+pub mod stress;
 pub mod study;

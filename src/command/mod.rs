@@ -23,6 +23,7 @@ mod rules;
 mod scene;
 mod sim;
 mod simulation;
+mod stress;
 mod study;
 mod subjects;
 mod tables;

@@ -58,6 +58,7 @@ enum Command {
     /// Compare the functions of two files as functions
     Check(CheckArguments),
     Rules(super::rules::RulesArguments),
+    Stress(super::stress::StressArguments),
     Study(super::study::Arguments),
     /// Write equations as Robotran's C, Matlab or Python files
     Write(write::WriteArguments),
@@ -80,6 +81,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         } => simulate(folder, machine, inputs),
         Command::Check(arguments) => compare::run(arguments),
         Command::Rules(arguments) => super::rules::run(arguments),
+        Command::Stress(arguments) => super::stress::run(arguments),
         Command::Study(arguments) => super::study::study(arguments),
         Command::Write(arguments) => write::run(arguments),
     };

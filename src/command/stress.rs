@@ -1,0 +1,189 @@
+//! `robovec stress`: hard cases, verdicts and cures.
+
+use super::{Failure, output};
+use crate::stress::{self, Case, Class, Findings, StressError};
+use crate::study::plot;
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rayon::prelude::*;
+use robovec_ir::diagnostic::{clip, did_you_mean};
+use std::fmt::Write as _;
+use std::io::{IsTerminal, stderr};
+use std::path::PathBuf;
+
+/// Measure hard cases, judge whose fault the errors are, and try cures
+#[derive(Args, Debug)]
+pub(super) struct StressArguments {
+    /// Only this case; more than one may be given
+    #[arg(long, value_name = "NAME")]
+    case: Vec<String>,
+    /// Only the cases of this class
+    #[arg(long, value_name = "NAME", value_parser = classes())]
+    class: Option<String>,
+    /// Tell what cases there are, without measuring
+    #[arg(long)]
+    list: bool,
+    /// Only verdicts, no cures
+    #[arg(long)]
+    verdicts: bool,
+    /// Folder for stress.csv, stress.json and stress.html
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+fn classes() -> clap::builder::PossibleValuesParser {
+    Class::ALL.map(Class::name).into()
+}
+
+/// Runs the command: the text for the standard output.
+pub(super) fn run(arguments: &StressArguments) -> Result<String, Failure> {
+    let cases = chosen(arguments)?;
+    if arguments.list {
+        return Ok(list(&cases));
+    }
+    let bar = progress_bar(cases.len());
+    // The largest cases stand last in their classes: begun first, they leave
+    // no core idle at the end.
+    let mut order: Vec<usize> = (0..cases.len()).collect();
+    order.sort_by_key(|&index| !cases[index].long);
+    let mut found: Vec<(usize, Result<Findings, StressError>)> = order
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|index| {
+            let case = &cases[index];
+            let result = if arguments.verdicts {
+                stress::judge(case)
+            } else {
+                stress::examine(case)
+            };
+            bar.set_message(case.name.clone());
+            bar.inc(1);
+            (index, result)
+        })
+        .collect();
+    bar.finish_and_clear();
+    found.sort_by_key(|(index, _)| *index);
+    let mut findings = Vec::new();
+    for (index, result) in found {
+        let case = &cases[index];
+        let result =
+            result.map_err(|error| Failure::plain(format!("case '{}': {error}", case.name)))?;
+        findings.push((case, result));
+    }
+    if let Some(folder) = &arguments.output {
+        write_files(folder, &findings)?;
+    }
+    let mut text = stress::text(&findings);
+    if !arguments.verdicts {
+        text.push('\n');
+        text += &stress::classes(&findings);
+    }
+    let complaints = complaints(arguments, &findings);
+    if complaints.is_empty() {
+        return Ok(text);
+    }
+    output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))?;
+    Err(Failure::advised(
+        "the hard cases are not what they were".to_owned(),
+        complaints,
+    ))
+}
+
+fn chosen(arguments: &StressArguments) -> Result<Vec<Case>, Failure> {
+    let mut cases = stress::cases();
+    for name in &arguments.case {
+        if !cases.iter().any(|case| case.name == *name) {
+            let known = cases.iter().map(|case| case.name.as_str());
+            let near = did_you_mean(name, known).map(|near| format!("did you mean '{near}'?"));
+            let mut notes: Vec<String> = near.into_iter().collect();
+            notes.push("'robovec stress --list' tells all cases".to_owned());
+            let message = format!("there is no case '{}'", clip(name));
+            return Err(Failure::advised(message, notes));
+        }
+    }
+    if !arguments.case.is_empty() {
+        cases.retain(|case| arguments.case.contains(&case.name));
+    }
+    if let Some(class) = &arguments.class {
+        cases.retain(|case| case.class.name() == class);
+    }
+    if cases.is_empty() {
+        let message = "no case has these names and is of this class".to_owned();
+        return Err(Failure::plain(message));
+    }
+    Ok(cases)
+}
+
+fn list(cases: &[Case]) -> String {
+    let mut text = String::new();
+    for class in Class::ALL {
+        let of_class = || cases.iter().filter(|case| case.class == class);
+        if of_class().next().is_none() {
+            continue;
+        }
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{}: {}", class.name(), class.description());
+        let width = of_class().map(|case| case.name.len()).max().unwrap_or(0);
+        for case in of_class() {
+            let _ = writeln!(
+                text,
+                "  {:width$}  {}; breaks {}",
+                case.name, case.construction, case.breaks
+            );
+        }
+    }
+    text
+}
+
+fn write_files(folder: &std::path::Path, findings: &[(&Case, Findings)]) -> Result<(), Failure> {
+    output::make_folder(folder)?;
+    let table = stress::table(findings);
+    // A table is strings and numbers: nothing JSON cannot hold.
+    let json = serde_json::to_string_pretty(&table).expect("a table is plain data");
+    for (name, content) in [
+        ("stress.csv", table.to_csv()),
+        ("stress.json", json + "\n"),
+        ("stress.svg", plot::draw(&stress::figure(findings))),
+        ("stress.html", stress::page(findings)),
+    ] {
+        output::write_file(&folder.join(name), |writer| {
+            writer.write_all(content.as_bytes())
+        })?;
+    }
+    Ok(())
+}
+
+/// What is not as it should be: verdicts, and classes without a cure.
+fn complaints(arguments: &StressArguments, findings: &[(&Case, Findings)]) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for (case, found) in findings {
+        if found.verdict != case.expected {
+            complaints.push(format!(
+                "the verdict on '{}' is '{}', expected was '{}'",
+                case.name, found.verdict, case.expected
+            ));
+        }
+    }
+    if arguments.verdicts {
+        return complaints;
+    }
+    for class in Class::ALL {
+        let mut of_class = findings.iter().filter(|(case, _)| case.class == class);
+        let cured = of_class.clone().any(|(_, found)| found.cure.is_some());
+        if of_class.next().is_some() && !cured {
+            complaints.push(format!("no case of the class '{}' is cured", class.name()));
+        }
+    }
+    complaints
+}
+
+fn progress_bar(length: usize) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(length as u64), ProgressDrawTarget::hidden());
+    if stderr().is_terminal() {
+        bar.set_draw_target(ProgressDrawTarget::stderr());
+    }
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} cases, {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}

@@ -1,0 +1,155 @@
+//! Hard cases: what is built, and what is measured on it.
+
+use super::{StressError, Treatment, Verdict};
+use robovec_ir::Format;
+
+/// What a case makes hard.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Class {
+    /// Nothing: what the others are compared with.
+    Base,
+    /// Long chains of bodies.
+    Chain,
+    /// Masses, inertias and lengths of very different sizes.
+    Ratio,
+    /// Large terms of velocity and gravity beside small inertias.
+    Swamped,
+    /// Sizes at the ends of what a format holds.
+    Scale,
+    /// Poses near a singular one.
+    Pose,
+    /// Sums whose terms cancel.
+    Cancellation,
+    /// Closed loops near dead points, and with redundant constraints.
+    Loop,
+    /// Series in place of sine and cosine.
+    Series,
+    /// Long simulations.
+    Motion,
+}
+
+impl Class {
+    /// All classes, in the order of reports.
+    pub const ALL: [Class; 10] = [
+        Class::Base,
+        Class::Chain,
+        Class::Ratio,
+        Class::Swamped,
+        Class::Scale,
+        Class::Pose,
+        Class::Cancellation,
+        Class::Loop,
+        Class::Series,
+        Class::Motion,
+    ];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Class::Base => "base",
+            Class::Chain => "chain",
+            Class::Ratio => "ratio",
+            Class::Swamped => "swamped",
+            Class::Scale => "scale",
+            Class::Pose => "pose",
+            Class::Cancellation => "cancellation",
+            Class::Loop => "loop",
+            Class::Series => "series",
+            Class::Motion => "motion",
+        }
+    }
+
+    /// The class of a name.
+    pub fn from_name(name: &str) -> Option<Class> {
+        Class::ALL.into_iter().find(|class| class.name() == name)
+    }
+
+    /// What its cases make hard, in one line.
+    pub fn description(self) -> &'static str {
+        match self {
+            Class::Base => "nothing in particular: what the others are compared with",
+            Class::Chain => "long chains, whose mass matrix loses its small eigenvalues",
+            Class::Ratio => "masses, inertias and lengths of very different sizes",
+            Class::Swamped => "velocity and gravity terms that swamp what inertia does",
+            Class::Scale => "sizes at the ends of the range of a format",
+            Class::Pose => "poses near a singular one",
+            Class::Cancellation => "sums whose terms cancel",
+            Class::Loop => "closed loops near dead points, and with redundant constraints",
+            Class::Series => "series in place of sine and cosine",
+            Class::Motion => "long simulations, step after step in one format",
+        }
+    }
+}
+
+/// A hard case.
+pub struct Case {
+    /// Its name on the command line.
+    pub name: String,
+    /// What it makes hard.
+    pub class: Class,
+    /// How it is built, in a few words.
+    pub construction: String,
+    /// What it breaks.
+    pub breaks: &'static str,
+    /// The verdict on the untreated program in binary32. Anything else than
+    /// this makes `robovec stress` fail.
+    pub expected: Verdict,
+    /// True when it takes long without optimisation.
+    pub long: bool,
+    /// What is measured.
+    pub(super) subject: Box<dyn Subject>,
+}
+
+/// Something that can be computed with more or less error.
+pub(super) trait Subject: Send + Sync {
+    /// The error that verdicts are about.
+    fn metric(&self) -> &'static str;
+
+    /// The program that nothing was done to, in binary32.
+    fn untreated(&self) -> Treatment {
+        Treatment::default()
+    }
+
+    /// What may make the error smaller, beside wider formats of everything.
+    fn candidates(&self) -> Vec<Treatment>;
+
+    /// True when the error is that of rounding, which wider formats reduce.
+    fn rounds(&self) -> bool {
+        true
+    }
+
+    /// Computes the reference.
+    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError>;
+}
+
+/// A subject with its reference.
+pub(super) trait Bench: Sync {
+    /// How much the result changes, relatively, with the numbers it is
+    /// computed from: of the mass matrix where accelerations are asked for.
+    fn condition(&self) -> f64;
+
+    /// The error that rounding the data once to a format makes: what nobody
+    /// can do better than from rounded data.
+    fn floor(&self, format: Format) -> f64;
+
+    /// Carries out a treatment.
+    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError>;
+}
+
+/// What a treatment led to.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Measured {
+    /// The error that verdicts are about, relative; not finite when there is
+    /// no result.
+    pub error: f64,
+    /// Other errors and facts, by name.
+    pub others: Vec<(&'static str, f64)>,
+    /// The share of inputs and values outside the range of the format's
+    /// normal numbers, zeros not counted.
+    pub outside: f64,
+    /// False when the matrix computed is not positive definite, or a result
+    /// contradicts another.
+    pub consistent: bool,
+    /// Operations times bits of their numbers.
+    pub cost: f64,
+}

@@ -1,0 +1,748 @@
+//! Mass matrices, forces and accelerations of trees of bodies.
+//!
+//! The reference is the recursion Robotran prints, in double-double numbers,
+//! from the same inputs. Accelerations are measured as forward after inverse
+//! dynamics: the forces `Qq` that a known `qdd` takes are computed in the
+//! format, then `M x = Qq - c` is solved and `x` compared with `qdd`. The
+//! solution itself is computed in double-double numbers, so that what shows is
+//! the error of the equations.
+
+use super::case::{Bench, Measured, Subject};
+use super::draw::Draw;
+use super::linear::{condition, estimated_condition, factorise, solve, substitute};
+use super::numbers::{Numbers, Wide, Work, rounded};
+use super::program::{Program, Recipe, shared};
+use super::units::Units;
+use super::{StressError, Treatment};
+use crate::generate::{Formulation, FunctionKind};
+use crate::model::Model;
+use crate::motion::State;
+use crate::motion::linear::Matrix;
+use robovec_ir::Format;
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::double_double::Double;
+use std::sync::{Arc, Mutex};
+
+/// Which error verdicts are about.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Metric {
+    /// Of `M`, relative to its largest entry.
+    Masses,
+    /// Of `Qq` of the inverse dynamics, element by element.
+    Forces,
+    /// Of accelerations after inverse dynamics, relative to the largest.
+    Accelerations,
+}
+
+/// A model in some states.
+pub(super) struct Dynamics {
+    pub(super) model: Model,
+    pub(super) states: Vec<State>,
+    pub(super) metric: Metric,
+    /// Too long for a mass matrix: accelerations come from articulated bodies.
+    pub(super) articulated: bool,
+}
+
+/// The largest matrix whose eigenvalues are computed by Jacobi's method.
+const JACOBI: usize = 140;
+
+impl Dynamics {
+    pub(super) fn new(model: Model, states: Vec<State>, metric: Metric) -> Dynamics {
+        Dynamics {
+            model: shared_model(model),
+            states: states.into_iter().map(shared_state).collect(),
+            metric,
+            articulated: false,
+        }
+    }
+}
+
+/// The model with every parameter rounded to what binary32 holds.
+fn shared_model(mut model: Model) -> Model {
+    for body in &mut model.bodies {
+        body.mass = shared(body.mass);
+        body.center = body.center.map(shared);
+        body.inertia = body.inertia.map(shared);
+    }
+    for point in &mut model.points {
+        point.coordinates = point.coordinates.map(shared);
+    }
+    model.gravity = model.gravity.map(shared);
+    model
+}
+
+/// The state with every number rounded to what binary32 holds.
+fn shared_state(mut state: State) -> State {
+    for numbers in [&mut state.q, &mut state.qd, &mut state.qdd] {
+        numbers
+            .iter_mut()
+            .for_each(|number| *number = shared(*number));
+    }
+    state
+}
+
+/// The exact dynamics in a state.
+struct Exact {
+    mass: Vec<Double>,
+    bias: Vec<Double>,
+    forces: Vec<Double>,
+}
+
+struct Workbench<'a> {
+    subject: &'a Dynamics,
+    exact: Vec<Exact>,
+    programs: Mutex<Vec<(Key, Arc<Program>)>>,
+}
+
+#[derive(Clone, PartialEq)]
+struct Key {
+    kind: FunctionKind,
+    formulation: Formulation,
+    passes: &'static str,
+    only: Option<&'static str>,
+}
+
+impl Subject for Dynamics {
+    fn metric(&self) -> &'static str {
+        match self.metric {
+            Metric::Masses => "M, normwise",
+            Metric::Forces => "Qq, componentwise",
+            Metric::Accelerations => "FD o ID",
+        }
+    }
+
+    fn untreated(&self) -> Treatment {
+        Treatment {
+            formulation: if self.articulated {
+                Formulation::Articulated
+            } else {
+                Formulation::default()
+            },
+            ..Treatment::default()
+        }
+    }
+
+    fn candidates(&self) -> Vec<Treatment> {
+        let plain = self.untreated();
+        let with = |change: &dyn Fn(&mut Treatment)| {
+            let mut treatment = plain.clone();
+            change(&mut treatment);
+            treatment
+        };
+        let mut list = vec![
+            with(&|t| t.units = true),
+            with(&|t| t.passes = "atomise,zero-removal,balance,cse,dce"),
+        ];
+        if self.articulated {
+            list.push(with(&|t| t.forces = Some(Format::BINARY64)));
+            list.push(with(&|t| {
+                (t.forces, t.refinements) = (Some(Format::BINARY64), 3);
+            }));
+            return list;
+        }
+        for formulation in [
+            Formulation::Composite,
+            Formulation::CompositeBase,
+            Formulation::ALL[3],
+            Formulation::ALL[6],
+        ] {
+            list.push(with(&|t| t.formulation = formulation));
+        }
+        if self.metric == Metric::Accelerations {
+            list.push(with(&|t| t.formulation = Formulation::Articulated));
+            for refinements in [0, 1, 2, 4] {
+                for units in [false, true] {
+                    list.push(with(&|t| {
+                        t.forces = Some(Format::BINARY64);
+                        t.formulation = Formulation::Composite;
+                        (t.refinements, t.units) = (refinements, units);
+                    }));
+                }
+            }
+        }
+        list
+    }
+
+    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
+        let mut bench = Workbench {
+            subject: self,
+            exact: Vec::new(),
+            programs: Mutex::new(Vec::new()),
+        };
+        let plain = Treatment::default();
+        for state in &self.states {
+            let [mass, bias] = if self.articulated {
+                [Vec::new(), Vec::new()]
+            } else {
+                bench.masses(state, &plain, Numbers::Reference)?
+            };
+            bench.exact.push(Exact {
+                forces: bench.forces(state, &plain, Numbers::Reference)?,
+                mass,
+                bias,
+            });
+        }
+        Ok(Box::new(bench))
+    }
+}
+
+impl Workbench<'_> {
+    fn joints(&self) -> usize {
+        self.subject.model.joints.len()
+    }
+
+    fn program(
+        &self,
+        kind: FunctionKind,
+        treatment: &Treatment,
+        only: Option<&'static str>,
+    ) -> Result<Arc<Program>, StressError> {
+        // Articulated bodies give accelerations alone.
+        let formulation = if treatment.formulation.gives(kind) {
+            treatment.formulation
+        } else {
+            Formulation::default()
+        };
+        let passes = treatment.passes;
+        let key = Key {
+            kind,
+            formulation,
+            passes,
+            only,
+        };
+        let found = |programs: &Vec<(Key, Arc<Program>)>| {
+            let known = programs.iter().find(|(known, _)| *known == key);
+            known.map(|(_, program)| program.clone())
+        };
+        // A thread that panicked left nothing half done here.
+        let lock = || {
+            self.programs
+                .lock()
+                .unwrap_or_else(|error| error.into_inner())
+        };
+        if let Some(program) = found(&lock()) {
+            return Ok(program);
+        }
+        let recipe = Recipe {
+            formulation,
+            passes,
+            only,
+        };
+        let program = Arc::new(Program::new(&self.subject.model, kind, recipe)?);
+        lock().push((key, program.clone()));
+        Ok(program)
+    }
+
+    fn units(&self, treatment: &Treatment) -> Units {
+        if treatment.units {
+            Units::of(&self.subject.model)
+        } else {
+            Units::SI
+        }
+    }
+
+    /// `M`, row by row, and `c`.
+    fn masses(
+        &self,
+        state: &State,
+        treatment: &Treatment,
+        numbers: Numbers,
+    ) -> Result<[Vec<Double>; 2], StressError> {
+        let joints = self.joints();
+        // Where forces come from elsewhere only M is computed.
+        let only = treatment.forces.map(|_| "M");
+        let program = self.program(FunctionKind::Dirdyna, treatment, only)?;
+        let flat = program.evaluate(numbers, self.units(treatment), &program.inputs(state));
+        let mass = program.array("M", &flat, joints * joints);
+        Ok([mass, program.array("c", &flat, joints)])
+    }
+
+    /// The forces that the state's accelerations take.
+    fn forces(
+        &self,
+        state: &State,
+        treatment: &Treatment,
+        numbers: Numbers,
+    ) -> Result<Vec<Double>, StressError> {
+        let program = self.program(FunctionKind::Invdyna, treatment, None)?;
+        let flat = program.evaluate(numbers, self.units(treatment), &program.inputs(state));
+        Ok(program.array("Qq", &flat, self.joints()))
+    }
+
+    /// The forces, in the format that the treatment has for them.
+    fn treated_forces(
+        &self,
+        state: &State,
+        treatment: &Treatment,
+    ) -> Result<Vec<Double>, StressError> {
+        let format = treatment.forces.unwrap_or(treatment.format);
+        self.forces(state, treatment, Numbers::In(format))
+    }
+
+    /// Accelerations for the forces that were computed for those of the state.
+    fn accelerations(
+        &self,
+        state: &State,
+        treatment: &Treatment,
+        masses: &[Vec<Double>; 2],
+    ) -> Result<Vec<Double>, StressError> {
+        let joints = self.joints();
+        let forces = self.treated_forces(state, treatment)?;
+        let failed = vec![Double::from(f64::NAN); joints];
+        if treatment.formulation == Formulation::Articulated {
+            return self.articulated(state, treatment, &forces);
+        }
+        let [mass, bias] = masses;
+        let Some(format) = treatment.forces else {
+            let right: Vec<Double> = (0..joints).map(|i| forces[i] - bias[i]).collect();
+            return Ok(solve(joints, mass, &right).unwrap_or(failed));
+        };
+        // M in its format, with its factor; what is missing in the other.
+        let mut guess = state.clone();
+        guess.qdd = vec![0.0; joints];
+        for _ in 0..=treatment.refinements {
+            let reached = self.treated_forces(&guess, treatment)?;
+            let missing: Vec<f64> = (0..joints)
+                .map(|i| rounded((forces[i] - reached[i]).high, format))
+                .collect();
+            let solution = Numbers::In(treatment.format).work(Solution {
+                size: joints,
+                mass,
+                right: &missing,
+            });
+            let Some(solution) = solution else {
+                return Ok(failed);
+            };
+            for (sum, step) in guess.qdd.iter_mut().zip(solution) {
+                *sum = rounded(*sum + step, format);
+            }
+        }
+        Ok(guess.qdd.into_iter().map(Double::from).collect())
+    }
+
+    /// Accelerations from articulated bodies, refined where that is asked for.
+    fn articulated(
+        &self,
+        state: &State,
+        treatment: &Treatment,
+        forces: &[Double],
+    ) -> Result<Vec<Double>, StressError> {
+        let joints = self.joints();
+        let program = self.program(FunctionKind::Accelred, treatment, None)?;
+        let units = self.units(treatment);
+        let run = |forces: &[f64]| {
+            let mut state = state.clone();
+            state.joint_forces = forces.to_vec();
+            let inputs = program.inputs(&state);
+            let numbers = Numbers::In(treatment.format);
+            let flat = program.evaluate(numbers, units, &inputs);
+            program.array("qdd", &flat, joints)
+        };
+        let given: Vec<f64> = forces.iter().map(|force| force.high).collect();
+        let first = run(&given);
+        if treatment.refinements == 0 {
+            return Ok(first);
+        }
+        let format = treatment.forces.unwrap_or(treatment.format);
+        // The program is affine in the forces: what no force does is taken
+        // away from what the missing ones do.
+        let idle = run(&vec![0.0; joints]);
+        let mut guess = state.clone();
+        guess.qdd = first.iter().map(|number| number.high).collect();
+        for _ in 0..treatment.refinements {
+            let reached = self.treated_forces(&guess, treatment)?;
+            let missing: Vec<f64> = (0..joints)
+                .map(|i| rounded((forces[i] - reached[i]).high, format))
+                .collect();
+            let step = run(&missing);
+            for (joint, sum) in guess.qdd.iter_mut().enumerate() {
+                *sum = rounded(*sum + (step[joint] - idle[joint]).high, format);
+            }
+        }
+        Ok(guess.qdd.into_iter().map(Double::from).collect())
+    }
+
+    /// Operations times bits.
+    fn cost(&self, treatment: &Treatment) -> Result<f64, StressError> {
+        let joints = self.joints() as f64;
+        let width = |format: Format| f64::from(format.width());
+        let operations = |kind, only| -> Result<f64, StressError> {
+            Ok(self.program(kind, treatment, only)?.operations as f64)
+        };
+        let outer = treatment.forces.unwrap_or(treatment.format);
+        if self.subject.metric == Metric::Forces {
+            return Ok(operations(FunctionKind::Invdyna, None)? * width(outer));
+        }
+        let inverse = match treatment.forces {
+            None if treatment.refinements == 0 => 0.0,
+            _ => operations(FunctionKind::Invdyna, None)? * width(outer),
+        };
+        let repeats = f64::from(treatment.refinements);
+        if treatment.formulation == Formulation::Articulated {
+            let once = operations(FunctionKind::Accelred, None)? * width(treatment.format);
+            return Ok(once * (1.0 + repeats) + inverse * repeats);
+        }
+        let only = treatment.forces.map(|_| "M");
+        let mut once = operations(FunctionKind::Dirdyna, only)? * width(treatment.format);
+        if self.subject.metric == Metric::Accelerations {
+            // Cholesky's factorisation and two triangular systems.
+            let factor = joints.powi(3) / 3.0;
+            let substitutions = 2.0 * joints * joints * (1.0 + repeats);
+            once += (factor + substitutions) * width(treatment.format);
+        }
+        Ok(once + inverse * (1.0 + repeats))
+    }
+
+    fn outside(&self, treatment: &Treatment) -> Result<f64, StressError> {
+        let units = self.units(treatment);
+        let mut counts = [0, 0];
+        let kinds = if self.subject.articulated {
+            [FunctionKind::Accelred, FunctionKind::Invdyna]
+        } else {
+            [FunctionKind::Dirdyna, FunctionKind::Invdyna]
+        };
+        for kind in kinds {
+            let program = self.program(kind, treatment, None)?;
+            for state in &self.subject.states {
+                let inputs = program.inputs(state);
+                let [outside, all] = program.out_of_range(treatment.format, units, &inputs);
+                counts[0] += outside;
+                counts[1] += all;
+            }
+        }
+        Ok(counts[0] as f64 / (counts[1].max(1)) as f64)
+    }
+}
+
+/// A solution by Cholesky's factorisation in some arithmetic; nothing when the
+/// matrix is not positive definite in it.
+///
+/// Rows and columns are scaled by powers of two that bring the diagonal to the
+/// order of one (van der Sluis 1969): exact, and out of reach of the ends of
+/// the format's range.
+struct Solution<'a> {
+    size: usize,
+    mass: &'a [Double],
+    right: &'a [f64],
+}
+
+impl Work for Solution<'_> {
+    type Result = Option<Vec<f64>>;
+
+    fn run<A: Arithmetic<Number: Wide>>(self, arithmetic: &A) -> Option<Vec<f64>> {
+        let size = self.size;
+        let scale: Vec<i32> = (0..size)
+            .map(|i| -exponent(self.mass[i * size + i].high).div_euclid(2))
+            .collect();
+        let entry = |(place, number): (usize, &Double)| {
+            let power = scale[place / size] + scale[place % size];
+            arithmetic.literal(shifted(number.high, power))
+        };
+        let mut factor: Vec<A::Number> = self.mass.iter().enumerate().map(entry).collect();
+        factorise(arithmetic, size, &mut factor).ok()?;
+        let right = || self.right.iter().zip(&scale);
+        let largest = right().map(|(x, &power)| exponent(shifted(*x, power)));
+        let largest = largest.max().unwrap_or(0);
+        let right: Vec<A::Number> = right()
+            .map(|(x, power)| arithmetic.literal(shifted(*x, power - largest)))
+            .collect();
+        let solution = substitute(arithmetic, &factor, &right);
+        let solution = solution.iter().zip(&scale);
+        Some(
+            solution
+                .map(|(x, power)| shifted(x.wide().high, power + largest))
+                .collect(),
+        )
+    }
+}
+
+/// The largest difference over the largest magnitude of the reference.
+pub(super) fn normwise(found: &[Double], exact: &[Double]) -> f64 {
+    let size = exact.iter().fold(0.0f64, |most, x| most.max(x.high.abs()));
+    let errors = found.iter().zip(exact).map(|(x, y)| (*x - *y).high.abs());
+    worst(errors) / size
+}
+
+/// The largest relative difference of an element. Elements that are nothing
+/// beside the largest one are zeros that the reference does not quite meet.
+pub(super) fn componentwise(found: &[Double], exact: &[Double]) -> f64 {
+    let size = exact.iter().fold(0.0f64, |most, x| most.max(x.high.abs()));
+    let error = |(x, y): (&Double, &Double)| {
+        let difference = (*x - *y).high.abs();
+        if y.high.abs() > 1e-24 * size {
+            difference / y.high.abs()
+        } else {
+            difference / size
+        }
+    };
+    worst(found.iter().zip(exact).map(error))
+}
+
+/// The largest number; not a number when one is none.
+pub(super) fn worst(errors: impl Iterator<Item = f64>) -> f64 {
+    errors.fold(0.0, |most: f64, error| {
+        if error.is_nan() || most.is_nan() {
+            f64::NAN
+        } else {
+            most.max(error)
+        }
+    })
+}
+
+impl Bench for Workbench<'_> {
+    fn condition(&self) -> f64 {
+        match self.subject.metric {
+            Metric::Accelerations => self.mass_condition(),
+            Metric::Masses | Metric::Forces => {
+                let format = Format::BINARY32;
+                self.floor(format) / format.unit_roundoff()
+            }
+        }
+    }
+
+    fn floor(&self, format: Format) -> f64 {
+        match self.subject.metric {
+            Metric::Accelerations if self.subject.articulated => {
+                // The error of solving with a mass matrix rounded once.
+                (self.mass_condition() * format.unit_roundoff()).min(1.0)
+            }
+            Metric::Accelerations => self.rounded_solution(format),
+            Metric::Masses | Metric::Forces => self.perturbed(format.unit_roundoff()),
+        }
+    }
+
+    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
+        let mut most = Errors::default();
+        for (state, exact) in self.subject.states.iter().zip(&self.exact) {
+            most.join(&self.errors(state, exact, treatment)?);
+        }
+        Ok(Measured {
+            error: match self.subject.metric {
+                Metric::Masses => most.masses,
+                Metric::Forces => most.components,
+                Metric::Accelerations => most.accelerations,
+            },
+            others: most.named(),
+            outside: self.outside(treatment)?,
+            consistent: !most.indefinite,
+            cost: self.cost(treatment)?,
+        })
+    }
+}
+
+/// The errors in a state.
+#[derive(Default)]
+struct Errors {
+    masses: f64,
+    entries: f64,
+    bias: f64,
+    forces: f64,
+    components: f64,
+    accelerations: f64,
+    /// The matrix that was computed is not positive definite.
+    indefinite: bool,
+    /// Cholesky's factorisation fails in the format.
+    no_factor: bool,
+}
+
+impl Errors {
+    /// Keeps the larger of two states' errors.
+    fn join(&mut self, other: &Errors) {
+        let pairs = [
+            (&mut self.masses, other.masses),
+            (&mut self.entries, other.entries),
+            (&mut self.bias, other.bias),
+            (&mut self.forces, other.forces),
+            (&mut self.components, other.components),
+            (&mut self.accelerations, other.accelerations),
+        ];
+        for (most, error) in pairs {
+            *most = worst([*most, error].into_iter());
+        }
+        self.indefinite |= other.indefinite;
+        self.no_factor |= other.no_factor;
+    }
+
+    fn named(&self) -> Vec<(&'static str, f64)> {
+        let truth = |fact: bool| if fact { 1.0 } else { 0.0 };
+        vec![
+            ("M normwise", self.masses),
+            ("M componentwise", self.entries),
+            ("c normwise", self.bias),
+            ("Qq normwise", self.forces),
+            ("Qq componentwise", self.components),
+            ("FD o ID", self.accelerations),
+            ("M indefinite", truth(self.indefinite)),
+            ("Cholesky fails", truth(self.no_factor)),
+        ]
+    }
+}
+
+impl Workbench<'_> {
+    fn errors(
+        &self,
+        state: &State,
+        exact: &Exact,
+        treatment: &Treatment,
+    ) -> Result<Errors, StressError> {
+        let numbers = Numbers::In(treatment.format);
+        let forces = self.treated_forces(state, treatment)?;
+        let mut errors = Errors {
+            forces: normwise(&forces, &exact.forces),
+            components: componentwise(&forces, &exact.forces),
+            ..Errors::default()
+        };
+        let mut masses = [Vec::new(), Vec::new()];
+        if !self.subject.articulated && treatment.formulation != Formulation::Articulated {
+            masses = self.masses(state, treatment, numbers)?;
+            let [mass, bias] = &masses;
+            let size = self.joints();
+            errors.masses = normwise(mass, &exact.mass);
+            errors.entries = componentwise(mass, &exact.mass);
+            if treatment.forces.is_none() {
+                errors.bias = normwise(bias, &exact.bias);
+            }
+            let right = vec![0.0; size];
+            let factor = |numbers: Numbers| {
+                let right = &right;
+                numbers.work(Solution { size, mass, right })
+            };
+            errors.no_factor = factor(numbers).is_none();
+            errors.indefinite = errors.no_factor && factor(Numbers::Reference).is_none();
+        }
+        if self.subject.metric == Metric::Accelerations {
+            let found = self.accelerations(state, treatment, &masses)?;
+            let wanted: Vec<Double> = state.qdd.iter().copied().map(Double::from).collect();
+            errors.accelerations = normwise(&found, &wanted);
+        }
+        Ok(errors)
+    }
+
+    /// The condition of the mass matrix in the worst state.
+    fn mass_condition(&self) -> f64 {
+        let size = self.joints();
+        let of_state = |index: usize| {
+            if self.subject.articulated {
+                let state = &self.subject.states[index];
+                return self
+                    .columns(state)
+                    .map_or(f64::NAN, |entries| estimated_condition(size, &entries));
+            }
+            let mass = &self.exact[index].mass;
+            if size > JACOBI {
+                let entries: Vec<f64> = mass.iter().map(|number| number.high).collect();
+                return estimated_condition(size, &entries);
+            }
+            let mut matrix = Matrix::zeros(size, size);
+            for (place, number) in mass.iter().enumerate() {
+                matrix[(place / size, place % size)] = number.high;
+            }
+            condition(matrix)
+        };
+        worst((0..self.subject.states.len()).map(of_state))
+    }
+
+    /// The mass matrix column by column, from the inverse dynamics at rest
+    /// without gravity.
+    fn columns(&self, state: &State) -> Result<Vec<f64>, StressError> {
+        let size = self.joints();
+        let mut model = self.subject.model.clone();
+        model.gravity = [0.0; 3];
+        let recipe = Recipe {
+            formulation: Formulation::default(),
+            passes: "",
+            only: None,
+        };
+        let program = Program::new(&model, FunctionKind::Invdyna, recipe)?;
+        let mut entries = vec![0.0; size * size];
+        let mut state = state.clone();
+        state.qd = vec![0.0; size];
+        for column in 0..size {
+            state.qdd = vec![0.0; size];
+            state.qdd[column] = 1.0;
+            let numbers = Numbers::In(Format::BINARY64);
+            let flat = program.evaluate(numbers, Units::SI, &program.inputs(&state));
+            let forces = program.array("Qq", &flat, size);
+            for (row, force) in forces.iter().enumerate() {
+                entries[row * size + column] = force.high;
+            }
+        }
+        Ok(entries)
+    }
+
+    /// The error of accelerations from the exact `M`, `c` and `Qq`, each
+    /// rounded once to the format.
+    fn rounded_solution(&self, format: Format) -> f64 {
+        let size = self.joints();
+        let once = |numbers: &[Double]| -> Vec<Double> {
+            let round = |number: &Double| Double::from(rounded(number.high, format));
+            numbers.iter().map(round).collect()
+        };
+        let states = self.subject.states.iter().zip(&self.exact);
+        worst(states.map(|(state, exact)| {
+            let (forces, bias) = (once(&exact.forces), once(&exact.bias));
+            let right: Vec<Double> = (0..size).map(|i| forces[i] - bias[i]).collect();
+            let wanted: Vec<Double> = state.qdd.iter().copied().map(Double::from).collect();
+            solve(size, &once(&exact.mass), &right).map_or(1.0, |found| normwise(&found, &wanted))
+        }))
+    }
+
+    /// How far the exact result moves when every input moves by a relative
+    /// `amount` in some direction: the largest of some draws.
+    fn perturbed(&self, amount: f64) -> f64 {
+        const DRAWS: u64 = 6;
+        // Inputs are binary64 numbers, which cannot move by less; the result
+        // moves in proportion.
+        let step = amount.max(2f64.powi(-30));
+        let (kind, name) = match self.subject.metric {
+            Metric::Masses => (FunctionKind::Dirdyna, "M"),
+            Metric::Forces | Metric::Accelerations => (FunctionKind::Invdyna, "Qq"),
+        };
+        let Ok(program) = self.program(kind, &Treatment::default(), None) else {
+            return f64::NAN;
+        };
+        let states = self.subject.states.iter().zip(&self.exact);
+        let moved = states.flat_map(|(state, exact)| {
+            let exact = match self.subject.metric {
+                Metric::Masses => &exact.mass,
+                Metric::Forces | Metric::Accelerations => &exact.forces,
+            };
+            let inputs = program.inputs(state);
+            let program = &program;
+            (0..DRAWS).map(move |draw| {
+                let inputs = perturb(&inputs, step, draw);
+                let flat = program.evaluate(Numbers::Reference, Units::SI, &inputs);
+                let found = program.array(name, &flat, exact.len());
+                match self.subject.metric {
+                    Metric::Masses => normwise(&found, exact),
+                    Metric::Forces | Metric::Accelerations => componentwise(&found, exact),
+                }
+            })
+        });
+        worst(moved) * amount / step
+    }
+}
+
+/// Inputs moved up or down by a relative amount.
+pub(super) fn perturb(inputs: &[f64], amount: f64, draw: u64) -> Vec<f64> {
+    let mut draw = Draw::new(draw);
+    let moved = inputs.iter().map(|&number| {
+        let up = draw.bits() & 1 == 0;
+        number * if up { 1.0 + amount } else { 1.0 - amount }
+    });
+    moved.collect()
+}
+
+/// The exponent of a number, from its bits; 0 for zero.
+fn exponent(number: f64) -> i32 {
+    match (number.to_bits() >> 52) & 0x7ff {
+        0 => 0,
+        biased => biased as i32 - 1023,
+    }
+}
+
+/// A number times a power of two, in steps that the range allows.
+fn shifted(number: f64, power: i32) -> f64 {
+    let half = power / 2;
+    number * 2f64.powi(half) * 2f64.powi(power - half)
+}

@@ -1,0 +1,50 @@
+//! Hard cases: models and equations that are known to break floating point,
+//! measured, judged, and cured.
+//!
+//! A [`Case`] is built, computed in binary32 as it comes and compared with a
+//! reference in double-double numbers. Beside its error stand the condition of
+//! the problem and the error that rounding the data once would make; from
+//! these follows the [`Verdict`], whose fault the error is. Then candidates
+//! for cures are tried (other recursions, passes, units, formats, refinement,
+//! compensated sums, steps), and the cheapest that comes close to binary64 is
+//! told. The constructions are described in `docs/stress.md`.
+//!
+//! **Invariant.** Nothing depends on clocks, threads or the order of work.
+
+mod case;
+mod cases;
+mod cure;
+mod draw;
+mod dynamics;
+mod linear;
+mod numbers;
+mod program;
+mod treatment;
+pub mod units;
+mod verdict;
+mod view;
+
+pub use case::{Case, Class, Measured};
+pub use cases::cases;
+pub use cure::{Findings, Trial, examine, judge};
+pub use treatment::Treatment;
+pub use verdict::{ALLOWANCE, Verdict, verdict};
+pub use view::{classes, figure, page, table, text};
+
+use crate::generate::GenerateError;
+use crate::motion::MotionError;
+use thiserror::Error;
+
+/// Why a case cannot be measured.
+#[derive(Clone, PartialEq, Debug, Error)]
+pub enum StressError {
+    /// The model gives no equations.
+    #[error(transparent)]
+    Generate(#[from] GenerateError),
+    /// The model does not move.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// A pass failed.
+    #[error("the passes failed: {0}")]
+    Passes(String),
+}

@@ -1,0 +1,97 @@
+//! Numbers to measure with: any format, and the reference.
+
+use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::{Format, Function};
+
+/// What something is computed in.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Numbers {
+    /// A number format.
+    In(Format),
+    /// Double-double numbers, some 106 bits.
+    Reference,
+}
+
+/// A number that the reference holds exactly.
+pub(super) trait Wide: Copy {
+    /// The number as one of the reference.
+    fn wide(self) -> Double;
+}
+
+impl Wide for f32 {
+    fn wide(self) -> Double {
+        Double::from(f64::from(self))
+    }
+}
+
+impl Wide for f64 {
+    fn wide(self) -> Double {
+        Double::from(self)
+    }
+}
+
+impl Wide for Double {
+    fn wide(self) -> Double {
+        self
+    }
+}
+
+/// Work that can be done in any arithmetic.
+pub(super) trait Work {
+    /// What it gives.
+    type Result;
+
+    /// Does it.
+    fn run<A: Arithmetic<Number: Wide>>(self, arithmetic: &A) -> Self::Result;
+}
+
+impl Numbers {
+    /// Does work in these numbers.
+    pub(super) fn work<W: Work>(self, work: W) -> W::Result {
+        match self {
+            Numbers::Reference => work.run(&DoubleDouble),
+            Numbers::In(Format::BINARY32) => work.run(&Binary32),
+            Numbers::In(_) => work.run(&Binary64),
+        }
+    }
+}
+
+/// The evaluation of a function.
+pub(super) struct Evaluation<'a> {
+    pub(super) function: &'a Function,
+    pub(super) inputs: &'a [f64],
+}
+
+impl Work for Evaluation<'_> {
+    /// The flattened outputs; zero where the function assigns nothing.
+    type Result = Vec<Double>;
+
+    fn run<A: Arithmetic<Number: Wide>>(self, arithmetic: &A) -> Vec<Double> {
+        let inputs: Vec<A::Number> = self
+            .inputs
+            .iter()
+            .map(|&number| arithmetic.literal(number))
+            .collect();
+        let results = evaluate(self.function, arithmetic, &inputs);
+        let mut flat = vec![Double::from(0.0); self.function.output_len()];
+        for (assignment, number) in self.function.assignments.iter().zip(results) {
+            flat[assignment.output.index()] = number.wide();
+        }
+        flat
+    }
+}
+
+/// A number rounded once to a format, subnormal or infinite where the format
+/// says so.
+pub(super) fn rounded(number: f64, format: Format) -> f64 {
+    struct Literal(f64);
+    impl Work for Literal {
+        type Result = f64;
+        fn run<A: Arithmetic<Number: Wide>>(self, arithmetic: &A) -> f64 {
+            arithmetic.literal(self.0).wide().high
+        }
+    }
+    Numbers::In(format).work(Literal(number))
+}

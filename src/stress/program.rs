@@ -1,0 +1,217 @@
+//! A function of a model, compiled and ready to be evaluated in any numbers.
+
+use super::StressError;
+use super::numbers::{Evaluation, Numbers, rounded};
+use super::units::{Dimension, Units};
+use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
+use crate::model::Model;
+use crate::motion::{Inputs, State};
+use robovec_ir::arithmetic::Binary64;
+use robovec_ir::count::Counts;
+use robovec_ir::double_double::Double;
+use robovec_ir::evaluate::evaluate_nodes;
+use robovec_ir::machine::NumberFormat;
+use robovec_ir::{Format, Function, Input, Machine, Module, Output, View};
+use robovec_passes::manager::{self, Config};
+use robovec_passes::pipeline;
+
+/// How a program is made.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Recipe<'a> {
+    /// The recursion.
+    pub(super) formulation: Formulation,
+    /// The passes that are run over it; none when empty.
+    pub(super) passes: &'a str,
+    /// Only the outputs of this array.
+    pub(super) only: Option<&'a str>,
+}
+
+/// A function of a model.
+pub(super) struct Program {
+    pub(super) function: Function,
+    inputs: Inputs,
+    input_dimensions: Vec<Dimension>,
+    outputs: Vec<(String, usize, usize)>,
+    output_dimensions: Vec<Dimension>,
+    /// Everything but sines and cosines, which the host prepares.
+    pub(super) operations: usize,
+}
+
+impl Program {
+    /// Generates a function and runs passes over it.
+    pub(super) fn new(
+        model: &Model,
+        kind: FunctionKind,
+        recipe: Recipe<'_>,
+    ) -> Result<Program, StressError> {
+        let request = Request {
+            function: kind,
+            formulation: recipe.formulation,
+            options: Options::default(),
+        };
+        let mut module = generate(model, &request)?;
+        if let Some(only) = recipe.only {
+            keep(&mut module, only);
+            run_passes(&mut module, "atomise,dce")?;
+        }
+        if !recipe.passes.is_empty() {
+            run_passes(&mut module, recipe.passes)?;
+        }
+        let Module {
+            tables,
+            mut functions,
+        } = module;
+        let Some(function) = functions.pop() else {
+            return Err(StressError::Passes("no function was left".to_owned()));
+        };
+        let view = View {
+            tables: &tables,
+            function: &function,
+        };
+        let inputs = Inputs::new(model, view).map_err(StressError::Passes)?;
+        let dimension = |(array, indices, rank): (&robovec_ir::Array, [u32; 2], usize)| {
+            Dimension::of(model, tables.symbols.text(array.name), &indices[..rank])
+        };
+        let input_dimensions = (0..function.input_len())
+            .map(|index| dimension(function.input_element(Input(index as u32))))
+            .collect();
+        let output_dimensions = (0..function.output_len())
+            .map(|index| dimension(function.output_element(Output(index as u32))))
+            .collect();
+        let outputs = function.outputs().iter().map(|array| {
+            let name = tables.symbols.text(array.name).to_owned();
+            (name, array.offset as usize, array.shape.len())
+        });
+        Ok(Program {
+            outputs: outputs.collect(),
+            operations: Counts::of(&function).operations,
+            function,
+            inputs,
+            input_dimensions,
+            output_dimensions,
+        })
+    }
+
+    /// The flattened inputs in a state, each rounded once to binary32 where
+    /// it lies in the range of its normal numbers: so that the reference and
+    /// every format from binary32 on start from the same numbers, and leaving
+    /// the range still shows.
+    pub(super) fn inputs(&self, state: &State) -> Vec<f64> {
+        let inputs = self.inputs.gather(state);
+        inputs.into_iter().map(shared).collect()
+    }
+
+    /// The flattened outputs for given inputs, in SI units, computed in units
+    /// of choice.
+    pub(super) fn evaluate(&self, numbers: Numbers, units: Units, inputs: &[f64]) -> Vec<Double> {
+        if units == Units::SI {
+            let function = &self.function;
+            return numbers.work(Evaluation { function, inputs });
+        }
+        let scaled: Vec<f64> = inputs
+            .iter()
+            .zip(&self.input_dimensions)
+            .map(|(&number, &dimension)| units.stored(number, dimension))
+            .collect();
+        let outputs = numbers.work(Evaluation {
+            function: &self.function,
+            inputs: &scaled,
+        });
+        outputs
+            .into_iter()
+            .zip(&self.output_dimensions)
+            .map(|(number, &dimension)| Double {
+                high: units.meant(number.high, dimension),
+                low: units.meant(number.low, dimension),
+            })
+            .collect()
+    }
+
+    /// An output array within what [`Program::evaluate`] gave; zeros where
+    /// the function does not have it.
+    pub(super) fn array(&self, name: &str, flat: &[Double], length: usize) -> Vec<Double> {
+        let found = self.outputs.iter().find(|(array, ..)| array == name);
+        let mut array = found.map_or(Vec::new(), |&(_, offset, length)| {
+            flat[offset..offset + length].to_vec()
+        });
+        array.resize(length, Double::from(0.0));
+        array
+    }
+
+    /// How many of the inputs and values, of those that are not zero, lie
+    /// outside the range of a format's normal numbers.
+    pub(super) fn out_of_range(&self, format: Format, units: Units, inputs: &[f64]) -> [usize; 2] {
+        let scaled: Vec<f64> = inputs
+            .iter()
+            .zip(&self.input_dimensions)
+            .map(|(&number, &dimension)| units.stored(number, dimension))
+            .collect();
+        let values = evaluate_nodes(&self.function, &Binary64, &scaled);
+        let numbers = scaled.iter().chain(&values);
+        let (mut outside, mut all) = (0, 0);
+        for number in numbers.filter(|number| **number != 0.0) {
+            all += 1;
+            outside += usize::from(!is_normal(*number, format));
+        }
+        [outside, all]
+    }
+}
+
+/// Leaves only the assignments of one array.
+fn keep(module: &mut Module, only: &str) {
+    let Module { tables, functions } = module;
+    for function in functions {
+        let kept: Vec<bool> = function
+            .assignments
+            .iter()
+            .map(|assignment| {
+                let (array, ..) = function.output_element(assignment.output);
+                tables.symbols.text(array.name) == only
+            })
+            .collect();
+        let mut kept = kept.into_iter();
+        function
+            .assignments
+            .retain(|_| kept.next().unwrap_or_default());
+    }
+}
+
+/// Runs a pipeline over a module.
+pub(super) fn run_passes(module: &mut Module, passes: &str) -> Result<(), StressError> {
+    let failed = |error: String| StressError::Passes(format!("{passes}: {error}"));
+    let pipeline = pipeline::parse(passes).map_err(|error| failed(format!("{error:?}")))?;
+    let machine =
+        Machine::built_in("thesis").ok_or_else(|| failed("there is no machine".to_owned()))?;
+    // Remarks of passes are of no interest here.
+    let mut log = std::io::sink();
+    manager::run(module, &pipeline, Config::new(&machine, &mut log))
+        .map_err(|error| failed(error.to_string()))?;
+    Ok(())
+}
+
+/// The binary32 number next to a number, or the number itself where binary32
+/// has no normal number for it.
+pub(super) fn shared(number: f64) -> f64 {
+    if is_normal(number, Format::BINARY32) {
+        rounded(number, Format::BINARY32)
+    } else {
+        number
+    }
+}
+
+/// True for what lies between the least and the largest normal number of a
+/// format.
+pub(super) fn is_normal(number: f64, format: Format) -> bool {
+    let size = number.abs();
+    match format {
+        Format::Float(float) => {
+            // The largest finite number of the format lies just below this
+            // power; that of binary64 is not representable.
+            let large = |float: NumberFormat| 2f64.powi(float.largest_exponent());
+            size >= 2f64.powi(float.smallest_exponent()) && size / 2.0 < large(float)
+        }
+        Format::Fixed(fixed) => {
+            size >= 2f64.powi(-(fixed.fraction as i32)) && size < 2f64.powi(fixed.integer as i32)
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! What is done to a program so that its error becomes smaller.
+
+use crate::generate::Formulation;
+use robovec_ir::Format;
+use std::fmt;
+
+/// How a program is made and run. The default is what one gets without
+/// asking: the recursion Robotran prints, in binary32.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Treatment {
+    /// The recursion the equations come from.
+    pub formulation: Formulation,
+    /// The passes that are run over them; none when empty.
+    pub passes: &'static str,
+    /// What is computed in.
+    pub format: Format,
+    /// What forces (`c`, `Qq`, residuals) are computed in, where that is not
+    /// what masses are computed in.
+    pub forces: Option<Format>,
+    /// Steps of iterative refinement of accelerations: each solves again, with
+    /// the same factor of `M`, for what the inverse dynamics say is missing.
+    pub refinements: u32,
+    /// Compute in units that bring the model's numbers to the order of one.
+    pub units: bool,
+    /// Keep what additions to the integrator's state leave out (Kahan 1965).
+    pub compensated: bool,
+    /// The integrator's state in this format, where that is not what slopes
+    /// are computed in.
+    pub state: Option<Format>,
+    /// The integrator's step, s.
+    pub step: Option<f64>,
+    /// The highest power of the angle in the series that stand for sine and
+    /// cosine; true functions where there is none.
+    pub series: Option<u32>,
+}
+
+impl Default for Treatment {
+    fn default() -> Treatment {
+        Treatment {
+            formulation: Formulation::default(),
+            passes: "",
+            format: Format::BINARY32,
+            forces: None,
+            refinements: 0,
+            units: false,
+            compensated: false,
+            state: None,
+            step: None,
+            series: None,
+        }
+    }
+}
+
+impl Treatment {
+    /// The untreated program in a format.
+    pub fn in_format(format: Format) -> Treatment {
+        Treatment {
+            format,
+            ..Treatment::default()
+        }
+    }
+
+    /// What it does that another does not, in a few words.
+    pub fn label(&self, untreated: &Treatment) -> String {
+        let mut words: Vec<String> = Vec::new();
+        if self.formulation != untreated.formulation {
+            words.push(self.formulation.name().to_owned());
+        }
+        if self.passes != untreated.passes {
+            words.push(self.passes.to_owned());
+        }
+        if self.series != untreated.series {
+            words.push(match self.series {
+                None => "true sin, cos".to_owned(),
+                Some(order) => format!("order {order}"),
+            });
+        }
+        if self.step != untreated.step {
+            words.push(match self.step {
+                None => "another step".to_owned(),
+                Some(step) => format!("dt {step:?} s"),
+            });
+        }
+        if self.format != untreated.format {
+            words.push(self.format.to_string());
+        }
+        if let Some(format) = self.forces {
+            words.push(format!("forces {format}"));
+        }
+        match self.refinements {
+            0 => {}
+            1 => words.push("refined once".to_owned()),
+            2 => words.push("refined twice".to_owned()),
+            count => words.push(format!("refined {count} times")),
+        }
+        if let Some(format) = self.state {
+            words.push(format!("state {format}"));
+        }
+        if self.compensated {
+            words.push("compensated state".to_owned());
+        }
+        if self.units {
+            words.push("other units".to_owned());
+        }
+        if words.is_empty() {
+            words.push("as it is".to_owned());
+        }
+        words.join(", ")
+    }
+}
+
+impl fmt::Display for Treatment {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.label(&Treatment::default()))
+    }
+}

