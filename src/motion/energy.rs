@@ -124,6 +124,57 @@ pub(super) fn energies(model: &Model, state: &State) -> (f64, f64) {
     (kinetic, potential)
 }
 
+/// Linear and angular momentum of all bodies, about the base's origin and in
+/// its frame, kg m/s and kg m^2/s.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Momenta {
+    linear: Vector,
+    angular: Vector,
+    /// The sums of their sizes over all bodies.
+    sizes: [f64; 2],
+}
+
+impl Momenta {
+    /// The larger difference of both, relative to the sizes.
+    pub(super) fn distance(&self, other: &Momenta) -> f64 {
+        let apart = |a: Vector, b: Vector| {
+            let difference = add(a, scaled(b, -1.0));
+            dot(difference, difference).sqrt()
+        };
+        let relative = |change: f64, place: usize| {
+            let size = self.sizes[place].max(other.sizes[place]);
+            if size > 0.0 { change / size } else { 0.0 }
+        };
+        let linear = relative(apart(self.linear, other.linear), 0);
+        linear.max(relative(apart(self.angular, other.angular), 1))
+    }
+}
+
+/// The momenta of a state.
+pub(super) fn momenta(model: &Model, state: &State) -> Momenta {
+    let frames = frames(model, state);
+    let size = |v: Vector| dot(v, v).sqrt();
+    let mut sum = Momenta {
+        linear: [0.0; 3],
+        angular: [0.0; 3],
+        sizes: [0.0; 2],
+    };
+    for body in &model.bodies {
+        let frame = &frames[body.joints.end - 1];
+        let (center, velocity) = frame.point(body.center);
+        let spin = frame.inward(frame.spin);
+        let matrix = body.inertia_matrix();
+        let own: Vector = from_fn(|i| (0..3).map(|k| matrix[3 * i + k] * spin[k]).sum());
+        let linear = scaled(velocity, body.mass);
+        let angular = add(cross(center, linear), frame.outward(own));
+        sum.linear = add(sum.linear, linear);
+        sum.angular = add(sum.angular, angular);
+        sum.sizes[0] += size(linear);
+        sum.sizes[1] += size(angular);
+    }
+    sum
+}
+
 /// The positions of places.
 pub(super) fn positions<'a>(
     model: &'a Model,

@@ -8,6 +8,7 @@
 mod energy;
 mod equations;
 mod error;
+mod free;
 mod inputs;
 pub mod integrate;
 mod laws;
@@ -20,6 +21,7 @@ mod system;
 
 pub use equations::{Equations, Precision, Setting};
 pub use error::MotionError;
+pub use free::{Calculus, Drift, FreeMotion, Stepping};
 pub use inputs::{Inputs, State, element_name, parameter};
 pub use laws::{Drive, Laws, Spring, Support};
 pub use partition::Partition;

@@ -110,6 +110,14 @@ pub(super) trait Subject: Send + Sync {
         Treatment::default()
     }
 
+    /// The program in binary64 that cures are compared with.
+    fn standard(&self) -> Treatment {
+        Treatment {
+            format: Format::BINARY64,
+            ..self.untreated()
+        }
+    }
+
     /// What may make the error smaller, beside wider formats of everything.
     fn candidates(&self) -> Vec<Treatment>;
 

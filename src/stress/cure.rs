@@ -29,7 +29,8 @@ pub struct Findings {
     pub floor: f64,
     /// The untreated program in binary32.
     pub short: Measured,
-    /// The same in binary64.
+    /// The program in binary64 that cures are compared with: the same, but
+    /// with true functions.
     pub long: Measured,
     /// The verdict on the untreated program in binary32.
     pub verdict: Verdict,
@@ -76,26 +77,67 @@ pub fn examine(case: &Case) -> Result<Findings, StressError> {
     let bench = case.subject.prepare()?;
     let mut findings = judged(case, bench.as_ref())?;
     let untreated = case.subject.untreated();
-    let wide = Treatment {
-        format: Format::BINARY64,
-        ..untreated.clone()
-    };
-    let mut treatments = case.subject.candidates();
-    treatments.push(wide);
-    for treatment in treatments {
+    let close = CLOSE * findings.long.error;
+    let readable = close.max(CLOSE * Format::BINARY32.unit_roundoff());
+    let leaves_range = findings.short.outside > 0.0;
+    let mut attempt = |treatment: Treatment| -> Result<f64, StressError> {
         let measured = bench.measure(&treatment)?;
+        let error = measured.error;
         findings.trials.push(Trial {
             label: treatment.label(&untreated),
             cost: measured.cost / findings.short.cost,
             treatment,
             measured,
         });
+        Ok(error)
+    };
+    for treatment in case.subject.candidates() {
+        attempt(treatment)?;
     }
-    let close = CLOSE * findings.long.error;
-    let readable = close.max(CLOSE * Format::BINARY32.unit_roundoff());
+    attempt(case.subject.standard())?;
+    if case.subject.rounds() {
+        for goal in [readable, close] {
+            let exponent = if leaves_range {
+                NumberFormat::BINARY64.exponent
+            } else {
+                NumberFormat::BINARY32.exponent
+            };
+            narrowest(&untreated, exponent, goal, &mut attempt)?;
+        }
+    }
     findings.cure = cheapest(&findings.trials, close);
     findings.short_cure = cheapest(&findings.trials, readable);
     Ok(findings)
+}
+
+/// Looks for the shortest mantissa between those of binary32 and binary64
+/// whose error is small enough, by bisection: the error falls with every bit,
+/// but for luck.
+fn narrowest(
+    untreated: &Treatment,
+    exponent: u32,
+    goal: f64,
+    attempt: &mut dyn FnMut(Treatment) -> Result<f64, StressError>,
+) -> Result<(), StressError> {
+    let (mut short, mut enough) = (24, Format::WIDEST.mantissa);
+    while short < enough {
+        let mantissa = (short + enough) / 2;
+        let format = NumberFormat {
+            exponent,
+            mantissa,
+            subnormals: true,
+        };
+        let error = attempt(Treatment {
+            format: Format::Float(format),
+            ..untreated.clone()
+        })?;
+        if error <= goal {
+            enough = mantissa;
+        } else {
+            short = mantissa + 1;
+        }
+    }
+    Ok(())
 }
 
 /// The cheapest trial with an error that is small enough; the first of those
@@ -117,7 +159,7 @@ fn judged(case: &Case, bench: &dyn Bench) -> Result<Findings, StressError> {
         })
     };
     let short = in_format(format)?;
-    let long = in_format(Format::BINARY64)?;
+    let long = bench.measure(&case.subject.standard())?;
     let wide = match format {
         Format::Float(float) if short.outside > 0.0 => {
             let wide = NumberFormat {

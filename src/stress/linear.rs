@@ -105,11 +105,12 @@ fn eliminate(size: usize, mut matrix: Vec<Double>, mut right: Vec<Double>) -> Op
 /// Sweeps of Jacobi's method; it converges in fewer than ten.
 const SWEEPS: usize = 40;
 
-/// The largest and the smallest magnitude of the eigenvalues of a symmetric
-/// matrix, by cyclic Jacobi rotations (Golub and Van Loan, "Matrix
-/// Computations", 8.5).
-pub(super) fn extreme_eigenvalues(mut matrix: Matrix) -> [f64; 2] {
+/// The eigenvalues of a symmetric matrix, by cyclic Jacobi rotations (Golub
+/// and Van Loan, "Matrix Computations", 8.5).
+pub(super) fn eigenvalues(mut matrix: Matrix) -> Vec<f64> {
     let size = matrix.rows();
+    let all = (0..size).flat_map(|row| matrix.row(row));
+    let largest = all.fold(0.0f64, |most, x| most.max(x.abs()));
     for _ in 0..SWEEPS {
         let mut rotated = false;
         for p in 0..size {
@@ -117,8 +118,10 @@ pub(super) fn extreme_eigenvalues(mut matrix: Matrix) -> [f64; 2] {
                 let off = matrix[(p, q)];
                 let (a, b) = (matrix[(p, p)], matrix[(q, q)]);
                 // Relative to the geometric mean, so that graded matrices
-                // keep their small eigenvalues.
-                if off == 0.0 || off.abs() <= 1e-17 * (a.abs() * b.abs()).sqrt() {
+                // keep their small eigenvalues; what is nothing beside the
+                // whole matrix ends the method where a diagonal is zero.
+                let small = (1e-17 * (a.abs() * b.abs()).sqrt()).max(1e-30 * largest);
+                if off.abs() <= small {
                     continue;
                 }
                 rotated = true;
@@ -136,9 +139,7 @@ pub(super) fn extreme_eigenvalues(mut matrix: Matrix) -> [f64; 2] {
             break;
         }
     }
-    let sizes = (0..size).map(|i| matrix[(i, i)].abs());
-    let start = [0.0, f64::INFINITY];
-    sizes.fold(start, |[most, least], x| [most.max(x), least.min(x)])
+    (0..size).map(|i| matrix[(i, i)]).collect()
 }
 
 fn rotate(matrix: &mut Matrix, p: usize, q: usize, cosine: f64, sine: f64) {
@@ -156,7 +157,9 @@ fn rotate(matrix: &mut Matrix, p: usize, q: usize, cosine: f64, sine: f64) {
 
 /// The condition number of a symmetric matrix in the spectral norm.
 pub(super) fn condition(matrix: Matrix) -> f64 {
-    let [most, least] = extreme_eigenvalues(matrix);
+    let sizes = eigenvalues(matrix).into_iter().map(f64::abs);
+    let start = [0.0f64, f64::INFINITY];
+    let [most, least] = sizes.fold(start, |[most, least], x| [most.max(x), least.min(x)]);
     most / least
 }
 
@@ -221,7 +224,7 @@ mod tests {
         graded[(0, 0)] = 1e20;
         (graded[(0, 1)], graded[(1, 0)]) = (1.0, 1.0);
         graded[(1, 1)] = 1.0;
-        assert_eq!(extreme_eigenvalues(graded), [1e20, 1.0]);
+        assert_eq!(condition(graded), 1e20);
     }
 
     #[test]

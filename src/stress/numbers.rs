@@ -3,6 +3,7 @@
 use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::evaluate::evaluate;
+use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::{Format, Function};
 
 /// What something is computed in.
@@ -53,7 +54,8 @@ impl Numbers {
         match self {
             Numbers::Reference => work.run(&DoubleDouble),
             Numbers::In(Format::BINARY32) => work.run(&Binary32),
-            Numbers::In(_) => work.run(&Binary64),
+            Numbers::In(Format::BINARY64) => work.run(&Binary64),
+            Numbers::In(format) => work.run(&FormatArithmetic::new(format)),
         }
     }
 }
@@ -86,12 +88,9 @@ impl Work for Evaluation<'_> {
 /// A number rounded once to a format, subnormal or infinite where the format
 /// says so.
 pub(super) fn rounded(number: f64, format: Format) -> f64 {
-    struct Literal(f64);
-    impl Work for Literal {
-        type Result = f64;
-        fn run<A: Arithmetic<Number: Wide>>(self, arithmetic: &A) -> f64 {
-            arithmetic.literal(self.0).wide().high
-        }
+    match format {
+        Format::BINARY64 => number,
+        Format::BINARY32 => f64::from(number as f32),
+        format => FormatArithmetic::new(format).convert(number),
     }
-    Numbers::In(format).work(Literal(number))
 }

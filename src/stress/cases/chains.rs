@@ -1,12 +1,10 @@
 //! Chains: generic ones, and those whose mass matrix is nearly singular.
 
 use super::super::case::{Case, Class};
-use super::super::draw::Draw;
 use super::super::dynamics::{Dynamics, Metric};
 use super::super::verdict::Verdict;
-use crate::model::build::{BASE, Builder};
-use crate::model::{Axis, JointKind, Model, family};
-use crate::motion::State;
+use super::models::{planar, random, straight};
+use crate::model::family;
 
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
@@ -70,39 +68,4 @@ pub(super) fn cases() -> Vec<Case> {
         }),
     });
     cases
-}
-
-/// Bodies of 1 kg and 1 m on hinges about the second axis, each at the end of
-/// the one before.
-fn planar(joints: usize) -> Model {
-    let mut builder = Builder::new("planar");
-    let mut place = BASE.origin();
-    for number in 1..=joints {
-        let hinge = [JointKind::Revolute(Axis::Y)];
-        let body = builder.body(&format!("Body_{number}"), place, &hinge);
-        let inertia = [1.0 / 12.0, 0.0, 0.0, 1.0 / 12.0, 0.0, 1.0 / 12.0];
-        builder.mass(body, 1.0, [0.5, 0.0, 0.0], inertia);
-        place = builder.point(body, "End", [1.0, 0.0, 0.0]);
-    }
-    builder.finish()
-}
-
-/// All angles zero, with velocities and accelerations of the order of one.
-fn straight(model: &Model) -> State {
-    let mut state = random(model, 3, 1.0);
-    state.q.iter_mut().for_each(|q| *q = 0.0);
-    state
-}
-
-/// A random state: angles up to half a turn, velocities and accelerations up
-/// to the given size.
-pub(super) fn random(model: &Model, seed: u64, rate: f64) -> State {
-    let mut draw = Draw::new(seed);
-    let mut state = State::initial(model);
-    for joint in 0..model.joints.len() {
-        state.q[joint] = draw.within(std::f64::consts::PI);
-        state.qd[joint] = draw.within(rate);
-        state.qdd[joint] = draw.within(rate);
-    }
-    state
 }

@@ -1,12 +1,26 @@
 //! The cases.
 
+mod cancellation;
 mod chains;
+mod long;
+mod loops;
+mod models;
+mod ratios;
+mod scales;
+mod series;
 
 use super::case::Case;
 
 /// All cases, in the order of their classes.
 pub fn cases() -> Vec<Case> {
     let mut cases = chains::cases();
+    cases.extend(ratios::cases());
+    cases.extend(scales::cases());
+    cases.extend(cancellation::cases());
+    cases.extend(loops::cases());
+    cases.extend(series::cases());
+    cases.extend(long::cases());
+    // A stable sort keeps the order within a class.
     cases.sort_by_key(|case| case.class);
     cases
 }

@@ -1,0 +1,81 @@
+//! Long simulations.
+
+use super::super::case::{Case, Class};
+use super::super::long::{Kept, Long};
+use super::super::verdict::Verdict;
+use super::models::{random, sphere};
+use crate::model::build::{BASE, Builder};
+use crate::model::{Axis, JointKind, Model, systems};
+use crate::motion::State;
+
+pub(super) fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (power, duration, expected) in [
+        (2, 100.0, Verdict::Fine),
+        (3, 100.0, Verdict::Fine),
+        (4, 100.0, Verdict::BadCode),
+        (5, 20.0, Verdict::BadCode),
+    ] {
+        let model = systems::double_pendulum();
+        let initial = State::initial(&model);
+        let step = 10f64.powi(-power);
+        let subject = Long::new(model, initial, Kept::Energy, [duration, step]);
+        cases.push(case(
+            format!("pendulum-1e-{power}"),
+            format!("a double pendulum for {duration} s in steps of 1e-{power} s"),
+            "the energy: every step adds a small change to the state",
+            (expected, power > 2),
+            subject,
+        ));
+    }
+    for (power, duration, expected) in [(3, 10.0, Verdict::Fine), (4, 10.0, Verdict::Fine)] {
+        let model = satellite();
+        let mut initial = random(&model, 2, 1.0);
+        initial.q[3..6].copy_from_slice(&[0.3, 0.2, -0.4]);
+        let step = 10f64.powi(-power);
+        let subject = Long::new(model, initial, Kept::Momentum, [duration, step]);
+        cases.push(case(
+            format!("satellite-1e-{power}"),
+            format!("a free body with two arms for {duration} s in steps of 1e-{power} s"),
+            "linear and angular momentum, which nothing changes",
+            (expected, true),
+            subject,
+        ));
+    }
+    cases
+}
+
+fn case(
+    name: String,
+    construction: String,
+    breaks: &'static str,
+    (expected, long): (Verdict, bool),
+    subject: Long,
+) -> Case {
+    Case {
+        name,
+        class: Class::Motion,
+        construction,
+        breaks,
+        expected,
+        long,
+        subject: Box::new(subject),
+    }
+}
+
+/// A body that floats, with two arms that turn.
+fn satellite() -> Model {
+    let mut builder = Builder::new("satellite");
+    builder.gravity([0.0; 3]);
+    let hub = builder.body("Hub", BASE.origin(), &JointKind::ALL);
+    builder.mass(hub, 10.0, [0.01, 0.02, -0.01], sphere(1.0));
+    for (name, place, axis) in [
+        ("Left", [-0.5, 0.0, 0.1], Axis::Y),
+        ("Right", [0.5, 0.1, 0.0], Axis::X),
+    ] {
+        let mount = builder.point(hub, name, place);
+        let arm = builder.body(name, mount, &[JointKind::Revolute(axis)]);
+        builder.mass(arm, 1.0, [0.1, 0.05, 0.3], sphere(0.04));
+    }
+    builder.finish()
+}

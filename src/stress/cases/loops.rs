@@ -1,0 +1,104 @@
+//! Closed loops.
+
+use super::super::case::{Case, Class};
+use super::super::loops::Loops;
+use super::super::verdict::Verdict;
+use super::models::{HINGE, sphere};
+use crate::model::build::{BASE, Builder, Place};
+use crate::model::{CutKind, Model, Nature};
+
+pub(super) fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (power, expected) in [
+        (1, Verdict::Fine),
+        (2, Verdict::Fine),
+        (3, Verdict::HardProblem),
+        (4, Verdict::HardProblem),
+    ] {
+        cases.push(case(
+            format!("parallelogram-1e-{power}"),
+            format!("four bars of lengths 1, 2, 1, 2 m with the crank at 1e-{power} rad"),
+            "the Jacobian of the loop: all bars on one line",
+            expected,
+            parallelogram(10f64.powi(-power), false),
+        ));
+    }
+    cases.push(case(
+        "redundant".to_owned(),
+        "a parallelogram with a third rocker, at 1 rad".to_owned(),
+        "the rank of the Jacobian: two rows say the same",
+        Verdict::Fine,
+        parallelogram(1.0, true),
+    ));
+    cases.push(case(
+        "redundant-1e-3".to_owned(),
+        "the same with the crank at 1e-3 rad".to_owned(),
+        "the rank, beside rows that nearly say the same",
+        Verdict::HardProblem,
+        parallelogram(1e-3, true),
+    ));
+    cases
+}
+
+fn case(
+    name: String,
+    construction: String,
+    breaks: &'static str,
+    expected: Verdict,
+    model: Model,
+) -> Case {
+    Case {
+        name,
+        class: Class::Loop,
+        construction,
+        breaks,
+        expected,
+        long: false,
+        subject: Box::new(Loops::new(model)),
+    }
+}
+
+/// A crank, a coupler and a rocker that make a parallelogram of 1 m by 2 m;
+/// with a third rocker under the middle of the coupler that changes nothing.
+fn parallelogram(angle: f64, third: bool) -> Model {
+    let mut builder = Builder::new("parallelogram");
+    let far = builder.point(BASE, "Far", [2.0, 0.0, 0.0]);
+    let middle = builder.point(BASE, "Middle", [1.0, 0.0, 0.0]);
+    let crank = builder.body("Crank", BASE.origin(), &HINGE);
+    builder.mass(crank, 1.0, [0.5, 0.0, 0.0], sphere(1.0 / 12.0));
+    let pin = builder.point(crank, "Pin", [1.0, 0.0, 0.0]);
+    let coupler = builder.body("Coupler", pin, &HINGE);
+    builder.mass(coupler, 2.0, [1.0, 0.0, 0.0], sphere(2.0 / 3.0));
+    let end = builder.point(coupler, "End", [2.0, 0.0, 0.0]);
+    let half = builder.point(coupler, "Half", [1.0, 0.0, 0.0]);
+    // Rounded to binary32 here, so that rounding does not open the loop.
+    let angle = f64::from(angle as f32);
+    let rate = 0.5;
+    set(&mut builder, crank, [angle, rate], false);
+    set(&mut builder, coupler, [-angle, -rate], true);
+    let mut rocker = |name: &str, on: Place, to: Place| {
+        let rocker = builder.body(name, on, &HINGE);
+        builder.mass(rocker, 1.0, [0.5, 0.0, 0.0], sphere(1.0 / 12.0));
+        set(&mut builder, rocker, [angle, rate], true);
+        let tip = builder.point(rocker, "Tip", [1.0, 0.0, 0.0]);
+        builder.cut(name, CutKind::Ball, [to, tip]);
+    };
+    rocker("Rocker", far, end);
+    if third {
+        rocker("Third", middle, half);
+    }
+    builder.finish()
+}
+
+fn set(
+    builder: &mut Builder,
+    body: crate::model::build::BodyRef,
+    [angle, rate]: [f64; 2],
+    dependent: bool,
+) {
+    let joint = builder.joint(body, 0);
+    (joint.initial[0], joint.initial[1]) = (angle, rate);
+    if dependent {
+        joint.nature = Nature::Dependent;
+    }
+}

@@ -1,0 +1,212 @@
+//! Masses, inertias, lengths and velocities of very different sizes, and poses
+//! near a singular one.
+
+use super::super::case::{Case, Class};
+use super::super::dynamics::{Dynamics, Metric};
+use super::super::verdict::Verdict;
+use super::models::{HINGE, planar, random, sphere, straight};
+use crate::model::build::{BASE, Builder};
+use crate::model::{Axis, JointKind, Model, family};
+use crate::motion::State;
+
+pub(super) fn cases() -> Vec<Case> {
+    let mut cases = masses();
+    cases.extend(lengths());
+    cases.extend(swamped());
+    cases.extend(poses());
+    cases
+}
+
+/// A case of accelerations.
+fn case(
+    class: Class,
+    name: String,
+    (construction, breaks): (String, &'static str),
+    expected: Verdict,
+    (model, states): (Model, Vec<State>),
+) -> Case {
+    Case {
+        name,
+        class,
+        construction,
+        breaks,
+        expected,
+        long: false,
+        subject: Box::new(Dynamics::new(model, states, Metric::Accelerations)),
+    }
+}
+
+fn some(model: &Model) -> Vec<State> {
+    (0..3).map(|seed| random(model, seed, 1.0)).collect()
+}
+
+fn masses() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (power, expected) in [
+        (3, Verdict::Fine),
+        (6, Verdict::Fine),
+        (9, Verdict::HardProblem),
+    ] {
+        let mut model = family::serial(6, 1);
+        let tip = model.bodies.len() - 1;
+        model.bodies[tip].mass *= 10f64.powi(power);
+        let states = some(&model);
+        cases.push(case(
+            Class::Ratio,
+            format!("tip-mass-1e{power}"),
+            (
+                format!("a chain of 6 whose last body has 1e{power} times the mass"),
+                "the inertia of the bodies before it",
+            ),
+            expected,
+            (model, states),
+        ));
+    }
+    let mut model = family::serial(6, 1);
+    model.bodies[0].mass *= 1e9;
+    model.bodies[0].inertia = model.bodies[0].inertia.map(|x| x * 1e9);
+    let states = some(&model);
+    cases.push(case(
+        Class::Ratio,
+        "base-mass-1e9".to_owned(),
+        (
+            "a chain of 6 whose first body is 1e9 times as heavy".to_owned(),
+            "nothing: a graded matrix, whose condition alone misleads",
+        ),
+        Verdict::Fine,
+        (model, states),
+    ));
+    cases
+}
+
+fn lengths() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (power, expected) in [
+        (2, Verdict::Fine),
+        (4, Verdict::HardProblem),
+        (6, Verdict::HardProblem),
+    ] {
+        let mut model = family::serial(6, 1);
+        // The second joint sits on the first point.
+        model.points[0].coordinates = [0.0, 0.0, 10f64.powi(power)];
+        let states = some(&model);
+        cases.push(case(
+            Class::Ratio,
+            format!("offset-1e{power}"),
+            (
+                format!("a chain of 6 whose second joint sits 1e{power} m from the first"),
+                "small inertias absorbed by m d^2",
+            ),
+            expected,
+            (model, states),
+        ));
+    }
+    let model = millimetres();
+    let states = some(&model)
+        .into_iter()
+        .map(|mut state| {
+            // The rail's position is in hundreds of metres.
+            state.q[0] *= 250.0;
+            state
+        })
+        .collect();
+    cases.push(case(
+        Class::Ratio,
+        "rail-and-needle".to_owned(),
+        (
+            "a carriage on a rail of a kilometre carries an arm with a needle of millimetres"
+                .to_owned(),
+            "inertias of 1e-12 kg m^2 beside masses of 1e3 kg",
+        ),
+        Verdict::HardProblem,
+        (model, states),
+    ));
+    cases
+}
+
+/// Prismatic and revolute joints, kilometres and millimetres.
+fn millimetres() -> Model {
+    let mut builder = Builder::new("rail_and_needle");
+    let slide = |axis| JointKind::Prismatic(axis);
+    let turn = |axis| JointKind::Revolute(axis);
+    let carriage = builder.body("Carriage", BASE.origin(), &[slide(Axis::X), turn(Axis::Z)]);
+    builder.mass(carriage, 1e3, [0.1, 0.0, 0.5], sphere(200.0));
+    let mast = builder.point(carriage, "Mast", [500.0, 0.0, 100.0]);
+    let arm = builder.body("Arm", mast, &[turn(Axis::Y), slide(Axis::X)]);
+    builder.mass(arm, 1.0, [0.2, 0.0, 0.01], sphere(0.02));
+    let tip = builder.point(arm, "Tip", [0.4, 0.0, 0.0]);
+    let stage = builder.body("Stage", tip, &[turn(Axis::X), slide(Axis::Z)]);
+    builder.mass(stage, 1e-3, [0.001, 0.0, 0.002], sphere(1e-9));
+    let mount = builder.point(stage, "Mount", [0.002, 0.0, 0.003]);
+    let needle = builder.body("Needle", mount, &[turn(Axis::Y)]);
+    builder.mass(needle, 1e-6, [0.001, 0.0, 0.0], sphere(1e-12));
+    builder.finish()
+}
+
+fn swamped() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (power, expected) in [(2, Verdict::HardProblem), (4, Verdict::HardProblem)] {
+        let model = planar(6);
+        let mut states = some(&model);
+        for state in &mut states {
+            for (joint, rate) in state.qd.iter_mut().enumerate() {
+                let speed = 10f64.powi(power);
+                *rate = if joint % 2 == 0 { speed } else { -speed };
+            }
+        }
+        cases.push(case(
+            Class::Swamped,
+            format!("counter-rotation-1e{power}"),
+            (
+                format!("six bodies on parallel hinges that turn at +-1e{power} rad/s in turn"),
+                "what inertia does beside terms of the squared velocities",
+            ),
+            expected,
+            (model, states),
+        ));
+    }
+    cases
+}
+
+fn poses() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (power, expected) in [
+        (1, Verdict::Fine),
+        (2, Verdict::Fine),
+        (3, Verdict::Fine),
+        (4, Verdict::HardProblem),
+    ] {
+        let model = gimbal();
+        let mut state = straight(&model);
+        (state.q[0], state.q[1], state.q[2]) = (0.4, 0.7, -0.3);
+        (state.q[3], state.q[4]) = (10f64.powi(-power), 0.9);
+        cases.push(case(
+            Class::Pose,
+            format!("gimbal-1e-{power}"),
+            (
+                format!("an arm with a wrist of 1e-4 kg on axes z, y, z, the middle at 1e-{power}"),
+                "the wrist's first and last axis become one",
+            ),
+            expected,
+            (model, vec![state]),
+        ));
+    }
+    cases
+}
+
+/// An arm of two joints and a light wrist on the axes z, y, z.
+fn gimbal() -> Model {
+    let mut builder = Builder::new("gimbal");
+    let turn = |axis| JointKind::Revolute(axis);
+    let upper = builder.body("Upper", BASE.origin(), &[turn(Axis::Z)]);
+    builder.mass(upper, 2.0, [0.1, 0.0, 0.0], sphere(0.02));
+    let elbow = builder.point(upper, "Elbow", [0.3, 0.0, 0.0]);
+    let lower = builder.body("Lower", elbow, &HINGE);
+    builder.mass(lower, 1.0, [0.1, 0.0, 0.0], sphere(0.01));
+    let end = builder.point(lower, "End", [0.3, 0.0, 0.0]);
+    let axes = [turn(Axis::Z), turn(Axis::Y), turn(Axis::Z)];
+    let wrist = builder.body("Wrist", end, &axes);
+    let inertia = [2e-8, 1e-9, 0.0, 3e-8, 0.0, 1e-8];
+    builder.mass(wrist, 1e-4, [0.01, 0.0, 0.02], inertia);
+    builder.finish()
+}

@@ -1,0 +1,87 @@
+//! Sizes at the ends of what a format holds.
+
+use super::super::case::{Case, Class};
+use super::super::dynamics::{Dynamics, Metric};
+use super::super::verdict::Verdict;
+use super::models::{random, resized, sphere};
+use crate::model::build::{BASE, Builder};
+use crate::model::{Axis, JointKind, Model, family};
+
+pub(super) fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (power, metric, expected) in [
+        (-3, Metric::Accelerations, Verdict::HardProblem),
+        (-6, Metric::Accelerations, Verdict::HardProblem),
+        (-9, Metric::Accelerations, Verdict::OutOfRange),
+        (-9, Metric::Masses, Verdict::OutOfRange),
+    ] {
+        let model = resized(family::serial(7, 1), 10f64.powi(power), 1.0);
+        let suffix = if metric == Metric::Masses {
+            "-masses"
+        } else {
+            ""
+        };
+        cases.push(case(
+            format!("tiny-1e{power}{suffix}"),
+            format!("a chain of 7 whose lengths are 1e{power} times as large"),
+            "gravity swamps inertia; below 1e-38 nothing is left of M",
+            expected,
+            (model, metric),
+        ));
+    }
+    let model = resized(family::serial(7, 1), 1e6, 1e3);
+    cases.push(case(
+        "huge-1e6".to_owned(),
+        "a chain of 7 whose lengths are 1e6 times as large, its density 1e3 times".to_owned(),
+        "nothing: the exponent of binary32 is wide enough",
+        Verdict::Fine,
+        (model, Metric::Accelerations),
+    ));
+    cases.push(case(
+        "spindle-1e-30".to_owned(),
+        "a spindle of 1e-30 kg m^2 at the end of an arm".to_owned(),
+        "products of small inertias and velocities, which become subnormal",
+        Verdict::OutOfRange,
+        (spindle(), Metric::Forces),
+    ));
+    cases
+}
+
+fn case(
+    name: String,
+    construction: String,
+    breaks: &'static str,
+    expected: Verdict,
+    (model, metric): (Model, Metric),
+) -> Case {
+    let rate = if metric == Metric::Forces { 1e-4 } else { 1.0 };
+    let states = (0..3).map(|seed| random(&model, seed, rate)).collect();
+    Case {
+        name,
+        class: Class::Scale,
+        construction,
+        breaks,
+        expected,
+        long: false,
+        subject: Box::new(Dynamics::new(model, states, metric)),
+    }
+}
+
+/// An arm that carries a spindle of almost no inertia, balanced, without
+/// gravity.
+fn spindle() -> Model {
+    let mut builder = Builder::new("spindle");
+    builder.gravity([0.0; 3]);
+    let turn = |axis| JointKind::Revolute(axis);
+    let arm = builder.body("Arm", BASE.origin(), &[turn(Axis::Z), turn(Axis::Y)]);
+    builder.mass(arm, 1.0, [0.1, 0.0, 0.0], sphere(0.02));
+    let end = builder.point(arm, "End", [0.3, 0.0, 0.0]);
+    let spindle = builder.body("Spindle", end, &[turn(Axis::X)]);
+    builder.mass(
+        spindle,
+        1e-6,
+        [0.0; 3],
+        [1e-30, 0.0, 0.0, 2e-30, 3e-31, 4e-30],
+    );
+    builder.finish()
+}

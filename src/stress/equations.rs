@@ -1,0 +1,138 @@
+//! Equations as text with given inputs.
+
+use super::case::{Bench, Measured, Subject};
+use super::dynamics::{componentwise, normwise, perturb, worst};
+use super::numbers::{Evaluation, Numbers};
+use super::program::{is_normal, run_passes, shared};
+use super::{StressError, Treatment};
+use robovec_ir::arithmetic::Binary64;
+use robovec_ir::count::Counts;
+use robovec_ir::double_double::Double;
+use robovec_ir::evaluate::evaluate_nodes;
+use robovec_ir::parse::parse_module;
+use robovec_ir::{Format, Module};
+use robovec_passes::registry;
+
+/// Equations, and the inputs they are evaluated for.
+pub(super) struct Equations {
+    /// A module of one function in the text form.
+    pub(super) text: String,
+    /// Sets of inputs.
+    pub(super) inputs: Vec<Vec<f64>>,
+}
+
+impl Equations {
+    pub(super) fn new(text: String, inputs: Vec<Vec<f64>>) -> Equations {
+        let share = |inputs: Vec<f64>| inputs.into_iter().map(shared).collect();
+        Equations {
+            text,
+            inputs: inputs.into_iter().map(share).collect(),
+        }
+    }
+
+    fn module(&self, passes: &str) -> Result<Module, StressError> {
+        let mut module = parse_module("case", &self.text)
+            .map_err(|report| StressError::Passes(format!("{report:?}")))?;
+        if !passes.is_empty() {
+            run_passes(&mut module, passes)?;
+        }
+        Ok(module)
+    }
+}
+
+struct Workbench<'a> {
+    subject: &'a Equations,
+    module: Module,
+    exact: Vec<Vec<Double>>,
+}
+
+impl Subject for Equations {
+    fn metric(&self) -> &'static str {
+        "sum"
+    }
+
+    fn candidates(&self) -> Vec<Treatment> {
+        let passes = [
+            "atomise,zero-removal,balance",
+            "atomise,fma",
+            "atomise,accurate",
+        ];
+        // A pass is only tried where there is one.
+        let known = |pipeline: &&str| {
+            let mut names = pipeline.split(',');
+            names.all(|name| registry::find(name).is_some())
+        };
+        let treatment = |passes| Treatment {
+            passes,
+            ..Treatment::default()
+        };
+        passes.into_iter().filter(known).map(treatment).collect()
+    }
+
+    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
+        let module = self.module("")?;
+        let exact = self
+            .inputs
+            .iter()
+            .map(|inputs| evaluate(&module, Numbers::Reference, inputs))
+            .collect();
+        Ok(Box::new(Workbench {
+            subject: self,
+            module,
+            exact,
+        }))
+    }
+}
+
+fn evaluate(module: &Module, numbers: Numbers, inputs: &[f64]) -> Vec<Double> {
+    let function = &module.functions[0];
+    numbers.work(Evaluation { function, inputs })
+}
+
+impl Bench for Workbench<'_> {
+    fn condition(&self) -> f64 {
+        let format = Format::BINARY32;
+        self.floor(format) / format.unit_roundoff()
+    }
+
+    fn floor(&self, format: Format) -> f64 {
+        const DRAWS: u64 = 8;
+        let amount = format.unit_roundoff();
+        let step = amount.max(2f64.powi(-30));
+        let cases = self.subject.inputs.iter().zip(&self.exact);
+        let moved = cases.flat_map(|(inputs, exact)| {
+            (0..DRAWS).map(move |draw| {
+                let inputs = perturb(inputs, step, draw);
+                let found = evaluate(&self.module, Numbers::Reference, &inputs);
+                componentwise(&found, exact)
+            })
+        });
+        worst(moved) * amount / step
+    }
+
+    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
+        let module = self.subject.module(treatment.passes)?;
+        let function = &module.functions[0];
+        let (mut outside, mut all) = (0u32, 0u32);
+        let (mut worst_component, mut worst_norm) = (0.0, 0.0);
+        for (inputs, exact) in self.subject.inputs.iter().zip(&self.exact) {
+            let found = evaluate(&module, Numbers::In(treatment.format), inputs);
+            let errors = [worst_component, componentwise(&found, exact)];
+            worst_component = worst(errors.into_iter());
+            worst_norm = worst([worst_norm, normwise(&found, exact)].into_iter());
+            let values = evaluate_nodes(function, &Binary64, inputs);
+            for number in inputs.iter().chain(&values).filter(|x| **x != 0.0) {
+                all += 1;
+                outside += u32::from(!is_normal(*number, treatment.format));
+            }
+        }
+        let operations = Counts::of(function).operations as f64;
+        Ok(Measured {
+            error: worst_component,
+            others: vec![("normwise", worst_norm)],
+            outside: f64::from(outside) / f64::from(all.max(1)),
+            consistent: true,
+            cost: operations * f64::from(treatment.format.width()),
+        })
+    }
+}

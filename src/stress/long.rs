@@ -1,0 +1,230 @@
+//! Long simulations in one arithmetic.
+
+use super::case::{Bench, Measured, Subject};
+use super::dynamics::{Dynamics, Metric};
+use super::numbers::{Numbers, Wide, Work};
+use super::{StressError, Treatment};
+use crate::generate::{Formulation, FunctionKind, Request, generate};
+use crate::model::Model;
+use crate::motion::{Calculus, Drift, FreeMotion, State, Stepping};
+use robovec_ir::Format;
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::count::Counts;
+
+/// What is to stay the same.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Kept {
+    /// The energy.
+    Energy,
+    /// Linear and angular momentum.
+    Momentum,
+}
+
+/// A model left to itself.
+pub(super) struct Long {
+    model: Model,
+    initial: State,
+    kept: Kept,
+    /// s.
+    duration: f64,
+    /// s.
+    step: f64,
+}
+
+impl Long {
+    pub(super) fn new(
+        model: Model,
+        initial: State,
+        kept: Kept,
+        [duration, step]: [f64; 2],
+    ) -> Long {
+        // Rounds the numbers of both.
+        let mut shared = Dynamics::new(model, vec![initial], Metric::Accelerations);
+        Long {
+            initial: shared.states.remove(0),
+            model: shared.model,
+            kept,
+            duration,
+            step,
+        }
+    }
+
+    fn steps(&self, step: f64) -> u64 {
+        (self.duration / step).round() as u64
+    }
+}
+
+/// More steps than this are not repeated for format after format.
+const MANY_STEPS: u64 = 500_000;
+
+impl Subject for Long {
+    fn metric(&self) -> &'static str {
+        match self.kept {
+            Kept::Energy => "energy drift",
+            Kept::Momentum => "momentum drift",
+        }
+    }
+
+    fn untreated(&self) -> Treatment {
+        Treatment {
+            step: Some(self.step),
+            ..Treatment::default()
+        }
+    }
+
+    fn candidates(&self) -> Vec<Treatment> {
+        let plain = self.untreated();
+        let mut list = vec![
+            Treatment {
+                compensated: true,
+                ..plain.clone()
+            },
+            Treatment {
+                state: Some(Format::BINARY64),
+                ..plain.clone()
+            },
+        ];
+        // Another step, and how far it brings binary32.
+        for step in [1e-2, 1e-3] {
+            if step > self.step {
+                list.push(Treatment {
+                    step: Some(step),
+                    compensated: true,
+                    ..plain.clone()
+                });
+            }
+        }
+        list
+    }
+
+    fn rounds(&self) -> bool {
+        self.steps(self.step) < MANY_STEPS
+    }
+
+    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
+        let request = Request::new(FunctionKind::Accelred);
+        let module = generate(&self.model, &request)?;
+        let operations = module.functions.iter().map(|f| Counts::of(f).operations);
+        Ok(Box::new(Workbench {
+            operations: operations.sum(),
+            motion: FreeMotion::new(&self.model, Formulation::default())?,
+            subject: self,
+        }))
+    }
+}
+
+struct Workbench<'a> {
+    subject: &'a Long,
+    motion: FreeMotion<'a>,
+    operations: usize,
+}
+
+/// A run, for whatever arithmetic its slopes are computed in.
+struct Slopes<'a> {
+    bench: &'a Workbench<'a>,
+    state: Numbers,
+    stepping: Stepping,
+}
+
+/// The same, for whatever its state is kept in.
+struct States<'a, A> {
+    bench: &'a Workbench<'a>,
+    slopes: &'a A,
+    stepping: Stepping,
+}
+
+impl Work for Slopes<'_> {
+    type Result = Drift;
+
+    fn run<A: Arithmetic<Number: Wide>>(self, slopes: &A) -> Drift {
+        self.state.work(States {
+            bench: self.bench,
+            slopes,
+            stepping: self.stepping,
+        })
+    }
+}
+
+impl<A: Arithmetic<Number: Wide>> Work for States<'_, A> {
+    type Result = Drift;
+
+    fn run<S: Arithmetic<Number: Wide>>(self, state: &S) -> Drift {
+        let slopes = Calculus {
+            arithmetic: self.slopes,
+            read: |number: A::Number| number.wide().high,
+        };
+        let state = Calculus {
+            arithmetic: state,
+            read: |number: S::Number| number.wide().high,
+        };
+        let bench = self.bench;
+        bench
+            .motion
+            .drift(slopes, state, &bench.subject.initial, self.stepping)
+    }
+}
+
+impl Bench for Workbench<'_> {
+    /// Of a motion there is no one number.
+    fn condition(&self) -> f64 {
+        f64::NAN
+    }
+
+    /// What the method leaves out at this step, and what reading the state in
+    /// the format says of the energy.
+    fn floor(&self, format: Format) -> f64 {
+        let treatment = Treatment {
+            format: Format::BINARY64,
+            ..self.subject.untreated()
+        };
+        self.error(&treatment).0.max(format.unit_roundoff())
+    }
+
+    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
+        let (error, other) = self.error(treatment);
+        let name = match self.subject.kept {
+            Kept::Energy => "momentum drift",
+            Kept::Momentum => "energy drift",
+        };
+        let steps = self
+            .subject
+            .steps(treatment.step.unwrap_or(self.subject.step)) as f64;
+        let width = |format: Format| f64::from(format.width());
+        let state = treatment.state.unwrap_or(treatment.format);
+        // Four stages of a product and a sum, four more sums and two products
+        // for the change; three sums more to compensate.
+        let additions = if treatment.compensated { 17.0 } else { 14.0 };
+        let numbers = 2.0 * self.subject.model.joints.len() as f64;
+        let slopes = 4.0 * self.operations as f64 * width(treatment.format);
+        Ok(Measured {
+            error,
+            others: vec![(name, other)],
+            outside: 0.0,
+            consistent: true,
+            cost: steps * (slopes + additions * numbers * width(state)),
+        })
+    }
+}
+
+impl Workbench<'_> {
+    /// The drift that verdicts are about, and the other one.
+    fn error(&self, treatment: &Treatment) -> (f64, f64) {
+        let step = treatment.step.unwrap_or(self.subject.step);
+        let stepping = Stepping {
+            step,
+            steps: self.subject.steps(step),
+            samples: 200,
+            compensated: treatment.compensated,
+        };
+        let slopes = Slopes {
+            bench: self,
+            state: Numbers::In(treatment.state.unwrap_or(treatment.format)),
+            stepping,
+        };
+        let drift = Numbers::In(treatment.format).work(slopes);
+        match self.subject.kept {
+            Kept::Energy => (drift.energy, drift.momentum),
+            Kept::Momentum => (drift.momentum, drift.energy),
+        }
+    }
+}

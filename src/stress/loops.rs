@@ -1,0 +1,161 @@
+//! Accelerations of closed loops.
+
+use super::case::{Bench, Measured, Subject};
+use super::dynamics::{Dynamics, Metric, normwise, perturb, worst};
+use super::linear::eigenvalues;
+use super::numbers::Numbers;
+use super::program::{Program, Recipe};
+use super::units::Units;
+use super::{StressError, Treatment};
+use crate::generate::{Formulation, FunctionKind};
+use crate::model::Model;
+use crate::motion::linear::{Matrix, dot};
+use crate::motion::{Equations, Setting, State};
+use robovec_ir::Format;
+use robovec_ir::double_double::Double;
+
+/// A model with closed loops in a state that closes them.
+pub(super) struct Loops {
+    model: Model,
+    state: State,
+}
+
+impl Loops {
+    /// The model, closed in its initial state.
+    pub(super) fn new(model: Model) -> Loops {
+        let state = State::initial(&model);
+        // Rounds the numbers of both.
+        let mut shared = Dynamics::new(model, vec![state], Metric::Accelerations);
+        Loops {
+            state: shared.states.remove(0),
+            model: shared.model,
+        }
+    }
+
+    fn program(&self, treatment: &Treatment) -> Result<Program, StressError> {
+        let recipe = Recipe {
+            formulation: treatment.formulation,
+            passes: treatment.passes,
+            only: None,
+        };
+        Program::new(&self.model, FunctionKind::Accelred, recipe)
+    }
+
+    fn accelerations(&self, program: &Program, numbers: Numbers, inputs: &[f64]) -> Vec<Double> {
+        let flat = program.evaluate(numbers, Units::SI, inputs);
+        program.array("qdd", &flat, self.model.joints.len())
+    }
+}
+
+struct Workbench<'a> {
+    subject: &'a Loops,
+    plain: Program,
+    exact: Vec<Double>,
+    equations: Equations,
+}
+
+impl Subject for Loops {
+    fn metric(&self) -> &'static str {
+        "qdd"
+    }
+
+    fn candidates(&self) -> Vec<Treatment> {
+        let plain = Treatment::default();
+        let mut list = vec![Treatment {
+            passes: "atomise,zero-removal,balance,cse,dce",
+            ..plain.clone()
+        }];
+        for formulation in [
+            Formulation::Composite,
+            Formulation::CompositeBase,
+            Formulation::ALL[3],
+        ] {
+            list.push(Treatment {
+                formulation,
+                ..plain.clone()
+            });
+        }
+        list
+    }
+
+    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
+        let plain = self.program(&Treatment::default())?;
+        let inputs = plain.inputs(&self.state);
+        let exact = self.accelerations(&plain, Numbers::Reference, &inputs);
+        Ok(Box::new(Workbench {
+            subject: self,
+            exact,
+            equations: Equations::new(&self.model, &Setting::default())?,
+            plain,
+        }))
+    }
+}
+
+/// Eigenvalues smaller than this, relative to the largest, belong to rows that
+/// say what others say.
+const REDUNDANT: f64 = 1e-13;
+
+impl Bench for Workbench<'_> {
+    /// Of the matrix `[M J'; J 0]` of accelerations and multipliers, redundant
+    /// rows left out.
+    fn condition(&self) -> f64 {
+        let joints = self.subject.model.joints.len();
+        let (mass, _) = self.equations.dynamics(&self.subject.state);
+        let (_, jacobian) = self.equations.constraints(&self.subject.state);
+        let size = joints + jacobian.rows();
+        let mut matrix = Matrix::zeros(size, size);
+        for i in 0..joints {
+            for j in 0..joints {
+                matrix[(i, j)] = mass[(i, j)];
+            }
+            for row in 0..jacobian.rows() {
+                matrix[(joints + row, i)] = jacobian[(row, i)];
+                matrix[(i, joints + row)] = jacobian[(row, i)];
+            }
+        }
+        let sizes: Vec<f64> = eigenvalues(matrix).into_iter().map(f64::abs).collect();
+        let most = sizes.iter().fold(0.0f64, |most, &x| most.max(x));
+        let kept = sizes.into_iter().filter(|&x| x > REDUNDANT * most);
+        most / kept.fold(f64::INFINITY, f64::min)
+    }
+
+    fn floor(&self, format: Format) -> f64 {
+        const DRAWS: u64 = 8;
+        let amount = format.unit_roundoff();
+        let step = amount.max(2f64.powi(-30));
+        let inputs = self.plain.inputs(&self.subject.state);
+        let moved = (0..DRAWS).map(|draw| {
+            let inputs = perturb(&inputs, step, draw);
+            let subject = self.subject;
+            let found = subject.accelerations(&self.plain, Numbers::Reference, &inputs);
+            normwise(&found, &self.exact)
+        });
+        worst(moved) * amount / step
+    }
+
+    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
+        let program = self.subject.program(treatment)?;
+        let state = &self.subject.state;
+        let inputs = program.inputs(state);
+        let numbers = Numbers::In(treatment.format);
+        let found = self.subject.accelerations(&program, numbers, &inputs);
+        let error = normwise(&found, &self.exact);
+        // All rows, those that were left out as redundant included.
+        let accelerations: Vec<f64> = found.iter().map(|number| number.high).collect();
+        let (_, jacobian) = self.equations.constraints(state);
+        let quadratic = self.equations.quadratic(state);
+        let residuals = (0..jacobian.rows())
+            .map(|row| (dot(jacobian.row(row), &accelerations) + quadratic[row]).abs());
+        let size = accelerations
+            .iter()
+            .fold(1e-300f64, |most, x| most.max(x.abs()));
+        let [outside, all] = program.out_of_range(treatment.format, Units::SI, &inputs);
+        Ok(Measured {
+            error,
+            others: vec![("J qdd + Jdqd", worst(residuals) / size)],
+            outside: outside as f64 / all.max(1) as f64,
+            consistent: true,
+            cost: program.operations as f64 * f64::from(treatment.format.width()),
+        })
+    }
+}

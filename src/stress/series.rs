@@ -1,0 +1,250 @@
+//! Inverse dynamics with series in place of sine and cosine.
+
+use super::case::{Bench, Measured, Subject};
+use super::dynamics::{Dynamics, Metric, componentwise, normwise, worst};
+use super::numbers::{Evaluation, Numbers, Wide, Work};
+use super::program::{Program, Recipe};
+use super::units::Units;
+use super::{StressError, Treatment};
+use crate::generate::{Formulation, FunctionKind};
+use crate::model::Model;
+use crate::motion::State;
+use robovec_ir::Format;
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::double_double::Double;
+
+/// An arithmetic whose sine and cosine are Taylor polynomials.
+struct Series<'a, A> {
+    inner: &'a A,
+    /// The highest power.
+    order: u32,
+}
+
+impl<A: Arithmetic> Series<'_, A> {
+    /// `1 - x²/((first)(first+1)) (1 - x²/((first+2)(first+3)) (…))` with all
+    /// powers up to the order that the sine (`first` 2) or cosine (1) has.
+    fn series(&self, square: A::Number, first: u32) -> A::Number {
+        let a = self.inner;
+        let one = a.literal(1.0);
+        let mut sum = one;
+        // The power of the term k of the sine is 2k + 1, of the cosine 2k.
+        let terms = (self.order + 1 - first) / 2;
+        for term in (0..terms).rev() {
+            let k = f64::from(first + 2 * term);
+            let factor = a.literal(1.0 / (k * (k + 1.0)));
+            sum = a.sub(one, a.mul(a.mul(square, factor), sum));
+        }
+        sum
+    }
+}
+
+impl<A: Arithmetic> Arithmetic for Series<'_, A> {
+    type Number = A::Number;
+
+    fn literal(&self, number: f64) -> A::Number {
+        self.inner.literal(number)
+    }
+    fn neg(&self, a: A::Number) -> A::Number {
+        self.inner.neg(a)
+    }
+    fn add(&self, a: A::Number, b: A::Number) -> A::Number {
+        self.inner.add(a, b)
+    }
+    fn sub(&self, a: A::Number, b: A::Number) -> A::Number {
+        self.inner.sub(a, b)
+    }
+    fn mul(&self, a: A::Number, b: A::Number) -> A::Number {
+        self.inner.mul(a, b)
+    }
+    fn div(&self, a: A::Number, b: A::Number) -> A::Number {
+        self.inner.div(a, b)
+    }
+    fn sin(&self, a: A::Number) -> A::Number {
+        let square = self.inner.mul(a, a);
+        self.inner.mul(a, self.series(square, 2))
+    }
+    fn cos(&self, a: A::Number) -> A::Number {
+        self.series(self.inner.mul(a, a), 1)
+    }
+    fn sqrt(&self, a: A::Number) -> A::Number {
+        self.inner.sqrt(a)
+    }
+    fn fma(&self, a: A::Number, b: A::Number, c: A::Number) -> A::Number {
+        self.inner.fma(a, b, c)
+    }
+}
+
+/// An evaluation with series.
+struct WithSeries<'a> {
+    evaluation: Evaluation<'a>,
+    order: u32,
+}
+
+impl Work for WithSeries<'_> {
+    type Result = Vec<Double>;
+
+    fn run<A: Arithmetic<Number: Wide>>(self, inner: &A) -> Vec<Double> {
+        let order = self.order;
+        self.evaluation.run(&Series { inner, order })
+    }
+}
+
+/// Operations that a true sine or cosine is counted for: the reduction of the
+/// range and a polynomial of full precision.
+const TRUE_FUNCTION: f64 = 24.0;
+
+/// Operations of a sine and a cosine by series of an order.
+fn operations(order: Option<u32>) -> f64 {
+    match order {
+        None => 2.0 * TRUE_FUNCTION,
+        // Three for each further term, the square, and the product with x.
+        Some(order) => 3.0 * f64::from(order - 1) + if order > 1 { 2.0 } else { 0.0 },
+    }
+}
+
+/// A model with angles in a range.
+pub(super) struct Angles {
+    dynamics: Dynamics,
+}
+
+impl Angles {
+    pub(super) fn new(model: Model, states: Vec<State>) -> Angles {
+        Angles {
+            dynamics: Dynamics::new(model, states, Metric::Forces),
+        }
+    }
+}
+
+struct Workbench<'a> {
+    dynamics: &'a Dynamics,
+    program: Program,
+    exact: Vec<Vec<Double>>,
+}
+
+impl Subject for Angles {
+    fn metric(&self) -> &'static str {
+        "Qq, normwise"
+    }
+
+    fn untreated(&self) -> Treatment {
+        Treatment {
+            series: Some(1),
+            ..Treatment::default()
+        }
+    }
+
+    fn standard(&self) -> Treatment {
+        Treatment::in_format(Format::BINARY64)
+    }
+
+    /// What the series leaves out no format brings back.
+    fn rounds(&self) -> bool {
+        false
+    }
+
+    fn candidates(&self) -> Vec<Treatment> {
+        let mut list = Vec::new();
+        for format in [Format::BINARY32, Format::BINARY64] {
+            for order in [3, 5, 7, 9, 11, 13, 15, 17] {
+                list.push(Treatment {
+                    series: Some(order),
+                    ..Treatment::in_format(format)
+                });
+            }
+            list.push(Treatment::in_format(format));
+        }
+        list
+    }
+
+    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
+        let dynamics = &self.dynamics;
+        let recipe = Recipe {
+            formulation: Formulation::default(),
+            passes: "",
+            only: None,
+        };
+        let program = Program::new(&dynamics.model, FunctionKind::Invdyna, recipe)?;
+        let forces = |state: &State| {
+            let flat = program.evaluate(Numbers::Reference, Units::SI, &program.inputs(state));
+            program.array("Qq", &flat, dynamics.model.joints.len())
+        };
+        let exact = dynamics.states.iter().map(forces).collect();
+        Ok(Box::new(Workbench {
+            dynamics,
+            program,
+            exact,
+        }))
+    }
+}
+
+impl Workbench<'_> {
+    fn forces(&self, state: &State, treatment: &Treatment) -> Vec<Double> {
+        let inputs = self.program.inputs(state);
+        let evaluation = Evaluation {
+            function: &self.program.function,
+            inputs: &inputs,
+        };
+        let numbers = Numbers::In(treatment.format);
+        let flat = match treatment.series {
+            None => numbers.work(evaluation),
+            Some(order) => numbers.work(WithSeries { evaluation, order }),
+        };
+        let joints = self.dynamics.model.joints.len();
+        self.program.array("Qq", &flat, joints)
+    }
+}
+
+impl Bench for Workbench<'_> {
+    fn condition(&self) -> f64 {
+        let format = Format::BINARY32;
+        self.floor(format) / format.unit_roundoff()
+    }
+
+    /// That of true functions.
+    fn floor(&self, format: Format) -> f64 {
+        let plain = Treatment::in_format(format);
+        let states = self.dynamics.states.iter().zip(&self.exact);
+        worst(states.map(|(state, exact)| normwise(&self.forces(state, &plain), exact)))
+    }
+
+    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
+        let (mut norm, mut component) = (0.0, 0.0);
+        for (state, exact) in self.dynamics.states.iter().zip(&self.exact) {
+            let found = self.forces(state, treatment);
+            norm = worst([norm, normwise(&found, exact)].into_iter());
+            component = worst([component, componentwise(&found, exact)].into_iter());
+        }
+        let angles = self.dynamics.model.joints.len() as f64;
+        let all = self.program.operations as f64 + angles * operations(treatment.series);
+        Ok(Measured {
+            error: norm,
+            others: vec![("componentwise", component)],
+            outside: 0.0,
+            consistent: true,
+            cost: all * f64::from(treatment.format.width()),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_ir::arithmetic::Binary64;
+
+    #[test]
+    fn series_are_those_of_taylor() {
+        let x: f64 = 0.5;
+        let with = |order| Series {
+            inner: &Binary64,
+            order,
+        };
+        let close = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-15, "{found}");
+        close(with(1).sin(x), x);
+        close(with(1).cos(x), 1.0);
+        close(with(3).sin(x), x - x.powi(3) / 6.0);
+        close(with(3).cos(x), 1.0 - x * x / 2.0);
+        close(with(5).sin(x), x - x.powi(3) / 6.0 + x.powi(5) / 120.0);
+        close(with(5).cos(x), 1.0 - x * x / 2.0 + x.powi(4) / 24.0);
+        assert!((with(17).sin(x) - x.sin()).abs() < 1e-15);
+    }
+}
