@@ -13,6 +13,10 @@
 //! towards that of binary64; what overflows is an infinity without a second
 //! half.
 
+mod lanes;
+
+pub use lanes::{DoubleDoubleLanes, DoubleLanes};
+
 use crate::arithmetic::Arithmetic;
 
 /// The arithmetic of [`Double`] numbers.

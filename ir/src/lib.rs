@@ -23,6 +23,7 @@ pub mod module;
 pub mod operation;
 pub mod parse;
 pub mod placement;
+pub mod plan;
 pub mod print;
 pub mod soft_float;
 pub mod source;

@@ -5,6 +5,7 @@ pub mod accuracy;
 pub mod adjoint;
 pub mod critical_path;
 pub mod error_bound;
+pub mod reference;
 pub mod rounding;
 pub mod slice;
 pub mod stochastic;

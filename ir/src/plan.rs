@@ -1,0 +1,302 @@
+//! A function made ready to be evaluated many times.
+//!
+//! [`evaluate`](crate::evaluate::evaluate) keeps the value of every node,
+//! which for wide numbers (batches of double-double, derivatives) is far more
+//! memory than a processor's caches hold. A [`Plan`] gives a value a place
+//! only as long as somebody will still read it, as a compiler allocates
+//! registers: the working set is that of the values alive at a time, and
+//! places are reused from one evaluation to the next. It also leaves out what
+//! the wanted outputs do not need.
+//!
+//! **Invariant.** A place is written by a step only after the last step that
+//! reads what was in it; places of inputs, literals and outputs are never
+//! reused.
+
+use crate::arithmetic::Arithmetic;
+use crate::entity::{Operand, OperandKind};
+use crate::function::Function;
+use crate::operation::Operation;
+
+/// The steps of a function with places for its values.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    steps: Vec<Step>,
+    /// Number of input elements; their places come first.
+    inputs: usize,
+    /// Literals, behind the inputs; the last is a zero for absent operands.
+    literals: Vec<f64>,
+    /// Places of all kinds.
+    places: usize,
+    /// The places of the wanted outputs, in order of the assignments.
+    outputs: Vec<u32>,
+}
+
+/// One operation.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    operation: Operation,
+    operands: [u32; 3],
+    result: u32,
+}
+
+/// Marks a node that nothing wanted needs.
+const UNUSED: u32 = u32::MAX;
+
+/// Marks a value that lives until the end.
+const FOREVER: u32 = u32::MAX - 1;
+
+impl Plan {
+    /// The plan of all outputs.
+    pub fn new(function: &Function) -> Plan {
+        Plan::of(function, |_| true)
+    }
+
+    /// The plan of the assignments, counted from 0, that are wanted.
+    pub fn of(function: &Function, wanted: impl Fn(usize) -> bool) -> Plan {
+        let assignments = function.assignments.iter().enumerate();
+        let wanted: Vec<Operand> = assignments
+            .filter(|(index, _)| wanted(*index))
+            .map(|(_, assignment)| assignment.operand)
+            .collect();
+        let last = last_readers(function, &wanted);
+        let mut literals: Vec<f64> = function.constants().to_vec();
+        literals.push(0.0);
+        let inputs = function.input_len();
+        let fixed = inputs + literals.len();
+        let mut plan = Plan {
+            steps: Vec::with_capacity(function.nodes().len()),
+            inputs,
+            literals,
+            places: fixed,
+            outputs: Vec::new(),
+        };
+        let mut free: Vec<u32> = Vec::new();
+        let mut place = vec![UNUSED; function.nodes().len()];
+        for (index, node) in function.nodes().iter().enumerate() {
+            if last[index] == UNUSED {
+                continue;
+            }
+            let operands = node.operands.map(|operand| plan.place(&place, operand));
+            for (position, operand) in node.operands().iter().enumerate() {
+                let Some(value) = operand.value() else {
+                    continue;
+                };
+                // An operand that is read twice by one step is freed once.
+                let again = node.operands()[..position].contains(operand);
+                if last[value.index()] == index as u32 && !again {
+                    free.push(place[value.index()]);
+                }
+            }
+            let result = free.pop().unwrap_or_else(|| {
+                plan.places += 1;
+                plan.places as u32 - 1
+            });
+            place[index] = result;
+            plan.steps.push(Step {
+                operation: node.operation,
+                operands,
+                result,
+            });
+        }
+        plan.outputs = wanted
+            .iter()
+            .map(|&operand| plan.place(&place, operand))
+            .collect();
+        plan
+    }
+
+    fn place(&self, places: &[u32], operand: Operand) -> u32 {
+        match operand.kind() {
+            OperandKind::Value(value) => places[value.index()],
+            OperandKind::Input(input) => input.0,
+            OperandKind::Constant(constant) => self.inputs as u32 + constant.0,
+            OperandKind::None => (self.inputs + self.literals.len()) as u32 - 1,
+        }
+    }
+
+    /// How many operations it takes.
+    pub fn len(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// True when nothing is computed.
+    pub fn is_empty(&self) -> bool {
+        self.steps.is_empty()
+    }
+
+    /// How many numbers are kept at a time, inputs and literals included.
+    pub fn places(&self) -> usize {
+        self.places
+    }
+
+    /// The values of the wanted outputs. The memory is reused when it is
+    /// handed in again, and need not be that of the same plan.
+    ///
+    /// # Panics
+    ///
+    /// When `inputs` is not as long as the function's inputs.
+    pub fn run<A: Arithmetic>(
+        &self,
+        arithmetic: &A,
+        inputs: &[A::Number],
+        memory: &mut Vec<A::Number>,
+    ) -> Vec<A::Number> {
+        assert_eq!(inputs.len(), self.inputs, "one number per input element");
+        memory.clear();
+        memory.extend_from_slice(inputs);
+        let literals = self.literals.iter();
+        memory.extend(literals.map(|&number| arithmetic.literal(number)));
+        memory.resize(self.places, arithmetic.literal(0.0));
+        for step in &self.steps {
+            let [a, b, c] = step.operands.map(|place| memory[place as usize]);
+            memory[step.result as usize] = match step.operation {
+                Operation::Copy => a,
+                Operation::Neg => arithmetic.neg(a),
+                Operation::Add => arithmetic.add(a, b),
+                Operation::Sub => arithmetic.sub(a, b),
+                Operation::Mul => arithmetic.mul(a, b),
+                Operation::Div => arithmetic.div(a, b),
+                Operation::Sin => arithmetic.sin(a),
+                Operation::Cos => arithmetic.cos(a),
+                Operation::Sqrt => arithmetic.sqrt(a),
+                Operation::Fma => arithmetic.fma(a, b, c),
+                Operation::Fms => arithmetic.fms(a, b, c),
+                Operation::Fnma => arithmetic.fnma(a, b, c),
+            };
+        }
+        let outputs = self.outputs.iter();
+        outputs.map(|&place| memory[place as usize]).collect()
+    }
+
+    /// The values of the wanted outputs in numbers that are not copied, such
+    /// as those of arbitrary precision: `literal` makes the number of an
+    /// input or literal, `apply` does an operation on as many operands as it
+    /// takes.
+    ///
+    /// # Panics
+    ///
+    /// When `inputs` is not as long as the function's inputs.
+    pub fn run_with<T: Clone>(
+        &self,
+        inputs: &[f64],
+        mut literal: impl FnMut(f64) -> T,
+        mut apply: impl FnMut(Operation, [&T; 3]) -> T,
+    ) -> Vec<T> {
+        assert_eq!(inputs.len(), self.inputs, "one number per input element");
+        let fixed = inputs.iter().chain(&self.literals);
+        let mut memory: Vec<T> = fixed.map(|&number| literal(number)).collect();
+        memory.resize(self.places, literal(0.0));
+        for step in &self.steps {
+            let operands = step.operands.map(|place| &memory[place as usize]);
+            let result = match step.operation {
+                Operation::Copy => operands[0].clone(),
+                operation => apply(operation, operands),
+            };
+            memory[step.result as usize] = result;
+        }
+        let outputs = self.outputs.iter();
+        outputs
+            .map(|&place| memory[place as usize].clone())
+            .collect()
+    }
+}
+
+/// For each node the last one that reads it: [`FOREVER`] for an output,
+/// [`UNUSED`] when nothing wanted needs it.
+fn last_readers(function: &Function, wanted: &[Operand]) -> Vec<u32> {
+    let mut last = vec![UNUSED; function.nodes().len()];
+    for operand in wanted {
+        if let Some(value) = operand.value() {
+            last[value.index()] = FOREVER;
+        }
+    }
+    for (index, node) in function.nodes().iter().enumerate().rev() {
+        if last[index] == UNUSED {
+            continue;
+        }
+        for operand in node.operands() {
+            if let Some(value) = operand.value() {
+                let entry = &mut last[value.index()];
+                if *entry == UNUSED {
+                    *entry = index as u32;
+                }
+            }
+        }
+    }
+    last
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::Binary64;
+    use crate::evaluate::evaluate;
+    use crate::parse::parse_module;
+
+    const TEXT: &str = "function f atomic {
+      in x[1..3]
+      out o[1..5]
+      %a = x[1]*x[2]
+      %b = %a+%a
+      %c = %b*x[3]
+      %d = sin(%c)
+      %e = %d*%d
+      %f = %e-0.25
+      %g = fma(%f, %c, %b)
+      %h = %a/%g
+      %dead = %h*%h
+      %i = sqrt(%e)
+      o[1] = %g
+      o[2] = %i
+      o[3] = x[2]
+      o[4] = 1.5
+      o[5] = %g
+    }";
+
+    #[test]
+    fn a_plan_computes_what_the_evaluator_does_in_fewer_places() {
+        let module = parse_module("plan", TEXT).expect("it is well formed");
+        let function = &module.functions[0];
+        let inputs = [0.75, -1.25, 3.0];
+        let expected = evaluate(function, &Binary64, &inputs);
+        let plan = Plan::new(function);
+        let mut memory = Vec::new();
+        assert_eq!(plan.run(&Binary64, &inputs, &mut memory), expected);
+        assert_eq!(plan.run(&Binary64, &inputs, &mut memory), expected);
+        let owned = plan.run_with(
+            &inputs,
+            |number| number,
+            |operation, [a, b, c]| match operation {
+                Operation::Add => a + b,
+                Operation::Sub => a - b,
+                Operation::Mul => a * b,
+                Operation::Sin => a.sin(),
+                Operation::Sqrt => a.sqrt(),
+                Operation::Fma => a.mul_add(*b, *c),
+                other => unreachable!("{other:?} is not in the function"),
+            },
+        );
+        assert_eq!(owned, expected);
+        // Neither the quotient nor its square is needed.
+        assert_eq!(plan.len(), function.nodes().len() - 2);
+        assert!(plan.places() < 3 + 2 + 6);
+    }
+
+    #[test]
+    fn a_plan_of_some_outputs_leaves_out_the_rest() {
+        let module = parse_module("plan", TEXT).expect("it is well formed");
+        let function = &module.functions[0];
+        let inputs = [0.75, -1.25, 3.0];
+        let expected = evaluate(function, &Binary64, &inputs);
+        let plan = Plan::of(function, |index| index == 1 || index == 3);
+        let outputs = plan.run(&Binary64, &inputs, &mut Vec::new());
+        assert_eq!(outputs, [expected[1], expected[3]]);
+        assert_eq!(plan.len(), 6);
+        let nothing = Plan::of(function, |index| index == 2);
+        assert!(nothing.is_empty());
+        assert_eq!(
+            nothing.run(&Binary64, &inputs, &mut Vec::new()),
+            [expected[2]]
+        );
+    }
+}

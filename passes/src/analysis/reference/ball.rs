@@ -1,0 +1,202 @@
+//! Double-double with a bound of its own error.
+//!
+//! Beside every number a radius is kept in binary64: the exact value lies
+//! within it (running error analysis: Wilkinson 1963; Higham, *Accuracy and
+//! Stability of Numerical Algorithms*, 2002, section 3.3). Radii treat errors
+//! as if they always added up, and along a chain of joints they grow by about
+//! half a bit per joint more than errors do; double-double has some fifty
+//! bits to spare for that. What is left uncertain is computed again with more
+//! bits ([`super::precise`]).
+//!
+//! The radii are themselves rounded; [`SLACK`] covers that for any function
+//! that fits into memory.
+
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::double_double::{DoubleDoubleLanes, DoubleLanes};
+
+/// Relative error of an operation of double-double. The algorithms have at
+/// most 2⁻¹⁰²·⁶ for a quotient and less for the others (Joldes, Muller and
+/// Popescu 2017).
+const UNIT: f64 = 1.0 / (1u128 << 102) as f64;
+
+/// Relative error of sine and cosine in double-double, for angles that need
+/// little reduction.
+const WAVE_UNIT: f64 = 1.0 / (1u128 << 98) as f64;
+
+/// What reducing an angle loses of it: π/2 is known to 212 bits and the
+/// remainder is formed in double-double.
+const REDUCTION: f64 = WAVE_UNIT * (f64::EPSILON / 16.0);
+
+/// Products and quotients below this may have lost bits of their lower half
+/// to the end of the range, at most [`SUNK`].
+const SMALL: f64 = 1e-270;
+const SUNK: f64 = f64::MIN_POSITIVE;
+
+/// Covers the rounding of the radii: each operation rounds a handful of times
+/// by 2⁻⁵³, and a chain has less than 2³⁰ operations.
+pub(super) const SLACK: f64 = 1.0 + 1.0 / (1u32 << 18) as f64;
+
+/// Double-double numbers of several states with radii.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ball<const LANES: usize> {
+    /// The numbers.
+    pub(super) value: DoubleLanes<LANES>,
+    /// How far the exact ones can be; infinite where nothing is known.
+    pub(super) radius: [f64; LANES],
+}
+
+/// The arithmetic of [`Ball`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Balls<const LANES: usize>;
+
+impl<const LANES: usize> Ball<LANES> {
+    /// Numbers that are known.
+    pub(super) fn exact(numbers: [f64; LANES]) -> Ball<LANES> {
+        Ball {
+            value: DoubleLanes::new(numbers),
+            radius: [0.0; LANES],
+        }
+    }
+
+    /// The operation's result with radii by lane.
+    #[inline]
+    fn with(value: DoubleLanes<LANES>, radius: impl Fn(usize) -> f64) -> Ball<LANES> {
+        let mut ball = Ball {
+            value,
+            radius: [0.0; LANES],
+        };
+        for lane in 0..LANES {
+            ball.radius[lane] = radius(lane);
+        }
+        ball
+    }
+}
+
+/// What the end of the range can have cost a product or quotient of numbers
+/// that are not zero.
+#[inline]
+fn sunk(result: f64, a: f64, b: f64) -> f64 {
+    let lost = result.abs() < SMALL && a != 0.0 && b != 0.0;
+    if lost { SUNK } else { 0.0 }
+}
+
+/// The radius of a product of numbers with radii.
+#[inline]
+fn product((a, a_radius): (f64, f64), (b, b_radius): (f64, f64)) -> f64 {
+    let (a, b) = (a.abs(), b.abs());
+    // Twice the product of the radii lets the radii belong to any number in
+    // the balls and not only to their middles.
+    a * b_radius + b * a_radius + 2.0 * a_radius * b_radius
+}
+
+/// The radius of a quotient.
+#[inline]
+fn quotient(value: f64, a_radius: f64, (b, b_radius): (f64, f64)) -> f64 {
+    let nearest = b.abs() - b_radius;
+    if a_radius == 0.0 && b_radius == 0.0 {
+        0.0
+    } else if nearest > 0.0 {
+        (a_radius + value.abs() * b_radius) / nearest
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// The radius of a root.
+#[inline]
+fn root(value: f64, a: f64, radius: f64) -> f64 {
+    if radius == 0.0 {
+        0.0
+    } else if radius < a {
+        // The derivative at the near end of the ball, or steeper.
+        radius / (a - radius).sqrt().min(value)
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// The radius of a sine or cosine.
+#[inline]
+fn wave(value: f64, angle: f64, radius: f64) -> f64 {
+    if angle == 0.0 && radius == 0.0 {
+        return 0.0;
+    }
+    radius.min(2.0) + value.abs() * WAVE_UNIT + angle.abs() * REDUCTION
+}
+
+impl<const LANES: usize> Arithmetic for Balls<LANES> {
+    type Number = Ball<LANES>;
+
+    fn literal(&self, number: f64) -> Ball<LANES> {
+        Ball::exact([number; LANES])
+    }
+
+    #[inline]
+    fn neg(&self, a: Ball<LANES>) -> Ball<LANES> {
+        Ball {
+            value: DoubleDoubleLanes.neg(a.value),
+            radius: a.radius,
+        }
+    }
+
+    #[inline]
+    fn add(&self, a: Ball<LANES>, b: Ball<LANES>) -> Ball<LANES> {
+        let value = DoubleDoubleLanes.add(a.value, b.value);
+        Ball::with(value, |lane| {
+            a.radius[lane] + b.radius[lane] + value.high[lane].abs() * UNIT
+        })
+    }
+
+    #[inline]
+    fn sub(&self, a: Ball<LANES>, b: Ball<LANES>) -> Ball<LANES> {
+        self.add(a, self.neg(b))
+    }
+
+    #[inline]
+    fn mul(&self, a: Ball<LANES>, b: Ball<LANES>) -> Ball<LANES> {
+        let value = DoubleDoubleLanes.mul(a.value, b.value);
+        Ball::with(value, |lane| {
+            let (x, y) = (a.value.high[lane], b.value.high[lane]);
+            product((x, a.radius[lane]), (y, b.radius[lane]))
+                + value.high[lane].abs() * UNIT
+                + sunk(value.high[lane], x, y)
+        })
+    }
+
+    fn div(&self, a: Ball<LANES>, b: Ball<LANES>) -> Ball<LANES> {
+        let value = DoubleDoubleLanes.div(a.value, b.value);
+        Ball::with(value, |lane| {
+            let (x, y) = (a.value.high[lane], b.value.high[lane]);
+            quotient(value.high[lane], a.radius[lane], (y, b.radius[lane]))
+                + value.high[lane].abs() * UNIT
+                + sunk(value.high[lane], x, 1.0)
+        })
+    }
+
+    fn sin(&self, a: Ball<LANES>) -> Ball<LANES> {
+        let value = DoubleDoubleLanes.sin(a.value);
+        Ball::with(value, |lane| {
+            wave(value.high[lane], a.value.high[lane], a.radius[lane])
+        })
+    }
+
+    fn cos(&self, a: Ball<LANES>) -> Ball<LANES> {
+        let value = DoubleDoubleLanes.cos(a.value);
+        Ball::with(value, |lane| {
+            wave(value.high[lane], a.value.high[lane], a.radius[lane])
+        })
+    }
+
+    fn sqrt(&self, a: Ball<LANES>) -> Ball<LANES> {
+        let value = DoubleDoubleLanes.sqrt(a.value);
+        Ball::with(value, |lane| {
+            root(value.high[lane], a.value.high[lane], a.radius[lane])
+                + value.high[lane].abs() * UNIT
+        })
+    }
+
+    #[inline]
+    fn fma(&self, a: Ball<LANES>, b: Ball<LANES>, c: Ball<LANES>) -> Ball<LANES> {
+        self.add(self.mul(a, b), c)
+    }
+}

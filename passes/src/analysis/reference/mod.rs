@@ -1,0 +1,298 @@
+//! The exact outputs of a function, with a certificate.
+//!
+//! What rounding errors are measured against must itself be beyond doubt.
+//! Three levels of effort:
+//!
+//! - [`Effort::DoubleDouble`]: about 106 bits and no proof; some fifty bits
+//!   to spare over binary64 leave little doubt, and it is the fastest.
+//! - [`Effort::Certified`]: double-double with a bound of its own error.
+//!   Outputs whose ball holds a change from one binary64 number to the next
+//!   are computed again in arbitrary precision, with twice the bits until
+//!   one number is left ([Ziv's strategy](precise)). Outputs that are zero by
+//!   an identity, which no precision would ever tell, are recognised in the
+//!   prime field.
+//! - [`Effort::Audit`]: everything in arbitrary precision, which shares no
+//!   arithmetic with double-double.
+//!
+//! With the feature `mpfr`, [`mpfr`] evaluates a third time with another
+//! library; the tests compare.
+//!
+//! **Invariant.** A function is taken as what it means over the real numbers:
+//! no operation rounds, literals and inputs are the binary64 numbers they
+//! are.
+
+mod ball;
+#[cfg(feature = "mpfr")]
+pub mod mpfr;
+mod precise;
+mod rounding;
+
+use astro_float::Consts;
+use ball::{Ball, Balls};
+use robovec_ir::Function;
+use robovec_ir::double_double::{Double, DoubleDoubleLanes, DoubleLanes};
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::field::PrimeField;
+use robovec_ir::plan::Plan;
+use std::array;
+use std::fmt;
+use std::str::FromStr;
+
+/// States evaluated at a time.
+pub const LANES: usize = 8;
+
+/// How much is done for the exact outputs.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Effort {
+    /// Double-double, without a proof.
+    #[default]
+    DoubleDouble,
+    /// Double-double with a bound, and arbitrary precision where the bound
+    /// leaves a choice.
+    Certified,
+    /// Arbitrary precision for everything.
+    Audit,
+}
+
+/// What stands behind an exact value.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// Double-double without a proof.
+    Unproved,
+    /// Double-double whose bound leaves one binary64 number.
+    DoubleDouble,
+    /// So many bits, which leave one binary64 number.
+    Precise(u32),
+    /// Zero by an identity, or beyond telling from zero.
+    Zero,
+    /// Not certain: not finite, or the bits that are tried at most were too
+    /// few.
+    Uncertain,
+}
+
+/// An exact output.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Exact {
+    /// The value; its upper half is the nearest binary64 number, proved
+    /// unless `kind` says otherwise.
+    pub value: Double,
+    /// How far the real number can be from the value; infinite without a
+    /// proof.
+    pub bound: f64,
+    /// What stands behind it.
+    pub kind: Kind,
+}
+
+impl Exact {
+    /// True when the upper half is proved to be the nearest binary64 number.
+    pub fn is_certain(&self) -> bool {
+        match self.kind {
+            Kind::DoubleDouble | Kind::Precise(_) | Kind::Zero => true,
+            Kind::Unproved | Kind::Uncertain => false,
+        }
+    }
+}
+
+/// Evaluates a function exactly, state after state.
+pub struct Reference<'a> {
+    function: &'a Function,
+    effort: Effort,
+    plan: Plan,
+    /// Which assignments are zero in the prime field; found when first
+    /// needed.
+    zeros: Option<Vec<bool>>,
+    /// Digits of pi for arbitrary precision, made when first needed.
+    constants: Option<Consts>,
+    balls: Vec<Ball<LANES>>,
+    lanes: Vec<DoubleLanes<LANES>>,
+}
+
+impl<'a> Reference<'a> {
+    /// Makes a function ready.
+    pub fn new(function: &'a Function, effort: Effort) -> Reference<'a> {
+        Reference {
+            function,
+            effort,
+            plan: Plan::new(function),
+            zeros: None,
+            constants: None,
+            balls: Vec::new(),
+            lanes: Vec::new(),
+        }
+    }
+
+    /// The exact value of every assignment, in order, for each state.
+    ///
+    /// # Panics
+    ///
+    /// When a state has not one number per input element.
+    pub fn evaluate(&mut self, states: &[Vec<f64>]) -> Vec<Vec<Exact>> {
+        let mut results = Vec::with_capacity(states.len());
+        for batch in states.chunks(LANES) {
+            match self.effort {
+                Effort::DoubleDouble => self.unproved(batch, &mut results),
+                Effort::Certified => self.certified(batch, &mut results),
+                Effort::Audit => {
+                    let all: Vec<usize> = (0..self.function.assignments.len()).collect();
+                    for inputs in batch {
+                        results.push(self.precise(inputs, &all));
+                    }
+                }
+            }
+        }
+        results
+    }
+
+    fn unproved(&mut self, batch: &[Vec<f64>], results: &mut Vec<Vec<Exact>>) {
+        let inputs = gather(batch, DoubleLanes::new);
+        let outputs = self
+            .plan
+            .run(&DoubleDoubleLanes::<LANES>, &inputs, &mut self.lanes);
+        for lane in 0..batch.len() {
+            let exact = |number: &DoubleLanes<LANES>| Exact {
+                value: number.lane(lane),
+                bound: f64::INFINITY,
+                kind: Kind::Unproved,
+            };
+            results.push(outputs.iter().map(exact).collect());
+        }
+    }
+
+    fn certified(&mut self, batch: &[Vec<f64>], results: &mut Vec<Vec<Exact>>) {
+        let inputs = gather(batch, Ball::exact);
+        let outputs = self.plan.run(&Balls::<LANES>, &inputs, &mut self.balls);
+        for (lane, inputs) in batch.iter().enumerate() {
+            let judge = |ball: &Ball<LANES>| certify(ball.value.lane(lane), ball.radius[lane]);
+            let mut exact: Vec<Exact> = outputs.iter().map(judge).collect();
+            let open = self.uncertain(&mut exact);
+            if !open.is_empty() {
+                let precise = self.precise(inputs, &open);
+                for (&place, value) in open.iter().zip(precise) {
+                    exact[place] = value;
+                }
+            }
+            results.push(exact);
+        }
+    }
+
+    /// The assignments that are to be computed again; those that are zero by
+    /// an identity are set to it.
+    fn uncertain(&mut self, exact: &mut [Exact]) -> Vec<usize> {
+        let mut open = Vec::new();
+        for (place, value) in exact.iter_mut().enumerate() {
+            if value.is_certain() {
+                continue;
+            }
+            // The field takes literals whose ratio is 2⁶¹ for the same, so
+            // that its word alone is not enough.
+            let possible = value.value.high.abs() <= value.bound;
+            let function = self.function;
+            let zeros = self.zeros.get_or_insert_with(|| zeros(function));
+            if possible && zeros[place] {
+                *value = Exact {
+                    value: Double::from(0.0),
+                    bound: 0.0,
+                    kind: Kind::Zero,
+                };
+            } else {
+                open.push(place);
+            }
+        }
+        open
+    }
+
+    fn precise(&mut self, inputs: &[f64], places: &[usize]) -> Vec<Exact> {
+        if self.constants.is_none() {
+            self.constants = Consts::new().ok();
+        }
+        match &mut self.constants {
+            Some(constants) => precise::evaluate(self.function, inputs, places, constants),
+            // No memory for the digits of pi.
+            None => vec![
+                Exact {
+                    value: Double::from(f64::NAN),
+                    bound: f64::INFINITY,
+                    kind: Kind::Uncertain,
+                };
+                places.len()
+            ],
+        }
+    }
+}
+
+/// The inputs of all lanes; lanes without a state repeat the first one.
+fn gather<T>(batch: &[Vec<f64>], make: impl Fn([f64; LANES]) -> T) -> Vec<T> {
+    let Some(first) = batch.first() else {
+        return Vec::new();
+    };
+    (0..first.len())
+        .map(|index| {
+            make(array::from_fn(|lane| {
+                batch.get(lane).map_or(first[index], |state| state[index])
+            }))
+        })
+        .collect()
+}
+
+/// Which assignments are zero at random points of the prime field.
+fn zeros(function: &Function) -> Vec<bool> {
+    let mut zeros = vec![true; function.assignments.len()];
+    for seed in [1, 2] {
+        let field = PrimeField { seed, circle: true };
+        let point = field.point(function.input_len());
+        let values = evaluate(function, &field, &point);
+        for (zero, value) in zeros.iter_mut().zip(values) {
+            *zero &= value == 0;
+        }
+    }
+    zeros
+}
+
+/// Judges a double-double number with the radius of its error.
+fn certify(value: Double, radius: f64) -> Exact {
+    let radius = radius * ball::SLACK;
+    // Half the distance to the nearer neighbour; a power of two has its
+    // lower neighbour at half the distance of the upper one.
+    let size = value.high.abs();
+    let half = (size - size.next_down()) / 2.0;
+    let certain = match value.high == 0.0 {
+        true => radius == 0.0,
+        false => value.low.abs() + radius < half,
+    };
+    Exact {
+        value,
+        bound: if radius.is_nan() {
+            f64::INFINITY
+        } else {
+            radius
+        },
+        kind: if certain && value.high.is_finite() {
+            Kind::DoubleDouble
+        } else {
+            Kind::Uncertain
+        },
+    }
+}
+
+impl fmt::Display for Effort {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Effort::DoubleDouble => "double-double",
+            Effort::Certified => "certified",
+            Effort::Audit => "audit",
+        })
+    }
+}
+
+impl FromStr for Effort {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Effort, String> {
+        let all = [Effort::DoubleDouble, Effort::Certified, Effort::Audit];
+        let found = all.into_iter().find(|effort| effort.to_string() == text);
+        found.ok_or_else(|| "expected double-double, certified or audit".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests;

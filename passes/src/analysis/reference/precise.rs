@@ -1,0 +1,201 @@
+//! Arbitrary precision with a bound of its own error, raised until one
+//! binary64 number is nearest.
+//!
+//! The strategy is Ziv's ("Fast evaluation of elementary mathematical
+//! functions with correctly rounded last bit", 1991), for whole functions:
+//! compute with so many bits and a radius; where the ends of the ball round to
+//! different binary64 numbers, compute again with twice as many. A value that
+//! is still not told from zero with [`MOST`] bits counts as zero: it is less
+//! than 2⁻⁹⁰⁰ of the terms that it is the sum of, or zero by an identity that
+//! the prime field does not know.
+//!
+//! Radii are counted in units of the precision's own rounding, so that they
+//! neither sink below the range of binary64 nor depend on the precision to
+//! first order.
+
+use super::rounding::{from_binary64, magnitude, to_binary64};
+use super::{Exact, Kind};
+use astro_float::{BigFloat, Consts, RoundingMode};
+use robovec_ir::double_double::Double;
+use robovec_ir::plan::Plan;
+use robovec_ir::{Function, Operation};
+
+/// Bits of the first attempt: whole words of the library's.
+const FEWEST: usize = 192;
+
+/// Bits of the last attempt.
+const MOST: usize = 1536;
+
+const ROUNDING: RoundingMode = RoundingMode::ToEven;
+
+/// A number of arbitrary precision with a bound of its error.
+#[derive(Clone)]
+struct Ball {
+    value: BigFloat,
+    /// An upper bound of its absolute value; infinite beyond the range of
+    /// binary64.
+    size: f64,
+    /// How far the exact value can be, in units of the precision's rounding.
+    radius: f64,
+}
+
+/// Computes the wanted assignments of a function, counted from 0, so
+/// precisely that each is within its bound of one binary64 number; `places`
+/// says which they are, in ascending order.
+pub(super) fn evaluate(
+    function: &Function,
+    inputs: &[f64],
+    places: &[usize],
+    constants: &mut Consts,
+) -> Vec<Exact> {
+    let mut results: Vec<Option<Exact>> = vec![None; places.len()];
+    let mut bits = FEWEST;
+    loop {
+        let open: Vec<usize> = (0..places.len())
+            .filter(|&index| results[index].is_none())
+            .collect();
+        let wanted: Vec<usize> = open.iter().map(|&index| places[index]).collect();
+        if wanted.is_empty() {
+            break;
+        }
+        let plan = Plan::of(function, |index| wanted.binary_search(&index).is_ok());
+        let balls = run(&plan, inputs, bits, constants);
+        for (&index, ball) in open.iter().zip(&balls) {
+            results[index] = settle(ball, bits);
+        }
+        bits *= 2;
+    }
+    // The loop ends when all are settled, which the last attempt does.
+    results.into_iter().flatten().collect()
+}
+
+/// Evaluates a plan with so many bits.
+fn run(plan: &Plan, inputs: &[f64], bits: usize, constants: &mut Consts) -> Vec<Ball> {
+    let unit = 2f64.powi(-(bits.min(1000) as i32));
+    plan.run_with(
+        inputs,
+        |number| Ball {
+            value: from_binary64(number, bits),
+            size: number.abs(),
+            radius: 0.0,
+        },
+        |operation, operands| apply(operation, operands, bits, unit, constants),
+    )
+}
+
+/// One operation.
+fn apply(
+    operation: Operation,
+    [a, b, c]: [&Ball; 3],
+    bits: usize,
+    unit: f64,
+    constants: &mut Consts,
+) -> Ball {
+    let value = match operation {
+        Operation::Copy => a.value.clone(),
+        Operation::Neg => a.value.neg(),
+        Operation::Add => a.value.add(&b.value, bits, ROUNDING),
+        Operation::Sub => a.value.sub(&b.value, bits, ROUNDING),
+        Operation::Mul => a.value.mul(&b.value, bits, ROUNDING),
+        Operation::Div => a.value.div(&b.value, bits, ROUNDING),
+        Operation::Sin => a.value.sin(bits, ROUNDING, constants),
+        Operation::Cos => a.value.cos(bits, ROUNDING, constants),
+        Operation::Sqrt => a.value.sqrt(bits, ROUNDING),
+        Operation::Fma | Operation::Fms | Operation::Fnma => {
+            let product = a.value.mul_full_prec(&b.value);
+            match operation {
+                Operation::Fma => product.add(&c.value, bits, ROUNDING),
+                Operation::Fms => product.sub(&c.value, bits, ROUNDING),
+                _ => c.value.sub(&product, bits, ROUNDING),
+            }
+        }
+    };
+    let size = magnitude(&value);
+    let product = || a.size * b.radius + b.size * a.radius + 2.0 * unit * a.radius * b.radius;
+    // Sizes are upper bounds by at most 2^-50; a divisor is told from zero
+    // with that in mind.
+    let carried = match operation {
+        Operation::Copy | Operation::Neg => {
+            return Ball {
+                value,
+                size,
+                radius: a.radius,
+            };
+        }
+        Operation::Add | Operation::Sub => a.radius + b.radius,
+        Operation::Mul => product(),
+        Operation::Fma | Operation::Fms | Operation::Fnma => product() + c.radius,
+        Operation::Div if a.radius == 0.0 && b.radius == 0.0 => 0.0,
+        Operation::Div => {
+            let nearest = b.size * (1.0 - 1e-12) - b.radius * unit;
+            match nearest > 0.0 {
+                true => (a.radius + size * b.radius) / nearest,
+                false => f64::INFINITY,
+            }
+        }
+        Operation::Sin | Operation::Cos => a.radius.min(2.0 / unit),
+        Operation::Sqrt if a.radius == 0.0 => 0.0,
+        Operation::Sqrt => {
+            let nearest = a.size * (1.0 - 1e-12) - a.radius * unit;
+            match nearest > 0.0 {
+                true => a.radius / nearest.sqrt(),
+                false => f64::INFINITY,
+            }
+        }
+    };
+    // Nothing is added where nothing was rounded, so that sums of short
+    // numbers are known to be ties where they are.
+    let exact = carried == 0.0 && !value.inexact();
+    Ball {
+        radius: if exact { 0.0 } else { carried + size },
+        size,
+        value,
+    }
+}
+
+/// The binary64 numbers of a value, when its bound leaves one choice or there
+/// are no more bits to be had.
+fn settle(ball: &Ball, bits: usize) -> Option<Exact> {
+    let last = bits >= MOST;
+    let high = to_binary64(&ball.value);
+    let radius = ball.radius * super::ball::SLACK;
+    if !high.is_finite() || !radius.is_finite() {
+        let value = Double::from(high);
+        return (last || !high.is_finite()).then(|| Exact {
+            value,
+            bound: f64::INFINITY,
+            kind: Kind::Uncertain,
+        });
+    }
+    // The radius in absolute terms, as a number of the library's: it may be
+    // far below the range of binary64.
+    let mut reach = from_binary64(radius, 64);
+    if let (false, Some(exponent)) = (reach.is_zero(), reach.exponent()) {
+        reach.set_exponent(exponent - bits as i32);
+    }
+    let ends = [
+        ball.value.sub(&reach, bits + 64, ROUNDING),
+        ball.value.add(&reach, bits + 64, ROUNDING),
+    ];
+    let [below, above] = ends.each_ref().map(to_binary64);
+    let low = to_binary64(&ball.value.sub(&from_binary64(high, 64), bits, ROUNDING));
+    let bound = radius * 2f64.powi(-(bits.min(1000) as i32)) + low.abs() * f64::EPSILON.powi(2);
+    let kind = if below == above {
+        Kind::Precise(bits as u32)
+    } else if !last {
+        return None;
+    } else if ends[0].is_negative() != ends[1].is_negative() {
+        return Some(Exact {
+            value: Double::from(0.0),
+            bound: 0.0,
+            kind: Kind::Zero,
+        });
+    } else {
+        Kind::Uncertain
+    };
+    Some(Exact {
+        value: Double { high, low },
+        bound,
+        kind,
+    })
+}
