@@ -14,9 +14,11 @@
 use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::double_double::{DoubleDoubleLanes, DoubleLanes};
 
-/// Relative error of an operation of double-double. The algorithms have at
-/// most 2⁻¹⁰²·⁶ for a quotient and less for the others (Joldes, Muller and
-/// Popescu 2017).
+/// Relative errors of the operations of double-double (Joldes, Muller and
+/// Popescu 2017, in units of 2⁻¹⁰⁶: 3 for a sum, 7 for a product, 15 for a
+/// quotient).
+const SUM_UNIT: f64 = 1.0 / (1u128 << 104) as f64;
+const PRODUCT_UNIT: f64 = 1.0 / (1u128 << 103) as f64;
 const UNIT: f64 = 1.0 / (1u128 << 102) as f64;
 
 /// Relative error of sine and cosine in double-double, for angles that need
@@ -143,7 +145,7 @@ impl<const LANES: usize> Arithmetic for Balls<LANES> {
     fn add(&self, a: Ball<LANES>, b: Ball<LANES>) -> Ball<LANES> {
         let value = DoubleDoubleLanes.add(a.value, b.value);
         Ball::with(value, |lane| {
-            a.radius[lane] + b.radius[lane] + value.high[lane].abs() * UNIT
+            a.radius[lane] + b.radius[lane] + value.high[lane].abs() * SUM_UNIT
         })
     }
 
@@ -158,7 +160,7 @@ impl<const LANES: usize> Arithmetic for Balls<LANES> {
         Ball::with(value, |lane| {
             let (x, y) = (a.value.high[lane], b.value.high[lane]);
             product((x, a.radius[lane]), (y, b.radius[lane]))
-                + value.high[lane].abs() * UNIT
+                + value.high[lane].abs() * PRODUCT_UNIT
                 + sunk(value.high[lane], x, y)
         })
     }

@@ -206,7 +206,10 @@ impl<'a> Reference<'a> {
             self.constants = Consts::new().ok();
         }
         match &mut self.constants {
-            Some(constants) => precise::evaluate(self.function, inputs, places, constants),
+            Some(constants) => {
+                let zeros = self.zeros.get_or_insert_with(|| zeros(self.function));
+                precise::evaluate(self.function, inputs, places, zeros, constants)
+            }
             // No memory for the digits of pi.
             None => vec![
                 Exact {

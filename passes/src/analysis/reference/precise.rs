@@ -39,13 +39,15 @@ struct Ball {
     radius: f64,
 }
 
-/// Computes the wanted assignments of a function, counted from 0, so
-/// precisely that each is within its bound of one binary64 number; `places`
-/// says which they are, in ascending order.
+/// Computes the wanted assignments of a function so precisely that each is
+/// within its bound of one binary64 number. `places` counts them from 0, in
+/// ascending order; `zeros` says of all assignments which are zero by an
+/// identity.
 pub(super) fn evaluate(
     function: &Function,
     inputs: &[f64],
     places: &[usize],
+    zeros: &[bool],
     constants: &mut Consts,
 ) -> Vec<Exact> {
     let mut results: Vec<Option<Exact>> = vec![None; places.len()];
@@ -61,7 +63,7 @@ pub(super) fn evaluate(
         let plan = Plan::of(function, |index| wanted.binary_search(&index).is_ok());
         let balls = run(&plan, inputs, bits, constants);
         for (&index, ball) in open.iter().zip(&balls) {
-            results[index] = settle(ball, bits);
+            results[index] = settle(ball, zeros[places[index]], bits);
         }
         bits *= 2;
     }
@@ -155,7 +157,7 @@ fn apply(
 
 /// The binary64 numbers of a value, when its bound leaves one choice or there
 /// are no more bits to be had.
-fn settle(ball: &Ball, bits: usize) -> Option<Exact> {
+fn settle(ball: &Ball, zero: bool, bits: usize) -> Option<Exact> {
     let last = bits >= MOST;
     let high = to_binary64(&ball.value);
     let radius = ball.radius * super::ball::SLACK;
@@ -180,16 +182,20 @@ fn settle(ball: &Ball, bits: usize) -> Option<Exact> {
     let [below, above] = ends.each_ref().map(to_binary64);
     let low = to_binary64(&ball.value.sub(&from_binary64(high, 64), bits, ROUNDING));
     let bound = radius * 2f64.powi(-(bits.min(1000) as i32)) + low.abs() * f64::EPSILON.powi(2);
-    let kind = if below == above {
-        Kind::Precise(bits as u32)
-    } else if !last {
-        return None;
-    } else if ends[0].is_negative() != ends[1].is_negative() {
+    // The field takes literals whose ratio is 2⁶¹ for the same, so that its
+    // word alone is not enough.
+    let straddles = ends[0].is_negative() != ends[1].is_negative();
+    if straddles && (zero || last) {
         return Some(Exact {
             value: Double::from(0.0),
             bound: 0.0,
             kind: Kind::Zero,
         });
+    }
+    let kind = if below == above {
+        Kind::Precise(bits as u32)
+    } else if !last {
+        return None;
     } else {
         Kind::Uncertain
     };
