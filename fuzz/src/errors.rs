@@ -106,6 +106,7 @@ pub(crate) fn reduced(module: &Module, pipeline: &Pipeline, rules: RuleSet, seed
     let setting = Setting {
         machine: &Machine::built_in("ideal").expect("it ships"),
         rules: &rules,
+        scene: None,
         points: 2,
         seed,
     };

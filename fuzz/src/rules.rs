@@ -236,6 +236,7 @@ fn small(module: &Module, pipeline: &Pipeline, rules: &RuleSet, seed: u64) -> Re
     let setting = Setting {
         machine: &Machine::built_in("ideal").expect("it ships"),
         rules,
+        scene: None,
         points: 2,
         seed,
     };

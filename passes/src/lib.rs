@@ -35,6 +35,7 @@ pub mod rewrite;
 pub mod rewrites;
 pub mod rules;
 pub mod scene;
+pub mod specialise;
 pub mod swap;
 pub mod trail;
 pub mod trigonometry;

@@ -9,6 +9,7 @@ use crate::class::NumericClass;
 use crate::options::{OptionError, OptionInfo};
 use crate::rewrites::Rewrites;
 use crate::rules::RuleSet;
+use crate::scene::Scene;
 use crate::trail::Notes;
 use robovec_ir::{Function, Level, Machine, Name, SourceSet, Tables};
 
@@ -39,6 +40,11 @@ pub struct Context<'a> {
     pub machine: &'a Machine,
     /// The rules that rewriting may use.
     pub rules: &'a RuleSet,
+    /// What the function is needed for, when that is known.
+    pub scene: Option<&'a Scene>,
+    /// Left by a pass that rounds constants: the function in which they are
+    /// still computed. The check proves that, and compares the constants.
+    pub witness: &'a mut Option<Function>,
     /// Files the pass produces (memory images, C).
     pub artifacts: &'a mut Vec<Artifact>,
     /// What the pass counted: name and number.
@@ -81,6 +87,8 @@ pub struct Aside {
     pub remarks: Vec<String>,
     /// As [`Context::notes`].
     pub notes: Notes,
+    /// As [`Context::witness`].
+    pub witness: Option<Function>,
 }
 
 impl Context<'_> {
@@ -94,6 +102,8 @@ impl Context<'_> {
             tables: self.tables,
             machine,
             rules: self.rules,
+            scene: self.scene,
+            witness: &mut aside.witness,
             rewrites: self.rewrites,
             artifacts: &mut aside.artifacts,
             statistics: &mut aside.statistics,

@@ -4,13 +4,14 @@
 use crate::pass::PassInfo;
 use crate::{
     asap_alap, atomise, balance, codegen, composite, cse, dce, eqsat, factor, fma, fold, inline,
-    lookahead, optimise, place, recurrence, swap, trigonometry, zero_removal,
+    lookahead, optimise, place, recurrence, specialise, swap, trigonometry, zero_removal,
 };
 
 /// All passes, in the order a function usually meets them.
 pub const PASSES: &[PassInfo] = &[
     trigonometry::Trigonometry::INFO,
     atomise::Atomise::INFO,
+    specialise::Specialise::INFO,
     fold::Fold::INFO,
     zero_removal::ZeroRemoval::INFO,
     composite::Composite::INFO,

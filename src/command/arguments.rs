@@ -45,6 +45,11 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "thesis", add = ArgValueCandidates::new(machine_candidates))]
     pub(crate) machine: String,
 
+    /// What the functions are needed for (.scene.toml): what it binds, ranges and needs is used by
+    /// passes and by measurements
+    #[arg(long, value_name = "FILE")]
+    pub(crate) scene: Option<PathBuf>,
+
     /// Rewriting rules to use beside those that ship: a .rules file, or a name of 'robovec rules list'
     #[arg(long, value_name = "FILE")]
     pub(crate) rules: Vec<String>,

@@ -7,6 +7,7 @@ use super::input::{self, Input};
 use super::tables::{self, Stage};
 use super::{Failure, listing, output, reduction, reproducer, rules, simulation};
 use crate::report;
+use crate::scene::SceneFile;
 use clap::{CommandFactory, FromArgMatches, Parser};
 use clap_complete::env::{CompleteEnv, Shells};
 use robovec_ir::count::Counts;
@@ -16,6 +17,7 @@ use robovec_ir::{Function, Machine, Module, SourceSet, print};
 use robovec_passes::manager::{self, Config, Outcome, PassFilter, PrintChanged, RunError, usage};
 use robovec_passes::pipeline::Pipeline;
 use robovec_passes::rules::RuleSet;
+use robovec_passes::scene::Scene;
 use robovec_passes::trail::Trail;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
@@ -83,8 +85,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         let _ = writeln!(io::stderr(), "-passes={pipeline}");
     }
     let start = usage().0;
-    let function = arguments.function.as_deref();
-    let mut input = input::equations_or_model(path, arguments.language, function)?;
+    let (scene, mut input) = scene_and_input(arguments, path)?;
+    let scene = scene.as_ref();
     let (now, peak_mb) = usage();
     let mut stages = vec![Stage {
         name: "(read)",
@@ -100,18 +102,27 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let read: Vec<ReadCounts> = input.module.functions.iter().map(ReadCounts::of).collect();
     let mut trail = arguments.explain.is_some().then(Trail::new);
-    let target = (&machine, &rules);
+    let target = (&machine, &rules, scene);
     let kept = reduction::keep(arguments, &input.module);
     let outcome = transform(arguments, &pipeline, target, &mut input, trail.as_mut());
     let outcome = outcome.map_err(|failure| {
         reduction::follow_up(failure, kept.as_ref(), &pipeline, target, arguments)
     })?;
     let simulated = match arguments.simulate {
-        Some(states) => simulation::simulate(&input.module, &machine, states, arguments.seed)?,
+        Some(count) => {
+            simulation::simulate(&input.module, &machine, count, &states(arguments, scene))?
+        }
         None => String::new(),
     };
     let report = match &arguments.report {
-        Some(path) => write_report(path, arguments, &input.module, &read, &machine, &outcome)?,
+        Some(path) => {
+            let results = (&input.module, &outcome);
+            let options = report::ReportOptions {
+                states: states(arguments, scene),
+                ..report::ReportOptions::default()
+            };
+            write_report(path, results, &read, &machine, &options)?
+        }
         None => String::new(),
     };
     let start = usage().0;
@@ -138,6 +149,44 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     // As above: nobody is left to tell when the standard error is closed.
     let _ = io::stderr().write_all(text.as_bytes());
     Ok(())
+}
+
+/// The scene, if there is one, and the equations: those that the scene is
+/// about when it is itself the input.
+fn scene_and_input(arguments: &Arguments, path: &Path) -> Result<(Option<Scene>, Input), Failure> {
+    if path.to_string_lossy().ends_with(".scene.toml") && arguments.scene.is_none() {
+        let file = SceneFile::load(path).map_err(Failure)?;
+        let module = file
+            .module()
+            .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+        let input = Input {
+            module,
+            name: path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
+            path: path.to_owned(),
+            warnings: file.warnings,
+        };
+        return Ok((Some(file.scene), input));
+    }
+    let scene = match &arguments.scene {
+        None => None,
+        Some(scene) => Some(SceneFile::load(scene).map_err(Failure)?.scene),
+    };
+    let wished = scene.as_ref().and_then(|scene| scene.function.as_deref());
+    let function = arguments.function.as_deref().or(wished);
+    let input = input::equations_or_model(path, arguments.language, function)?;
+    Ok((scene, input))
+}
+
+/// Where random states come from.
+fn states(arguments: &Arguments, scene: Option<&Scene>) -> States {
+    match scene {
+        Some(scene) => scene.states(arguments.seed),
+        None => States::new(arguments.seed),
+    }
 }
 
 /// What can be told without an input.
@@ -208,7 +257,7 @@ fn filter(names: Option<&str>) -> PassFilter {
 fn transform(
     arguments: &Arguments,
     pipeline: &Pipeline,
-    (machine, rules): (&Machine, &RuleSet),
+    (machine, rules, scene): (&Machine, &RuleSet, Option<&Scene>),
     input: &mut Input,
     trail: Option<&mut Trail>,
 ) -> Result<Outcome, Failure> {
@@ -242,7 +291,8 @@ fn transform(
                 .check_each
                 .or_else(|| arguments.auto_reduce.as_ref().map(|_| reproducer::POINTS)),
             rounding: arguments.report.is_some().then_some(0),
-            states: States::new(arguments.seed),
+            states: states(arguments, scene),
+            scene,
             print_before: filter(arguments.print_before.as_deref()),
             print_after: filter(print_after),
             print_changed: arguments.print_changed.as_deref().map(|how| match how {
@@ -352,11 +402,10 @@ impl ReadCounts {
 /// standard error.
 fn write_report(
     path: &Path,
-    arguments: &Arguments,
-    module: &Module,
+    (module, outcome): (&Module, &Outcome),
     read: &[ReadCounts],
     machine: &Machine,
-    outcome: &Outcome,
+    options: &report::ReportOptions,
 ) -> Result<String, Failure> {
     let records: Vec<report::PassRecord> = outcome
         .records
@@ -372,11 +421,7 @@ fn write_report(
             rounding: record.rounding.clone(),
         })
         .collect();
-    let options = report::ReportOptions {
-        states: States::new(arguments.seed),
-        ..report::ReportOptions::default()
-    };
-    let mut report = report::Report::collect(module, machine, &records, &options);
+    let mut report = report::Report::collect(module, machine, &records, options);
     for (function, read) in report.functions.iter_mut().zip(read) {
         function.equations = read.equations;
         function.vectors = read.vectors;

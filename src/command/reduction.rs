@@ -8,6 +8,7 @@ use robovec_ir::{Machine, Module};
 use robovec_passes::pipeline::Pipeline;
 use robovec_passes::reduce::{self, Broken, Reduction, Setting};
 use robovec_passes::rules::RuleSet;
+use robovec_passes::scene::Scene;
 use std::io::{self, Write as _};
 use std::panic;
 use std::path::Path;
@@ -24,7 +25,7 @@ pub(super) fn follow_up(
     mut failure: Failure,
     kept: Option<&Module>,
     pipeline: &Pipeline,
-    (machine, rules): (&Machine, &RuleSet),
+    (machine, rules, scene): (&Machine, &RuleSet, Option<&Scene>),
     arguments: &Arguments,
 ) -> Failure {
     let Some(module) = kept else {
@@ -33,6 +34,7 @@ pub(super) fn follow_up(
     let setting = Setting {
         machine,
         rules,
+        scene,
         points: arguments.check_each.unwrap_or(reproducer::POINTS),
         seed: arguments.seed,
     };

@@ -39,6 +39,9 @@ pub(super) fn text(
         format!("--seed={}", arguments.seed),
     ];
     words.extend(arguments.rules.iter().map(|name| format!("--rules={name}")));
+    if let Some(scene) = &arguments.scene {
+        words.push(format!("--scene={}", scene.display()));
+    }
     if arguments.no_default_rules {
         words.push("--no-default-rules".to_owned());
     }

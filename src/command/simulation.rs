@@ -17,7 +17,7 @@ pub(crate) fn simulate(
     module: &Module,
     machine: &Machine,
     states: u32,
-    seed: u64,
+    draws: &States,
 ) -> Result<String, Failure> {
     let mut text = String::new();
     for function in &module.functions {
@@ -34,7 +34,7 @@ pub(crate) fn simulate(
             tables: &module.tables,
             function,
         };
-        let cycles = compare(view, machine, states, seed).map_err(|reason| {
+        let cycles = compare(view, machine, states, draws).map_err(|reason| {
             Failure::plain(format!("simulating '{}': {reason}", function.name))
         })?;
         // Writing to a string cannot fail.
@@ -49,12 +49,11 @@ pub(crate) fn simulate(
     Ok(text)
 }
 
-fn compare(view: View<'_>, machine: &Machine, states: u32, seed: u64) -> Result<u32, String> {
+fn compare(view: View<'_>, machine: &Machine, states: u32, draws: &States) -> Result<u32, String> {
     let mut files: Vec<(String, String)> = Vec::new();
     write_images(view, machine, None, &mut files).map_err(|error| error.to_string())?;
     let program = Program::load(&files, machine).map_err(|error| error.to_string())?;
     let places: Vec<u32> = program.outputs().map(|(_, place)| place).collect();
-    let draws = States::new(seed);
     for index in 0..states {
         let inputs = draws.draw(view, index);
         let outputs = program.run(&inputs).map_err(|hazard| hazard.to_string())?;

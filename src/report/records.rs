@@ -119,6 +119,7 @@ impl CheckReport {
                 FailureKind::Field { .. } => "field",
                 FailureKind::Distance { .. } => "distance",
                 FailureKind::Bits { .. } => "bits",
+                FailureKind::Constants { .. } => "constants",
             }),
             deviation: verdict
                 .deviation

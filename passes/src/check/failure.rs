@@ -35,6 +35,11 @@ pub enum FailureKind {
         /// The value after.
         after: f64,
     },
+    /// A constant is not the number it was computed from.
+    Constants {
+        /// Which, as a sentence part.
+        reason: String,
+    },
     /// They differ by rounding, and the pass claimed to be exact.
     Bits {
         /// `binary32` or `binary64`.
@@ -67,6 +72,20 @@ pub struct Failure {
     /// differs from it (by more than its sign), as text before and after: the
     /// place to look first.
     pub first_difference: Option<(String, String)>,
+}
+
+impl Failure {
+    /// A failure that is about no output.
+    pub(super) fn about(kind: FailureKind, after: View<'_>) -> Failure {
+        Failure {
+            kind,
+            output: None,
+            name: after.function.name.clone(),
+            slice_before: Vec::new(),
+            slice_after: Vec::new(),
+            first_difference: None,
+        }
+    }
 }
 
 /// The failure of an output, with its slices and the first value that differs
@@ -113,9 +132,9 @@ fn first_difference(
         .map(|(value, node)| (text(before, node.name), value))
         .collect();
     named.sort();
-    let inputs = field.point(before.function.input_len());
-    let old = evaluate_nodes(before.function, field, &inputs);
-    let new = evaluate_nodes(after.function, field, &inputs);
+    let [before_inputs, after_inputs] = pairs.point(field);
+    let old = evaluate_nodes(before.function, field, &before_inputs);
+    let new = evaluate_nodes(after.function, field, &after_inputs);
     let same = |old: u64, new: u64| old == new || old.checked_add(new) == Some(PrimeField::MODULUS);
     slice.iter().find_map(|&value| {
         let name = after.function.node(value).name;
@@ -137,7 +156,9 @@ fn first_difference(
 impl fmt::Display for Failure {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.kind {
-            FailureKind::Signature { reason } => return formatter.write_str(reason),
+            FailureKind::Signature { reason } | FailureKind::Constants { reason } => {
+                return formatter.write_str(reason);
+            }
             FailureKind::Field {
                 point,
                 before,

@@ -42,8 +42,10 @@ pub(super) fn compare(pairs: &Pairs<'_>, circle: bool, points: u32, seed: u64) -
             seed: super::nth_seed(seed, point + lane as u32),
             circle,
         });
-        let [before, after] = [pairs.before, pairs.after].map(|view| {
-            let inputs = fields.map(|field| field.point(view.function.input_len()));
+        let points = fields.map(|field| pairs.point(&field));
+        let versions = [(pairs.before, 0), (pairs.after, 1)];
+        let [before, after] = versions.map(|(view, version)| {
+            let inputs: [Vec<u64>; LANES] = array::from_fn(|lane| points[lane][version].clone());
             evaluate(
                 view.function,
                 &Batch(fields),
@@ -104,12 +106,12 @@ fn judge_undefined(pairs: &Pairs<'_>, tallies: &[Tally], circle: bool, seed: u64
             seed: super::nth_seed(seed, 0),
             circle,
         };
-        let inputs = field.point(pairs.before.function.input_len());
+        let [before, after] = pairs.point(&field);
         return Comparison::Different {
             output: pair.output,
             field,
-            before: evaluate(pairs.before.function, &field, &inputs)[pair.before],
-            after: evaluate(pairs.after.function, &field, &inputs)[pair.after],
+            before: evaluate(pairs.before.function, &field, &before)[pair.before],
+            after: evaluate(pairs.after.function, &field, &after)[pair.after],
         };
     }
     Comparison::Equal { undefined }

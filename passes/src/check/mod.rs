@@ -26,6 +26,7 @@
 //! unknown `sin`, `cos` and `sqrt` (see [`robovec_ir::field`]); identities
 //! that need more than their parity and the circle are rejected too.
 
+mod constants;
 mod failure;
 mod field;
 mod numeric;
@@ -33,13 +34,13 @@ mod pairing;
 
 use crate::analysis::accuracy::{Summary, accuracy};
 use crate::class::NumericClass;
+use crate::scene::Scene;
 use failure::explain;
 pub use failure::{Failure, FailureKind};
 use field::Comparison;
-use pairing::{Pairs, Unpaired};
+use pairing::Pairs;
 use robovec_ir::field::PrimeField;
 use robovec_ir::format::Format;
-use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Output, View};
 use std::array;
@@ -98,31 +99,59 @@ pub fn check(
     states: &States,
     points: u32,
 ) -> Verdict {
-    let points = points.max(1);
-    let mut verdict = Verdict {
-        class,
-        points,
-        seed: states.seed(),
-        failure: None,
-        undefined: 0,
-        errors: None,
-        deviation: None,
-    };
+    let mut verdict = Verdict::new(class, states, points);
     match Pairs::new(before, after) {
         Ok(pairs) => judge(&pairs, states, &mut verdict),
-        Err(Unpaired { output, reason }) => {
-            verdict.failure = Some(Failure {
-                kind: FailureKind::Signature { reason },
-                output,
-                name: output.map_or_else(
-                    || after.function.name.clone(),
-                    |output| print_output(before, output),
-                ),
-                slice_before: Vec::new(),
-                slice_after: Vec::new(),
-                first_difference: None,
-            });
-        }
+        Err(unpaired) => verdict.failure = Some(unpaired.failure(before, after)),
+    }
+    if verdict.failure.is_none() {
+        verdict.errors = Some(error_changes([before, after], states, verdict.points));
+    }
+    verdict
+}
+
+/// A function made for a scene, with what it was made of.
+#[derive(Clone, Copy)]
+pub struct Specialised<'a> {
+    /// The function before.
+    pub before: View<'a>,
+    /// The function after, in which numbers are still expressions.
+    pub witness: View<'a>,
+    /// The function after.
+    pub after: View<'a>,
+    /// What it was made for.
+    pub scene: Option<&'a Scene>,
+}
+
+/// Checks what a pass of a class claims that makes a function for a scene:
+/// outputs that the scene does not need may be gone, and inputs that it binds
+/// have their numbers. The claim is about the witness; the function after must
+/// be the witness with its constant expressions replaced by their values.
+pub fn check_specialised(
+    subject: Specialised<'_>,
+    class: NumericClass,
+    states: &States,
+    points: u32,
+) -> Verdict {
+    let Specialised {
+        before,
+        witness,
+        after,
+        scene,
+    } = subject;
+    let mut verdict = Verdict::new(class, states, points);
+    let empty = Scene::default();
+    match Pairs::within(before, witness, scene.unwrap_or(&empty)) {
+        Ok(pairs) => judge(&pairs, states, &mut verdict),
+        Err(unpaired) => verdict.failure = Some(unpaired.failure(before, witness)),
+    }
+    if verdict.failure.is_none()
+        && let Err(reason) = constants::compare(witness.function, after)
+    {
+        verdict.failure = Some(Failure::about(FailureKind::Constants { reason }, after));
+    }
+    if verdict.failure.is_none() {
+        verdict.errors = Some(error_changes([before, after], states, verdict.points));
     }
     verdict
 }
@@ -166,15 +195,11 @@ fn judge(pairs: &Pairs<'_>, states: &States, verdict: &mut Verdict) {
         };
         verdict.failure = Some(explain(pairs, kind, output, &field));
     }
-    if verdict.failure.is_none() {
-        verdict.errors = Some(error_changes(pairs, states, points));
-    }
 }
 
-fn error_changes(pairs: &Pairs<'_>, states: &States, points: u32) -> [ErrorChange; 2] {
+fn error_changes(versions: [View<'_>; 2], states: &States, points: u32) -> [ErrorChange; 2] {
     let formats = [Format::BINARY32, Format::BINARY64];
-    let [before, after] =
-        [pairs.before, pairs.after].map(|view| accuracy(view, states, points, &formats));
+    let [before, after] = versions.map(|view| accuracy(view, states, points, &formats));
     array::from_fn(|index| ErrorChange {
         before: before.formats[index].summary(),
         after: after.formats[index].summary(),
@@ -187,6 +212,19 @@ fn nth_seed(seed: u64, n: u32) -> u64 {
 }
 
 impl Verdict {
+    /// Before anything is found.
+    fn new(class: NumericClass, states: &States, points: u32) -> Verdict {
+        Verdict {
+            class,
+            points: points.max(1),
+            seed: states.seed(),
+            failure: None,
+            undefined: 0,
+            errors: None,
+            deviation: None,
+        }
+    }
+
     /// True when the claim holds.
     pub fn holds(&self) -> bool {
         self.failure.is_none()

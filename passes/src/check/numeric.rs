@@ -16,7 +16,7 @@ pub(super) fn first_bit_difference(
     states: u32,
 ) -> Option<(Output, FailureKind)> {
     (0..states).find_map(|state| {
-        let inputs = source.draw(pairs.before, state);
+        let inputs = pairs.state(source, state);
         compare_bits(pairs, &Binary64, &inputs, ("binary64", state))
             .or_else(|| compare_bits(pairs, &Binary32, &inputs, ("binary32", state)))
     })
@@ -25,14 +25,14 @@ pub(super) fn first_bit_difference(
 fn compare_bits<A>(
     pairs: &Pairs<'_>,
     arithmetic: &A,
-    inputs: &[f64],
+    [old, new]: &[Vec<f64>; 2],
     (format, state): (&'static str, u32),
 ) -> Option<(Output, FailureKind)>
 where
     A: Arithmetic<Number: Into<f64>>,
 {
-    let before = finite_outputs(pairs.before, arithmetic, inputs);
-    let after = evaluate_at(pairs.after, arithmetic, inputs);
+    let before = finite_outputs(pairs.before, arithmetic, old);
+    let after = evaluate_at(pairs.after, arithmetic, new);
     pairs.list.iter().find_map(|pair| {
         // The promise is about numbers: where the function as it was
         // overflows or divides by zero on the way, anything may follow.
@@ -94,9 +94,9 @@ pub(super) fn first_distance(
         return None;
     }
     (0..states).find_map(|state| {
-        let inputs = source.draw(pairs.before, state);
-        let before = evaluate_at(pairs.before, &DoubleDouble, &inputs);
-        let after = evaluate_at(pairs.after, &DoubleDouble, &inputs);
+        let [old, new] = pairs.state(source, state);
+        let before = evaluate_at(pairs.before, &DoubleDouble, &old);
+        let after = evaluate_at(pairs.after, &DoubleDouble, &new);
         among.iter().find_map(|&index| {
             let pair = &pairs.list[index];
             let (before, after) = (before[pair.before], after[pair.after]);
@@ -122,9 +122,9 @@ pub(super) fn deviation(pairs: &Pairs<'_>, source: &States, states: u32) -> Devi
     };
     let arrays = pairs.before.function.outputs();
     for state in 0..states {
-        let inputs = source.draw(pairs.before, state);
-        let before = evaluate_at(pairs.before, &DoubleDouble, &inputs);
-        let after = evaluate_at(pairs.after, &DoubleDouble, &inputs);
+        let [old, new] = pairs.state(source, state);
+        let before = evaluate_at(pairs.before, &DoubleDouble, &old);
+        let after = evaluate_at(pairs.after, &DoubleDouble, &new);
         let mut norms = vec![(0.0f64, 0.0f64); arrays.len()];
         for pair in &pairs.list {
             let (before, after) = (before[pair.before], after[pair.after]);

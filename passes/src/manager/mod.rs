@@ -26,6 +26,7 @@ use crate::pass::{Artifact, Context, PassError, PassInfo};
 use crate::pipeline::{PassStep, Pipeline};
 use crate::rewrites::Rewrites;
 use crate::rules::RuleSet;
+use crate::scene::Scene;
 use crate::trail::{self, Follower, Notes, Trail};
 use instrument::Instruments;
 use measure::Meter;
@@ -58,6 +59,9 @@ pub struct Config<'a> {
     /// Where random states come from; their seed is also that of the points
     /// of the prime field.
     pub states: States,
+    /// What the functions are needed for. States should be its own
+    /// ([`Scene::states`]).
+    pub scene: Option<&'a Scene>,
     /// Print the function before these passes.
     pub print_before: PassFilter,
     /// Print the function after these passes.
@@ -91,6 +95,7 @@ impl<'a> Config<'a> {
             check_each: None,
             rounding: None,
             states: States::new(1),
+            scene: None,
             print_before: PassFilter::None,
             print_after: PassFilter::None,
             print_changed: None,
@@ -313,10 +318,13 @@ impl Run<'_> {
             false => Notes::unwanted(),
         };
         let rewrites = Rewrites::new(limit);
+        let mut witness = None;
         let mut context = Context {
             tables,
             machine: self.instruments.config.machine,
             rules: &self.rules,
+            scene: self.instruments.config.scene,
+            witness: &mut witness,
             artifacts: &mut self.outcome.artifacts,
             statistics: &mut record.statistics,
             remarks: &mut remarks,
@@ -374,7 +382,8 @@ impl Run<'_> {
             measure::size(function, self.instruments.config.machine);
         if let (Some(points), Some(before)) = (self.instruments.config.check_each, &before) {
             let class = pass.class(step.info.class);
-            record.check = Some(self.check(class, &name, points, tables, before, function)?);
+            let versions = [before, witness.as_ref().unwrap_or(function), function];
+            record.check = Some(self.check(class, &name, points, tables, versions)?);
         }
         record.rounding = self.measure_rounding(tables, function);
         self.instruments
@@ -471,28 +480,27 @@ impl Run<'_> {
         name: &str,
         points: u32,
         tables: &Tables,
-        before: &Function,
-        after: &Function,
+        versions: [&Function; 3],
     ) -> Result<Verdict, RunError> {
-        let verdict = check::check(
-            View {
-                tables,
-                function: before,
-            },
-            View {
-                tables,
-                function: after,
-            },
-            class,
-            &self.instruments.config.states,
-            points,
-        );
+        let [before, witness, after] = versions.map(|function| View { tables, function });
+        let config = &self.instruments.config;
+        let verdict = if std::ptr::eq(witness.function, after.function) {
+            check::check(before, after, class, &config.states, points)
+        } else {
+            let subject = check::Specialised {
+                before,
+                witness,
+                after,
+                scene: config.scene,
+            };
+            check::check_specialised(subject, class, &config.states, points)
+        };
         if verdict.holds() {
             return Ok(verdict);
         }
         Err(RunError::Check {
             pass: name.to_owned(),
-            function: after.name.clone(),
+            function: after.function.name.clone(),
             reason: verdict.to_string(),
         })
     }

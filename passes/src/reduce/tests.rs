@@ -142,6 +142,7 @@ fn reduced(steps: &[Step]) -> Option<Reduction> {
     let setting = Setting {
         machine: &machine,
         rules: &RuleSet::default(),
+        scene: None,
         points: 2,
         seed: 3,
     };

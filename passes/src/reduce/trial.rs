@@ -3,6 +3,7 @@
 use crate::manager::{self, Config, Executed, Limit, RunError};
 use crate::pipeline::{PassStep, Pipeline, Step};
 use crate::rules::RuleSet;
+use crate::scene::Scene;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, Tables};
 use std::io;
@@ -14,6 +15,8 @@ pub struct Setting<'a> {
     pub machine: &'a Machine,
     /// The rules that rewriting may use.
     pub rules: &'a RuleSet,
+    /// What the functions are needed for.
+    pub scene: Option<&'a Scene>,
     /// Random points each pass is checked at.
     pub points: u32,
     /// Seed of the points.
@@ -92,7 +95,11 @@ pub(super) fn run(
         Config {
             check_each: judged.then_some(setting.points),
             verify_each: judged,
-            states: States::new(setting.seed),
+            states: match setting.scene {
+                Some(scene) => scene.states(setting.seed),
+                None => States::new(setting.seed),
+            },
+            scene: setting.scene,
             rules: Some(setting.rules),
             limit,
             executed: Some(&mut executed),

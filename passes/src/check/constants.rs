@@ -1,0 +1,97 @@
+//! A function whose constants were rounded, beside the one that computes them.
+
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::{Function, Operand, OperandKind, Operation, View};
+
+/// How far a rounded constant may be from its value, relative to it: one unit
+/// in the last place of binary64, so twice what rounding once does.
+const TOLERANCE: f64 = f64::EPSILON;
+
+/// Whether a function is its witness with constants in the place of constant
+/// expressions: the witness computes these first, from numbers alone, and what
+/// follows is operation for operation the same.
+pub(super) fn compare(witness: &Function, after: View<'_>) -> Result<(), String> {
+    let function = after.function;
+    let extra = witness.nodes().len().checked_sub(function.nodes().len());
+    let extra = extra.ok_or("it has operations that its witness has not")?;
+    let numbers = numbers(witness, extra)?;
+    let same = |new: Operand, old: Operand| match (new.kind(), old.kind()) {
+        (OperandKind::Value(new), OperandKind::Value(old)) => new.index() + extra == old.index(),
+        (OperandKind::Constant(new), _) => {
+            let number = function.constant_number(new);
+            match value(witness, &numbers, old) {
+                Some(value) => is_rounded(number, value),
+                None => false,
+            }
+        }
+        (new, old) => new == old,
+    };
+    for (new, old) in function.nodes().iter().zip(&witness.nodes()[extra..]) {
+        let mut operands = new.operands.into_iter().zip(old.operands);
+        if new.operation != old.operation || !operands.all(|(new, old)| same(new, old)) {
+            let name = new.name;
+            return Err(match name.is_none() {
+                true => "an operation is not that of its witness".to_owned(),
+                false => format!(
+                    "{} is not what it is in its witness",
+                    name.display(&after.tables.symbols)
+                ),
+            });
+        }
+    }
+    let mut outputs = function.assignments.iter().zip(&witness.assignments);
+    if function.assignments.len() != witness.assignments.len()
+        || !outputs.all(|(new, old)| new.output == old.output && same(new.operand, old.operand))
+    {
+        return Err("an output is not that of its witness".to_owned());
+    }
+    Ok(())
+}
+
+fn is_rounded(number: f64, value: Double) -> bool {
+    let distance = value.distance(number);
+    // Numbers that are not finite were written so.
+    distance <= TOLERANCE * number.abs()
+        || number == value.high
+        || number.is_nan() && value.high.is_nan()
+}
+
+/// The value of an operand that depends on numbers alone.
+fn value(witness: &Function, numbers: &[Double], operand: Operand) -> Option<Double> {
+    match operand.kind() {
+        OperandKind::Value(value) => numbers.get(value.index()).copied(),
+        OperandKind::Constant(constant) => {
+            Some(DoubleDouble.literal(witness.constant_number(constant)))
+        }
+        OperandKind::Input(_) | OperandKind::None => None,
+    }
+}
+
+/// The values of the first nodes, which must depend on numbers alone.
+fn numbers(witness: &Function, count: usize) -> Result<Vec<Double>, String> {
+    let mut numbers: Vec<Double> = Vec::with_capacity(count);
+    for node in &witness.nodes()[..count] {
+        let operand = |place: usize| {
+            let operand = node.operands[place.min(node.operation.arity() - 1)];
+            value(witness, &numbers, operand).ok_or("a constant depends on an input")
+        };
+        let (a, b) = (operand(0)?, operand(1)?);
+        let number = match node.operation {
+            Operation::Add => DoubleDouble.add(a, b),
+            Operation::Sub => DoubleDouble.sub(a, b),
+            Operation::Mul => DoubleDouble.mul(a, b),
+            Operation::Div => DoubleDouble.div(a, b),
+            Operation::Sin => DoubleDouble.sin(a),
+            Operation::Cos => DoubleDouble.cos(a),
+            Operation::Sqrt => DoubleDouble.sqrt(a),
+            Operation::Neg => DoubleDouble.neg(a),
+            Operation::Copy => a,
+            Operation::Fma | Operation::Fms | Operation::Fnma => {
+                return Err("a constant is made by a fused operation".to_owned());
+            }
+        };
+        numbers.push(number);
+    }
+    Ok(numbers)
+}

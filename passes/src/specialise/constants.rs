@@ -1,0 +1,223 @@
+//! Numbers that are known: how they were made, to 30 digits, and what they
+//! are in the prime field.
+//!
+//! A constant is kept as the expression of the numbers it was made of, so that
+//! the semantic check can prove the specialised function before anything is
+//! rounded. Its value in double-double is rounded once, when the function is
+//! written. Two constants are one when they agree in the prime field and in
+//! double-double: `0.1*0.3` is the same however it was put together, and
+//! `0.5 - 0.5` is a zero that multiplies terms away.
+
+use hashbrown::HashMap;
+use robovec_ir::Operation;
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::field::PrimeField;
+use rustc_hash::FxBuildHasher;
+use smallvec::SmallVec;
+
+/// A known number.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(super) struct Known(pub(super) u32);
+
+impl Known {
+    pub(super) const ZERO: Known = Known(0);
+    pub(super) const ONE: Known = Known(1);
+    pub(super) const MINUS_ONE: Known = Known(2);
+
+    pub(super) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// How a number was made.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Expression {
+    /// It stands in the function or in the scene.
+    Literal(f64),
+    /// By an operation on one or two earlier numbers; with one, the second
+    /// repeats it.
+    Apply(Operation, [Known; 2]),
+}
+
+struct Entry {
+    value: Double,
+    element: u64,
+    expression: Expression,
+}
+
+/// All numbers that are known.
+pub(super) struct Constants {
+    entries: Vec<Entry>,
+    /// Those with an element of the field; more than one only where powers of
+    /// two that are 2⁶¹ apart coincide.
+    of_element: HashMap<u64, SmallVec<[Known; 1]>, FxBuildHasher>,
+}
+
+/// The field numbers are told apart in. The semantic check draws another one.
+const FIELD: PrimeField = PrimeField {
+    seed: 0x5bec_1a11,
+    circle: false,
+};
+
+/// How near two values are that are one number: rounding in double-double is
+/// far below, different numbers of the same field element far above.
+const NEAR: f64 = 1e-18;
+
+impl Constants {
+    /// Zero, one and minus one.
+    pub(super) fn new() -> Constants {
+        let mut constants = Constants {
+            entries: Vec::new(),
+            of_element: HashMap::default(),
+        };
+        for number in [0.0, 1.0, -1.0] {
+            constants.literal(number);
+        }
+        constants
+    }
+
+    /// A number as it is written. What is not finite is no element of the
+    /// field: nothing can be made of it.
+    pub(super) fn literal(&mut self, number: f64) -> Known {
+        let entry = Entry {
+            value: DoubleDouble.literal(number),
+            element: FIELD.literal(number),
+            expression: Expression::Literal(number),
+        };
+        match self.intern(entry, number.abs()) {
+            Ok(known) => known,
+            Err(entry) => {
+                self.entries.push(entry);
+                Known(self.entries.len() as u32 - 1)
+            }
+        }
+    }
+
+    /// The result of an operation; `None` where it has none (a division by
+    /// zero, an overflow).
+    pub(super) fn apply(&mut self, operation: Operation, operands: [Known; 2]) -> Option<Known> {
+        let values = operands.map(|known| self.entries[known.index()].value);
+        let elements = operands.map(|known| self.entries[known.index()].element);
+        let element = calculate(&FIELD, operation, elements)?;
+        let value = calculate(&DoubleDouble, operation, values)?;
+        let magnitude = match operation {
+            Operation::Add | Operation::Sub => values[0].high.abs() + values[1].high.abs(),
+            _ => value.high.abs(),
+        };
+        let entry = Entry {
+            value,
+            element,
+            expression: Expression::Apply(operation, operands),
+        };
+        self.intern(entry, magnitude).ok()
+    }
+
+    /// The number of an entry; the entry itself when it is no number.
+    fn intern(&mut self, entry: Entry, magnitude: f64) -> Result<Known, Entry> {
+        if PrimeField::is_undefined(entry.element) || !entry.value.high.is_finite() {
+            return Err(entry);
+        }
+        let twins = self.of_element.entry(entry.element).or_default();
+        let near = |twin: &&Known| {
+            let other = self.entries[twin.index()].value;
+            (entry.value - other).high.abs() <= NEAR * magnitude
+        };
+        if let Some(&twin) = twins.iter().find(near) {
+            return Ok(twin);
+        }
+        let known = Known(self.entries.len() as u32);
+        twins.push(known);
+        self.entries.push(entry);
+        Ok(known)
+    }
+
+    /// The negative of a number.
+    pub(super) fn negative(&mut self, known: Known) -> Known {
+        match self.entries[known.index()].expression {
+            Expression::Literal(number) => self.literal(-number),
+            Expression::Apply(..) => self
+                .apply(Operation::Mul, [Known::MINUS_ONE, known])
+                .expect("what was made of numbers is finite"),
+        }
+    }
+
+    /// A number without its sign, and whether it was negative.
+    pub(super) fn magnitude(&mut self, known: Known) -> (Known, bool) {
+        if self.entries[known.index()].value.high < 0.0 {
+            (self.negative(known), true)
+        } else {
+            (known, false)
+        }
+    }
+
+    /// The number rounded to binary64, once.
+    pub(super) fn rounded(&self, known: Known) -> f64 {
+        self.entries[known.index()].value.high
+    }
+
+    /// How a number was made; what it was made of has smaller indices.
+    pub(super) fn expression(&self, known: Known) -> Expression {
+        self.entries[known.index()].expression
+    }
+
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.entries.len()
+    }
+}
+
+fn calculate<A: Arithmetic>(
+    arithmetic: &A,
+    operation: Operation,
+    [a, b]: [A::Number; 2],
+) -> Option<A::Number> {
+    Some(match operation {
+        Operation::Add => arithmetic.add(a, b),
+        Operation::Sub => arithmetic.sub(a, b),
+        Operation::Mul => arithmetic.mul(a, b),
+        Operation::Div => arithmetic.div(a, b),
+        Operation::Sin => arithmetic.sin(a),
+        Operation::Cos => arithmetic.cos(a),
+        Operation::Sqrt => arithmetic.sqrt(a),
+        Operation::Copy | Operation::Neg | Operation::Fma | Operation::Fms | Operation::Fnma => {
+            return None;
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_numbers_are_one_however_they_were_made() {
+        let mut constants = Constants::new();
+        let [a, b, c] = [0.1, 0.3, 7.0].map(|number| constants.literal(number));
+        let mut apply = |operation, a, b| constants.apply(operation, [a, b]);
+        let product = |apply: &mut dyn FnMut(Operation, Known, Known) -> Option<Known>, x, y| {
+            apply(Operation::Mul, x, y).expect("it is finite")
+        };
+        let first = product(&mut apply, a, b);
+        let first = product(&mut apply, first, c);
+        let second = product(&mut apply, b, c);
+        let second = product(&mut apply, a, second);
+        assert_eq!(first, second);
+        assert_eq!(apply(Operation::Sub, first, second), Some(Known::ZERO));
+        assert_eq!(apply(Operation::Div, b, b), Some(Known::ONE));
+        assert_eq!(apply(Operation::Div, a, Known::ZERO), None);
+        let rest = apply(Operation::Sub, b, a).expect("it is finite");
+        let fifth = apply(Operation::Add, a, a).expect("it is finite");
+        assert_ne!(rest, fifth, "0.3 - 0.1 is not 0.2 in binary numbers");
+        let exact = Double::from(0.1) * Double::from(0.3) * Double::from(7.0);
+        assert_eq!(constants.rounded(first), exact.high);
+        let infinite = constants.literal(f64::INFINITY);
+        assert_eq!(constants.apply(Operation::Mul, [infinite, a]), None);
+        assert_eq!(constants.magnitude(Known::MINUS_ONE), (Known::ONE, true));
+        let minus = constants.negative(first);
+        assert_eq!(constants.magnitude(minus), (first, true));
+        let sine = constants.apply(Operation::Sin, [Known::ZERO; 2]);
+        let cosine = constants.apply(Operation::Cos, [Known::ZERO; 2]);
+        assert_eq!((sine, cosine), (Some(Known::ZERO), Some(Known::ONE)));
+    }
+}

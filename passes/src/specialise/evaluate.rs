@@ -1,0 +1,491 @@
+//! Partial evaluation: a function with some inputs known, written anew.
+
+use super::constants::{Constants, Known};
+use super::form::{Form, MOST_TERMS, Reading, Term};
+use super::write::{is_function, known};
+use crate::cse::{Key, KnownValues};
+use crate::rewrite::owners;
+use crate::rewrites::Rewrites;
+use robovec_ir::{
+    Assignment, FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation,
+    SourceSet, Symbol, Tables, Value,
+};
+
+/// What happened to operations.
+#[derive(Clone, Copy, Default, Debug)]
+pub(super) struct Tally {
+    /// Their result is a number.
+    pub(super) known: u64,
+    /// Their result is another value, or its terms went into a sum or product
+    /// that is computed later.
+    pub(super) absorbed: u64,
+    /// They were computed already.
+    pub(super) merged: u64,
+}
+
+/// Writes a function anew; the number of a constant in it is its index among
+/// the constants.
+pub(super) struct Evaluator<'a> {
+    old: &'a Function,
+    tables: &'a mut Tables,
+    rewrites: &'a Rewrites,
+    pub(super) constants: &'a mut Constants,
+    new: Function,
+    readings: Vec<Reading>,
+    /// The numbers of inputs.
+    bound: &'a [Option<f64>],
+    /// For every old value its only user's operation, when it has one user
+    /// that can take it uncomputed.
+    only_user: Vec<Option<Operation>>,
+    owners: Vec<Symbol>,
+    fresh: FreshNames,
+    computed: KnownValues,
+    pub(super) tally: Tally,
+}
+
+impl<'a> Evaluator<'a> {
+    pub(super) fn new(
+        old: &'a Function,
+        tables: &'a mut Tables,
+        rewrites: &'a Rewrites,
+        constants: &'a mut Constants,
+        bound: &'a [Option<f64>],
+    ) -> Evaluator<'a> {
+        let mut new = old.skeleton(old.level);
+        new.reserve(old.nodes().len());
+        Evaluator {
+            owners: owners(tables, old),
+            fresh: old.fresh_names(),
+            only_user: only_users(old),
+            computed: KnownValues::with_capacity(old.nodes().len()),
+            readings: Vec::with_capacity(old.nodes().len()),
+            tally: Tally::default(),
+            old,
+            tables,
+            rewrites,
+            constants,
+            new,
+            bound,
+        }
+    }
+
+    /// Writes all nodes and outputs.
+    pub(super) fn run(mut self) -> (Function, Tally) {
+        let old = self.old;
+        for (value, node) in old.values() {
+            let reading = self.node(value, node);
+            self.readings.push(reading);
+        }
+        let mut assignments = Vec::with_capacity(old.assignments.len());
+        for assignment in &old.assignments {
+            let reading = self.reading(assignment.operand);
+            // What an output reads was computed, or is a number.
+            let operand = self.operand(reading, Name::NONE, Symbol(u32::MAX));
+            assignments.push(Assignment {
+                operand,
+                ..*assignment
+            });
+        }
+        self.new.assignments = assignments;
+        (self.new, self.tally)
+    }
+
+    fn reading(&mut self, operand: Operand) -> Reading {
+        let number = match operand.kind() {
+            OperandKind::Value(value) => return self.readings[value.index()].clone(),
+            OperandKind::Constant(constant) => Some(self.old.constant_number(constant)),
+            OperandKind::Input(input) => self.bound[input.index()],
+            OperandKind::None => None,
+        };
+        match number {
+            Some(number) => Reading::Known(self.constants.literal(number)),
+            None => Reading::Operand(operand),
+        }
+    }
+
+    fn node(&mut self, value: Value, node: &Node) -> Reading {
+        let readings = [0, 1, 2].map(|place| match node.operands().get(place) {
+            Some(&operand) => self.reading(operand),
+            None => Reading::Operand(Operand::NONE),
+        });
+        let equal = node.operation == Operation::Sub && node.operands[0] == node.operands[1];
+        if !equal && !readings.iter().any(Reading::is_touched) {
+            let operands = readings.map(|reading| match reading {
+                Reading::Operand(operand) => operand,
+                Reading::Known(_) | Reading::Form(_) => Operand::NONE,
+            });
+            return self.same(node, operands);
+        }
+        let owner = self.owners[value.index()];
+        if self.rewrites.allow(node.name, "inputs known")
+            && let Some(form) = self.calculate(node, &readings, owner)
+        {
+            return self.settle(value, node, form);
+        }
+        let operands = readings.map(|reading| self.operand(reading, Name::NONE, owner));
+        Reading::Operand(self.push(node.operation, operands, node.name, node.sources))
+    }
+
+    /// An operation on values that are what they were.
+    fn same(&mut self, node: &Node, operands: [Operand; Operand::MOST]) -> Reading {
+        if self.new.level == Level::Atomic {
+            let found = self
+                .computed
+                .find(&self.new, Key::new(node.operation, operands));
+            if let Some(found) = found
+                && self.rewrites.allow(node.name, "equal operations")
+            {
+                self.tally.merged += 1;
+                let merged = &mut self.new.node_mut(found).sources;
+                *merged = self.tables.sources.union(&[*merged, node.sources]);
+                return Reading::Operand(found.into());
+            }
+        }
+        Reading::Operand(self.push(node.operation, operands, node.name, node.sources))
+    }
+
+    /// The result of an operation as a form; `None` when it is left as it is.
+    fn calculate(&mut self, node: &Node, readings: &[Reading; 3], owner: Symbol) -> Option<Form> {
+        let [a, b, _] = readings;
+        let mut form = match node.operation {
+            Operation::Copy => self.form(a),
+            Operation::Neg => self.form(a).times(Known::MINUS_ONE, self.constants)?,
+            Operation::Add | Operation::Sub => {
+                let (first, second) = (self.short_form(a, owner), self.short_form(b, owner));
+                first.plus(&second, node.operation, self.constants)?
+            }
+            Operation::Mul => self.product(a, b, node, owner)?,
+            Operation::Div => self.quotient(a, b, node, owner)?,
+            Operation::Sin | Operation::Cos | Operation::Sqrt => match a {
+                Reading::Known(known) => {
+                    Form::number(self.constants.apply(node.operation, [*known; 2])?)
+                }
+                Reading::Operand(_) | Reading::Form(_) => return None,
+            },
+            // A fused operation keeps its single rounding.
+            Operation::Fma | Operation::Fms | Operation::Fnma => return None,
+        };
+        let mut sources = vec![node.sources, form.sources];
+        for reading in readings {
+            if let Reading::Form(form) = reading {
+                sources.push(form.sources);
+            }
+        }
+        form.sources = self.tables.sources.union(&sources);
+        form.name = node.name;
+        Some(form)
+    }
+
+    fn form(&self, reading: &Reading) -> Form {
+        match reading {
+            Reading::Known(known) => Form::number(*known),
+            Reading::Operand(operand) => Form::term(Known::ONE, *operand),
+            Reading::Form(form) => (**form).clone(),
+        }
+    }
+
+    /// As [`Evaluator::form`], computing what is long.
+    fn short_form(&mut self, reading: &Reading, owner: Symbol) -> Form {
+        match reading {
+            Reading::Form(form) if form.terms.len() > MOST_TERMS => {
+                let operand = self.compute((**form).clone(), owner);
+                Form::term(Known::ONE, operand)
+            }
+            _ => self.form(reading),
+        }
+    }
+
+    fn product(&mut self, a: &Reading, b: &Reading, node: &Node, owner: Symbol) -> Option<Form> {
+        match (a, b) {
+            (Reading::Known(known), other) | (other, Reading::Known(known)) => {
+                self.form(other).times(*known, self.constants)
+            }
+            _ => {
+                let (first, a) = self.factored(a, owner);
+                let (second, b) = self.factored(b, owner);
+                let factor = self.constants.apply(Operation::Mul, [first, second])?;
+                let name = self.inner_name(factor, node.name, owner);
+                let product = self.shared(Operation::Mul, [a, b], name, node.sources);
+                Some(Form::term(factor, product))
+            }
+        }
+    }
+
+    fn quotient(&mut self, a: &Reading, b: &Reading, node: &Node, owner: Symbol) -> Option<Form> {
+        if let Reading::Known(divisor) = b {
+            let inverse = self
+                .constants
+                .apply(Operation::Div, [Known::ONE, *divisor])?;
+            return self.form(a).times(inverse, self.constants);
+        }
+        let (divisor, b) = self.factored(b, owner);
+        if let Reading::Known(dividend) = a {
+            let dividend = self.constants.apply(Operation::Div, [*dividend, divisor])?;
+            let dividend = match dividend {
+                Known::ZERO => return Some(Form::number(Known::ZERO)),
+                dividend => self.number(dividend),
+            };
+            let name = self.inner_name(Known::ONE, node.name, owner);
+            let quotient = self.shared(Operation::Div, [dividend, b], name, node.sources);
+            return Some(Form::term(Known::ONE, quotient));
+        }
+        let (dividend, a) = self.factored(a, owner);
+        let factor = self.constants.apply(Operation::Div, [dividend, divisor])?;
+        let name = self.inner_name(factor, node.name, owner);
+        let quotient = self.shared(Operation::Div, [a, b], name, node.sources);
+        Some(Form::term(factor, quotient))
+    }
+
+    /// The name of a product: that of the value if it is the value.
+    fn inner_name(&mut self, factor: Known, name: Name, owner: Symbol) -> Name {
+        if factor == Known::ONE {
+            name
+        } else {
+            self.helper_name(owner)
+        }
+    }
+
+    /// A name for an operation that is no old value's.
+    fn helper_name(&mut self, owner: Symbol) -> Name {
+        match self.new.level {
+            Level::Equations => Name::NONE,
+            _ => self.fresh.fresh(owner),
+        }
+    }
+
+    /// A reading as a number times an operand.
+    fn factored(&mut self, reading: &Reading, owner: Symbol) -> (Known, Operand) {
+        let form = match reading {
+            Reading::Known(known) => return (*known, Operand::NONE),
+            Reading::Operand(operand) => return (Known::ONE, *operand),
+            Reading::Form(form) => &**form,
+        };
+        if form.constant == Known::ZERO {
+            if let [term] = form.terms.as_slice() {
+                return (term.factor, term.operand);
+            }
+            let (common, _) = self.constants.magnitude(form.terms[0].factor);
+            let mut all = form.terms.iter();
+            if common != Known::ONE
+                && all.all(|term| self.constants.magnitude(term.factor).0 == common)
+            {
+                let (negative, operand) = self.group(&form.terms, form.sources, owner);
+                let common = match negative {
+                    true => self.constants.negative(common),
+                    false => common,
+                };
+                return (common, operand);
+            }
+        }
+        (Known::ONE, self.compute(form.clone(), owner))
+    }
+
+    /// What a value is from now on: a number, another operand, a form for its
+    /// only user, or an operation.
+    fn settle(&mut self, value: Value, node: &Node, form: Form) -> Reading {
+        if let Some(known) = form.as_number() {
+            self.tally.known += 1;
+            return Reading::Known(known);
+        }
+        if let Some(operand) = form.as_operand() {
+            self.tally.absorbed += 1;
+            // At the equations level only what has a name can be read twice.
+            if let Some(computed) = operand.value()
+                && self.new.node(computed).name.is_none()
+            {
+                self.new.node_mut(computed).name = node.name;
+            }
+            return Reading::Operand(operand);
+        }
+        if let Some(user) = self.only_user[value.index()]
+            && !is_function(user)
+            && !user.is_fused()
+        {
+            self.tally.absorbed += 1;
+            return Reading::Form(Box::new(form));
+        }
+        let owner = self.owners[value.index()];
+        Reading::Operand(self.compute(form, owner))
+    }
+
+    /// A reading as an operand.
+    fn operand(&mut self, reading: Reading, name: Name, owner: Symbol) -> Operand {
+        match reading {
+            Reading::Known(known) => self.number(known),
+            Reading::Operand(operand) => operand,
+            Reading::Form(mut form) => {
+                if !name.is_none() {
+                    form.name = name;
+                }
+                self.compute(*form, owner)
+            }
+        }
+    }
+
+    fn number(&mut self, known: Known) -> Operand {
+        self.new.constant(f64::from(known.0)).into()
+    }
+
+    /// Computes a form: terms with the same factor are summed before they are
+    /// multiplied by it.
+    fn compute(&mut self, form: Form, owner: Symbol) -> Operand {
+        let mut items: Vec<(bool, Operand)> = Vec::with_capacity(form.terms.len() + 1);
+        let mut groups: Vec<(Known, Vec<Term>)> = Vec::new();
+        for &term in &form.terms {
+            let (magnitude, _) = self.constants.magnitude(term.factor);
+            match groups.iter_mut().find(|(other, _)| *other == magnitude) {
+                Some((_, group)) => group.push(term),
+                None => groups.push((magnitude, vec![term])),
+            }
+        }
+        for (magnitude, group) in groups {
+            if magnitude == Known::ONE {
+                for term in group {
+                    items.push((term.factor != Known::ONE, term.operand));
+                }
+                continue;
+            }
+            let (negative, operand) = self.group(&group, form.sources, owner);
+            let factor = self.number(magnitude);
+            let name = self.helper_name(owner);
+            let product = self.shared(Operation::Mul, [factor, operand], name, form.sources);
+            items.push((negative, product));
+        }
+        if form.constant != Known::ZERO {
+            let (magnitude, negative) = self.constants.magnitude(form.constant);
+            items.push((negative, self.number(magnitude)));
+        }
+        let (negative, sum) = self.chain(&items, form.sources, owner);
+        let result = match (negative, self.new.level) {
+            (false, _) => sum,
+            (true, Level::Equations) => self.push(
+                Operation::Neg,
+                Operand::list([sum]),
+                Name::NONE,
+                form.sources,
+            ),
+            (true, _) => {
+                let zero = self.number(Known::ZERO);
+                let name = self.helper_name(owner);
+                self.shared(Operation::Sub, [zero, sum], name, form.sources)
+            }
+        };
+        self.bear(result, form.name);
+        result
+    }
+
+    /// Gives the result of a form the name of the value it is.
+    fn bear(&mut self, result: Operand, name: Name) {
+        if let Some(value) = result.value()
+            && !name.is_none()
+            && value.index() + 1 == self.new.nodes().len()
+        {
+            self.new.node_mut(value).name = name;
+        }
+    }
+
+    /// The sum of terms of one magnitude, without it; true for a negative.
+    fn group(&mut self, terms: &[Term], sources: SourceSet, owner: Symbol) -> (bool, Operand) {
+        let mut items = Vec::with_capacity(terms.len());
+        for term in terms {
+            items.push((self.constants.magnitude(term.factor).1, term.operand));
+        }
+        self.chain(&items, sources, owner)
+    }
+
+    /// A sum of signed operands, the first positive one leading; true when
+    /// there is none, for the negative of the sum.
+    fn chain(
+        &mut self,
+        items: &[(bool, Operand)],
+        sources: SourceSet,
+        owner: Symbol,
+    ) -> (bool, Operand) {
+        let lead = items.iter().position(|(negative, _)| !negative);
+        let first = lead.unwrap_or(0);
+        let mut sum = items[first].1;
+        for (place, &(negative, operand)) in items.iter().enumerate() {
+            if place == first {
+                continue;
+            }
+            let operation = match negative && lead.is_some() {
+                true => Operation::Sub,
+                false => Operation::Add,
+            };
+            let name = self.helper_name(owner);
+            sum = self.shared(operation, [sum, operand], name, sources);
+        }
+        (lead.is_none(), sum)
+    }
+
+    /// An operation, or the value that computes the same already.
+    fn shared(
+        &mut self,
+        operation: Operation,
+        operands: [Operand; 2],
+        name: Name,
+        sources: SourceSet,
+    ) -> Operand {
+        let operands = Operand::list(operands);
+        if self.new.level == Level::Atomic {
+            let found = self.computed.find(&self.new, Key::new(operation, operands));
+            if let Some(found) = found {
+                self.tally.merged += 1;
+                let merged = &mut self.new.node_mut(found).sources;
+                *merged = self.tables.sources.union(&[*merged, sources]);
+                return found.into();
+            }
+        }
+        self.push(operation, operands, name, sources)
+    }
+
+    fn push(
+        &mut self,
+        operation: Operation,
+        operands: [Operand; Operand::MOST],
+        name: Name,
+        sources: SourceSet,
+    ) -> Operand {
+        let value = self.new.push(Node {
+            name,
+            sources,
+            operands,
+            operation,
+        });
+        if self.new.level == Level::Atomic {
+            let key = Key::new(operation, operands);
+            if self.computed.find(&self.new, key).is_none() {
+                self.computed.insert(&self.new, value);
+            }
+        }
+        value.into()
+    }
+}
+
+/// For every value that is read once, by an operation, that operation.
+fn only_users(function: &Function) -> Vec<Option<Operation>> {
+    let counts = function.use_counts();
+    let mut users = vec![None; counts.len()];
+    for node in function.nodes() {
+        for value in node.operands().iter().filter_map(|operand| operand.value()) {
+            if counts[value.index()] == 1 {
+                users[value.index()] = Some(node.operation);
+            }
+        }
+    }
+    users
+}
+
+/// The numbers that a function with numbered constants reads.
+pub(super) fn constants_read(function: &Function) -> u64 {
+    let mut read: Vec<Known> = function
+        .nodes()
+        .iter()
+        .flat_map(|node| node.operands())
+        .chain(function.assignments.iter().map(|set| &set.operand))
+        .filter_map(|&operand| known(function, operand))
+        .collect();
+    read.sort_unstable();
+    read.dedup();
+    read.len() as u64
+}

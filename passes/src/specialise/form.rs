@@ -1,0 +1,125 @@
+//! What is known of a value: a number, an operand, or a sum of operands times
+//! numbers that is not computed yet.
+
+use super::constants::{Constants, Known};
+use robovec_ir::{Name, Operand, Operation, SourceSet};
+use smallvec::SmallVec;
+
+/// What an old value has become.
+#[derive(Clone, Debug)]
+pub(super) enum Reading {
+    /// A number.
+    Known(Known),
+    /// An input, or a value that is computed.
+    Operand(Operand),
+    /// A form, computed when it is needed.
+    Form(Box<Form>),
+}
+
+impl Reading {
+    /// True when an operation on it is to be thought about.
+    pub(super) fn is_touched(&self) -> bool {
+        !matches!(self, Reading::Operand(_))
+    }
+}
+
+/// A number plus operands times numbers.
+#[derive(Clone, Debug)]
+pub(super) struct Form {
+    /// In order of appearance; no operand twice, no factor zero.
+    pub(super) terms: SmallVec<[Term; 2]>,
+    pub(super) constant: Known,
+    /// The equations it comes from.
+    pub(super) sources: SourceSet,
+    /// The name of the value it stands for.
+    pub(super) name: Name,
+}
+
+/// An operand times a number.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Term {
+    pub(super) factor: Known,
+    pub(super) operand: Operand,
+}
+
+/// The most terms of a form that is put off: what is longer is computed, so
+/// that no chain costs more than its length times this.
+pub(super) const MOST_TERMS: usize = 32;
+
+impl Form {
+    /// A number, as a form.
+    pub(super) fn number(constant: Known) -> Form {
+        Form {
+            terms: SmallVec::new(),
+            constant,
+            sources: SourceSet::EMPTY,
+            name: Name::NONE,
+        }
+    }
+
+    /// An operand times a number, as a form.
+    pub(super) fn term(factor: Known, operand: Operand) -> Form {
+        let mut form = Form::number(Known::ZERO);
+        if factor != Known::ZERO {
+            form.terms.push(Term { factor, operand });
+        }
+        form
+    }
+
+    /// The number it is, when no operand is left.
+    pub(super) fn as_number(&self) -> Option<Known> {
+        self.terms.is_empty().then_some(self.constant)
+    }
+
+    /// The operand it is, when nothing else is left.
+    pub(super) fn as_operand(&self) -> Option<Operand> {
+        match self.terms.as_slice() {
+            [term] if term.factor == Known::ONE && self.constant == Known::ZERO => {
+                Some(term.operand)
+            }
+            _ => None,
+        }
+    }
+
+    /// Adds another form, or subtracts it; `None` when a number overflows.
+    pub(super) fn plus(
+        mut self,
+        other: &Form,
+        operation: Operation,
+        constants: &mut Constants,
+    ) -> Option<Form> {
+        self.constant = constants.apply(operation, [self.constant, other.constant])?;
+        for term in &other.terms {
+            let found = self
+                .terms
+                .iter()
+                .position(|own| own.operand == term.operand);
+            let Some(place) = found else {
+                let factor = match operation {
+                    Operation::Sub => constants.negative(term.factor),
+                    _ => term.factor,
+                };
+                self.terms.push(Term { factor, ..*term });
+                continue;
+            };
+            let factors = [self.terms[place].factor, term.factor];
+            self.terms[place].factor = constants.apply(operation, factors)?;
+            if self.terms[place].factor == Known::ZERO {
+                self.terms.remove(place);
+            }
+        }
+        Some(self)
+    }
+
+    /// Multiplies by a number; `None` when a number overflows.
+    pub(super) fn times(mut self, factor: Known, constants: &mut Constants) -> Option<Form> {
+        if factor == Known::ZERO {
+            self.terms.clear();
+        }
+        self.constant = constants.apply(Operation::Mul, [self.constant, factor])?;
+        for term in &mut self.terms {
+            term.factor = constants.apply(Operation::Mul, [term.factor, factor])?;
+        }
+        Some(self)
+    }
+}

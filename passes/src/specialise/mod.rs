@@ -1,0 +1,107 @@
+//! A function for what a scene needs: `specialise`.
+//!
+//! Slicing keeps the outputs that are needed, partial evaluation
+//! ([`evaluate`]) carries what is known through the function once. A value is
+//! a number, an operand, or a *form*: a number plus operands times numbers.
+//! Forms of values that are read once are not computed but passed on to their
+//! reader, where numbers meet: `(a*x)*b` becomes `(a*b)*x`, `a*x + b*x`
+//! becomes `(a+b)*x`, and `a*x + a*y` becomes `a*(x+y)`.
+//!
+//! Numbers are combined in double-double and rounded once. What is proved is
+//! the function before that: the pass leaves a *witness* in its context, in
+//! which numbers are still expressions ([`write`]), and the semantic check
+//! shows that it equals the function taken wherever the bound inputs have
+//! their numbers, and that the result differs from it in nothing but rounded
+//! constants.
+
+mod constants;
+mod evaluate;
+mod form;
+mod slice;
+mod write;
+
+use crate::dce::remove_dead;
+use crate::declare_pass;
+use crate::pass::{Context, Gives, Pass, PassError};
+use crate::rewrite::lay_out;
+use crate::scene::Scene;
+use constants::Constants;
+use evaluate::Evaluator;
+use robovec_ir::{Function, Level, View};
+
+declare_pass! {
+    /// Keeps of a function what a scene needs (`--scene FILE`).
+    ///
+    /// Outputs the scene does not need are dropped with all that only they
+    /// depended on; inputs it binds become numbers, and what depends on
+    /// numbers alone is computed now. Zeros and ones vanish, numbers in
+    /// products and sums meet (`(a*x)*b` becomes `(a*b)*x`, `a*x + b*x`
+    /// becomes `(a+b)*x`), and terms with the same number are summed before
+    /// they are multiplied. Sines and cosines of known angles are numbers.
+    /// Numbers are combined in double-double and rounded once, to binary64.
+    ///
+    /// Arrays of which nothing is read or set any more are dropped. Without a
+    /// scene nothing is bound, and only numbers that stand in the function are
+    /// known. The check sets bound inputs to their numbers and proves the
+    /// function exactly as it is before constants are rounded.
+    pub struct Specialise("specialise") {}
+    takes: [Equations, Atomic],
+    gives: Gives::Same,
+    class: Real,
+    requires: [],
+    sets: [Live],
+    destroys: [Timed],
+}
+
+impl Pass for Specialise {
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
+        let empty = Scene::default();
+        let scene = context.scene.unwrap_or(&empty);
+        let view = View {
+            tables: context.tables,
+            function,
+        };
+        let (sliced, [outputs, unneeded]) = slice::needed(view, scene);
+        let view = View {
+            tables: context.tables,
+            function: &sliced,
+        };
+        let bound = scene.bound.of(view);
+        let mut constants = Constants::new();
+        let evaluator = Evaluator::new(
+            &sliced,
+            context.tables,
+            context.rewrites,
+            &mut constants,
+            &bound,
+        );
+        let (mut numbered, tally) = evaluator.run();
+        numbered = remove_dead(&numbered).map_or(numbered, |(live, _)| live);
+        if numbered.level == Level::Equations {
+            numbered = lay_out(&numbered);
+        }
+        let view = View {
+            tables: context.tables,
+            function: &numbered,
+        };
+        let (result, witness) = write::write(view, &constants);
+        let inputs = function.inputs().len() - result.inputs().len();
+        context.statistics.extend([
+            ("outputs not needed", outputs),
+            ("operations not needed", unneeded),
+            ("input elements bound", count(&bound)),
+            ("input arrays dropped", inputs as u64),
+            ("operations on numbers", tally.known),
+            ("operations absorbed", tally.absorbed),
+            ("operations merged", tally.merged),
+            ("constants", evaluate::constants_read(&numbered)),
+        ]);
+        *context.witness = Some(witness);
+        *function = result;
+        Ok(())
+    }
+}
+
+fn count(bound: &[Option<f64>]) -> u64 {
+    bound.iter().flatten().count() as u64
+}

@@ -1,0 +1,140 @@
+//! From the function with numbered constants to the result, and to the
+//! witness that proves it.
+//!
+//! While a function is specialised, the number of a constant in it is its
+//! index in [`Constants`]. The *result* has the rounded numbers in their
+//! place. The *witness* has nodes that compute them from the numbers they were
+//! made of, before all others: it equals the function that was taken exactly,
+//! and the result but for the rounding of constants.
+
+use super::constants::{Constants, Expression, Known};
+use super::slice::Signature;
+use robovec_ir::{
+    Assignment, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Value, View,
+};
+
+/// The result and its witness.
+pub(super) fn write(view: View<'_>, constants: &Constants) -> (Function, Function) {
+    let signature = Signature::of(view);
+    let numbered = view.function;
+    let mut result = empty(numbered, &signature);
+    copy(
+        numbered,
+        &signature,
+        &mut result,
+        0,
+        &mut |function, known| function.constant(constants.rounded(known)).into(),
+    );
+    let mut witness = empty(numbered, &signature);
+    let places = expressions(numbered, constants, &mut witness);
+    let first = witness.nodes().len() as u32;
+    copy(
+        numbered,
+        &signature,
+        &mut witness,
+        first,
+        &mut |_, known| places[known.index()],
+    );
+    (result, witness)
+}
+
+/// A function without a body.
+fn empty(function: &Function, signature: &Signature) -> Function {
+    let mut empty = Function::new(&function.name, function.level);
+    empty.metadata = function.metadata.clone();
+    empty.boundaries = function.boundaries.clone();
+    for array in &signature.inputs {
+        empty.add_input(array.name, array.shape);
+    }
+    for array in &signature.outputs {
+        empty.add_output(array.name, array.shape);
+    }
+    empty
+}
+
+/// The constant an operand of the numbered function stands for.
+pub(super) fn known(function: &Function, operand: Operand) -> Option<Known> {
+    function.number(operand).map(|number| Known(number as u32))
+}
+
+/// Copies the body behind `first` nodes that are there.
+fn copy(
+    numbered: &Function,
+    signature: &Signature,
+    to: &mut Function,
+    first: u32,
+    constant: &mut dyn FnMut(&mut Function, Known) -> Operand,
+) {
+    to.reserve(numbered.nodes().len());
+    let mut translate = |to: &mut Function, operand: Operand| match operand.kind() {
+        OperandKind::Value(value) => Value(value.0 + first).into(),
+        OperandKind::Constant(_) => {
+            let known = known(numbered, operand).expect("it is a constant");
+            constant(to, known)
+        }
+        OperandKind::Input(_) | OperandKind::None => signature.operand(operand),
+    };
+    for node in numbered.nodes() {
+        let operands = node.operands.map(|operand| translate(to, operand));
+        to.push(Node { operands, ..*node });
+    }
+    to.assignments = numbered
+        .assignments
+        .iter()
+        .map(|assignment| Assignment {
+            output: signature.output(assignment.output),
+            operand: translate(to, assignment.operand),
+            ..*assignment
+        })
+        .collect();
+}
+
+/// Writes the expressions of all constants that are read; where each is.
+fn expressions(numbered: &Function, constants: &Constants, to: &mut Function) -> Vec<Operand> {
+    let mut needed = vec![false; constants.len()];
+    let operands = numbered.nodes().iter().flat_map(|node| node.operands());
+    let set = numbered.assignments.iter().map(|set| &set.operand);
+    for known in operands
+        .chain(set)
+        .filter_map(|&operand| known(numbered, operand))
+    {
+        needed[known.index()] = true;
+    }
+    for index in (0..needed.len()).rev() {
+        if needed[index]
+            && let Expression::Apply(_, operands) = constants.expression(Known(index as u32))
+        {
+            for operand in operands {
+                needed[operand.index()] = true;
+            }
+        }
+    }
+    let mut places = vec![Operand::NONE; needed.len()];
+    for index in 0..needed.len() {
+        if !needed[index] {
+            continue;
+        }
+        places[index] = match constants.expression(Known(index as u32)) {
+            Expression::Literal(number) => to.constant(number).into(),
+            Expression::Apply(operation, operands) => {
+                let operands = operands.map(|operand| places[operand.index()]);
+                to.push(Node {
+                    name: Name::NONE,
+                    sources: SourceSet::EMPTY,
+                    operands: match operation.arity() {
+                        1 => Operand::list([operands[0]]),
+                        _ => Operand::list(operands),
+                    },
+                    operation,
+                })
+                .into()
+            }
+        };
+    }
+    places
+}
+
+/// Whether an operation can have a number as its only operand.
+pub(super) fn is_function(operation: Operation) -> bool {
+    matches!(operation, Operation::Sin | Operation::Cos | Operation::Sqrt)
+}
