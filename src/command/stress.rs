@@ -77,6 +77,11 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, Failure> {
     if !arguments.verdicts {
         text.push('\n');
         text += &stress::classes(&findings);
+        let steps = stress::steps(&findings);
+        if !steps.is_empty() {
+            text.push('\n');
+            text += &steps;
+        }
     }
     let complaints = complaints(arguments, &findings);
     if complaints.is_empty() {

@@ -21,6 +21,8 @@ pub struct Trial {
 /// What is known of a case.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Findings {
+    /// The program that nothing was done to.
+    pub untreated: Treatment,
     /// The error that verdicts are about.
     pub metric: &'static str,
     /// How much the result changes, relatively, with the data.
@@ -77,7 +79,9 @@ pub fn examine(case: &Case) -> Result<Findings, StressError> {
     let bench = case.subject.prepare()?;
     let mut findings = judged(case, bench.as_ref())?;
     let untreated = case.subject.untreated();
-    let close = CLOSE * findings.long.error;
+    // A result may happen to be exact; nobody can ask for that.
+    let exact = Format::BINARY64.unit_roundoff();
+    let close = CLOSE * findings.long.error.max(exact);
     let readable = close.max(CLOSE * Format::BINARY32.unit_roundoff());
     let leaves_range = findings.short.outside > 0.0;
     let mut attempt = |treatment: Treatment| -> Result<f64, StressError> {
@@ -172,6 +176,7 @@ fn judged(case: &Case, bench: &dyn Bench) -> Result<Findings, StressError> {
     };
     let floor = bench.floor(format);
     Ok(Findings {
+        untreated: untreated.clone(),
         metric: case.subject.metric(),
         condition: bench.condition(),
         floor,

@@ -746,3 +746,31 @@ fn shifted(number: f64, power: i32) -> f64 {
     let half = power / 2;
     number * 2f64.powi(half) * 2f64.powi(power - half)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::family;
+
+    #[test]
+    fn all_ways_to_accelerations_agree_in_exact_numbers() {
+        let model = family::serial(9, 2);
+        let mut state = State::initial(&model);
+        for joint in 0..9 {
+            state.qd[joint] = 0.5 - 0.1 * joint as f64;
+            state.qdd[joint] = 0.3 * joint as f64 - 1.0;
+        }
+        let dynamics = Dynamics::new(model, vec![state], Metric::Accelerations);
+        let bench = dynamics.prepare().expect("it has equations");
+        let treatments = dynamics.candidates().into_iter();
+        for treatment in treatments.chain([Treatment::default()]) {
+            let wide = Treatment {
+                format: Format::BINARY64,
+                ..treatment
+            };
+            let measured = bench.measure(&wide).expect("it has equations");
+            assert!(measured.error < 1e-10, "{wide}: {:e}", measured.error);
+            assert!(measured.cost > 0.0 && measured.consistent);
+        }
+    }
+}

@@ -33,7 +33,7 @@ pub use cases::cases;
 pub use cure::{Findings, Trial, examine, judge};
 pub use treatment::Treatment;
 pub use verdict::{ALLOWANCE, Verdict, verdict};
-pub use view::{classes, figure, page, table, text};
+pub use view::{Finding, classes, figure, page, steps, table, text};
 
 use crate::generate::GenerateError;
 use crate::motion::MotionError;

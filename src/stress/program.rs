@@ -11,7 +11,7 @@ use robovec_ir::count::Counts;
 use robovec_ir::double_double::Double;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::machine::NumberFormat;
-use robovec_ir::{Format, Function, Input, Machine, Module, Output, View};
+use robovec_ir::{Format, Function, Input, Machine, Module, Operand, Output, View};
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline;
 
@@ -51,8 +51,10 @@ impl Program {
         };
         let mut module = generate(model, &request)?;
         if let Some(only) = recipe.only {
+            // Of an equation cut off before, nothing would tell the name.
+            run_passes(&mut module, "atomise")?;
             keep(&mut module, only);
-            run_passes(&mut module, "atomise,dce")?;
+            run_passes(&mut module, "dce")?;
         }
         if !recipe.passes.is_empty() {
             run_passes(&mut module, recipe.passes)?;
@@ -157,22 +159,24 @@ impl Program {
     }
 }
 
-/// Leaves only the assignments of one array.
+/// Sets all but one array to zero.
 fn keep(module: &mut Module, only: &str) {
     let Module { tables, functions } = module;
     for function in functions {
-        let kept: Vec<bool> = function
+        let zero = Operand::from(function.constant(0.0));
+        let dropped: Vec<bool> = function
             .assignments
             .iter()
             .map(|assignment| {
                 let (array, ..) = function.output_element(assignment.output);
-                tables.symbols.text(array.name) == only
+                tables.symbols.text(array.name) != only
             })
             .collect();
-        let mut kept = kept.into_iter();
-        function
-            .assignments
-            .retain(|_| kept.next().unwrap_or_default());
+        for (assignment, dropped) in function.assignments.iter_mut().zip(dropped) {
+            if dropped {
+                assignment.operand = zero;
+            }
+        }
     }
 }
 

@@ -1,29 +1,23 @@
 //! What was found, as text, table, figure and page.
 
-use super::{Case, Class, Findings};
+use super::{Case, Class, Findings, Treatment};
 use crate::report;
 use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
 use crate::study::table::{Cell, Table};
+use robovec_ir::Format;
 
 /// A case with what was found.
 pub type Finding<'a> = (&'a Case, Findings);
 
-/// The findings as an aligned table.
+/// The findings as an aligned table; without the columns of cures where none
+/// were tried.
 pub fn text(findings: &[Finding<'_>]) -> String {
-    let head = [
-        "case",
-        "cond",
-        "f32 error",
-        "f64 error",
-        "of",
-        "verdict",
-        "cheapest cure",
-        "cost",
-        "error after",
-        "for f32 results",
-        "cost",
-        "error after",
-    ];
+    let mut head = vec!["case", "cond", "f32 error", "f64 error", "of", "verdict"];
+    let tried = findings.iter().any(|(_, found)| !found.trials.is_empty());
+    if tried {
+        head.extend(["cheapest cure", "cost", "error after"]);
+        head.extend(["for f32 results", "cost", "error after"]);
+    }
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (case, findings) in findings {
         let mut row = vec![
@@ -36,8 +30,9 @@ pub fn text(findings: &[Finding<'_>]) -> String {
         ];
         for cure in [findings.cure(), findings.short_cure()] {
             row.extend(match cure {
-                None => ["-".to_owned(), String::new(), String::new()],
-                Some(trial) => [
+                _ if !tried => Vec::new(),
+                None => ["-", "", ""].map(str::to_owned).to_vec(),
+                Some(trial) => vec![
                     trial.label.clone(),
                     format!("{:.2}", trial.cost),
                     short(trial.measured.error),
@@ -46,11 +41,80 @@ pub fn text(findings: &[Finding<'_>]) -> String {
         }
         rows.push(row);
     }
-    let table = report::table(&head, &rows, &[1, 2, 3, 7, 8, 10, 11]);
+    lines(&report::table(&head, &rows, &[1, 2, 3, 7, 8, 10, 11]))
+}
+
+/// A table without blanks at the ends of its lines.
+fn lines(table: &str) -> String {
     let mut text = String::new();
     for line in table.lines() {
         text.push_str(line.trim_end());
         text.push('\n');
+    }
+    text
+}
+
+/// The step of long simulations against the drift, and the best step in
+/// binary32; empty without simulations of energy.
+pub fn steps(findings: &[Finding<'_>]) -> String {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut best: [Option<(f64, f64)>; 2] = [None, None];
+    for (_, found) in findings {
+        let Some(step) = found.untreated.step else {
+            continue;
+        };
+        if found.metric != "energy drift" {
+            continue;
+        }
+        // The trials at this step with nothing else changed.
+        let trial = |compensated: bool, state: Option<Format>| {
+            let wanted = Treatment {
+                compensated,
+                state,
+                ..found.untreated.clone()
+            };
+            let trials = found.trials.iter();
+            let mut same = trials.filter(|trial| trial.treatment == wanted);
+            same.next().map(|trial| trial.measured.error)
+        };
+        let compensated = trial(true, None);
+        for (best, error) in best.iter_mut().zip([Some(found.short.error), compensated]) {
+            if let Some(error) = error
+                && best.is_none_or(|(_, least)| error < least)
+            {
+                *best = Some((step, error));
+            }
+        }
+        let cell = |error: Option<f64>| error.map_or_else(|| "-".to_owned(), short);
+        rows.push(vec![
+            format!("{step:e}"),
+            short(found.short.error),
+            cell(compensated),
+            cell(trial(false, Some(Format::BINARY64))),
+            short(found.long.error),
+        ]);
+    }
+    if rows.len() < 2 {
+        return String::new();
+    }
+    let head = [
+        "step (s)",
+        "f32",
+        "f32, compensated state",
+        "f32, state f64",
+        "f64",
+    ];
+    let mut text =
+        "Energy drift of the double pendulum, relative to its kinetic energy:\n".to_owned();
+    text += &lines(&report::table(&head, &rows, &[0, 1, 2, 3, 4]));
+    let names = ["in f32", "in f32 with a compensated state"];
+    for (name, best) in names.into_iter().zip(best) {
+        if let Some((step, error)) = best {
+            text += &format!(
+                "The best step {name} is {step:e} s, with a drift of {}.\n",
+                short(error)
+            );
+        }
     }
     text
 }

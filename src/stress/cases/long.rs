@@ -13,8 +13,8 @@ pub(super) fn cases() -> Vec<Case> {
     for (power, duration, expected) in [
         (2, 100.0, Verdict::Fine),
         (3, 100.0, Verdict::Fine),
-        (4, 100.0, Verdict::BadCode),
-        (5, 20.0, Verdict::BadCode),
+        (4, 100.0, Verdict::Fine),
+        (5, 60.0, Verdict::BadCode),
     ] {
         let model = systems::double_pendulum();
         let initial = State::initial(&model);
@@ -28,7 +28,7 @@ pub(super) fn cases() -> Vec<Case> {
             subject,
         ));
     }
-    for (power, duration, expected) in [(3, 10.0, Verdict::Fine), (4, 10.0, Verdict::Fine)] {
+    for (power, duration, expected) in [(3, 10.0, Verdict::Fine), (4, 20.0, Verdict::BadCode)] {
         let model = satellite();
         let mut initial = random(&model, 2, 1.0);
         initial.q[3..6].copy_from_slice(&[0.3, 0.2, -0.4]);

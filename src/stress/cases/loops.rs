@@ -58,12 +58,19 @@ fn case(
     }
 }
 
+/// The direction of the line between the pivots, rad: along an axis sums would
+/// be exact that are not elsewhere.
+const SLOPE: f64 = 0.7;
+
 /// A crank, a coupler and a rocker that make a parallelogram of 1 m by 2 m;
 /// with a third rocker under the middle of the coupler that changes nothing.
 fn parallelogram(angle: f64, third: bool) -> Model {
     let mut builder = Builder::new("parallelogram");
-    let far = builder.point(BASE, "Far", [2.0, 0.0, 0.0]);
-    let middle = builder.point(BASE, "Middle", [1.0, 0.0, 0.0]);
+    // Rounded to binary32 here, so that rounding hardly opens the loop.
+    let slope = f64::from(SLOPE as f32);
+    let along = |length: f64| [length * slope.cos(), 0.0, -length * slope.sin()];
+    let far = builder.point(BASE, "Far", along(2.0));
+    let middle = builder.point(BASE, "Middle", along(1.0));
     let crank = builder.body("Crank", BASE.origin(), &HINGE);
     builder.mass(crank, 1.0, [0.5, 0.0, 0.0], sphere(1.0 / 12.0));
     let pin = builder.point(crank, "Pin", [1.0, 0.0, 0.0]);
@@ -71,15 +78,14 @@ fn parallelogram(angle: f64, third: bool) -> Model {
     builder.mass(coupler, 2.0, [1.0, 0.0, 0.0], sphere(2.0 / 3.0));
     let end = builder.point(coupler, "End", [2.0, 0.0, 0.0]);
     let half = builder.point(coupler, "Half", [1.0, 0.0, 0.0]);
-    // Rounded to binary32 here, so that rounding does not open the loop.
-    let angle = f64::from(angle as f32);
+    let lifted = f64::from((slope + angle) as f32);
     let rate = 0.5;
-    set(&mut builder, crank, [angle, rate], false);
-    set(&mut builder, coupler, [-angle, -rate], true);
+    set(&mut builder, crank, [lifted, rate], false);
+    set(&mut builder, coupler, [slope - lifted, -rate], true);
     let mut rocker = |name: &str, on: Place, to: Place| {
         let rocker = builder.body(name, on, &HINGE);
         builder.mass(rocker, 1.0, [0.5, 0.0, 0.0], sphere(1.0 / 12.0));
-        set(&mut builder, rocker, [angle, rate], true);
+        set(&mut builder, rocker, [lifted, rate], true);
         let tip = builder.point(rocker, "Tip", [1.0, 0.0, 0.0]);
         builder.cut(name, CutKind::Ball, [to, tip]);
     };

@@ -10,7 +10,7 @@ use crate::model::family;
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (range, expected) in [
-        (0.01, Verdict::Fine),
+        (0.01, Verdict::BadCode),
         (0.1, Verdict::BadCode),
         (0.5, Verdict::BadCode),
         (1.0, Verdict::BadCode),
