@@ -3,11 +3,10 @@
 use super::{Failure, input, output};
 use crate::generate::Formulation;
 use crate::model::{Model, Nature};
-use crate::motion::{
-    Laws, Method, MotionError, Plan, Precision, Run, Setting, System, plot, simulate,
-};
+use crate::motion::{Laws, Method, MotionError, Plan, Run, Setting, System, plot, simulate};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use robovec_ir::Format;
 use robovec_ir::diagnostic::{Report, clip, did_you_mean, termcolor::ColorChoice};
 use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
@@ -15,15 +14,6 @@ use std::path::{Path, PathBuf};
 
 /// Steps of the progress bar.
 const BAR_LENGTH: f64 = 1000.0;
-
-/// Which numbers the equations are evaluated in.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
-enum Number {
-    /// IEEE binary32
-    F32,
-    /// IEEE binary64
-    F64,
-}
 
 /// Which integrator.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
@@ -64,9 +54,10 @@ pub(super) struct SimArguments {
     /// Joints held where they start, whatever the model calls them
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     hold: Vec<String>,
-    /// Numbers the equations are evaluated in
-    #[arg(long, value_enum, default_value_t = Number::F64)]
-    number: Number,
+    /// Format the equations are evaluated in: f16, bf16, f32, f64,
+    /// float(EXPONENT,MANTISSA) or fixed(INTEGER,FRACTION)
+    #[arg(long, value_name = "FORMAT", default_value_t = Format::BINARY64)]
+    number: Format,
     /// Recursion the equations come from
     #[arg(long, default_value = "recursive",
           value_parser = super::generation::formulations())]
@@ -114,10 +105,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
     let setting = Setting {
         formulation: Formulation::from_name(&arguments.formulation).unwrap_or_default(),
         passes: arguments.passes.is_some().then_some((&pipeline, &machine)),
-        precision: match arguments.number {
-            Number::F32 => Precision::Binary32,
-            Number::F64 => Precision::Binary64,
-        },
+        format: arguments.number,
         accelerations: arguments.accelred,
     };
     let (mut system, initial) = System::new(model, laws, &setting).map_err(failure)?;

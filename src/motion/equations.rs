@@ -7,30 +7,10 @@ use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
 use crate::model::Model;
 use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::{Function, Machine, Module, Shape, View};
+use robovec_ir::soft_float::FormatArithmetic;
+use robovec_ir::{Format, Function, Machine, Module, Shape, View};
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline::Pipeline;
-
-/// The numbers that equations are evaluated in. What surrounds them (linear
-/// solutions, integration) stays in binary64.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub enum Precision {
-    /// IEEE binary32.
-    Binary32,
-    /// IEEE binary64.
-    #[default]
-    Binary64,
-}
-
-impl Precision {
-    /// The unit roundoff times two: the relative distance of neighbours.
-    pub fn epsilon(self) -> f64 {
-        match self {
-            Precision::Binary32 => f64::from(f32::EPSILON),
-            Precision::Binary64 => f64::EPSILON,
-        }
-    }
-}
 
 /// A function of the model, ready to be evaluated.
 struct Compiled {
@@ -40,23 +20,35 @@ struct Compiled {
 }
 
 /// How equations are made and evaluated.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub struct Setting<'a> {
     /// How they are generated.
     pub formulation: Formulation,
     /// What is done to them, and the machine it is done for.
     pub passes: Option<(&'a Pipeline, &'a Machine)>,
-    /// The numbers they are evaluated in.
-    pub precision: Precision,
+    /// The numbers they are evaluated in. What surrounds them (linear
+    /// solutions, integration) stays in binary64.
+    pub format: Format,
     /// Take accelerations from the function `accelred` instead of solving
     /// `M qdd + c = Qq`. Formulations that give nothing else are taken so
     /// whatever is asked.
     pub accelerations: bool,
 }
 
+impl Default for Setting<'_> {
+    fn default() -> Self {
+        Setting {
+            formulation: Formulation::default(),
+            passes: None,
+            format: Format::BINARY64,
+            accelerations: false,
+        }
+    }
+}
+
 /// The equations of a model.
 pub struct Equations {
-    precision: Precision,
+    format: Format,
     joints: usize,
     dynamics: Compiled,
     position: Option<Compiled>,
@@ -107,7 +99,7 @@ impl Equations {
         Ok(Equations {
             links: optional(!model.links.is_empty(), FunctionKind::Link)?,
             forces: optional(!model.forces.is_empty(), FunctionKind::Extforces)?,
-            precision: setting.precision,
+            format: setting.format,
             joints: model.joints.len(),
             dynamics: compile(model, FunctionKind::Dirdyna, &dynamics)?,
             solved: optional(setting.accelerations || !given, FunctionKind::Accelred)?,
@@ -117,9 +109,10 @@ impl Equations {
         })
     }
 
-    /// The numbers the equations are evaluated in.
-    pub fn precision(&self) -> Precision {
-        self.precision
+    /// The relative distance of neighbours of the numbers the equations are
+    /// evaluated in: twice the unit roundoff.
+    pub fn epsilon(&self) -> f64 {
+        2.0 * self.format.unit_roundoff()
     }
 
     /// The number of constraint rows.
@@ -233,9 +226,10 @@ impl Equations {
 
     fn evaluate<'a>(&self, compiled: &'a Compiled, state: &State) -> Outputs<'a> {
         let inputs = compiled.inputs.gather(state);
-        let numbers = match self.precision {
-            Precision::Binary32 => numbers(compiled, &Binary32, &inputs),
-            Precision::Binary64 => numbers(compiled, &Binary64, &inputs),
+        let numbers = match self.format {
+            Format::BINARY32 => numbers(compiled, &Binary32, &inputs),
+            Format::BINARY64 => numbers(compiled, &Binary64, &inputs),
+            format => numbers(compiled, &FormatArithmetic::new(format), &inputs),
         };
         let mut flat = vec![0.0; compiled.function.output_len()];
         for (assignment, number) in compiled.function.assignments.iter().zip(numbers) {

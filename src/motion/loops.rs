@@ -24,17 +24,17 @@ pub(super) fn largest(numbers: &[f64]) -> f64 {
 impl System<'_> {
     /// A residual that the arithmetic cannot make smaller.
     fn tight(&self) -> f64 {
-        8.0 * self.equations.precision().epsilon()
+        8.0 * self.equations.epsilon()
     }
 
     /// A residual that still counts as closed.
     fn loose(&self) -> f64 {
-        1e4 * self.equations.precision().epsilon()
+        1e4 * self.equations.epsilon()
     }
 
     /// The fraction of the largest pivot that counts as zero in the Jacobian.
     pub(super) fn rank_threshold(&self) -> f64 {
-        self.equations.precision().epsilon().sqrt()
+        self.equations.epsilon().sqrt()
     }
 
     /// Moves the dependent joints until the loops are closed, and gives them

@@ -19,7 +19,7 @@ pub mod plot;
 mod simulation;
 mod system;
 
-pub use equations::{Equations, Precision, Setting};
+pub use equations::{Equations, Setting};
 pub use error::MotionError;
 pub use free::{Calculus, Drift, FreeMotion, Stepping};
 pub use inputs::{Inputs, State, element_name, parameter};

@@ -242,7 +242,7 @@ impl<'m> System<'m> {
             let reduced = transform.transposed().product(&matrix.product(&transform));
             (reduced, transform.transposed_times(&rest))
         };
-        let threshold = 16.0 * self.equations.precision().epsilon();
+        let threshold = 16.0 * self.equations.epsilon();
         let free =
             solve_positive(reduced, right, threshold).map_err(|place| MotionError::Singular {
                 joint: self.model.joints[u[place]].name.clone(),

@@ -2,7 +2,6 @@
 
 use super::{Case, Class, Findings, Treatment};
 use crate::report;
-use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
 use crate::study::table::{Cell, Table};
 use robovec_ir::Format;
 
@@ -120,7 +119,7 @@ pub fn steps(findings: &[Finding<'_>]) -> String {
 }
 
 /// Two digits.
-fn short(number: f64) -> String {
+pub(super) fn short(number: f64) -> String {
     if number.is_finite() {
         format!("{number:.1e}")
     } else {
@@ -209,53 +208,4 @@ pub fn table(findings: &[Finding<'_>]) -> Table {
         columns: columns.map(str::to_owned).to_vec(),
         rows,
     }
-}
-
-/// Error against condition.
-pub fn figure(findings: &[Finding<'_>]) -> Figure {
-    let mut curves = Vec::new();
-    let size = |number: f64| number.clamp(1e-17, 1e3);
-    for (index, (label, error)) in [
-        (
-            "f32",
-            (|found: &Findings| found.short.error) as fn(&Findings) -> f64,
-        ),
-        ("f64", |found| found.long.error),
-        ("cured", |found| {
-            found.cure().map_or(f64::NAN, |t| t.measured.error)
-        }),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        let marks = findings.iter().filter_map(|(_, found)| {
-            let (x, y) = (found.condition, error(found));
-            (x.is_finite() && x > 0.0 && y.is_finite()).then(|| Mark::at(x, size(y)))
-        });
-        curves.push(Curve {
-            label: label.to_owned(),
-            paint: Paint::Distinct(index),
-            stroke: Stroke::Points,
-            marks: marks.collect(),
-        });
-    }
-    Figure {
-        name: "stress".to_owned(),
-        title: "Error against condition".to_owned(),
-        caption: "Every case: its error in binary32, in binary64 and with the cheapest cure."
-            .to_owned(),
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::new("condition", Scale::Decades),
-            y: Axis::new("relative error", Scale::Decades),
-            content: Content::Curves(curves),
-        }],
-        columns: 1,
-    }
-}
-
-/// The findings as a page that needs nothing else.
-pub fn page(findings: &[Finding<'_>]) -> String {
-    let _ = findings;
-    String::new()
 }

@@ -5,7 +5,8 @@ use super::models::{
 };
 use robovec::generate::Formulation;
 use robovec::model::{Model, Nature};
-use robovec::motion::{Laws, Precision, Run, Setting};
+use robovec::motion::{Laws, Run, Setting};
+use robovec_ir::Format;
 use robovec_ir::Machine;
 use robovec_passes::pipeline;
 
@@ -37,7 +38,7 @@ fn narrow_numbers_move_the_trajectory_by_their_rounding() {
         let narrow = with(
             &model,
             &Setting {
-                precision: Precision::Binary32,
+                format: Format::BINARY32,
                 ..Setting::default()
             },
         );

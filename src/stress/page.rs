@@ -1,0 +1,194 @@
+//! What was found, as a figure and as a page that needs nothing else.
+
+use super::view::short;
+use super::{Class, Finding, Findings};
+use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
+use crate::study::plot;
+use std::fmt::Write;
+
+const STYLE: &str = "\
+body{font:15px/1.5 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#222}
+table{border-collapse:collapse;font-variant-numeric:tabular-nums}
+th,td{padding:.15rem .6rem;text-align:left;border-bottom:1px solid #ddd;white-space:nowrap}
+td.n,th.n{text-align:right}
+tr.chosen td{font-weight:600}
+.scroll{overflow-x:auto}
+.soft{color:#666}
+.fine{color:#1b7837}.hard{color:#b35806}.bad{color:#b2182b}
+summary{cursor:pointer}
+";
+
+/// An error of the findings.
+type Chosen = fn(&Findings) -> f64;
+
+/// Error against condition, and against the step of long simulations.
+pub fn figure(findings: &[Finding<'_>]) -> Figure {
+    let errors: [(&str, Chosen); 3] = [
+        ("f32", |found| found.short.error),
+        ("f64", |found| found.long.error),
+        ("cured", |found| {
+            found.cure().map_or(f64::NAN, |trial| trial.measured.error)
+        }),
+    ];
+    let panel = |title: &str, axis: &str, stroke, at: &dyn Fn(&Findings) -> Option<f64>| {
+        let curve = |(index, &(label, error)): (usize, &(&str, Chosen))| {
+            let mark = |(_, found): &Finding<'_>| {
+                let (x, y) = (at(found)?, error(found));
+                // What is exact, and what is no result, ends at the edges.
+                let drawable = x > 0.0 && x.is_finite() && !y.is_nan();
+                drawable.then(|| Mark::at(x.log10(), y.clamp(1e-17, 1e3).log10()))
+            };
+            Curve {
+                label: label.to_owned(),
+                paint: Paint::Distinct(index),
+                stroke,
+                marks: findings.iter().filter_map(mark).collect(),
+            }
+        };
+        let curves: Vec<Curve> = errors.iter().enumerate().map(curve).collect();
+        Panel {
+            title: title.to_owned(),
+            x: Axis::new(axis, Scale::Linear),
+            y: Axis::new("relative error (log10)", Scale::Linear),
+            content: Content::Curves(curves),
+        }
+    };
+    let of_condition = panel("All cases", "condition (log10)", Stroke::Points, &|found| {
+        Some(found.condition)
+    });
+    let of_step = panel(
+        "Energy drift",
+        "step (s, log10)",
+        Stroke::Marked,
+        &|found| {
+            found
+                .untreated
+                .step
+                .filter(|_| found.metric == "energy drift")
+        },
+    );
+    let has_marks = |panel: &Panel| match &panel.content {
+        Content::Curves(curves) => curves.iter().any(|curve| !curve.marks.is_empty()),
+        Content::Map(_) => false,
+    };
+    let panels: Vec<Panel> = [of_condition, of_step]
+        .into_iter()
+        .filter(has_marks)
+        .collect();
+    Figure {
+        name: "stress".to_owned(),
+        title: "Error against condition, and against the step".to_owned(),
+        caption: "Every case: its error in binary32, in binary64 and with the cheapest cure. \
+                  Exact results stand at -17, missing ones are left out."
+            .to_owned(),
+        columns: panels.len().max(1),
+        panels,
+    }
+}
+
+/// The findings as a page.
+pub fn page(findings: &[Finding<'_>]) -> String {
+    let mut text = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <title>Hard cases</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+         <h1>Hard cases and their cures</h1>\n\
+         <p class=\"soft\">{} cases, computed by robovec {}. Errors are relative, against \
+         double-double numbers; costs are operations times bits, relative to the untreated \
+         program in binary32.</p>\n",
+        findings.len(),
+        env!("CARGO_PKG_VERSION"),
+    );
+    let figure = figure(findings);
+    if !figure.panels.is_empty() {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "<figure>{}<figcaption class=\"soft\">{}</figcaption></figure>",
+            plot::draw(&figure),
+            escaped(&figure.caption)
+        );
+    }
+    for class in Class::ALL {
+        let of_class: Vec<&Finding<'_>> = findings
+            .iter()
+            .filter(|(case, _)| case.class == class)
+            .collect();
+        if of_class.is_empty() {
+            continue;
+        }
+        let _ = writeln!(
+            text,
+            "<h2>{}</h2>\n<p class=\"soft\">{}</p>",
+            class.name(),
+            escaped(class.description())
+        );
+        for finding in of_class {
+            section(&mut text, finding);
+        }
+    }
+    text + "</body>\n</html>\n"
+}
+
+/// A case with all that was tried.
+fn section(text: &mut String, (case, found): &Finding<'_>) {
+    let colour = match found.verdict.name() {
+        "fine" => "fine",
+        "hard problem" => "hard",
+        _ => "bad",
+    };
+    // As above, writing cannot fail.
+    let _ = writeln!(
+        text,
+        "<details><summary><b>{}</b>: <span class=\"{colour}\">{}</span>, {} {} in f32, {} in \
+         f64{}</summary>\n<p>{}. Breaks {}. Condition {}; rounding the data once makes {}.</p>",
+        escaped(&case.name),
+        found.verdict,
+        escaped(found.metric),
+        short(found.short.error),
+        short(found.long.error),
+        found.cure().map_or(String::new(), |trial| format!(
+            "; cured by {} at {:.2} times the cost",
+            escaped(&trial.label),
+            trial.cost
+        )),
+        escaped(&case.construction),
+        escaped(case.breaks),
+        short(found.condition),
+        short(found.floor),
+    );
+    text.push_str("<div class=\"scroll\"><table><tr><th>treatment</th><th class=\"n\">cost</th><th class=\"n\">error</th>");
+    for (name, _) in &found.short.others {
+        let _ = write!(text, "<th class=\"n\">{}</th>", escaped(name));
+    }
+    text.push_str("<th class=\"n\">out of range</th></tr>\n");
+    let untreated = ("as it is", 1.0, &found.short, false);
+    let trials = found.trials.iter().enumerate().map(|(index, trial)| {
+        let chosen = found.cure == Some(index);
+        (trial.label.as_str(), trial.cost, &trial.measured, chosen)
+    });
+    for (label, cost, measured, chosen) in std::iter::once(untreated).chain(trials) {
+        let _ = write!(
+            text,
+            "<tr{}><td>{}</td><td class=\"n\">{cost:.2}</td><td class=\"n\">{}</td>",
+            if chosen { " class=\"chosen\"" } else { "" },
+            escaped(label),
+            short(measured.error)
+        );
+        for (_, number) in &measured.others {
+            let _ = write!(text, "<td class=\"n\">{}</td>", short(*number));
+        }
+        let _ = writeln!(
+            text,
+            "<td class=\"n\">{:.1} %</td></tr>",
+            100.0 * measured.outside
+        );
+    }
+    text.push_str("</table></div></details>\n");
+}
+
+/// Text as HTML shows it.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}
