@@ -4,6 +4,8 @@ pub mod accuracy;
 pub mod align;
 pub mod command;
 pub mod evaluate_command;
+pub mod fit;
+pub mod front;
 pub mod generate;
 pub mod hexadecimal;
 pub mod model;

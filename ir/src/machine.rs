@@ -179,7 +179,7 @@ pub enum MachineError {
 }
 
 /// The machine files that ship with robovec, by name.
-pub const BUILT_IN: [(&str, &str); 8] = [
+pub const BUILT_IN: [(&str, &str); 9] = [
     ("ideal", include_str!("../../machines/ideal.toml")),
     ("thesis", include_str!("../../machines/thesis.toml")),
     ("side-split", include_str!("../../machines/side-split.toml")),
@@ -196,6 +196,7 @@ pub const BUILT_IN: [(&str, &str); 8] = [
         include_str!("../../machines/pipeline-10-5.toml"),
     ),
     ("fused", include_str!("../../machines/fused.toml")),
+    ("solver", include_str!("../../machines/solver.toml")),
     ("de10-nano", include_str!("../../machines/de10-nano.toml")),
 ];
 

@@ -11,6 +11,8 @@ mod compare;
 mod dump;
 mod eval;
 mod explain;
+mod fit;
+mod front;
 mod generation;
 pub(crate) mod input;
 mod listing;

@@ -4,6 +4,8 @@
 use super::accuracy::{self, AccuracyArguments};
 use super::compare::{self, CheckArguments};
 use super::eval::{self, EvalArguments};
+use super::fit::{self, FitArguments};
+use super::front::{self, FrontArguments};
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
 use super::scene::{self, SceneArguments};
@@ -31,6 +33,8 @@ enum Command {
     Accuracy(AccuracyArguments),
     /// Evaluate functions at given or random states
     Eval(EvalArguments),
+    Fit(FitArguments),
+    Front(FrontArguments),
     /// Generate the equations of a model
     Gen(GenArguments),
     /// Summarise a model, or write one of a family
@@ -70,6 +74,8 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let result = match &arguments.command {
         Command::Accuracy(arguments) => accuracy::run(arguments),
         Command::Eval(arguments) => eval::run(arguments),
+        Command::Fit(arguments) => fit::run(arguments),
+        Command::Front(arguments) => front::run(arguments),
         Command::Gen(arguments) => generation::run(arguments),
         Command::Model(arguments) => model::run(arguments),
         Command::Scene(arguments) => scene::run(arguments),

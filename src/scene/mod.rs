@@ -6,6 +6,7 @@
 //! function = "accelred"           # of a model by default dirdyna
 //! formulation = "articulated"     # by default the generator's
 //! machine = "thesis"              # a name, or a .toml file beside the scene
+//! trigonometry = "elements"       # sines and cosines as series; else "host"
 //! deadline = 50.0                 # µs
 //! parameters = "from-model"       # dpt, l, m, In, g, lrod are the model's
 //! free = ["m[Frame]"]             # but these stay inputs

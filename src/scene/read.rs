@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use toml::de::DeValue;
 
 /// The keys of a scene file.
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
     "name",
     "description",
     "model",
@@ -24,6 +24,7 @@ const KEYS: [&str; 15] = [
     "function",
     "formulation",
     "machine",
+    "trigonometry",
     "deadline",
     "parameters",
     "free",
@@ -121,6 +122,16 @@ fn wishes(
         machine: text("machine"),
         ..Scene::default()
     };
+    if let Some(value) = get(file, "trigonometry") {
+        match string(value, problems) {
+            Some("elements") => scene.series = true,
+            Some("host") | None => {}
+            Some(other) => {
+                let known = ["host", "elements"];
+                problems.unknown(value.span(), "no sine is computed at", other, &known);
+            }
+        }
+    }
     scene.deadline = get(file, "deadline").and_then(|value| positive(value, problems));
     if let (Some(value), Some(wish)) = (get(file, "formulation"), &scene.formulation)
         && Formulation::from_name(wish).is_none()

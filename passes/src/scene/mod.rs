@@ -41,6 +41,9 @@ pub struct Scene {
     pub joints: Vec<HeldJoint>,
     /// How large the other inputs can be; what it does not name is free.
     pub ranges: Ranges,
+    /// Sines and cosines are computed by the elements, as series; otherwise a
+    /// host prepares them before the run.
+    pub series: bool,
     /// How long one evaluation may take, µs.
     pub deadline: Option<f64>,
     /// The machine compiled for: a name or a file beside the scene.

@@ -2,6 +2,7 @@
 //! least of many repetitions.
 
 use robovec_ir::{Array, Shape, View};
+use robovec_passes::codegen::c::Real;
 use std::fmt::Write;
 
 /// States the function is called with in turn.
@@ -36,7 +37,8 @@ int main(void) {
 ";
 
 /// The text of the program.
-pub(super) fn main(view: View<'_>, header: &str) -> String {
+pub(super) fn main(view: View<'_>, header: &str, real: Real) -> String {
+    let real = real.name();
     let function = view.function;
     let mut storage = String::new();
     let mut fill = String::new();
@@ -49,18 +51,18 @@ pub(super) fn main(view: View<'_>, header: &str) -> String {
         let name = format!("a{index}");
         let states = if is_input { "[STATES]" } else { "" };
         // Writing to a string cannot fail.
-        let _ = writeln!(storage, "static double {name}{states}{};", extent(array));
-        let place = |element: &str| format!("((double *){name})[{element}]");
+        let _ = writeln!(storage, "static {real} {name}{states}{};", extent(array));
+        let place = |element: &str| format!("(({real} *){name})[{element}]");
         if is_input {
             let _ = writeln!(
                 fill,
-                "    for (size_t i = 0; i < sizeof {name} / sizeof(double); i++) {} = next();",
+                "    for (size_t i = 0; i < sizeof {name} / sizeof({real}); i++) {} = ({real})next();",
                 place("i")
             );
         } else {
             let _ = writeln!(
                 sum,
-                "    for (size_t i = 0; i < sizeof {name} / sizeof(double); i++) s += {};",
+                "    for (size_t i = 0; i < sizeof {name} / sizeof({real}); i++) s += {};",
                 place("i")
             );
         }
@@ -68,7 +70,7 @@ pub(super) fn main(view: View<'_>, header: &str) -> String {
             (true, Shape::Scalar) => format!("{name}[s][0]"),
             (true, Shape::Vector(_)) => format!("{name}[s]"),
             (true, Shape::Matrix(..)) => {
-                format!("(const double (*){})", columns(array)) + &format!("{name}[s]")
+                format!("(const {real} (*){})", columns(array)) + &format!("{name}[s]")
             }
             (false, _) => name,
         });

@@ -103,7 +103,11 @@ pub fn measure(program: &Program, computer: &Computer, largest: usize) -> CpuTim
             "not measured, it has more than {largest} operations, which take a C compiler minutes"
         ))
     } else {
-        compile_and_run(program)
+        let view = View {
+            tables: &program.module.tables,
+            function: &program.module.functions[0],
+        };
+        compile_and_run(view, Real::Double).map(|time| super::table::round(time * 1e-3, 4))
     };
     CpuTime {
         model: facts.model.clone(),
@@ -116,15 +120,16 @@ pub fn measure(program: &Program, computer: &Computer, largest: usize) -> CpuTim
     }
 }
 
-fn compile_and_run(program: &Program) -> Result<f64, String> {
+/// The time of one call of a function in ns: the least over many repetitions,
+/// sines and cosines included.
+///
+/// # Errors
+///
+/// Why there is no time: no compiler, or what it says.
+pub fn compile_and_run(view: View<'_>, real: Real) -> Result<f64, String> {
     let folder = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
-    let function = &program.module.functions[0];
-    let view = View {
-        tables: &program.module.tables,
-        function,
-    };
-    let [source, header] = c_files(view, Real::Double);
-    let main = ("main.c".to_owned(), harness::main(view, &header.0));
+    let [source, header] = c_files(view, real);
+    let main = ("main.c".to_owned(), harness::main(view, &header.0, real));
     for (name, text) in [&source, &header, &main] {
         fs::write(folder.path().join(name), text).map_err(|error| error.to_string())?;
     }
@@ -150,6 +155,5 @@ fn compile_and_run(program: &Program) -> Result<f64, String> {
         .split_whitespace()
         .next()
         .and_then(|word| word.parse::<f64>().ok());
-    let nanoseconds = nanoseconds.ok_or("the program did not print its time")?;
-    Ok(super::table::round(nanoseconds * 1e-3, 4))
+    nanoseconds.ok_or_else(|| "the program did not print its time".to_owned())
 }

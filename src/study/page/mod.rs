@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 const TEMPLATE: &str = include_str!("page.html");
-const STYLE: &str = include_str!("page.css");
+pub(crate) const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
 /// Tables with more rows than this are left to the files.
@@ -55,7 +55,7 @@ pub fn page(results: &Results, tables: &[Table], figures: &[Figure], cpu: &[CpuT
 
 /// Fills the places `{{name}}` of a template; what is filled in is not looked
 /// at again.
-fn fill(template: &str, parts: &[(&str, String)]) -> String {
+pub(crate) fn fill(template: &str, parts: &[(&str, String)]) -> String {
     let mut text = String::new();
     let mut rest = template;
     while let Some((before, after)) = rest.split_once("{{") {
@@ -120,7 +120,7 @@ fn cpu_table(results: &Results, cpu: &[CpuTime]) -> Option<Table> {
     })
 }
 
-fn table(table: &Table) -> String {
+pub(crate) fn table(table: &Table) -> String {
     let mut text = String::new();
     let name = &table.name;
     // Data of the thesis and long lists are there for whoever looks for them.
@@ -170,7 +170,7 @@ fn cell(text: &mut String, cell: &Cell) {
     };
 }
 
-fn figure(figure: &Figure) -> String {
+pub(crate) fn figure(figure: &Figure) -> String {
     format!(
         "<figure id=\"{}\">{}<figcaption><b>{}</b><br><span class=\"caption\">{}</span></figcaption></figure>\n",
         figure.name,

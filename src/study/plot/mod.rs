@@ -13,7 +13,7 @@ mod scale;
 mod svg;
 
 use super::figure::{Content, Figure, Panel};
-pub(super) use svg::Escaped;
+pub(crate) use svg::Escaped;
 use svg::{Anchor, Svg};
 
 /// Size of a panel's axes in a figure of one column, and of several.

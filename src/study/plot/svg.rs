@@ -183,7 +183,7 @@ impl std::fmt::Display for Title<'_> {
 }
 
 /// A text safe between tags, in attributes and in HTML.
-pub(in super::super) struct Escaped<'a>(pub(in super::super) &'a str);
+pub(crate) struct Escaped<'a>(pub(crate) &'a str);
 
 impl std::fmt::Display for Escaped<'_> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

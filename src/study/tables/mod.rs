@@ -9,7 +9,7 @@ mod orders;
 mod points;
 mod ranks;
 mod reasons;
-mod resources;
+pub(crate) mod resources;
 
 use super::results::Results;
 use super::table::Table;

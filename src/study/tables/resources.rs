@@ -29,11 +29,17 @@ const WORD: u32 = 32;
 const BUILT: [u32; 2] = [4, 4];
 
 /// Blocks for a memory of some words of some bits, all of one shape.
-fn blocks(words: u32, bits: u32) -> u32 {
+pub(crate) fn blocks(words: u32, bits: u32) -> u32 {
     let shapes = SHAPES
         .iter()
         .map(|[depth, width]| words.div_ceil(*depth) * bits.div_ceil(*width));
     shapes.min().unwrap_or(0)
+}
+
+/// Look-up tables of a full crossbar between so many elements: each of two
+/// write ports chooses among the results and the buffers of all.
+pub(crate) fn crossbar_luts(elements: u32, width: u32) -> u32 {
+    2 * elements * width * (2 * elements).saturating_sub(1).div_ceil(3)
 }
 
 /// Bits of an address among so many words.
@@ -226,7 +232,7 @@ fn parts(placed: Placed<'_>, adder: Operator, multiplier: Operator) -> Vec<Part>
             ..part("buffer", all, ["0", "1", "0"], "")
         },
         Part {
-            luts: 2 * all * WORD * (2 * all - 1).div_ceil(3),
+            luts: crossbar_luts(all, WORD),
             ..part("crossbar", 1, ["2560", "0", "0"], "")
         },
         Part {

@@ -1,0 +1,206 @@
+//! `robovec fit`: the cheapest program and machine for a scene.
+
+use super::{Failure, input, output};
+use crate::fit::confirm::{self, Confirmation};
+use crate::fit::{self, Outcome, Place, Task};
+use crate::generate::Formulation;
+use crate::scene::{SceneFile, Subject};
+use crate::study::plot;
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use robovec_ir::diagnostic::termcolor::ColorChoice;
+use robovec_ir::{Machine, Module, print};
+use robovec_passes::analysis::rounding::usual_states;
+use serde_json::json;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Find the cheapest program, number format and machine that meet a scene
+#[derive(Args, Debug)]
+pub(super) struct FitArguments {
+    /// The scene (.scene.toml)
+    scene: PathBuf,
+    /// Machine whose elements, memories and clock are used; by default the scene's, or thesis
+    #[arg(long)]
+    machine: Option<String>,
+    /// Where sines and cosines are computed; by default as the scene says, or on the host
+    #[arg(long, value_enum)]
+    trigonometry: Option<Where>,
+    /// Random states of the scene; by default the more the smaller the function is
+    #[arg(long, default_value_t = 0, hide_default_value = true,
+          value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    states: u32,
+    /// Seed of the states
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Folder for the choice (program.rvir, machine.toml) and fit.html, fit.csv, fit.json, fit.svg
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+/// Where sines and cosines are computed.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum Where {
+    /// Before the run
+    Host,
+    /// By the elements, as series
+    Elements,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
+    let file = SceneFile::load(&arguments.scene).map_err(Failure)?;
+    file.warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
+    let fail = |error: String| Failure::plain(format!("{}: {error}", arguments.scene.display()));
+    let general = file.module().map_err(|error| fail(error.to_string()))?;
+    let machine = machine(arguments, &file)?;
+    let operations = robovec_ir::count::Counts::of(&general.functions[0]).operations;
+    let states = match arguments.states {
+        0 => usual_states(operations),
+        count => count,
+    };
+    let task = Task {
+        scene: &file.scene,
+        general: &general,
+        formulations: formulations(&file, &general),
+        machine: &machine,
+        trigonometry: place(arguments, &file),
+        states,
+        seed: arguments.seed,
+    };
+    let bar = progress_bar();
+    let mut progress = |what: &str| bar.set_message(what.to_owned());
+    let outcome = fit::fit(&task, &mut progress).map_err(|error| fail(error.to_string()))?;
+    let confirmation = match outcome.chosen {
+        Some(chosen) => {
+            bar.set_message("confirming");
+            let candidate = &outcome.candidates[chosen];
+            let program = &outcome.programs[candidate.program];
+            let confirmation = confirm::confirm(&task, program, candidate);
+            Some(confirmation.map_err(|error| fail(error.to_string()))?)
+        }
+        None => None,
+    };
+    bar.finish_and_clear();
+    if let Some(folder) = &arguments.output {
+        write(folder, &task, &outcome, confirmation.as_ref())?;
+    }
+    let text = fit::text::text(&task, &outcome, confirmation.as_ref());
+    if confirmation.is_some_and(|confirmation| confirmation.holds()) {
+        return Ok(text);
+    }
+    // What was found is told all the same, but a script must not go on with it.
+    output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))?;
+    let message = match outcome.chosen {
+        None => "nothing meets the scene",
+        Some(_) => "the choice was not confirmed",
+    };
+    let advice = "allow a larger error, a later deadline, or a machine with more to offer";
+    Err(Failure::advised(message, vec![advice.to_owned()]))
+}
+
+fn place(arguments: &FitArguments, file: &SceneFile) -> Place {
+    match arguments.trigonometry {
+        Some(Where::Host) => Place::Host,
+        Some(Where::Elements) => Place::Elements,
+        None if file.scene.series => Place::Elements,
+        None => Place::Host,
+    }
+}
+
+/// The machine asked for, else that of the scene, else the thesis'.
+fn machine(arguments: &FitArguments, file: &SceneFile) -> Result<Machine, Failure> {
+    let asked = arguments.machine.as_ref().or(file.scene.machine.as_ref());
+    input::machine(asked.map_or("thesis", String::as_str))
+}
+
+/// The formulations that are tried: the one the scene wishes for, else all
+/// that give the function. Those the generator refuses are left out.
+fn formulations(file: &SceneFile, general: &Module) -> Vec<(Formulation, Module)> {
+    let own = (file.formulation(), general.clone());
+    let Subject::Model(subject) = &file.subject else {
+        return vec![own];
+    };
+    if file.scene.formulation.is_some() {
+        return vec![own];
+    }
+    let others = TRIED.into_iter().filter(|&other| other != own.0);
+    let others = others.filter_map(|other| Some((other, subject.equations(other).ok()?)));
+    std::iter::once(own.clone()).chain(others).collect()
+}
+
+/// Formulations that can be the best of a scene.
+const TRIED: [Formulation; 5] = [
+    Formulation::Recursive,
+    Formulation::Composite,
+    Formulation::CompositeBase,
+    Formulation::Prefix {
+        network: crate::generate::Network::Sklansky,
+        origin: crate::generate::Origin::Body,
+    },
+    Formulation::Articulated,
+];
+
+fn write(
+    folder: &Path,
+    task: &Task<'_>,
+    outcome: &Outcome,
+    confirmation: Option<&Confirmation>,
+) -> Result<(), Failure> {
+    output::make_folder(folder)?;
+    let json = json!({
+        "scene": task.scene.name,
+        "machine": task.machine.name,
+        "states": task.states,
+        "seed": task.seed,
+        "chosen": outcome.chosen,
+        "confirmation": confirmation,
+        "front": outcome.front(),
+        "programs": outcome.programs.iter().map(|program| json!({
+            "name": program.name,
+            "pipeline": program.pipeline,
+            "formulation": program.formulation.name(),
+            "trigonometry": program.treatment.to_string(),
+            "share_of_tolerance": program.model_share,
+        })).collect::<Vec<_>>(),
+        "candidates": outcome.candidates,
+    });
+    let mut files = vec![
+        ("fit.csv", fit::text::candidates_table(outcome).to_csv()),
+        ("fit.json", format!("{json:#}\n")),
+        ("fit.svg", plot::draw(&fit::text::figure(task, outcome))),
+        ("fit.html", fit::page::page(task, outcome, confirmation)),
+    ];
+    if let Some(chosen) = outcome.chosen {
+        let candidate = &outcome.candidates[chosen];
+        let program = &outcome.programs[candidate.program];
+        let ready = confirm::ready(task, program, candidate)
+            .map_err(|error| Failure::plain(error.to_string()))?;
+        // A machine that was read is one that can be written.
+        let machine = toml::to_string(&ready.machine).unwrap_or_default();
+        files.push(("program.rvir", print::print_module(&ready.module)));
+        files.push(("machine.toml", machine));
+    }
+    for (name, content) in files {
+        output::write_file(&folder.join(name), |writer| {
+            writer.write_all(content.as_bytes())
+        })?;
+    }
+    Ok(())
+}
+
+/// Tells what is being done, where somebody looks.
+pub(super) fn progress_bar() -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+    if std::io::stderr().is_terminal() {
+        bar.set_draw_target(ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(200));
+    }
+    bar
+}

@@ -1,0 +1,171 @@
+//! `robovec front`: speed against error.
+
+use super::{Failure, generation, input, output, subjects};
+use crate::front::{self, Front, Question};
+use crate::generate::{Formulation, FunctionKind, Options};
+use crate::model::Model;
+use clap::Args;
+use robovec_ir::Module;
+use robovec_ir::states::{Ranges, States};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Speed against error: every way to compute a function as a point, with the thesis' choices among them
+#[derive(Args, Debug)]
+pub(super) struct FrontArguments {
+    /// Files of equations, models (.mbs) or built-in models (serial-23, bogie)
+    #[arg(required = true)]
+    subjects: Vec<String>,
+    /// Function of the models
+    #[arg(long, default_value = "dirdyna")]
+    function: String,
+    /// Machine compiled for: a name or a .toml file
+    #[arg(long, default_value = "thesis")]
+    machine: String,
+    /// Numbers of elements per kind
+    #[arg(long, value_delimiter = ',', default_value = "4,16,64",
+          value_parser = clap::value_parser!(u32).range(1..=1024))]
+    elements: Vec<u32>,
+    /// Positions q are drawn from -ANGLE to ANGLE (rad, m)
+    #[arg(long, default_value_t = 0.1)]
+    angle: f64,
+    /// Random states; by default the more the smaller the function is
+    #[arg(long, default_value_t = 0, hide_default_value = true,
+          value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    states: u32,
+    /// Seed of the states
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Also time every program on this computer, with the C compiler 'cc'
+    #[arg(long)]
+    cpu: bool,
+    /// Folder for front.html, front.csv, front.json and front.svg
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &FrontArguments) -> Result<String, Failure> {
+    if !(arguments.angle > 0.0 && arguments.angle.is_finite()) {
+        return Err(Failure::plain("'--angle' must be a positive number"));
+    }
+    let machine = input::machine(&arguments.machine)?;
+    let bar = super::fit::progress_bar();
+    let mut fronts: Vec<Front> = Vec::new();
+    let mut text = String::new();
+    for subject in &arguments.subjects {
+        let (name, module, others) = programs(subject, &arguments.function)?;
+        let function = &module.functions[0];
+        let operations = robovec_ir::count::Counts::of(function).operations;
+        let count = match arguments.states {
+            0 => robovec_passes::analysis::rounding::usual_states(operations),
+            count => count,
+        };
+        let states = States::new(arguments.seed).within(Arc::new(angles(&module, arguments.angle)));
+        let question = Question {
+            machine: &machine,
+            elements: &arguments.elements,
+            states: &states,
+            count,
+            angle: arguments.angle,
+            cpu: arguments.cpu,
+        };
+        let mut progress = |choice: &str| bar.set_message(format!("{name}: {choice}"));
+        let front = front::front(&name, &module, others, &question, &mut progress)
+            .map_err(|error| Failure::plain(format!("{name}: {error}")))?;
+        text += &front::text::text(&front);
+        text.push('\n');
+        fronts.push(front);
+    }
+    bar.finish_and_clear();
+    if let Some(folder) = &arguments.output {
+        write(folder, &fronts, &machine)?;
+    }
+    Ok(text)
+}
+
+/// Every position between the same bounds.
+fn angles(module: &Module, bound: f64) -> Ranges {
+    let mut ranges = Ranges::default();
+    for array in module.functions[0].inputs() {
+        if module.tables.symbols.text(array.name) == "q" {
+            for offset in 0..array.shape.len() as u32 {
+                ranges.set("q", array.shape.indices(offset).0, -bound, bound);
+            }
+        }
+    }
+    ranges
+}
+
+/// A function alone in a module, and the same in other formulations.
+type Programs = (String, Module, Vec<(Formulation, Module)>);
+
+fn programs(subject: &str, function: &str) -> Result<Programs, Failure> {
+    let path = Path::new(subject);
+    let is_model = path.extension().is_some_and(|extension| extension == "mbs");
+    let model = match subjects::built_in(subject) {
+        Some(model) => Some(model),
+        None if is_model => Some(input::model(path)?.model),
+        None => None,
+    };
+    let stem = path.file_stem().unwrap_or(path.as_os_str());
+    let name = stem.to_string_lossy().into_owned();
+    let Some(model) = model else {
+        let mut module = input::equations(path, None)?.module;
+        if module.functions.len() != 1 {
+            super::opt::select(&mut module, function)?;
+        }
+        return Ok((name, module, Vec::new()));
+    };
+    let kind = FunctionKind::from_name(function).ok_or_else(|| {
+        let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
+        let message = format!("no function '{function}' is generated");
+        Failure::advised(message, vec![format!("functions of a model: {names}")])
+    })?;
+    let module = equations(&model, kind, Formulation::Recursive)?;
+    let mut others = Vec::new();
+    for formulation in FORMULATIONS {
+        if formulation.gives(kind) {
+            others.push((formulation, equations(&model, kind, formulation)?));
+        }
+    }
+    Ok((name, module, others))
+}
+
+/// Other formulations that are tried: the fewest operations, and the shortest
+/// path.
+const FORMULATIONS: [Formulation; 3] = [
+    Formulation::Composite,
+    Formulation::CompositeBase,
+    Formulation::Prefix {
+        network: crate::generate::Network::Sklansky,
+        origin: crate::generate::Origin::Body,
+    },
+];
+
+fn equations(
+    model: &Model,
+    kind: FunctionKind,
+    formulation: Formulation,
+) -> Result<Module, Failure> {
+    generation::functions(model, &[kind], formulation, &Options::default())
+}
+
+fn write(folder: &Path, fronts: &[Front], machine: &robovec_ir::Machine) -> Result<(), Failure> {
+    output::make_folder(folder)?;
+    let table = front::text::points_table(fronts);
+    // Fronts are plain data.
+    let json = serde_json::to_string_pretty(fronts).unwrap_or_default();
+    let figure = front::text::figure(fronts);
+    for (name, content) in [
+        ("front.csv", table.to_csv()),
+        ("front.json", json + "\n"),
+        ("front.svg", crate::study::plot::draw(&figure)),
+        ("front.html", front::page::page(fronts, machine)),
+    ] {
+        output::write_file(&folder.join(name), |writer| {
+            writer.write_all(content.as_bytes())
+        })?;
+    }
+    Ok(())
+}

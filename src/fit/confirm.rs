@@ -1,0 +1,142 @@
+//! Confirming a choice: other states, and the machine itself.
+//!
+//! The search has looked at its own states and at formulas for machines. What
+//! it chose is measured at states that it has not seen, then placed, written
+//! as memory images and run cycle by cycle by the simulator, which knows
+//! nothing of the placer: its results must be the evaluator's bit for bit,
+//! and within the tolerances.
+
+use super::{Candidate, FitError, MORE, Program, Task, size, used, yardstick};
+use crate::front::measure::{MeasureError, view};
+use crate::front::yardstick::{Spread, results};
+use crate::simulate;
+use robovec_ir::{Format, Machine, Module, View};
+use robovec_passes::codegen::write_images;
+use robovec_passes::place::{PlaceOptions, place};
+use serde::Serialize;
+
+/// States that are run cycle by cycle.
+const SIMULATED: usize = 8;
+
+/// What was confirmed.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Confirmation {
+    /// Other states measured at.
+    pub states: u32,
+    /// Normwise errors there.
+    pub normwise: Spread,
+    /// The largest error over its tolerance there.
+    pub used: f64,
+    /// States run cycle by cycle.
+    pub simulated: usize,
+    /// Cycles of a run.
+    pub cycles: u32,
+    /// Whether the simulator's results are the evaluator's, bit for bit.
+    pub equal: bool,
+    /// The largest error of the simulator's results over its tolerance.
+    pub simulated_used: f64,
+    /// Why there is no simulation, or what went wrong in it.
+    pub remark: String,
+}
+
+impl Confirmation {
+    /// True when the choice holds at other states and in simulation.
+    pub fn holds(&self) -> bool {
+        self.used <= 1.0 && self.equal && self.simulated_used <= 1.0
+    }
+}
+
+/// A program ready for the machine: placed, in its format.
+pub struct Ready {
+    /// The placed function, alone in its module.
+    pub module: Module,
+    /// The machine with its elements and format.
+    pub machine: Machine,
+}
+
+/// Places a candidate.
+///
+/// # Errors
+///
+/// When it cannot be placed any more, which would be a mistake of the search.
+pub fn ready(task: &Task<'_>, program: &Program, candidate: &Candidate) -> Result<Ready, FitError> {
+    let mut machine = size::sized(task.machine, candidate.elements);
+    if let Ok(Format::Float(number)) = candidate.format.parse() {
+        machine.number = number;
+    }
+    let mut module = (*program.module).clone();
+    let function = &mut module.functions[0];
+    place(function, &machine, PlaceOptions::default())
+        .map_err(|error| MeasureError::Pass(error.to_string()))?;
+    Ok(Ready { module, machine })
+}
+
+/// Confirms a candidate.
+///
+/// # Errors
+///
+/// See [`FitError`]; that it does not hold is no error.
+pub fn confirm(
+    task: &Task<'_>,
+    program: &Program,
+    candidate: &Candidate,
+) -> Result<Confirmation, FitError> {
+    let ready = ready(task, program, candidate)?;
+    let format = Format::Float(ready.machine.number);
+    let states = task.states * MORE;
+    let fresh = yardstick(task, states, task.seed.wrapping_add(2));
+    let view = view(&program.module);
+    let errors = fresh.errors(view, format).map_err(MeasureError::from)?;
+    let mut confirmation = Confirmation {
+        states,
+        normwise: errors.normwise,
+        used: used(task.scene, program, &errors),
+        simulated: 0,
+        cycles: candidate.cycles,
+        equal: false,
+        simulated_used: f64::INFINITY,
+        remark: String::new(),
+    };
+    let inputs = fresh.inputs(view).map_err(MeasureError::from)?;
+    let inputs = &inputs[..SIMULATED.min(inputs.len())];
+    match run(&ready, inputs) {
+        Err(reason) => confirmation.remark = reason,
+        Ok((cycles, simulated)) => {
+            let expected = results(view, format, inputs);
+            let bits = |rows: &[Vec<f64>]| -> Vec<u64> {
+                rows.iter()
+                    .flatten()
+                    .map(|number| number.to_bits())
+                    .collect()
+            };
+            confirmation.cycles = cycles;
+            confirmation.simulated = inputs.len();
+            confirmation.equal = bits(&simulated) == bits(&expected);
+            let errors = fresh.judge(view, &simulated).map_err(MeasureError::from)?;
+            confirmation.simulated_used = used(task.scene, program, &errors);
+        }
+    }
+    Ok(confirmation)
+}
+
+/// Runs the memory images of a placed program: its cycles, and for each state
+/// the results in the order of the function's assignments.
+fn run(ready: &Ready, states: &[Vec<f64>]) -> Result<(u32, Vec<Vec<f64>>), String> {
+    let placed: View<'_> = view(&ready.module);
+    let mut files: Vec<(String, String)> = Vec::new();
+    write_images(placed, &ready.machine, None, &mut files).map_err(|error| error.to_string())?;
+    let program =
+        simulate::Program::load(&files, &ready.machine).map_err(|error| error.to_string())?;
+    let places: Vec<u32> = program.outputs().map(|(_, place)| place).collect();
+    let mut rows = Vec::with_capacity(states.len());
+    for state in states {
+        let outputs = program.run(state).map_err(|hazard| hazard.to_string())?;
+        let number = |place: u32| {
+            let index = places.iter().position(|&known| known == place);
+            index.map_or(f64::NAN, |index| outputs.values[index])
+        };
+        let assignments = placed.function.assignments.iter();
+        rows.push(assignments.map(|a| number(a.output.0)).collect());
+    }
+    Ok((program.cycles(), rows))
+}

@@ -1,0 +1,280 @@
+//! The cheapest program and machine that a scene can do with.
+//!
+//! A scene says what is needed, how exact and how soon. Many things can be
+//! chosen: the formulation of the equations, the passes, how sines and
+//! cosines are computed, the number format, the number of elements. They are
+//! chosen in this order, each against the scene's own tolerances and
+//! deadline, by measurement:
+//!
+//! 1. programs ([`variants`]): every formulation specialised to the scene,
+//!    with the equations as short or as few as the passes make them;
+//! 2. series ([`series`]): of each method the least order whose error leaves
+//!    room for rounding;
+//! 3. format ([`format`]): the narrowest exponent that holds what occurs, the
+//!    narrowest mantissa that meets the tolerances, found by halving;
+//! 4. elements ([`size`]): the fewest that meet the deadline, and more of
+//!    them for the front.
+//!
+//! What comes out is a list of candidates with time, error and cost, the
+//! cheapest that meets everything, and the front. **Invariant.** Nothing is
+//! taken for granted: the chosen one is measured again at other states and
+//! run cycle by cycle from its memory images ([`confirm`]).
+
+pub mod confirm;
+pub mod cost;
+mod format;
+pub mod page;
+mod ranges;
+mod series;
+mod size;
+pub mod text;
+mod variants;
+
+pub use series::{Place, Treatment};
+
+use crate::front::measure::{MeasureError, view};
+use crate::front::yardstick::{Errors, Yardstick};
+use crate::generate::Formulation;
+use cost::Resources;
+use robovec_ir::count::Counts;
+use robovec_ir::{Format, Machine, Module};
+use robovec_passes::analysis::critical_path::critical_path;
+use robovec_passes::scene::{Measure, Scene};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// What is searched for, and where.
+pub struct Task<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The general function of the scene, alone in its module, by which
+    /// everything is measured.
+    pub general: &'a Module,
+    /// The same in all formulations that are to be tried.
+    pub formulations: Vec<(Formulation, Module)>,
+    /// The machine whose elements, memories and clock are used.
+    pub machine: &'a Machine,
+    /// Where sines and cosines are computed.
+    pub trigonometry: Place,
+    /// Random states of the search; four times as many validate what it finds,
+    /// and as many others confirm what is chosen.
+    pub states: u32,
+    /// Their seed.
+    pub seed: u64,
+}
+
+/// A program made for the scene.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// Formulation and passes, in words.
+    pub name: String,
+    /// The pipeline that made it from the general equations.
+    pub pipeline: String,
+    /// The formulation it starts from.
+    pub formulation: Formulation,
+    /// How its sines and cosines are computed.
+    pub treatment: Treatment,
+    /// One function, at the atomic level.
+    pub module: Arc<Module>,
+    /// The largest error in binary64, as a share of the tolerance it uses up:
+    /// what is not rounding.
+    pub model_share: f64,
+}
+
+/// A program in a format on a number of elements.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Candidate {
+    /// Index of its program.
+    pub program: usize,
+    /// The number format.
+    pub format: String,
+    /// Elements that add, and that multiply.
+    pub elements: [u32; 2],
+    /// Operations.
+    pub operations: usize,
+    /// The longest chain, in cycles.
+    pub path: u32,
+    /// Length of the schedule, in cycles.
+    pub cycles: u32,
+    /// The same at the machine's clock, µs.
+    pub microseconds: f64,
+    /// Errors at the scene's states, everything included.
+    pub relative: crate::front::yardstick::Spread,
+    /// The same over the largest element of the array.
+    pub normwise: crate::front::yardstick::Spread,
+    /// The largest error over its tolerance: at most 1 when all are met; 0
+    /// when the scene allows any.
+    pub used: f64,
+    /// What it takes of the device.
+    pub resources: Resources,
+    /// The largest share of the device.
+    pub share: f64,
+    /// Tolerances and deadline are met, and the device has room.
+    pub meets: bool,
+}
+
+/// What was found.
+pub struct Outcome {
+    /// The programs.
+    pub programs: Vec<Program>,
+    /// Everything that was placed and measured.
+    pub candidates: Vec<Candidate>,
+    /// Index of the cheapest that meets everything; `None` when none does.
+    pub chosen: Option<usize>,
+}
+
+/// Told what is being done.
+pub type Progress<'a> = &'a mut dyn FnMut(&str);
+
+/// Why nothing could be searched.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum FitError {
+    /// A program could not be made or measured.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+    /// No program could be made at all.
+    #[error("no formulation gives a program for this scene: {0}")]
+    NoProgram(String),
+}
+
+/// Searches.
+///
+/// # Errors
+///
+/// See [`FitError`]. That nothing meets the scene is no error: the outcome
+/// then has no chosen candidate, and its front shows what is possible.
+pub fn fit(task: &Task<'_>, progress: Progress<'_>) -> Result<Outcome, FitError> {
+    let search = yardstick(task, task.states, task.seed);
+    let validation = yardstick(task, task.states * MORE, task.seed.wrapping_add(1));
+    let mut programs = variants::programs(task, &search, progress)?;
+    series::write(task, &search, &mut programs, progress)?;
+    let mut candidates = Vec::new();
+    for (index, program) in programs.iter().enumerate() {
+        progress(&format!(
+            "{}, {}: formats and elements",
+            program.name, program.treatment
+        ));
+        let formats = format::formats(task, program, &search, &validation)?;
+        for size in size::sizes(task, program) {
+            for (format, errors) in &formats {
+                let found = candidate(task, (index, program), *format, errors, &size);
+                candidates.push(found);
+            }
+        }
+    }
+    let cheapest = candidates
+        .iter()
+        .enumerate()
+        .filter(|(_, candidate)| candidate.meets)
+        .min_by(|(_, a), (_, b)| {
+            let order = a.share.total_cmp(&b.share);
+            let order = order.then(
+                a.resources
+                    .look_up_tables
+                    .total_cmp(&b.resources.look_up_tables),
+            );
+            order.then(a.cycles.cmp(&b.cycles))
+        });
+    Ok(Outcome {
+        chosen: cheapest.map(|(index, _)| index),
+        programs,
+        candidates,
+    })
+}
+
+/// How many times as many states as the search looks at validate, and confirm.
+const MORE: u32 = 4;
+
+/// The general function at random states of the scene.
+fn yardstick(task: &Task<'_>, states: u32, seed: u64) -> Yardstick {
+    let source = task.scene.states(seed);
+    Yardstick::new(view(task.general), &source, states)
+}
+
+fn candidate(
+    task: &Task<'_>,
+    (index, program): (usize, &Program),
+    format: Format,
+    errors: &Errors,
+    size: &size::Size,
+) -> Candidate {
+    let machine = size.machine(task.machine);
+    let resources = cost::resources(&machine, format, size.cycles, size.words);
+    let function = &program.module.functions[0];
+    let microseconds = f64::from(size.cycles) / task.machine.clock_mhz;
+    let used = used(task.scene, program, errors);
+    let in_time = task
+        .scene
+        .deadline
+        .is_none_or(|deadline| microseconds <= deadline);
+    Candidate {
+        program: index,
+        format: format.to_string(),
+        elements: size.elements,
+        operations: Counts::of(function).operations,
+        path: critical_path(function, task.machine).asap_cycle,
+        cycles: size.cycles,
+        microseconds,
+        relative: errors.relative,
+        normwise: errors.normwise,
+        used,
+        resources,
+        share: resources.share(),
+        meets: in_time
+            && used <= 1.0
+            && errors.normwise.worst.is_finite()
+            && resources.share() <= 1.0,
+    }
+}
+
+/// The largest error of any output over its tolerance.
+fn used(scene: &Scene, program: &Program, errors: &Errors) -> f64 {
+    let view = view(&program.module);
+    let mut used = 0.0f64;
+    for (assignment, output) in view.function.assignments.iter().zip(&errors.outputs) {
+        for tolerance in scene.tolerances(view, assignment.output) {
+            let error = match tolerance.measure {
+                Measure::Norm => output.normwise,
+                Measure::Relative => output.relative,
+                Measure::Absolute => output.absolute,
+            };
+            used = used.max(error / tolerance.bound);
+        }
+    }
+    used
+}
+
+/// True when the first is nowhere worse than the second and somewhere better:
+/// in time, in the share of the device and in the error.
+pub fn dominates(first: &Candidate, second: &Candidate) -> bool {
+    let measures = |candidate: &Candidate| {
+        [
+            candidate.microseconds,
+            candidate.share,
+            candidate.normwise.worst,
+        ]
+    };
+    let (first, second) = (measures(first), measures(second));
+    let pairs = || first.iter().zip(&second);
+    pairs().all(|(a, b)| a <= b) && pairs().any(|(a, b)| a < b)
+}
+
+impl Outcome {
+    /// The candidates that no other one dominates, by time: of those that
+    /// meet the scene, or of all when none does.
+    pub fn front(&self) -> Vec<usize> {
+        let any = self.candidates.iter().any(|candidate| candidate.meets);
+        let counts = |candidate: &Candidate| candidate.meets || !any;
+        let beaten = |candidate: &Candidate| {
+            let mut others = self.candidates.iter().filter(|other| counts(other));
+            others.any(|other| dominates(other, candidate))
+        };
+        let mut front: Vec<usize> = (0..self.candidates.len())
+            .filter(|&index| counts(&self.candidates[index]))
+            .filter(|&index| !beaten(&self.candidates[index]))
+            .collect();
+        let time = |index: usize| self.candidates[index].microseconds;
+        front.sort_by(|&a, &b| time(a).total_cmp(&time(b)));
+        front
+    }
+}

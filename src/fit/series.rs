@@ -1,0 +1,128 @@
+//! Sines and cosines on the elements: of each method the least order whose
+//! error leaves room for rounding.
+
+use super::{FitError, Program, Progress, Task, used};
+use crate::front::measure::{MeasureError, run_scene, view};
+use crate::front::yardstick::Yardstick;
+use robovec_ir::Format;
+use serde::Serialize;
+use std::fmt;
+use std::sync::Arc;
+
+/// Where sines and cosines are computed.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Place {
+    /// Before the run, exactly but for one rounding.
+    #[default]
+    Host,
+    /// By the elements, as series.
+    Elements,
+}
+
+/// How the sines and cosines of a program are computed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Treatment {
+    /// As they are, before the run.
+    True,
+    /// By a Taylor polynomial of an order.
+    Taylor(u32),
+    /// By a minimax polynomial of an order.
+    Minimax(u32),
+}
+
+impl Treatment {
+    /// The pass that writes it; `None` for [`Treatment::True`].
+    fn pass(self) -> Option<String> {
+        match self {
+            Treatment::True => None,
+            Treatment::Taylor(order) => {
+                Some(format!("trigonometry{{method=taylor order={order}}}"))
+            }
+            Treatment::Minimax(order) => {
+                Some(format!("trigonometry{{method=minimax order={order}}}"))
+            }
+        }
+    }
+}
+
+impl fmt::Display for Treatment {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Treatment::True => formatter.write_str("true sin and cos"),
+            Treatment::Taylor(order) => write!(formatter, "Taylor order {order}"),
+            Treatment::Minimax(order) => write!(formatter, "minimax order {order}"),
+        }
+    }
+}
+
+/// The part of a tolerance that a series may use up; the rest is for
+/// rounding, whose format is chosen afterwards.
+const MODEL_PART: f64 = 0.5;
+
+/// Orders that are tried.
+const ORDERS: [u32; 7] = [1, 3, 5, 7, 9, 11, 13];
+
+/// What is run behind a series: its products shared with others, its sums in
+/// time.
+const BEHIND: &str = "fold,zero-removal,balance,cse,dce";
+
+/// Writes sines and cosines as series where the task asks for it: every
+/// program becomes one per method and order, up to the first order that is
+/// exact enough. Programs without sines and cosines stay as they are.
+pub(super) fn write(
+    task: &Task<'_>,
+    yardstick: &Yardstick,
+    programs: &mut Vec<Program>,
+    progress: Progress<'_>,
+) -> Result<(), FitError> {
+    if task.trigonometry == Place::Host {
+        return Ok(());
+    }
+    let mut written = Vec::new();
+    for program in programs.drain(..) {
+        let nodes = program.module.functions[0].nodes();
+        if !nodes.iter().any(|node| node.operation.is_trigonometric()) {
+            written.push(program);
+            continue;
+        }
+        progress(&format!("{}: series", program.name));
+        for method in [Treatment::Taylor, Treatment::Minimax] {
+            for treatment in ORDERS.map(method) {
+                let new = with_series(task, yardstick, &program, treatment)?;
+                let enough = new.model_share <= MODEL_PART;
+                written.push(new);
+                if enough {
+                    break;
+                }
+            }
+        }
+    }
+    *programs = written;
+    Ok(())
+}
+
+fn with_series(
+    task: &Task<'_>,
+    yardstick: &Yardstick,
+    program: &Program,
+    treatment: Treatment,
+) -> Result<Program, FitError> {
+    let Some(pass) = treatment.pass() else {
+        return Ok(program.clone());
+    };
+    let stage = format!("{pass},{BEHIND}");
+    let module = run_scene(&program.module, &stage, task.machine, Some(task.scene))?;
+    let errors = yardstick
+        .errors(view(&module), Format::BINARY64)
+        .map_err(MeasureError::from)?;
+    let mut new = Program {
+        pipeline: format!("{},{stage}", program.pipeline),
+        treatment,
+        module: Arc::new(module),
+        ..program.clone()
+    };
+    new.model_share = used(task.scene, &new, &errors);
+    Ok(new)
+}

@@ -1,0 +1,121 @@
+//! How many elements: the fewest that meet the deadline, and more.
+
+use super::{Program, Task};
+use crate::front::measure::with_elements;
+use robovec_ir::count::Counts;
+use robovec_ir::{Machine, Operation};
+use robovec_passes::place::{PlaceOptions, place, placement_statistics, schedule_bound};
+
+/// The most elements of a kind.
+const MOST: u32 = 64;
+
+/// A machine with its schedule.
+pub(super) struct Size {
+    /// Elements that add, and that multiply.
+    pub(super) elements: [u32; 2],
+    /// Length of the schedule.
+    pub(super) cycles: u32,
+    /// The most words of memory in one element.
+    pub(super) words: u32,
+}
+
+impl Size {
+    /// The machine with these numbers of elements.
+    pub(super) fn machine(&self, machine: &Machine) -> Machine {
+        sized(machine, self.elements)
+    }
+}
+
+pub(super) fn sized(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
+    let mut machine = with_elements(machine, add);
+    for operation in [Operation::Mul, Operation::Fma] {
+        if let Some(kind) = machine.kind_of(operation) {
+            machine.elements[kind].count = multi;
+        }
+    }
+    machine
+}
+
+/// The sizes a program is placed on: equal numbers by powers of two up to the
+/// longest chain, and the fewest adders and multipliers within the deadline.
+pub(super) fn sizes(task: &Task<'_>, program: &Program) -> Vec<Size> {
+    let mut sizes: Vec<Size> = Vec::new();
+    let mut count = 1;
+    while count <= MOST {
+        let size = attempt(task, program, [count, count]);
+        let shorter = match (&size, sizes.last()) {
+            (Some(size), Some(last)) => size.cycles < last.cycles,
+            (Some(_), None) => true,
+            (None, _) => false,
+        };
+        match size {
+            Some(size) if shorter => sizes.push(size),
+            Some(_) => break,
+            None => {}
+        }
+        count *= 2;
+    }
+    sizes.extend(fewest(task, program));
+    sizes
+}
+
+fn attempt(task: &Task<'_>, program: &Program, elements: [u32; 2]) -> Option<Size> {
+    let machine = sized(task.machine, elements);
+    let mut function = program.module.functions[0].clone();
+    let placed = place(&mut function, &machine, PlaceOptions::default()).ok()?;
+    let statistics = placement_statistics(&function, &machine)?;
+    let words = statistics.kinds.iter().map(|kind| kind.memory.max).max();
+    Some(Size {
+        elements,
+        cycles: placed.cycles,
+        words: words.unwrap_or(1),
+    })
+}
+
+/// The fewest elements within the deadline: from as many as the work needs,
+/// one more of the kind that the work bound calls for until the schedule is
+/// short enough; then fewer again, as long as it stays so.
+fn fewest(task: &Task<'_>, program: &Program) -> Option<Size> {
+    let deadline = (task.scene.deadline? * task.machine.clock_mhz).floor();
+    if deadline < 1.0 {
+        return None;
+    }
+    let deadline = deadline.min(f64::from(u32::MAX)) as u32;
+    let function = &program.module.functions[0];
+    let counts = Counts::of(function);
+    let needed = |operations: usize| (operations as u32).div_ceil(deadline).max(1);
+    let mut elements = [needed(counts.add_sub), needed(counts.mul)];
+    // No number of elements beats the longest chain.
+    let many = sized(task.machine, [MOST, MOST]);
+    if schedule_bound(function, &many).ok()? > deadline {
+        return None;
+    }
+    loop {
+        if elements.iter().any(|&count| count > MOST) {
+            return None;
+        }
+        let size = attempt(task, program, elements)?;
+        if size.cycles <= deadline {
+            return Some(fewer(task, program, size, deadline));
+        }
+        // The kind with more work per element comes first.
+        let load = [counts.add_sub, counts.mul].map(|work| work as f64);
+        let share = |kind: usize| load[kind] / f64::from(elements[kind]);
+        let kind = usize::from(share(1) >= share(0));
+        elements[kind] += 1;
+    }
+}
+
+fn fewer(task: &Task<'_>, program: &Program, mut size: Size, deadline: u32) -> Size {
+    for kind in [1, 0] {
+        while size.elements[kind] > 1 {
+            let mut elements = size.elements;
+            elements[kind] -= 1;
+            match attempt(task, program, elements) {
+                Some(less) if less.cycles <= deadline => size = less,
+                Some(_) | None => break,
+            }
+        }
+    }
+    size
+}

@@ -1,0 +1,178 @@
+//! Speed against error: every way to compute a function as a point, and the
+//! points that no other one beats.
+//!
+//! A point has a time (cycles on a machine with so many elements) and an
+//! error (everything included: series, rounding, data that the format cannot
+//! hold). One point *dominates* another that is nowhere better and somewhere
+//! worse: in time, in the median and in the worst case. What is not dominated
+//! is the front, and the only place where there is something to choose.
+
+pub mod choice;
+pub mod measure;
+pub mod page;
+pub mod text;
+pub mod yardstick;
+
+use crate::generate::Formulation;
+use crate::study::cpu;
+use choice::Choice;
+use measure::{MeasureError, Point, Workshop, measure};
+use robovec_ir::states::States;
+use robovec_ir::{Machine, Module};
+use serde::Serialize;
+use yardstick::Yardstick;
+
+/// What is asked.
+#[derive(Clone, Debug)]
+pub struct Question<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// Numbers of elements per kind.
+    pub elements: &'a [u32],
+    /// Where states come from.
+    pub states: &'a States,
+    /// How many.
+    pub count: u32,
+    /// The largest position of the states, rad.
+    pub angle: f64,
+    /// Also compile every program with the C compiler and time it here.
+    pub cpu: bool,
+}
+
+/// The front of one function.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Front {
+    /// The model or file.
+    pub name: String,
+    /// Operations of the equations as they came.
+    pub operations: usize,
+    /// Numbers of elements per kind.
+    pub elements: Vec<u32>,
+    /// States measured at.
+    pub states: u32,
+    /// All points.
+    pub points: Vec<Point>,
+    /// For every choice of the thesis and every number of elements the best
+    /// of ours that dominates it.
+    pub verdicts: Vec<Verdict>,
+}
+
+/// Whether a choice of the thesis is dominated.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Verdict {
+    /// Index of the thesis' point.
+    pub point: usize,
+    /// Index of the number of elements.
+    pub elements: usize,
+    /// Index of the point of ours that dominates it: the fastest, the most
+    /// accurate among the fastest. `None` when there is none.
+    pub by: Option<usize>,
+    /// The same among ours in the format of the thesis' choice.
+    pub in_its_format: Option<usize>,
+}
+
+/// Told of every choice before it is measured.
+pub type Progress<'a> = &'a mut dyn FnMut(&str);
+
+/// Measures all choices for a function: `module` holds it alone, as it came;
+/// `others` the same in other formulations.
+///
+/// # Errors
+///
+/// When a pass gives up on it, or a formulation computes something else.
+pub fn front(
+    name: &str,
+    module: &Module,
+    others: Vec<(Formulation, Module)>,
+    question: &Question<'_>,
+    progress: Progress<'_>,
+) -> Result<Front, MeasureError> {
+    let view = measure::view(module);
+    let operations = robovec_ir::count::Counts::of(view.function).operations;
+    let yardstick = Yardstick::new(view, question.states, question.count);
+    let mut workshop = Workshop::new(question.machine, module.clone());
+    let formulations: Vec<Formulation> =
+        others.iter().map(|(formulation, _)| *formulation).collect();
+    for (formulation, module) in others {
+        workshop.add(formulation, module);
+    }
+    let mut choices: Vec<Choice> = choice::of_the_thesis();
+    choices.extend(choice::ours(operations, &formulations, question.angle));
+    let mut points = Vec::new();
+    for choice in &choices {
+        progress(&choice.name);
+        let program = workshop.program(choice)?;
+        let (machine, elements) = (question.machine, question.elements);
+        let mut measured = measure(choice, &program, machine, elements, &yardstick)?;
+        if question.cpu && operations <= cpu::LARGEST {
+            measure::time(&program, &mut measured);
+        }
+        points.extend(measured);
+    }
+    let verdicts = verdicts(&points, question.elements.len());
+    Ok(Front {
+        name: name.to_owned(),
+        operations,
+        elements: question.elements.to_vec(),
+        states: question.count,
+        points,
+        verdicts,
+    })
+}
+
+/// True when the first point is nowhere worse than the second and somewhere
+/// better, with the given number of elements: in cycles, in the median of the
+/// relative errors and in the worst normwise error.
+pub fn dominates(first: &Point, second: &Point, elements: usize) -> bool {
+    let measures = |point: &Point| {
+        let cycles = point.cycles[elements].map_or(f64::INFINITY, f64::from);
+        [cycles, point.relative.median, point.normwise.worst]
+    };
+    let (first, second) = (measures(first), measures(second));
+    let pairs = || first.iter().zip(&second);
+    pairs().all(|(a, b)| a <= b) && pairs().any(|(a, b)| a < b)
+}
+
+impl Front {
+    /// The points that no other one dominates, by cycles.
+    pub fn undominated(&self, elements: usize) -> Vec<usize> {
+        let beaten = |point: &Point| {
+            let others = self.points.iter();
+            others
+                .into_iter()
+                .any(|other| dominates(other, point, elements))
+        };
+        let mut front: Vec<usize> = (0..self.points.len())
+            .filter(|&index| self.points[index].cycles[elements].is_some())
+            .filter(|&index| !beaten(&self.points[index]))
+            .collect();
+        front.sort_by_key(|&index| self.points[index].cycles[elements]);
+        front
+    }
+}
+
+fn verdicts(points: &[Point], elements: usize) -> Vec<Verdict> {
+    let mut verdicts = Vec::new();
+    for (index, point) in points.iter().enumerate().filter(|(_, point)| point.thesis) {
+        for count in 0..elements {
+            let best = |same_format: bool| {
+                let better = points.iter().enumerate().filter(|(_, other)| {
+                    let comparable = !same_format || other.format == point.format;
+                    !other.thesis && comparable && dominates(other, point, count)
+                });
+                let best = better.min_by(|(_, a), (_, b)| {
+                    let order = a.cycles[count].cmp(&b.cycles[count]);
+                    order.then(a.normwise.worst.total_cmp(&b.normwise.worst))
+                });
+                best.map(|(index, _)| index)
+            };
+            verdicts.push(Verdict {
+                point: index,
+                elements: count,
+                by: best(false),
+                in_its_format: best(true),
+            });
+        }
+    }
+    verdicts
+}

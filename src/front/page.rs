@@ -1,0 +1,52 @@
+//! Fronts as a page: one HTML file that needs nothing else.
+
+use super::Front;
+use super::text::{figure, points_table, verdicts_table};
+use crate::study::page::{STYLE, figure as drawn, fill, table};
+use crate::study::plot::Escaped;
+
+pub(crate) const TEMPLATE: &str = include_str!("page.html");
+
+/// The page of some fronts.
+pub fn page(fronts: &[Front], machine: &robovec_ir::Machine) -> String {
+    let names: Vec<&str> = fronts.iter().map(|front| front.name.as_str()).collect();
+    let subtitle = format!(
+        "{}. Machine {}: {}, {} MHz. Computed by robovec {}.",
+        names.join(", "),
+        machine.name,
+        machine.description,
+        machine.clock_mhz,
+        env!("CARGO_PKG_VERSION")
+    );
+    // Fronts are plain data; numbers that are not finite become null.
+    let data = serde_json::to_string(fronts).unwrap_or_default();
+    let parts = [
+        ("title", "Speed against error".to_owned()),
+        ("subtitle", Escaped(&subtitle).to_string()),
+        ("css", STYLE.to_owned()),
+        (
+            "figures",
+            table(&verdicts_table(fronts)) + &drawn(&figure(fronts)),
+        ),
+        ("points", "All points".to_owned()),
+        ("tables", table(&points_table(fronts))),
+        ("method", METHOD.to_owned()),
+        // A closing tag inside a string would end the script.
+        ("data", data.replace("</", "<\\/")),
+    ];
+    fill(TEMPLATE, &parts)
+}
+
+/// What the numbers mean.
+const METHOD: &str = "<p>Every point is a program: a way to write the equations, a pipeline of \
+passes, a treatment of sines and cosines, a number format. It is placed on the machine; the \
+schedule's length is its time. It is then run at random states, and its results are compared with \
+those of the equations as they came, in double-double arithmetic with true sines and cosines. The \
+error is therefore that of everything together.</p>\
+<p><b>Relative</b>: over the element itself; elements that vanish are left out. <b>Normwise</b>: \
+the largest error of an array over its largest element. <b>Front</b>: no other point is nowhere \
+worse and somewhere better in cycles, in the median of the relative errors and in the worst \
+normwise error.</p>\
+<p>Inputs are numbers of binary32, so that formats of at least its width start from the same \
+state. Sines and cosines that are not written as series are prepared before the run, as in the \
+thesis, and cost no cycles.</p>";

@@ -1,0 +1,328 @@
+//! Exact results of a function at states, and how far other programs for the
+//! same quantities are from them.
+//!
+//! Programs made from one another keep the names of their arrays, but a
+//! specialised one has lost inputs and outputs, one with series has other
+//! sines, one of another formulation other equations. Names are therefore
+//! what ties a program to its yardstick, and what is measured is everything
+//! at once: model, series and rounding.
+
+use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_ir::batch::Batch;
+use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::print::{print_operand, print_output};
+use robovec_ir::soft_float::FormatArithmetic;
+use robovec_ir::states::States;
+use robovec_ir::{Format, Input, View};
+use std::array;
+use std::collections::BTreeMap;
+
+/// States evaluated at a time.
+const LANES: usize = 4;
+
+/// An element that is below this part of the largest of its array is zero but
+/// for the rounding of the reference itself, as in
+/// [`robovec_passes::analysis::accuracy`].
+const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
+
+/// Exact results at states.
+pub struct Yardstick {
+    /// Where each input element of the exact function lies in a state.
+    places: BTreeMap<String, usize>,
+    /// Numbers of all input elements, state by state.
+    states: Vec<Vec<f64>>,
+    /// The exact results, output by output, and of which array each is.
+    outputs: BTreeMap<String, usize>,
+    arrays: Vec<usize>,
+    exact: Vec<Vec<Double>>,
+}
+
+/// Why a program cannot be measured.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum Unmeasurable {
+    /// It reads something that the yardstick's function does not.
+    #[error("the program reads '{0}', which the function it is measured by does not have")]
+    Input(String),
+    /// It computes something that the yardstick's function does not.
+    #[error("the program computes '{0}', which the function it is measured by does not")]
+    Output(String),
+}
+
+/// Three places in a distribution of errors.
+#[derive(Clone, Copy, PartialEq, Default, Debug, serde::Serialize)]
+pub struct Spread {
+    /// Half of the errors are at or below it.
+    pub median: f64,
+    /// 99 of 100 errors are at or below it.
+    pub percentile_99: f64,
+    /// The largest; infinite when a result was not finite.
+    pub worst: f64,
+}
+
+/// How far a program is from the exact results.
+#[derive(Clone, PartialEq, Default, Debug)]
+pub struct Errors {
+    /// Of every element in every state, relative to its exact value.
+    pub relative: Spread,
+    /// Of every array in every state: its largest error over its largest
+    /// element.
+    pub normwise: Spread,
+    /// For every output of the program its largest absolute, relative and
+    /// normwise error in any state, with the number of the state with the
+    /// largest normwise one.
+    pub outputs: Vec<OutputError>,
+}
+
+/// The largest errors of one output.
+#[derive(Clone, PartialEq, Debug)]
+pub struct OutputError {
+    /// Its name, as `qdd[3]`.
+    pub name: String,
+    /// In the output's unit.
+    pub absolute: f64,
+    /// Over its exact value.
+    pub relative: f64,
+    /// Over the largest element of its array among those the program
+    /// computes, in the same state.
+    pub normwise: f64,
+    /// The state of the largest normwise error, counted from 0.
+    pub worst_state: usize,
+}
+
+impl Yardstick {
+    /// Evaluates a function exactly at a number of states. Where a scene binds
+    /// an input, its states have that number as it is, not rounded.
+    pub fn new(view: View<'_>, source: &States, count: u32) -> Yardstick {
+        let names = input_names(view);
+        let states = (0..count).map(|index| source.draw(view, index));
+        let states: Vec<Vec<f64>> = states.collect();
+        let outputs = view.function.outputs();
+        let assignments = view.function.assignments.iter().enumerate();
+        Yardstick {
+            places: names
+                .into_iter()
+                .enumerate()
+                .map(|(i, name)| (name, i))
+                .collect(),
+            exact: in_lanes(view, DoubleDouble, &states),
+            states,
+            outputs: assignments
+                .map(|(index, assignment)| (print_output(view, assignment.output), index))
+                .collect(),
+            // Empty arrays share an offset with the next.
+            arrays: (view.function.assignments.iter())
+                .map(|a| outputs.partition_point(|array| array.offset <= a.output.0) - 1)
+                .collect(),
+        }
+    }
+
+    /// The number of states.
+    pub fn len(&self) -> usize {
+        self.states.len()
+    }
+
+    /// True without states.
+    pub fn is_empty(&self) -> bool {
+        self.states.is_empty()
+    }
+
+    /// The inputs of a program in every state.
+    ///
+    /// # Errors
+    ///
+    /// See [`Unmeasurable`].
+    pub fn inputs(&self, view: View<'_>) -> Result<Vec<Vec<f64>>, Unmeasurable> {
+        let names = input_names(view);
+        let places: Result<Vec<usize>, Unmeasurable> = names
+            .into_iter()
+            .map(|name| {
+                self.places
+                    .get(&name)
+                    .copied()
+                    .ok_or(Unmeasurable::Input(name))
+            })
+            .collect();
+        let places = places?;
+        let pick = |state: &Vec<f64>| places.iter().map(|&place| state[place]).collect();
+        Ok(self.states.iter().map(pick).collect())
+    }
+
+    /// The errors of a program computed in a format.
+    ///
+    /// # Errors
+    ///
+    /// See [`Unmeasurable`].
+    pub fn errors(&self, view: View<'_>, format: Format) -> Result<Errors, Unmeasurable> {
+        let inputs = self.inputs(view)?;
+        self.judge(view, &results(view, format, &inputs))
+    }
+
+    /// The errors of results that were computed elsewhere: for each state the
+    /// outputs of a program, in the order of its assignments.
+    ///
+    /// # Errors
+    ///
+    /// See [`Unmeasurable`].
+    pub fn judge(&self, view: View<'_>, results: &[Vec<f64>]) -> Result<Errors, Unmeasurable> {
+        let names = view.function.assignments.iter();
+        let names: Vec<String> = names.map(|a| print_output(view, a.output)).collect();
+        let rows: Result<Vec<usize>, Unmeasurable> = names
+            .iter()
+            .map(|name| {
+                let row = self.outputs.get(name).copied();
+                row.ok_or_else(|| Unmeasurable::Output(name.clone()))
+            })
+            .collect();
+        let rows = rows?;
+        let mut tally = Tally {
+            relative: Vec::new(),
+            normwise: Vec::new(),
+            outputs: names.into_iter().map(OutputError::none).collect(),
+        };
+        for (state, (exact, computed)) in self.exact.iter().zip(results).enumerate() {
+            tally.add(state, &rows, &self.arrays, exact, computed);
+        }
+        Ok(Errors {
+            relative: Spread::of(&mut tally.relative),
+            normwise: Spread::of(&mut tally.normwise),
+            outputs: tally.outputs,
+        })
+    }
+}
+
+/// Errors, state after state.
+struct Tally {
+    relative: Vec<f64>,
+    normwise: Vec<f64>,
+    outputs: Vec<OutputError>,
+}
+
+impl Tally {
+    fn add(
+        &mut self,
+        state: usize,
+        rows: &[usize],
+        arrays: &[usize],
+        exact: &[Double],
+        computed: &[f64],
+    ) {
+        let mut norms: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+        let distance = |exact: Double, computed: f64| match computed.is_finite() {
+            true => exact.distance(computed),
+            false => f64::INFINITY,
+        };
+        for (&row, &computed) in rows.iter().zip(computed) {
+            if exact[row].high.is_finite() {
+                let norm = norms.entry(arrays[row]).or_default();
+                norm.0 = norm.0.max(distance(exact[row], computed));
+                norm.1 = norm.1.max(exact[row].high.abs());
+            }
+        }
+        for ((&row, &computed), output) in rows.iter().zip(computed).zip(&mut self.outputs) {
+            let Some(&(_, size)) = norms.get(&arrays[row]) else {
+                continue;
+            };
+            if !exact[row].high.is_finite() {
+                continue;
+            }
+            let absolute = distance(exact[row], computed);
+            let own = exact[row].high.abs();
+            let normwise = quotient(absolute, size);
+            output.absolute = output.absolute.max(absolute);
+            if normwise > output.normwise {
+                (output.normwise, output.worst_state) = (normwise, state);
+            }
+            if absolute == 0.0 || own > size * VANISHING {
+                let relative = quotient(absolute, own);
+                output.relative = output.relative.max(relative);
+                self.relative.push(relative);
+            }
+        }
+        let norms = norms
+            .values()
+            .filter(|(error, size)| *error > 0.0 || *size > 0.0);
+        self.normwise
+            .extend(norms.map(|&(error, size)| quotient(error, size)));
+    }
+}
+
+impl OutputError {
+    fn none(name: String) -> OutputError {
+        OutputError {
+            name,
+            absolute: 0.0,
+            relative: 0.0,
+            normwise: 0.0,
+            worst_state: 0,
+        }
+    }
+}
+
+impl Spread {
+    /// The places in a population, which is reordered; zero for an empty one.
+    pub fn of(errors: &mut [f64]) -> Spread {
+        errors.sort_unstable_by(f64::total_cmp);
+        let place = |part: usize, of: usize| match errors.len() {
+            0 => 0.0,
+            count => errors[(count * part).div_ceil(of) - 1],
+        };
+        Spread {
+            median: place(1, 2),
+            percentile_99: place(99, 100),
+            worst: place(1, 1),
+        }
+    }
+}
+
+/// The error over the size; no error is 0 whatever the size.
+fn quotient(error: f64, size: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / size }
+}
+
+fn input_names(view: View<'_>) -> Vec<String> {
+    let inputs = 0..view.function.input_len() as u32;
+    inputs
+        .map(|index| print_operand(view, Input(index).into()))
+        .collect()
+}
+
+/// The outputs of a program at states, in a format, as binary64 (which holds
+/// the numbers of every format).
+pub fn results(view: View<'_>, format: Format, states: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    match format {
+        Format::BINARY64 => in_lanes(view, Binary64, states),
+        Format::BINARY32 => {
+            let results = in_lanes(view, Binary32, states);
+            let wide = |row: Vec<f32>| row.into_iter().map(f64::from).collect();
+            results.into_iter().map(wide).collect()
+        }
+        other => in_lanes(view, FormatArithmetic::new(other), states),
+    }
+}
+
+/// The outputs of a function at states, a few at a time.
+fn in_lanes<A: Arithmetic + Clone>(
+    view: View<'_>,
+    arithmetic: A,
+    states: &[Vec<f64>],
+) -> Vec<Vec<A::Number>> {
+    let batch: Batch<A, LANES> = Batch(array::from_fn(|_| arithmetic.clone()));
+    let mut results = Vec::with_capacity(states.len());
+    for group in states.chunks(LANES) {
+        let inputs: [Vec<A::Number>; LANES] = array::from_fn(|lane| {
+            // A last group that is not full repeats its first state.
+            let state = group.get(lane).unwrap_or(&group[0]);
+            state
+                .iter()
+                .map(|&number| arithmetic.literal(number))
+                .collect()
+        });
+        let inputs = Batch::<A, LANES>::gather(&inputs);
+        let outputs = evaluate(view.function, &batch, &inputs);
+        for lane in 0..group.len() {
+            results.push(outputs.iter().map(|lanes| lanes[lane]).collect());
+        }
+    }
+    results
+}
