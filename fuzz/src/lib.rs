@@ -3,6 +3,7 @@
 
 pub mod equations;
 pub mod errors;
+pub mod formats;
 pub mod generate;
 pub mod generated;
 pub mod images;
@@ -20,6 +21,7 @@ pub mod text;
 pub mod written;
 
 pub use errors::errors_stay_within_bounds;
+pub use formats::formats_agree;
 pub use images::simulate_garbage;
 pub use inlined::inline_undoes_atomise;
 pub use models::{model_round_trip, read_model};

@@ -6,8 +6,12 @@
 //! (thesis 1.1 to 1.3). Nothing about a machine is a constant in code: all of
 //! it comes from a TOML file (`machines/`), described field by field below.
 
+use crate::format::Format;
 use crate::operation::Operation;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// A target machine.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
@@ -39,9 +43,9 @@ pub struct Machine {
     pub resources: Option<Resources>,
 }
 
-/// A binary floating-point format.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// A binary floating-point format. In files it is a table of these fields,
+/// or its name as in [`Format::from_str`](crate::Format): `"float(8,17)"`.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize)]
 pub struct NumberFormat {
     /// Width of the exponent, in bits.
     pub exponent: u32,
@@ -49,6 +53,47 @@ pub struct NumberFormat {
     pub mantissa: u32,
     /// Whether subnormal numbers are kept (true) or flushed to zero.
     pub subnormals: bool,
+}
+
+impl<'de> Deserialize<'de> for NumberFormat {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<NumberFormat, D::Error> {
+        deserializer.deserialize_any(NumberFormatVisitor)
+    }
+}
+
+/// Reads a number format from a table or a name.
+struct NumberFormatVisitor;
+
+impl<'de> Visitor<'de> for NumberFormatVisitor {
+    type Value = NumberFormat;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a table with exponent, mantissa and subnormals, or a name as \"f32\"")
+    }
+
+    fn visit_str<E: de::Error>(self, name: &str) -> Result<NumberFormat, E> {
+        match name.parse() {
+            Ok(Format::Float(format)) => Ok(format),
+            Ok(Format::Fixed(_)) => Err(E::custom("a machine computes in a floating-point format")),
+            Err(error) => Err(E::custom(error)),
+        }
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, fields: A) -> Result<NumberFormat, A::Error> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Fields {
+            exponent: u32,
+            mantissa: u32,
+            subnormals: bool,
+        }
+        let fields = Fields::deserialize(MapAccessDeserializer::new(fields))?;
+        Ok(NumberFormat {
+            exponent: fields.exponent,
+            mantissa: fields.mantissa,
+            subnormals: fields.subnormals,
+        })
+    }
 }
 
 impl Default for NumberFormat {
@@ -235,7 +280,7 @@ impl Machine {
                 self.clock_mhz
             ));
         }
-        if !(2..=11).contains(&self.number.exponent) || !(1..=52).contains(&self.number.mantissa) {
+        if !self.format().is_possible() {
             return fail(
                 "the number format must have 2 to 11 exponent and 1 to 52 mantissa bits".to_owned(),
             );
@@ -297,6 +342,11 @@ impl Machine {
         Ok(())
     }
 
+    /// The format that all elements and memories have.
+    pub fn format(&self) -> Format {
+        Format::Float(self.number)
+    }
+
     /// Index into [`Machine::elements`] of the kind that performs an
     /// operation.
     pub fn kind_of(&self, operation: Operation) -> Option<usize> {
@@ -348,6 +398,25 @@ mod tests {
         assert_eq!(machine.weight(Operation::Neg), 12);
         assert_eq!(machine.weight(Operation::Mul), 7);
         assert_eq!(machine.weight(Operation::Sin), 0);
+    }
+
+    #[test]
+    fn number_formats_are_tables_or_names() {
+        let text = include_str!("../../machines/thesis.toml");
+        let start = text.find("[number]").expect("it has a format");
+        let (before, table) = text.split_at(start);
+        let end = table.find("\n\n").expect("more follows");
+        let named =
+            |name: &str| Machine::parse(&format!("number = {name}\n{before}{}", &table[end..]));
+        let machine = named("\"float(8,17,flush)\"").expect("it is a format");
+        assert_eq!(machine.format().to_string(), "float(8,17,flush)");
+        assert_eq!(
+            named("\"f32\""),
+            Ok(Machine::built_in("thesis").expect("it ships"))
+        );
+        for wrong in ["\"f31\"", "\"fixed(3,4)\"", "32", "{exponent = 8}"] {
+            assert!(named(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -48,8 +48,8 @@ pub(super) struct EvalArguments {
     #[arg(long, default_value = "recursive",
           value_parser = generation::formulations())]
     formulation: String,
-    /// Numbers: f32, f64, double-double, field (a prime field), or a number
-    /// of bits
+    /// Numbers: a format (f16, bf16, f32, f64, float(8,17), float(8,17,flush),
+    /// fixed(12,19)), double-double, field (a prime field), or a number of bits
     #[arg(long, value_name = "KIND", default_value = "f64")]
     number: Number,
     /// How the result is written

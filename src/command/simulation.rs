@@ -2,9 +2,9 @@
 
 use super::Failure;
 use crate::simulate::Program;
-use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
-use robovec_ir::evaluate::evaluate;
+use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::print::print_output;
+use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, View};
 use robovec_passes::codegen::write_images;
@@ -54,16 +54,11 @@ fn compare(view: View<'_>, machine: &Machine, states: u32, draws: &States) -> Re
     write_images(view, machine, None, &mut files).map_err(|error| error.to_string())?;
     let program = Program::load(&files, machine).map_err(|error| error.to_string())?;
     let places: Vec<u32> = program.outputs().map(|(_, place)| place).collect();
+    let arithmetic = FormatArithmetic::new(machine.format());
     for index in 0..states {
         let inputs = draws.draw(view, index);
         let outputs = program.run(&inputs).map_err(|hazard| hazard.to_string())?;
-        let expected = if machine.number.mantissa > 23 {
-            expected(view.function, &Binary64, &inputs, f64::to_bits)
-        } else {
-            expected(view.function, &Binary32, &inputs, |number| {
-                u64::from(number.to_bits())
-            })
-        };
+        let expected = expected(view.function, &arithmetic, &inputs);
         for (place, word) in places.iter().zip(&outputs.words) {
             // Assignments stand in the order of their outputs.
             let (_, wanted) = expected
@@ -84,21 +79,12 @@ fn compare(view: View<'_>, machine: &Machine, states: u32, draws: &States) -> Re
 
 /// The outputs the evaluator gives: place among the flattened outputs, and
 /// bits.
-fn expected<A: Arithmetic>(
-    function: &Function,
-    arithmetic: &A,
-    inputs: &[f64],
-    bits: fn(A::Number) -> u64,
-) -> Vec<(u32, u64)> {
-    let inputs: Vec<A::Number> = inputs
-        .iter()
-        .map(|&number| arithmetic.literal(number))
-        .collect();
-    let outputs = evaluate(function, arithmetic, &inputs);
+fn expected(function: &Function, arithmetic: &FormatArithmetic, inputs: &[f64]) -> Vec<(u32, u64)> {
+    let outputs = evaluate_mixed(function, arithmetic.format(), inputs);
     function
         .assignments
         .iter()
         .zip(outputs)
-        .map(|(assignment, number)| (assignment.output.0, bits(number)))
+        .map(|(assignment, number)| (assignment.output.0, arithmetic.word(number)))
         .collect()
 }

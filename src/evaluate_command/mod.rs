@@ -17,12 +17,11 @@ use crate::motion::{element_name, parameter};
 use format::Writer;
 use given::{missing, read_states};
 use number::{Bits, Show};
-use robovec_ir::arithmetic::{Binary32, Binary64};
 use robovec_ir::diagnostic::{Diagnostic, clip};
 use robovec_ir::double_double::DoubleDouble;
-use robovec_ir::evaluate::evaluate;
 use robovec_ir::field::PrimeField;
 use robovec_ir::print::print_output;
+use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::states::States;
 use robovec_ir::{Input, Module, View};
 
@@ -67,8 +66,7 @@ pub struct Request<'a> {
 pub fn evaluate_at_states(request: &Request<'_>) -> Result<String, Vec<Diagnostic>> {
     let states = inputs(request)?;
     let text = match request.number {
-        Number::Binary32 => write(request, &Binary32, &states),
-        Number::Binary64 => write(request, &Binary64, &states),
+        Number::Format(format) => write(request, &FormatArithmetic::new(format), &states),
         Number::DoubleDouble => write(request, &DoubleDouble, &states),
         Number::Field => {
             let seed = match request.states {
@@ -186,11 +184,7 @@ fn write<A: Show>(request: &Request<'_>, arithmetic: &A, states: &Inputs) -> Str
                 function,
             };
             arithmetic.clear();
-            let literals: Vec<A::Number> = inputs
-                .iter()
-                .map(|&number| arithmetic.literal(number))
-                .collect();
-            let numbers = evaluate(function, arithmetic, &literals);
+            let numbers = arithmetic.evaluate(function, inputs);
             writer.start(state + 1, &function.name);
             for (assignment, number) in function.assignments.iter().zip(numbers) {
                 let element = print_output(view, assignment.output);

@@ -3,20 +3,22 @@
 use super::format::{Format, Shown};
 use crate::hexadecimal;
 use astro_float::{BigFloat, Consts, Radix, RoundingMode};
-use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_ir::Function;
+use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::double_double::DoubleDouble;
+use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::field::PrimeField;
+use robovec_ir::format::{Format as NumberFormat, FormatError};
+use robovec_ir::soft_float::FormatArithmetic;
 use std::cell::RefCell;
 use std::str::FromStr;
 
 /// What is computed with.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Number {
-    /// IEEE binary32.
-    Binary32,
-    /// IEEE binary64.
-    #[default]
-    Binary64,
+    /// A number format; values with a format of their own are computed in
+    /// that.
+    Format(NumberFormat),
     /// Pairs of binary64, about 106 bits.
     DoubleDouble,
     /// The prime field of 2^61 - 1, with sines and cosines on a circle.
@@ -29,19 +31,27 @@ pub enum Number {
 /// The widest floats; an operation on them still takes microseconds.
 const WIDEST: usize = 16_384;
 
+impl Default for Number {
+    fn default() -> Number {
+        Number::Format(NumberFormat::BINARY64)
+    }
+}
+
 impl FromStr for Number {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Number, String> {
         match text {
-            "f32" => Ok(Number::Binary32),
-            "f64" => Ok(Number::Binary64),
             "double-double" => Ok(Number::DoubleDouble),
             "field" => Ok(Number::Field),
-            _ => match text.parse() {
-                Ok(bits) if (1..=WIDEST).contains(&bits) => Ok(Number::Bits(bits)),
-                _ => Err(format!(
-                    "expected f32, f64, double-double, field, or a number of bits up to {WIDEST}"
+            _ => match (text.parse(), text.parse::<NumberFormat>()) {
+                (Ok(bits), _) if (1..=WIDEST).contains(&bits) => Ok(Number::Bits(bits)),
+                (_, Ok(format)) => Ok(Number::Format(format)),
+                (_, Err(error @ FormatError::Width)) => Err(error.to_string()),
+                (_, Err(FormatError::Unreadable)) => Err(format!(
+                    "expected f16, bf16, f32, f64, float(EXPONENT,MANTISSA), \
+                     fixed(INTEGER,FRACTION), double-double, field, or a number of bits up to \
+                     {WIDEST}"
                 )),
             },
         }
@@ -50,6 +60,15 @@ impl FromStr for Number {
 
 /// Arithmetic whose numbers can be shown.
 pub(super) trait Show: Arithmetic {
+    /// The assigned outputs of a function.
+    fn evaluate(&self, function: &Function, inputs: &[f64]) -> Vec<Self::Number>
+    where
+        Self: Sized,
+    {
+        let literals = inputs.iter().map(|&number| self.literal(number));
+        evaluate(function, self, &literals.collect::<Vec<_>>())
+    }
+
     /// A number as it is to be written.
     fn show(&self, number: Self::Number, format: Format) -> Shown;
 
@@ -68,15 +87,17 @@ fn float(number: f64, decimal: String, format: Format) -> Shown {
     }
 }
 
-impl Show for Binary32 {
-    fn show(&self, number: f32, format: Format) -> Shown {
-        float(number.into(), format!("{number:?}"), format)
+impl Show for FormatArithmetic {
+    fn evaluate(&self, function: &Function, inputs: &[f64]) -> Vec<f64> {
+        evaluate_mixed(function, self.format(), inputs)
     }
-}
 
-impl Show for Binary64 {
     fn show(&self, number: f64, format: Format) -> Shown {
-        float(number, format!("{number:?}"), format)
+        let decimal = match self.format() {
+            NumberFormat::BINARY32 => format!("{:?}", number as f32),
+            _ => format!("{number:?}"),
+        };
+        float(number, decimal, format)
     }
 }
 

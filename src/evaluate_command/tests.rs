@@ -19,6 +19,10 @@ fn module() -> Module {
     parse_module("f", TEXT).unwrap_or_else(|errors| panic!("{errors:?}"))
 }
 
+fn format(name: &str) -> Number {
+    name.parse().expect("a format")
+}
+
 fn evaluated(number: Number, format: Format) -> String {
     let states = "state\nq[1] 1\nq[2] 2\nm[1] 0x1p+1\n";
     let request = Request {
@@ -46,8 +50,12 @@ fn every_kind_of_number_has_its_digits() {
         let found = first(number);
         assert!(found.starts_with(&exact[..digits]), "{number:?}: {found}");
     };
-    close(Number::Binary32, 8);
-    close(Number::Binary64, 16);
+    close(format("f32"), 8);
+    close(format("f64"), 16);
+    close(format("float(11,40)"), 12);
+    close(format("fixed(3,45)"), 14);
+    assert_eq!(first(format("f16")), "2.349609375");
+    assert_eq!(first(format("bf16")), "2.34375");
     close(Number::DoubleDouble, 31);
     close(Number::Bits(53), 18);
     close(Number::Bits(150), 46);
@@ -57,18 +65,18 @@ fn every_kind_of_number_has_its_digits() {
 
 #[test]
 fn formats_hold_the_same() {
-    let text = evaluated(Number::Binary64, Format::Text);
+    let text = evaluated(format("f64"), Format::Text);
     assert_eq!(
         text,
         "state 1 f y[1] 0x1.2cbff9cd9dbccp+1\nstate 1 f y[2] 0x1.6a09e667f3bcdp+0\n"
     );
-    let table = evaluated(Number::Binary64, Format::Csv);
+    let table = evaluated(format("f64"), Format::Csv);
     assert_eq!(
         table,
         "state,function,output,value\n1,f,\"y[1]\",2.3496086362824595\n\
          1,f,\"y[2]\",1.4142135623730951\n"
     );
-    for number in [Number::Binary32, Number::Bits(100)] {
+    for number in [format("f32"), Number::Bits(100)] {
         let json: serde_json::Value =
             serde_json::from_str(&evaluated(number, Format::Json)).expect("JSON");
         let value = &json[0]["outputs"]["y[2]"];
@@ -84,10 +92,11 @@ fn formats_hold_the_same() {
 
 #[test]
 fn numbers_are_named() {
-    assert_eq!("f32".parse(), Ok(Number::Binary32));
+    assert_eq!("f32".parse(), Ok(format("f32")));
     assert_eq!("double-double".parse(), Ok(Number::DoubleDouble));
     assert_eq!("200".parse(), Ok(Number::Bits(200)));
-    for wrong in ["f16", "0", "-3", "1e3", "99999999"] {
+    assert_eq!("float(8,17)".parse(), Ok(format("float(8,17)")));
+    for wrong in ["f15", "float(8,60)", "0", "-3", "1e3", "99999999"] {
         assert!(wrong.parse::<Number>().is_err(), "{wrong}");
     }
 }
@@ -108,7 +117,7 @@ fn a_model_gives_the_parameters() {
             module: &module,
             model,
             states,
-            number: Number::Binary64,
+            number: format("f64"),
             format: Format::Csv,
         })
     };
@@ -136,7 +145,7 @@ fn a_model_gives_the_parameters() {
         module: &larger,
         model: Some(&model),
         states: Source::Random { count: 1, seed: 1 },
-        number: Number::Binary64,
+        number: format("f64"),
         format: Format::Csv,
     })
     .expect_err("the model has one joint");

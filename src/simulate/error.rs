@@ -53,9 +53,9 @@ pub enum LoadError {
     /// More than this simulator takes on.
     #[error("the images describe {0}, more than the simulator holds")]
     TooLarge(String),
-    /// Number formats other than binary32 and binary64.
+    /// A number format that nothing computes in.
     #[error(
-        "the simulator computes in binary32 (8+23 bits) and binary64 (11+52 bits), not in \
+        "a number has 2 to 11 bits of exponent and 1 to 52 of mantissa, not \
          {exponent}+{mantissa} bits"
     )]
     UnsupportedNumber {

@@ -2,6 +2,7 @@
 
 use super::error::LoadError;
 use super::load::Loader;
+use robovec_ir::Format;
 use robovec_ir::machine::MemoryStyle;
 use robovec_passes::codegen::manifest;
 
@@ -13,7 +14,7 @@ impl Loader<'_> {
     pub(super) fn check_machine(&self) -> Result<(), LoadError> {
         let (manifest, machine) = (&self.manifest, self.machine);
         let format = manifest.number;
-        if !matches!((format.exponent, format.mantissa), (8, 23) | (11, 52)) {
+        if !Format::Float(format).is_possible() {
             return Err(LoadError::UnsupportedNumber {
                 exponent: format.exponent,
                 mantissa: format.mantissa,

@@ -4,7 +4,8 @@ use super::decode::{Fields, Steps};
 use super::error::LoadError;
 use super::mif::Image;
 use super::program::{ElementUnit, HostStep, MemoryUnit, OutputPlace, OutputUnit, Program};
-use robovec_ir::{Machine, Operation};
+use robovec_ir::soft_float::FormatArithmetic;
+use robovec_ir::{Format, Machine, Operation};
 use robovec_passes::codegen::manifest::{self, Manifest, OutputValue, Reference, WordAddress};
 use std::collections::BTreeMap;
 
@@ -165,8 +166,7 @@ impl<'a> Loader<'a> {
         Ok(Program {
             function: manifest.function.clone(),
             cycles: manifest.cycles,
-            double: manifest.number.exponent == 11,
-            flush: !manifest.number.subnormals,
+            arithmetic: FormatArithmetic::new(Format::Float(manifest.number)),
             elements,
             memories: self.memories.clone(),
             words: self.words,
@@ -231,8 +231,7 @@ impl<'a> Loader<'a> {
 
     /// The words that the data images give a content.
     fn data(&self) -> Result<Vec<(u32, u64)>, LoadError> {
-        let number = self.manifest.number;
-        let width = 1 + number.exponent + number.mantissa;
+        let width = Format::Float(self.manifest.number).width();
         let mut data = Vec::new();
         let files = self.manifest.elements.iter().flat_map(|e| &e.memories);
         for (memory, unit) in files.zip(&self.memories) {

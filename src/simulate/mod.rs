@@ -20,7 +20,6 @@ mod error;
 mod fit;
 mod load;
 pub mod mif;
-mod number;
 mod occupation;
 mod program;
 mod run;

@@ -2,6 +2,7 @@
 
 use super::decode::Steps;
 use robovec_ir::Operation;
+use robovec_ir::soft_float::FormatArithmetic;
 use robovec_passes::codegen::manifest::Reference;
 
 /// A program in the simulator's memories, ready to be run any number of times.
@@ -9,10 +10,8 @@ use robovec_passes::codegen::manifest::Reference;
 pub struct Program {
     pub(super) function: String,
     pub(super) cycles: u32,
-    /// Binary64 instead of binary32.
-    pub(super) double: bool,
-    /// Subnormal numbers become zero.
-    pub(super) flush: bool,
+    /// What elements and host compute in.
+    pub(super) arithmetic: FormatArithmetic,
     pub(super) elements: Vec<ElementUnit>,
     pub(super) memories: Vec<MemoryUnit>,
     /// Words of all memories together.

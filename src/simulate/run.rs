@@ -7,8 +7,8 @@
 
 use super::decode::{BufferWrite, Issue, Write};
 use super::error::Hazard;
-use super::number::{Number, compute, flushed};
 use super::program::{OutputPlace, Program};
+use robovec_ir::arithmetic::Arithmetic;
 use robovec_passes::codegen::manifest::Reference;
 
 /// What a run gives.
@@ -37,11 +37,7 @@ impl Program {
                 given: inputs.len(),
             });
         }
-        if self.double {
-            Runner::<f64>::new(self).run(inputs)
-        } else {
-            Runner::<f32>::new(self).run(inputs)
-        }
+        Runner::new(self).run(inputs)
     }
 }
 
@@ -52,31 +48,31 @@ const LOADED: u32 = u32::MAX - 1;
 
 /// A word of a memory or buffer.
 #[derive(Clone, Copy)]
-struct Cell<N> {
-    number: N,
+struct Cell {
+    number: f64,
     /// The cycle of the last write, [`LOADED`] or [`EMPTY`].
     written: u32,
     /// Whether it was read since.
     read: bool,
 }
 
-struct Runner<'p, N> {
+struct Runner<'p> {
     program: &'p Program,
-    memory: Vec<Cell<N>>,
-    buffers: Vec<Cell<N>>,
+    memory: Vec<Cell>,
+    buffers: Vec<Cell>,
     /// The pipelines: for each element as many slots as its latency, used in
     /// turn; a slot is taken when its result leaves.
-    pipelines: Vec<Option<N>>,
+    pipelines: Vec<Option<f64>>,
     /// For each element its first slot and the slot of this cycle.
     slots: Vec<(u32, u32)>,
     /// The results that are on the crossbar in this cycle.
-    bus: Vec<Option<N>>,
+    bus: Vec<Option<f64>>,
 }
 
-impl<'p, N: Number> Runner<'p, N> {
-    fn new(program: &'p Program) -> Runner<'p, N> {
+impl<'p> Runner<'p> {
+    fn new(program: &'p Program) -> Runner<'p> {
         let empty = Cell {
-            number: N::default(),
+            number: 0.0,
             written: EMPTY,
             read: false,
         };
@@ -116,13 +112,13 @@ impl<'p, N: Number> Runner<'p, N> {
     }
 
     /// Loads the memories; the values known before the run.
-    fn load(&mut self, inputs: &[f64]) -> Known<N> {
+    fn load(&mut self, inputs: &[f64]) -> Known {
         let program = self.program;
-        let flush = program.flush;
+        let arithmetic = &program.arithmetic;
         for &(word, bits) in &program.data {
-            self.put(word, flushed(N::from_word(bits), flush));
+            self.put(word, arithmetic.from_word(bits));
         }
-        let round = |number: &f64| flushed(N::from_binary64(*number), flush);
+        let round = |number: &f64| arithmetic.convert(*number);
         let mut known = Known {
             inputs: inputs.iter().map(round).collect(),
             constants: program.constants.iter().map(round).collect(),
@@ -133,14 +129,14 @@ impl<'p, N: Number> Runner<'p, N> {
         }
         for step in &program.host {
             let operands = step.operands.map(|operand| known.get(operand));
-            let number = compute(step.operation, operands, flush);
+            let number = arithmetic.apply(step.operation, operands);
             known.host.push(number);
             step.words.iter().for_each(|&word| self.put(word, number));
         }
         known
     }
 
-    fn put(&mut self, word: u32, number: N) {
+    fn put(&mut self, word: u32, number: f64) {
         self.memory[word as usize] = Cell {
             number,
             written: LOADED,
@@ -170,17 +166,17 @@ impl<'p, N: Number> Runner<'p, N> {
                 code: issue.code,
             });
         };
-        let mut operands = [N::default(); 3];
+        let mut operands = [0.0; 3];
         for (side, operand) in operands[..operation.arity()].iter_mut().enumerate() {
             *operand = self.read(cycle, issue, side)?;
         }
-        let result = compute(operation, operands, program.flush);
+        let result = program.arithmetic.apply(operation, operands);
         let (first, now) = self.slots[issue.element as usize];
         self.pipelines[(first + now) as usize] = Some(result);
         Ok(())
     }
 
-    fn read(&mut self, cycle: u32, issue: &Issue, side: usize) -> Result<N, Hazard> {
+    fn read(&mut self, cycle: u32, issue: &Issue, side: usize) -> Result<f64, Hazard> {
         let element = &self.program.elements[issue.element as usize];
         // An addend comes from where the left operand does.
         let memory = element.memories[side % 2];
@@ -242,7 +238,7 @@ impl<'p, N: Number> Runner<'p, N> {
     }
 
     /// What the crossbar brings to a write port.
-    fn source(&mut self, cycle: u32, write: &Write, memory: u32) -> Result<N, Hazard> {
+    fn source(&mut self, cycle: u32, write: &Write, memory: u32) -> Result<f64, Hazard> {
         let program = self.program;
         let name = || program.memories[memory as usize].name.clone();
         let elements = program.elements.len();
@@ -320,7 +316,7 @@ impl<'p, N: Number> Runner<'p, N> {
         Ok(())
     }
 
-    fn collect(&self, known: &Known<N>) -> Result<Outputs, Hazard> {
+    fn collect(&self, known: &Known) -> Result<Outputs, Hazard> {
         let program = self.program;
         let mut numbers = Vec::with_capacity(program.outputs.len());
         for output in &program.outputs {
@@ -357,8 +353,11 @@ impl<'p, N: Number> Runner<'p, N> {
             numbers.push(cell.number);
         }
         Ok(Outputs {
-            values: numbers.iter().map(|number| number.to_binary64()).collect(),
-            words: numbers.iter().map(|number| number.to_word()).collect(),
+            words: numbers
+                .iter()
+                .map(|&number| program.arithmetic.word(number))
+                .collect(),
+            values: numbers,
             cycles: program.cycles,
         })
     }
@@ -374,14 +373,14 @@ fn overflow(cycle: u32, element: &super::program::ElementUnit, word: u32) -> Haz
 }
 
 /// The values known before the run.
-struct Known<N> {
-    inputs: Vec<N>,
-    constants: Vec<N>,
-    host: Vec<N>,
+struct Known {
+    inputs: Vec<f64>,
+    constants: Vec<f64>,
+    host: Vec<f64>,
 }
 
-impl<N: Number> Known<N> {
-    fn get(&self, reference: Reference) -> N {
+impl Known {
+    fn get(&self, reference: Reference) -> f64 {
         match reference {
             Reference::Input(index) => self.inputs[index as usize],
             Reference::Constant(index) => self.constants[index as usize],

@@ -9,9 +9,9 @@ mod refusals;
 
 use naive::Random;
 use robovec::simulate::Program;
-use robovec_ir::arithmetic::{Binary32, Binary64};
-use robovec_ir::evaluate::evaluate;
-use robovec_ir::{Machine, Module, View};
+use robovec_ir::evaluate::evaluate_mixed;
+use robovec_ir::soft_float::FormatArithmetic;
+use robovec_ir::{Format, Machine, Module, View};
 use robovec_passes::codegen::images;
 use robovec_passes::place::{Choice, PlaceOptions, place};
 
@@ -37,15 +37,16 @@ fn check(module: &Module, machine: &Machine, inputs: &[f64]) -> Program {
     let outputs = program.run(inputs).expect("no hazard");
     let values = &outputs.values;
     assert!(values.iter().all(|value| value.is_finite()), "{values:?}");
-    if machine.number.exponent == 8 {
-        let inputs: Vec<f32> = inputs.iter().map(|&number| number as f32).collect();
-        let expected = evaluate(function, &Binary32, &inputs);
-        let words: Vec<u64> = expected.iter().map(|n| u64::from(n.to_bits())).collect();
-        assert_eq!(outputs.words, words);
-    } else {
-        let expected = evaluate(function, &Binary64, inputs);
-        let words: Vec<u64> = expected.iter().map(|n| n.to_bits()).collect();
-        assert_eq!(outputs.words, words);
+    let arithmetic = FormatArithmetic::new(machine.format());
+    let expected = evaluate_mixed(function, machine.format(), inputs);
+    let words: Vec<u64> = expected.iter().map(|&n| arithmetic.word(n)).collect();
+    assert_eq!(outputs.words, words);
+    for (&number, &word) in outputs.values.iter().zip(&outputs.words) {
+        match machine.format() {
+            Format::BINARY32 => assert_eq!(u64::from((number as f32).to_bits()), word),
+            Format::BINARY64 => assert_eq!(number.to_bits(), word),
+            _ => assert!(word >> machine.format().width() == 0),
+        }
     }
     program
 }
@@ -55,12 +56,14 @@ fn random_programs_give_the_evaluators_bits_on_every_machine() {
     for (name, _) in robovec_ir::machine::BUILT_IN {
         let mut machine = Machine::built_in(name).expect("it ships");
         for seed in 0..6 {
-            machine.number.exponent = 8;
-            machine.number.mantissa = 23;
-            if seed % 2 == 1 {
-                machine.number.exponent = 11;
-                machine.number.mantissa = 52;
-            }
+            (machine.number.exponent, machine.number.mantissa) = match seed {
+                0 => (8, 23),
+                1 => (11, 52),
+                2 => (8, 17),
+                3 => (11, 51),
+                4 => (10, 7),
+                _ => (9, 38),
+            };
             for (element, count) in machine.elements.iter_mut().zip([1 + seed % 4, 3]) {
                 element.count = count as u32;
             }

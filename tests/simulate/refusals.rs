@@ -63,7 +63,7 @@ fn functions_of_another_level_or_machine() {
             ..
         }
     ));
-    let error = refused(|_, machine| machine.number.mantissa = 10);
+    let error = refused(|_, machine| machine.number.mantissa = 63);
     assert!(matches!(error, ImageError::Number(_)));
 }
 

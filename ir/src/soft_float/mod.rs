@@ -207,4 +207,15 @@ impl Arithmetic for FormatArithmetic {
             ),
         }
     }
+
+    // A negative operand need not be a number of the format, so it must not
+    // go through `neg`, which rounds.
+    #[inline]
+    fn fms(&self, a: f64, b: f64, c: f64) -> f64 {
+        self.fma(a, b, -c)
+    }
+    #[inline]
+    fn fnma(&self, a: f64, b: f64, c: f64) -> f64 {
+        self.fma(-a, b, c)
+    }
 }

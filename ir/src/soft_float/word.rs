@@ -10,11 +10,9 @@ use crate::machine::NumberFormat;
 
 impl FormatArithmetic {
     /// The word of a number of the format, in its lowest [`Format::width`]
-    /// bits. NaN becomes the quiet one without sign or payload, except in
-    /// binary64, whose words are kept as they are.
+    /// bits. NaN becomes the quiet one without sign or payload.
     pub fn word(&self, number: f64) -> u64 {
         match self.format() {
-            Format::BINARY64 => number.to_bits(),
             Format::Float(format) => float_word(format, number),
             Format::Fixed(format) => fixed_word(format, number),
         }

@@ -6,10 +6,11 @@ use super::manifest::Home;
 use super::manifest::{
     ConstantElement, HostElement, InputElement, OutputElement, OutputValue, Reference, WordAddress,
 };
-use super::number::Encoding;
 use super::traffic::Traffic;
+use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::placement::{Preload, Word};
 use robovec_ir::print::{print_operand, print_output};
+use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::{Constant, Input, Operand, OperandKind, Value};
 
 /// Input elements a manifest can list.
@@ -220,7 +221,7 @@ impl<'a> Binding<'a> {
     /// `None` where it depends on inputs and none are given.
     pub(super) fn loaded(
         &self,
-        encoding: Encoding,
+        arithmetic: &FormatArithmetic,
         inputs: Option<&[f64]>,
     ) -> Result<Vec<(Preload, Option<u64>)>, ImageError> {
         let function = self.traffic.view.function;
@@ -234,7 +235,7 @@ impl<'a> Binding<'a> {
         let mut host: Vec<Option<f64>> = Vec::with_capacity(self.host.len());
         for &value in &self.host {
             let node = function.node(value);
-            let get = |operand: Operand| self.number(encoding, inputs, &host, operand);
+            let get = |operand: Operand| self.number(arithmetic, inputs, &host, operand);
             let mut operands = Some([0.0; Operand::MOST]);
             for (place, &operand) in node.operands().iter().enumerate() {
                 operands = operands.zip(get(operand)).map(|(mut known, number)| {
@@ -242,30 +243,30 @@ impl<'a> Binding<'a> {
                     known
                 });
             }
-            let result = operands.map(|operands| encoding.apply(node.operation, operands));
+            let result = operands.map(|operands| arithmetic.apply(node.operation, operands));
             host.push(result);
         }
         let mut loads = self.traffic.placement.preloads.clone();
         loads.sort_by_key(|load| load.word);
         let numbers = loads.into_iter().map(|load| {
-            let number = self.number(encoding, inputs, &host, load.operand);
-            (load, number.map(|number| encoding.word(number)))
+            let number = self.number(arithmetic, inputs, &host, load.operand);
+            (load, number.map(|number| arithmetic.word(number)))
         });
         Ok(numbers.collect())
     }
 
     fn number(
         &self,
-        encoding: Encoding,
+        arithmetic: &FormatArithmetic,
         inputs: Option<&[f64]>,
         host: &[Option<f64>],
         operand: Operand,
     ) -> Option<f64> {
         match operand.kind() {
-            OperandKind::Input(input) => Some(encoding.rounded(inputs?[input.index()])),
+            OperandKind::Input(input) => Some(arithmetic.convert(inputs?[input.index()])),
             OperandKind::Constant(constant) => {
                 let function = self.traffic.view.function;
-                Some(encoding.rounded(function.constant_number(constant)))
+                Some(arithmetic.convert(function.constant_number(constant)))
             }
             OperandKind::Value(value) => host[self.host.binary_search(&value).ok()?],
             OperandKind::None => None,

@@ -124,8 +124,7 @@ pub enum ImageError {
         /// The address.
         address: u32,
     },
-    /// A number the machine's words cannot hold, or of a format no image is
-    /// written in yet.
+    /// A number, or a number format, that no memory can hold.
     #[error("{0}")]
     Number(String),
     /// More inputs than a manifest, which names each of them, can list.

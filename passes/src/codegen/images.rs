@@ -5,10 +5,10 @@ use super::binding::Binding;
 use super::layout::{Layout, Sizes};
 use super::manifest::{self, Fnv, Manifest};
 use super::mif::MifWriter;
-use super::number::Encoding;
 use super::traffic::Traffic;
 use super::words::Words;
 use robovec_ir::placement::{Bank, Preload};
+use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::{Format, Machine, View};
 use serde::Serialize;
 use std::io;
@@ -76,13 +76,18 @@ pub fn write_images(
 ) -> Result<(), ImageError> {
     let traffic = Traffic::new(view, machine)?;
     check_formats(view, machine)?;
-    let encoding = Encoding::new(machine.number)?;
+    let format = machine.format();
+    if !format.is_possible() {
+        let message = format!("there is no arithmetic in the machine's format, {format}");
+        return Err(ImageError::Number(message));
+    }
+    let arithmetic = FormatArithmetic::new(format);
     let binding = Binding::new(&traffic)?;
-    let loaded = binding.loaded(encoding, inputs)?;
+    let loaded = binding.loaded(&arithmetic, inputs)?;
     let writer = ImageWriter {
         sizes: Sizes::new(machine, &traffic.usage),
         traffic: &traffic,
-        encoding,
+        width: format.width(),
     };
     let mut hash = Fnv::new();
     let mut elements = Vec::new();
@@ -119,7 +124,7 @@ pub fn write_images(
 /// All elements compute in the machine's format, so no value may ask for
 /// another.
 fn check_formats(view: View<'_>, machine: &Machine) -> Result<(), ImageError> {
-    let own = Format::Float(machine.number);
+    let own = machine.format();
     match foreign_format(view, own) {
         None => Ok(()),
         Some((value, format)) => Err(ImageError::Format {
@@ -203,7 +208,8 @@ fn write_manifest(target: &mut dyn io::Write, manifest: &Manifest) -> io::Result
 pub(super) struct ImageWriter<'a> {
     pub(super) traffic: &'a Traffic<'a>,
     pub(super) sizes: Sizes,
-    encoding: Encoding,
+    /// Bits of a data word.
+    width: u32,
 }
 
 impl ImageWriter<'_> {
@@ -321,8 +327,7 @@ impl ImageWriter<'_> {
             let file = self.data_file(&name);
             artifacts.file(&file, &mut |target| {
                 let hash = Fnv::new();
-                let width = self.encoding.width();
-                let mut mif = MifWriter::new(target, hash, &title, width, self.sizes.words)?;
+                let mut mif = MifWriter::new(target, hash, &title, self.width, self.sizes.words)?;
                 for (load, word) in own {
                     let comment = robovec_ir::print::print_operand(self.traffic.view, load.operand);
                     match word {

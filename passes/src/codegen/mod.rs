@@ -19,7 +19,6 @@ mod images;
 mod layout;
 pub mod manifest;
 mod mif;
-mod number;
 mod pass;
 mod ports;
 mod shape;

@@ -66,7 +66,12 @@ impl Fixed {
         check(
             "fms",
             arithmetic.fms(x, y, z),
-            nearest(a * b + one * self.negated(c), one),
+            nearest(a * b - c * one, one),
+        );
+        check(
+            "fnma",
+            arithmetic.fnma(x, y, z),
+            nearest(c * one - a * b, one),
         );
         let quotient = match (a.signum(), b.signum()) {
             (0, _) => 0,
@@ -80,11 +85,6 @@ impl Fixed {
         // A root is no tie: twice the tie squared would be odd.
         let up = u128::from(radicand - root * root > root);
         check("sqrt", arithmetic.sqrt(x), (root + up) as i128);
-    }
-
-    /// The negative, which saturates for the lowest number.
-    fn negated(&self, multiple: i128) -> i128 {
-        (-multiple).min(self.limit - 1)
     }
 
     fn operand(&self, random: &mut Random) -> i128 {

@@ -19,12 +19,18 @@ fn compare<const E: usize, const M: usize>(numbers: [f64; 3]) {
     }));
     let [a, b, c] = numbers;
     let [x, y, z] = numbers.map(quad_of);
-    let results: [(&str, f64, StatusAnd<Quad>); 5] = [
+    let results: [(&str, f64, StatusAnd<Quad>); 7] = [
         ("add", arithmetic.add(a, b), x.add_r(y, TRUNCATE)),
         ("sub", arithmetic.sub(a, c), x.sub_r(z, TRUNCATE)),
         ("mul", arithmetic.mul(a, b), x.mul_r(y, TRUNCATE)),
         ("div", arithmetic.div(a, b), x.div_r(y, TRUNCATE)),
         ("fma", arithmetic.fma(a, b, c), x.mul_add_r(y, z, TRUNCATE)),
+        ("fms", arithmetic.fms(a, b, c), x.mul_add_r(y, -z, TRUNCATE)),
+        (
+            "fnma",
+            arithmetic.fnma(a, b, c),
+            (-x).mul_add_r(y, z, TRUNCATE),
+        ),
     ];
     for (name, got, expected) in results {
         let expected = if expected.value.is_zero() {
