@@ -3,6 +3,7 @@
 //! [`registry::PASSES`] lists them; [`pipeline`] reads what the user wants to
 //! run; each pass is one file. This crate reads and writes no files.
 
+pub mod accurate;
 pub mod analysis;
 pub mod asap_alap;
 pub mod atomise;

@@ -4,6 +4,9 @@
 //! documentation stand in one place and nowhere else, so that the help, the
 //! parser and the printer cannot drift apart.
 
+use robovec_ir::Format;
+use robovec_ir::format::FormatError;
+
 /// A type an option can have.
 pub trait OptionValue: Sized + PartialEq {
     /// What the help calls the type (`integer`, `first | preferential`).
@@ -63,6 +66,19 @@ impl OptionValue for Option<u32> {
             None => "machine".to_owned(),
             Some(number) => number.to_string(),
         }
+    }
+}
+
+/// A number format by its name; one with parentheses stands in quotes.
+impl OptionValue for Format {
+    fn type_name() -> String {
+        "f32 | f64 | \"float(EXPONENT,MANTISSA)\" | ...".to_owned()
+    }
+    fn parse(text: &str) -> Result<Format, String> {
+        text.parse().map_err(|error: FormatError| error.to_string())
+    }
+    fn print(&self) -> String {
+        self.to_string()
     }
 }
 

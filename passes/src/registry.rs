@@ -3,8 +3,8 @@
 
 use crate::pass::PassInfo;
 use crate::{
-    asap_alap, atomise, balance, codegen, composite, cse, dce, eqsat, factor, fma, fold, inline,
-    lookahead, optimise, place, recurrence, specialise, swap, trigonometry, zero_removal,
+    accurate, asap_alap, atomise, balance, codegen, composite, cse, dce, eqsat, factor, fma, fold,
+    inline, lookahead, optimise, place, recurrence, specialise, swap, trigonometry, zero_removal,
 };
 
 /// All passes, in the order a function usually meets them.
@@ -23,6 +23,7 @@ pub const PASSES: &[PassInfo] = &[
     cse::Cse::INFO,
     dce::Dce::INFO,
     fma::Fma::INFO,
+    accurate::Accurate::INFO,
     inline::Inline::INFO,
     lookahead::Lookahead::INFO,
     recurrence::Recurrence::INFO,

@@ -67,6 +67,16 @@ impl<'a> Rewriter<'a> {
         self.map.push(operand);
     }
 
+    /// Says what an old value that was recorded before has become after all.
+    pub fn amend(&mut self, value: Value, operand: Operand) {
+        self.map[value.index()] = operand;
+    }
+
+    /// What an old value has become.
+    pub fn known(&self, value: Value) -> Operand {
+        self.map[value.index()]
+    }
+
     /// Appends a node and records it for the next old value.
     pub fn keep(&mut self, node: Node) -> Value {
         let value = self.new.push(node);

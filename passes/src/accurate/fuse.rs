@@ -1,0 +1,124 @@
+//! Products and sums in one operation, for the rounding that it saves.
+//!
+//! Where the pass `fma` counts cycles and operations, here every product that
+//! only one sum reads is taken in by it as long as the result is there in
+//! time: to first order one rounding less is always better. Of two products
+//! the one is taken in whose rounding harms more. What computes rounding
+//! errors (`super::compensate`) is left alone without being known: a product
+//! whose error is computed is read more than once.
+
+use super::profile::Profile;
+use crate::analysis::critical_path::{Weights, tails};
+use crate::pass::Context;
+use crate::rewrite::Rewriter;
+use robovec_ir::{Function, Node, Operand, Operation, Value};
+
+/// The function with products taken in, and how many; `None` where there are
+/// none.
+pub(super) fn fuse(
+    function: &Function,
+    profile: &Profile,
+    limit: u32,
+    context: &mut Context<'_>,
+) -> Option<(Function, u64)> {
+    let weights = Weights::cycles(context.machine);
+    let uses = function.use_counts();
+    let tails = tails(function, &weights);
+    let mut arrivals: Vec<u32> = Vec::with_capacity(uses.len());
+    let mut taken = vec![false; uses.len()];
+    let mut forms: Vec<Option<(Operation, [Operand; Operand::MOST])>> = vec![None; uses.len()];
+    let mut count = 0;
+    for (value, node) in function.values() {
+        let finish = |arrivals: &[u32], operation, operands: &[Operand]| {
+            let values = operands.iter().filter_map(|operand| operand.value());
+            let ready = values.map(|value| arrivals[value.index()]).max();
+            ready.unwrap_or(0).saturating_add(weights.of(operation))
+        };
+        let mut arrival = finish(&arrivals, node.operation, node.operands());
+        let required = limit.saturating_sub(tails[value.index()]);
+        let mut best: Option<(f64, Value, usize)> = None;
+        for side in 0..2 {
+            let product = product(function, node, side, &uses);
+            let harm = product.map(|product| profile.blame(product.index()));
+            if let (Some(product), Some(harm)) = (product, harm)
+                && best.is_none_or(|(most, ..)| harm > most)
+            {
+                best = Some((harm, product, side));
+            }
+        }
+        if let Some((_, product, side)) = best {
+            let (operation, operands) = fused(function, node, product, side);
+            let late = finish(&arrivals, operation, &operands);
+            let performed = context.machine.kind_of(operation).is_some();
+            if performed && late <= required && context.allow_rewrite(node.name, "contract") {
+                arrival = late;
+                taken[product.index()] = true;
+                forms[value.index()] = Some((operation, operands));
+                count += 1;
+            }
+        }
+        arrivals.push(arrival);
+    }
+    (count > 0).then(|| (write(function, &taken, &forms, context), count))
+}
+
+/// The product on one side of a sum that nothing else reads.
+fn product(function: &Function, node: &Node, side: usize, uses: &[u32]) -> Option<Value> {
+    if !matches!(node.operation, Operation::Add | Operation::Sub) {
+        return None;
+    }
+    let product = node.operands[side].value()?;
+    let single = uses[product.index()] == 1;
+    (single && function.node(product).operation == Operation::Mul).then_some(product)
+}
+
+/// A sum with the product on one side taken in.
+fn fused(
+    function: &Function,
+    node: &Node,
+    product: Value,
+    side: usize,
+) -> (Operation, [Operand; Operand::MOST]) {
+    let operation = match (node.operation, side) {
+        (Operation::Sub, 0) => Operation::Fms,
+        (Operation::Sub, _) => Operation::Fnma,
+        _ => Operation::Fma,
+    };
+    let [a, b, _] = function.node(product).operands;
+    (operation, [a, b, node.operands[1 - side]])
+}
+
+fn write(
+    function: &Function,
+    taken: &[bool],
+    forms: &[Option<(Operation, [Operand; Operand::MOST])>],
+    context: &mut Context<'_>,
+) -> Function {
+    let mut rewriter = Rewriter::new(function, function.level);
+    for (value, node) in function.values() {
+        let index = value.index();
+        if taken[index] {
+            rewriter.record(Operand::NONE);
+            continue;
+        }
+        let Some((operation, operands)) = forms[index] else {
+            let operands = rewriter.translate_operands(node);
+            rewriter.keep(Node { operands, ..*node });
+            continue;
+        };
+        let products = node.operands().iter().filter_map(|operand| operand.value());
+        let products = products.filter(|product| taken[product.index()]);
+        let mut sets = vec![node.sources];
+        sets.extend(products.map(|product| function.node(product).sources));
+        let sources = context.tables.sources.union(&sets);
+        let operands = operands.map(|operand| rewriter.translate(operand));
+        rewriter.keep(Node {
+            operation,
+            operands,
+            sources,
+            ..*node
+        });
+        context.note(node.name, "contract");
+    }
+    rewriter.finish()
+}

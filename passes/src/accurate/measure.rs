@@ -1,0 +1,149 @@
+//! Measured errors of a function and of what it became.
+//!
+//! Passes that promise equality over the real numbers share one reference:
+//! the outputs of the function they were given, in double-double. An element
+//! counts relative to itself unless it is nothing but rounding beside the
+//! largest of its array, an array by its largest error over its largest
+//! element, as in [`crate::analysis::accuracy`].
+
+use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::states::States;
+use robovec_ir::{Format, Function, View};
+
+/// Elements below this part of their array's largest vanish: 2⁻⁷⁰.
+const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
+
+/// Inputs and exact outputs in some states.
+pub(crate) struct Reference {
+    inputs: Vec<Vec<f64>>,
+    exact: Vec<Vec<Double>>,
+    /// The output array of every assignment.
+    arrays: Vec<usize>,
+    count: usize,
+}
+
+/// Errors over all states, relative to the numbers themselves (no units).
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
+pub(crate) struct Errors {
+    /// The median over all elements and states, relative to the element.
+    pub(crate) relative: f64,
+    /// Median, 90th and 99th percentile and largest over all arrays and
+    /// states, relative to the array's largest element.
+    pub(crate) normwise: [f64; 4],
+}
+
+impl Reference {
+    /// Evaluates a function in double-double at some states.
+    pub(crate) fn new(view: View<'_>, states: &States, first: u32, count: u32) -> Reference {
+        let inputs: Vec<Vec<f64>> = (first..first + count)
+            .map(|index| states.draw(view, index))
+            .collect();
+        let exact = inputs
+            .iter()
+            .map(|state| run(view.function, &DoubleDouble, state))
+            .collect();
+        let outputs = view.function.outputs();
+        let assignments = view.function.assignments.iter();
+        let array = |place: u32| outputs.partition_point(|array| array.offset <= place) - 1;
+        Reference {
+            inputs,
+            exact,
+            arrays: assignments.map(|a| array(a.output.0)).collect(),
+            count: outputs.len(),
+        }
+    }
+
+    /// The errors of a function in a format.
+    pub(crate) fn errors(&self, function: &Function, format: Format) -> Errors {
+        match format {
+            Format::BINARY32 => self.errors_of(|state| {
+                let outputs = run(function, &Binary32, state);
+                outputs.into_iter().map(f64::from).collect()
+            }),
+            _ => self.errors_of(|state| run(function, &Binary64, state)),
+        }
+    }
+
+    /// The errors of outputs, computed from the inputs of each state.
+    pub(crate) fn errors_of(&self, outputs: impl Fn(&[f64]) -> Vec<f64>) -> Errors {
+        let (mut relative, mut normwise) = (Vec::new(), Vec::new());
+        for (state, exact) in self.inputs.iter().zip(&self.exact) {
+            let computed = outputs(state);
+            let mut norms = vec![(0.0f64, 0.0f64); self.count];
+            let mut distances = Vec::with_capacity(exact.len());
+            for ((exact, computed), &array) in exact.iter().zip(computed).zip(&self.arrays) {
+                let distance = distance(*exact, computed);
+                distances.push(distance);
+                if !distance.is_nan() {
+                    let norm = &mut norms[array];
+                    *norm = (norm.0.max(distance), norm.1.max(exact.high.abs()));
+                }
+            }
+            for ((exact, &distance), &array) in exact.iter().zip(&distances).zip(&self.arrays) {
+                let size = exact.high.abs();
+                if !distance.is_nan() && size > norms[array].1 * VANISHING {
+                    relative.push(distance / size);
+                }
+            }
+            let present = norms.iter().filter(|(_, size)| *size > 0.0);
+            normwise.extend(present.map(|(error, size)| error / size));
+        }
+        Errors {
+            relative: place(&mut relative, 1, 2),
+            normwise: [(1, 2), (9, 10), (99, 100), (1, 1)]
+                .map(|(part, of)| place(&mut normwise, part, of)),
+        }
+    }
+}
+
+impl Errors {
+    /// Whether these are no worse than others: neither the medians nor the
+    /// 90th percentile grow by more than two per cent, which may be chance,
+    /// and together they do not grow.
+    pub(crate) fn no_worse_than(&self, other: &Errors) -> bool {
+        let pairs = [
+            (self.relative, other.relative),
+            (self.normwise[0], other.normwise[0]),
+            (self.normwise[1], other.normwise[1]),
+        ];
+        let each = pairs.iter().all(|(new, old)| *new <= old * 1.02);
+        each && self.score() <= other.score()
+    }
+
+    /// One number to choose by: the geometric mean of the two medians and of
+    /// the 90th percentile of the normwise error (the 99th is that of a few
+    /// numbers, and so is mostly chance).
+    pub(crate) fn score(&self) -> f64 {
+        // Zeros must not hide the others.
+        let [median, most, ..] = self.normwise.map(|error| error.max(1e-40));
+        let logarithms = self.relative.max(1e-40).log2() + median.log2() + most.log2();
+        (logarithms / 3.0).exp2()
+    }
+}
+
+/// The outputs for the inputs of a state.
+fn run<A: Arithmetic>(function: &Function, arithmetic: &A, state: &[f64]) -> Vec<A::Number> {
+    let inputs: Vec<A::Number> = state.iter().map(|&x| arithmetic.literal(x)).collect();
+    evaluate(function, arithmetic, &inputs)
+}
+
+/// How far a number is from the exact one; NaN where that is not finite.
+fn distance(exact: Double, computed: f64) -> f64 {
+    match (exact.high.is_finite(), computed.is_finite()) {
+        (false, _) => f64::NAN,
+        (true, false) => f64::INFINITY,
+        (true, true) => exact.distance(computed),
+    }
+}
+
+/// The smallest error that this part of all does not exceed; 0 without any.
+fn place(errors: &mut [f64], part: usize, of: usize) -> f64 {
+    if errors.is_empty() {
+        return 0.0;
+    }
+    let index = (errors.len() * part).div_ceil(of) - 1;
+    let (_, error, _) = errors.select_nth_unstable_by(index, f64::total_cmp);
+    *error
+}

@@ -1,0 +1,239 @@
+//! The form of a function that rounds least within the time there is.
+
+mod compensate;
+mod fuse;
+pub(crate) mod measure;
+pub(crate) mod profile;
+mod regroup;
+mod terms;
+
+use crate::analysis::critical_path::critical_path;
+use crate::analysis::rounding::usual_states;
+use crate::dce::remove_dead;
+use crate::declare_pass;
+use crate::options::OptionValue;
+use crate::pass::{Context, Gives, Pass, PassError};
+use compensate::Budget;
+use measure::{Errors, Reference};
+use profile::Profile;
+use robovec_ir::states::States;
+use robovec_ir::{Format, Function, View};
+
+/// How long the longest path may become.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Cycles {
+    /// As long as it is.
+    Same,
+    /// So many cycles of the machine, and never shorter than it is.
+    AtMost(u32),
+}
+
+impl OptionValue for Cycles {
+    fn type_name() -> String {
+        "integer | same".to_owned()
+    }
+    fn parse(text: &str) -> Result<Cycles, String> {
+        match text {
+            "same" => Ok(Cycles::Same),
+            other => u32::parse(other).map(Cycles::AtMost),
+        }
+    }
+    fn print(&self) -> String {
+        match self {
+            Cycles::Same => "same".to_owned(),
+            Cycles::AtMost(cycles) => cycles.to_string(),
+        }
+    }
+}
+
+declare_pass! {
+    /// Writes sums and products in the form that rounds least.
+    ///
+    /// The pass looks at a few random states (the ranges of the scene, when
+    /// there is one) for how large every value is and how much a rounding of
+    /// it moves the outputs, and rewrites where that makes the predicted
+    /// error of all outputs smaller:
+    ///
+    /// - terms of a sum are added in the order with the smallest partial sums:
+    ///   small ones first, and what cancels before the rest;
+    /// - products that cancel are factored: `a*b - a*c` becomes `a*(b - c)`,
+    ///   and `a*a - b*b` becomes `(a - b)*(a + b)`;
+    /// - where operations may be added (`growth`), the rounding errors of the
+    ///   values that harm most are computed and taken off further on:
+    ///   compensated sums and products (Ogita, Rump and Oishi, SIAM J. Sci.
+    ///   Comput. 26, 2005), across equations;
+    /// - where the machine has fused elements, products are contracted into
+    ///   the sums that read them, which saves a rounding.
+    ///
+    /// The longest path does not exceed `cycles`, or what it was when that is
+    /// more; operations do not grow beyond `growth`. At the end both versions
+    /// are measured at fresh states in `format`: the function stays as it was
+    /// unless neither the median of the relative error nor that of the
+    /// normwise one is worse.
+    ///
+    /// Belongs behind every pass that regroups or merges (`balance`, `eqsat`,
+    /// `cse`): a compensated sum is equal over the reals to the plain one, so
+    /// such a pass may undo it. `asap-alap` and `place` may follow.
+    pub struct Accurate("accurate") {
+        /// The longest path allowed, in cycles of the machine; `same` for its
+        /// length before the pass.
+        pub cycles: Cycles = Cycles::Same,
+        /// Cycles allowed beyond that, in per cent of it.
+        pub slack: u32 = 0,
+        /// Operations allowed beyond those there are, in per cent.
+        pub growth: u32 = 0,
+        /// Random states at which the result is measured; 0 for as many as
+        /// the size of the function suggests.
+        pub states: u32 = 0,
+        /// The number format whose rounding counts.
+        pub format: Format = Format::BINARY32,
+    }
+    takes: [Atomic],
+    gives: Gives::Same,
+    class: Real,
+    requires: [],
+    sets: [],
+    destroys: [Timed, Shared, ZeroFree],
+}
+
+/// The seed of all states the pass looks at.
+const SEED: u64 = 0x5eed_acc0;
+
+/// The number of the first state that is measured; earlier ones are looked
+/// at.
+const FIRST_MEASURED: u32 = 1000;
+
+/// How many compensated versions are measured.
+const MEASURED: usize = 3;
+
+impl Pass for Accurate {
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
+        let states = States::new(SEED);
+        let before = critical_path(function, context.machine).asap_cycle;
+        let allowed = match self.cycles {
+            Cycles::Same => before,
+            Cycles::AtMost(cycles) => cycles,
+        };
+        let slack = u64::from(allowed) * u64::from(self.slack) / 100;
+        let limit = allowed
+            .saturating_add(u32::try_from(slack).unwrap_or(u32::MAX))
+            .max(before);
+        let count = match self.states {
+            0 => usual_states(function.nodes().len()),
+            states => states,
+        };
+        let reference = {
+            let tables = &*context.tables;
+            Reference::new(View { tables, function }, &states, FIRST_MEASURED, count)
+        };
+        let mut search = Search {
+            reference,
+            states,
+            limit,
+            format: self.format,
+            size: function.nodes().len(),
+            growth: self.growth,
+            old: Errors::default(),
+            best: function.clone(),
+            errors: Errors::default(),
+        };
+        search.old = search.reference.errors(function, self.format);
+        search.errors = search.old;
+        search.run(context);
+        context.remarks.push(told(&search.old, &search.errors));
+        *function = search.best;
+        Ok(())
+    }
+}
+
+/// The best version so far, and what versions are measured with.
+struct Search {
+    reference: Reference,
+    states: States,
+    /// The longest path allowed, in cycles.
+    limit: u32,
+    format: Format,
+    /// Operations of the function as it was, and per cent allowed beyond.
+    size: usize,
+    growth: u32,
+    old: Errors,
+    best: Function,
+    errors: Errors,
+}
+
+impl Search {
+    fn run(&mut self, context: &mut Context<'_>) {
+        let profile = self.profile(&self.best, context);
+        let (regrouped, done) = regroup::regroup(&self.best, &profile, self.limit, context);
+        let mut base = self.best.clone();
+        let mut statistics = regroup::Regrouped::default();
+        if done.reordered + done.factored > 0 {
+            let live = remove_dead(&regrouped).map(|(function, _)| function);
+            let regrouped = live.unwrap_or(regrouped);
+            if self.offer(&regrouped, context) {
+                base = regrouped;
+                statistics = done;
+            }
+        }
+        let profile = self.profile(&base, context);
+        let mut contracted = 0;
+        if let Some((fused, count)) = fuse::fuse(&base, &profile, self.limit, context)
+            && self.offer(&fused, context)
+        {
+            contracted = count;
+        }
+        let mut compensated = 0;
+        if self.growth > 0 {
+            let budget = Budget {
+                limit: self.limit,
+                operations: self.size + self.size * self.growth as usize / 100,
+                format: self.format,
+            };
+            let versions = compensate::compensated(&base, &profile, &budget, context);
+            for version in versions.into_iter().take(MEASURED) {
+                let function = version.function;
+                let profile = self.profile(&function, context);
+                let fused = fuse::fuse(&function, &profile, self.limit, context);
+                let (function, count) = fused.unwrap_or((function, 0));
+                if self.offer(&function, context) {
+                    (compensated, contracted) = (version.tracked as u64, count);
+                }
+            }
+        }
+        context.statistics.extend([
+            ("sums reordered", statistics.reordered),
+            ("sums factored", statistics.factored),
+            ("products contracted", contracted),
+            ("values compensated", compensated),
+        ]);
+    }
+
+    /// Measures a version and keeps it when it is the best so far; one with
+    /// refused rewrites always, since then the question is another.
+    fn offer(&mut self, function: &Function, context: &Context<'_>) -> bool {
+        let errors = self.reference.errors(function, self.format);
+        let better = errors.score() < self.errors.score() && errors.no_worse_than(&self.old);
+        if better || context.rewrites.has_refused() {
+            self.best = function.clone();
+            self.errors = errors;
+            return true;
+        }
+        false
+    }
+
+    fn profile(&self, function: &Function, context: &Context<'_>) -> Profile {
+        let tables = &*context.tables;
+        Profile::new(View { tables, function }, &self.states, 0)
+    }
+}
+
+/// One line on what became of the errors.
+fn told(old: &Errors, new: &Errors) -> String {
+    let [old_median, .., old_worst] = old.normwise;
+    let [median, .., worst] = new.normwise;
+    format!(
+        "median of the relative error {:.3e} to {:.3e}, of the normwise one {old_median:.3e} to \
+         {median:.3e}, largest normwise {old_worst:.3e} to {worst:.3e}",
+        old.relative, new.relative
+    )
+}

@@ -1,0 +1,262 @@
+//! How large the values of a function are, and what a rounding of each does
+//! to the outputs.
+//!
+//! To first order a rounding `d` of a value moves output `o` by `g(o) d`,
+//! where `g(o)` is the derivative of the output with respect to the value
+//! (Wilkinson's backward analysis; Linnainmaa, *BIT* 16, 1976, for the sweep
+//! that finds all derivatives of one output at once). Functions of
+//! multibody systems have thousands of outputs, and only one number is needed
+//! per value: the sum over all outputs of `(w(o) g(o))^2`. One sweep finds an
+//! unbiased estimate of it for all values together: the outputs are given
+//! random signs and the derivative of their signed sum is taken, whose square
+//! has this expectation (Hutchinson, *Communications in Statistics* 19, 1990).
+//! Every lane of a profile is a state of its own with signs of its own.
+//!
+//! The weight of an output is `1 / sqrt(e m)`, `e` being the error it can be
+//! expected to have and `m` the largest such error in its array: half-way, in
+//! logarithms, between what makes every output and what makes every array
+//! better by the same factor. Expected errors come from a sweep forward that
+//! takes all errors as independent, which is good enough for a scale. So
+//! neither a state nor an output with large errors decides alone.
+//!
+//! A lane in which something is not finite says nothing there and counts as
+//! zero.
+
+use robovec_ir::arithmetic::Binary64;
+use robovec_ir::batch::Batch;
+use robovec_ir::evaluate::evaluate_nodes;
+use robovec_ir::states::States;
+use robovec_ir::{Function, Node, Operand, OperandKind, Operation, View};
+use std::array;
+
+/// States that are looked at together.
+pub(crate) const LANES: usize = 8;
+
+/// One number per state.
+pub(crate) type Lanes = [f64; LANES];
+
+/// Sizes and derivatives of the values of a function in a few states.
+pub(crate) struct Profile {
+    /// The inputs, element by element.
+    inputs: Vec<Lanes>,
+    /// What each node is.
+    values: Vec<Lanes>,
+    /// The derivative of the weighted outputs, each with a random sign, with
+    /// respect to each node.
+    adjoints: Vec<Lanes>,
+    /// The same of every assignment itself.
+    seeds: Vec<Lanes>,
+}
+
+impl Profile {
+    /// Evaluates the function in binary64 at states `first..first + LANES`
+    /// and sweeps back once.
+    pub(crate) fn new(view: View<'_>, states: &States, first: u32) -> Profile {
+        let function = view.function;
+        let drawn: [Vec<f64>; LANES] =
+            array::from_fn(|lane| states.draw(view, first + lane as u32));
+        let inputs = Batch::<Binary64, LANES>::gather(&drawn);
+        let values = evaluate_nodes(function, &Batch([Binary64; LANES]), &inputs);
+        let mut profile = Profile {
+            inputs,
+            values,
+            adjoints: Vec::new(),
+            seeds: Vec::new(),
+        };
+        profile.seeds = profile.seeds(function);
+        profile.adjoints = profile.sweep(function);
+        profile
+    }
+
+    /// What a node is.
+    pub(crate) fn value(&self, index: usize) -> &Lanes {
+        &self.values[index]
+    }
+
+    /// What an operand is.
+    pub(crate) fn operand(&self, function: &Function, operand: Operand) -> Lanes {
+        match operand.kind() {
+            OperandKind::Value(value) => self.values[value.index()],
+            OperandKind::Input(input) => self.inputs[input.index()],
+            OperandKind::Constant(constant) => [function.constant_number(constant); LANES],
+            OperandKind::None => [0.0; LANES],
+        }
+    }
+
+    /// The signed derivative with respect to a node.
+    pub(crate) fn adjoint(&self, index: usize) -> &Lanes {
+        &self.adjoints[index]
+    }
+
+    /// The signed weights of an assignment.
+    pub(crate) fn seed(&self, assignment: usize) -> &Lanes {
+        &self.seeds[assignment]
+    }
+
+    /// What the rounding of a node adds to the squared error of the outputs,
+    /// in units of the squared roundoff.
+    pub(crate) fn blame(&self, index: usize) -> f64 {
+        squares(&self.adjoints[index], &self.values[index])
+    }
+
+    /// The derivatives of an operation with respect to its operands, lane by
+    /// lane; zero where they are not finite.
+    pub(crate) fn partials(&self, function: &Function, index: usize) -> [Lanes; Operand::MOST] {
+        let node = &function.nodes()[index];
+        let [a, b, _] = node.operands.map(|operand| self.operand(function, operand));
+        let result = &self.values[index];
+        let all: [[f64; Operand::MOST]; LANES] = array::from_fn(|lane| {
+            partials(node.operation, a[lane], b[lane], result[lane]).map(finite)
+        });
+        array::from_fn(|side| array::from_fn(|lane| all[lane][side]))
+    }
+
+    fn seeds(&self, function: &Function) -> Vec<Lanes> {
+        let outputs = function.outputs();
+        let array = |assignment: usize| {
+            let place = function.assignments[assignment].output.0;
+            outputs.partition_point(|array| array.offset <= place) - 1
+        };
+        let variances = self.variances(function);
+        let zero = [0.0; LANES];
+        let expected: Vec<&Lanes> = function
+            .assignments
+            .iter()
+            .map(|assignment| match assignment.operand.value() {
+                Some(value) => &variances[value.index()],
+                None => &zero,
+            })
+            .collect();
+        let mut largest = vec![[0.0f64; LANES]; outputs.len()];
+        let mut counts = vec![0u32; outputs.len()];
+        for (assignment, expected) in expected.iter().enumerate() {
+            counts[array(assignment)] += 1;
+            for (largest, expected) in largest[array(assignment)].iter_mut().zip(*expected) {
+                *largest = largest.max(*expected);
+            }
+        }
+        let seed = |(assignment, expected): (usize, &&Lanes)| -> Lanes {
+            let (largest, count) = (&largest[array(assignment)], counts[array(assignment)]);
+            array::from_fn(|lane| {
+                let product = expected[lane].sqrt() * largest[lane].sqrt();
+                let weight = 1.0 / (product * f64::from(count)).sqrt();
+                finite(weight) * sign((assignment * LANES + lane) as u64)
+            })
+        };
+        expected.iter().enumerate().map(seed).collect()
+    }
+
+    /// The squared error to be expected of every node if all errors were
+    /// independent, in units of the squared roundoff.
+    fn variances(&self, function: &Function) -> Vec<Lanes> {
+        let mut variances: Vec<Lanes> = Vec::with_capacity(function.nodes().len());
+        for (value, node) in function.values() {
+            let index = value.index();
+            let mut variance = match is_exact(function, node) {
+                true => [0.0; LANES],
+                false => self.values[index].map(|number| finite(number * number)),
+            };
+            let partials = self.partials(function, index);
+            for (operand, partial) in node.operands().iter().zip(&partials) {
+                if let Some(operand) = operand.value() {
+                    let part = product(&product(partial, partial), &variances[operand.index()]);
+                    add(&mut variance, &part);
+                }
+            }
+            variances.push(variance.map(finite));
+        }
+        variances
+    }
+
+    fn sweep(&self, function: &Function) -> Vec<Lanes> {
+        let mut adjoints = vec![[0.0; LANES]; function.nodes().len()];
+        for (assignment, seed) in function.assignments.iter().zip(&self.seeds) {
+            if let Some(value) = assignment.operand.value() {
+                add(&mut adjoints[value.index()], seed);
+            }
+        }
+        for (value, node) in function.values().rev() {
+            let adjoint = adjoints[value.index()];
+            if adjoint == [0.0; LANES] {
+                continue;
+            }
+            let partials = self.partials(function, value.index());
+            for (operand, partial) in node.operands().iter().zip(&partials) {
+                if let Some(operand) = operand.value() {
+                    add(&mut adjoints[operand.index()], &product(&adjoint, partial));
+                }
+            }
+        }
+        adjoints
+    }
+}
+
+/// True for operations that never round: a copy, a minus, a product with a
+/// power of two.
+pub(crate) fn is_exact(function: &Function, node: &Node) -> bool {
+    let mut numbers = node
+        .operands()
+        .iter()
+        .filter_map(|&operand| function.number(operand));
+    match node.operation {
+        Operation::Copy | Operation::Neg => true,
+        Operation::Add | Operation::Sub => numbers.any(|number| number == 0.0),
+        Operation::Mul => numbers.any(|number| number.to_bits() << 12 == 0),
+        _ => false,
+    }
+}
+
+/// One or minus one, by the upper bit of a mixed counter (SplitMix64: Steele,
+/// Lea and Flood, OOPSLA 2014).
+fn sign(counter: u64) -> f64 {
+    let mut state = counter.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    state = (state ^ state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    state = (state ^ state >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    if (state ^ state >> 31) >> 63 == 0 {
+        1.0
+    } else {
+        -1.0
+    }
+}
+
+/// Zero for what is infinite or no number.
+fn finite(number: f64) -> f64 {
+    if number.is_finite() { number } else { 0.0 }
+}
+
+/// Adds lane by lane.
+pub(crate) fn add(sum: &mut Lanes, term: &Lanes) {
+    for (sum, term) in sum.iter_mut().zip(term) {
+        *sum += term;
+    }
+}
+
+/// Multiplies lane by lane; zero where the product is not finite.
+pub(crate) fn product(a: &Lanes, b: &Lanes) -> Lanes {
+    array::from_fn(|lane| finite(a[lane] * b[lane]))
+}
+
+/// The sum over the lanes of the squared products, without those that are not
+/// finite.
+pub(crate) fn squares(a: &Lanes, b: &Lanes) -> f64 {
+    let products = a.iter().zip(b).map(|(a, b)| a * b);
+    products.map(|product| finite(product * product)).sum()
+}
+
+/// The derivatives of an operation with respect to its operands.
+fn partials(operation: Operation, a: f64, b: f64, result: f64) -> [f64; Operand::MOST] {
+    match operation {
+        Operation::Copy => [1.0, 0.0, 0.0],
+        Operation::Neg => [-1.0, 0.0, 0.0],
+        Operation::Add => [1.0, 1.0, 0.0],
+        Operation::Sub => [1.0, -1.0, 0.0],
+        Operation::Mul => [b, a, 0.0],
+        Operation::Div => [1.0 / b, -result / b, 0.0],
+        Operation::Sin => [a.cos(), 0.0, 0.0],
+        Operation::Cos => [-a.sin(), 0.0, 0.0],
+        Operation::Sqrt => [0.5 / result, 0.0, 0.0],
+        Operation::Fma => [b, a, 1.0],
+        Operation::Fms => [b, a, -1.0],
+        Operation::Fnma => [-b, -a, 1.0],
+    }
+}

@@ -1,0 +1,386 @@
+//! Writes every sum in the order, and with the factored differences, that
+//! round least within the time there is.
+//!
+//! Every value has a time at which it must be there, from the longest path
+//! allowed and from what follows the value in the function as it was. A sum
+//! that keeps its time leaves those of all others as they are, so sums can be
+//! treated one after the other, each knowing how late its terms have become.
+//! The tree a sum has always meets its time, since its terms meet theirs.
+//!
+//! Time is not given away for nothing: a sum takes longer than it would as it
+//! was only where that saves more than a small part of the error of the whole
+//! function.
+
+use super::profile::{Lanes, Profile, squares};
+use super::terms::{self, Factor, Plan, Setting, Source, Term};
+use crate::analysis::critical_path::{Weights, tails};
+use crate::dce::live;
+use crate::pass::Context;
+use crate::reassociate::{Family, Groups, Leaf, Reach};
+use crate::rewrite::{Rewriter, owners};
+use robovec_ir::{FreshNames, Function, Name, Node, Operand, Operation, SourceSet, Symbol, Value};
+
+/// The part of the function's error that a sum must save to take time.
+const WORTH_TIME: f64 = 1e-5;
+
+/// A plan must cost less than this part of what there is: gains that are
+/// rounding noise of the estimate change nothing.
+const CLEARLY_LESS: f64 = 0.999;
+
+/// What was done.
+#[derive(Clone, Copy, Default, Debug)]
+pub(super) struct Regrouped {
+    pub(super) reordered: u64,
+    pub(super) factored: u64,
+}
+
+/// The function with its sums written anew; dead products are still there.
+pub(super) fn regroup(
+    function: &Function,
+    profile: &Profile,
+    limit: u32,
+    context: &mut Context<'_>,
+) -> (Function, Regrouped) {
+    let weights = Weights::cycles(context.machine);
+    let alive = live(function);
+    let total: f64 = (0..alive.len())
+        .filter(|&index| alive[index])
+        .map(|index| profile.blame(index))
+        .sum();
+    let tails = tails(function, &weights);
+    let required = tails
+        .iter()
+        .map(|tail| limit.saturating_sub(*tail))
+        .collect();
+    let groups = Groups::find(function, Reach::Maximal);
+    let mut writer = Writer {
+        rewriter: Rewriter::new(function, function.level),
+        names: function.fresh_names(),
+        owners: owners(context.tables, function),
+        uses: function.use_counts(),
+        arrivals: Vec::with_capacity(function.nodes().len()),
+        worth: total * WORTH_TIME,
+        done: Regrouped::default(),
+        function,
+        profile,
+        weights,
+        required,
+        groups,
+    };
+    for (value, node) in function.values() {
+        if writer.groups.is_absorbed(value) && writer.is_sum(value) {
+            // Written with its group, which alone reads it.
+            writer.rewriter.record(Operand::NONE);
+            continue;
+        }
+        match writer.choose(value) {
+            Some((plan, factoring)) if context.allow_rewrite(node.name, "order of terms") => {
+                writer.write(value, &plan, factoring, context);
+            }
+            _ => writer.keep(value),
+        }
+    }
+    let done = writer.done;
+    (writer.rewriter.finish(), done)
+}
+
+struct Writer<'a> {
+    function: &'a Function,
+    profile: &'a Profile,
+    groups: Groups,
+    weights: Weights,
+    rewriter: Rewriter<'a>,
+    names: FreshNames,
+    owners: Vec<Symbol>,
+    uses: Vec<u32>,
+    /// When each value of the old function must be there.
+    required: Vec<u32>,
+    /// When each value of the new function is there.
+    arrivals: Vec<u32>,
+    worth: f64,
+    done: Regrouped,
+}
+
+impl Writer<'_> {
+    fn is_sum(&self, value: Value) -> bool {
+        Family::of(self.function.node(value).operation) == Some(Family::Sum)
+    }
+
+    fn push(&mut self, node: Node) -> Value {
+        let ready = node.operands().iter().map(|&operand| self.arrival(operand));
+        let ready = ready.max().unwrap_or(0);
+        let finish = ready.saturating_add(self.weights.of(node.operation));
+        self.arrivals.push(finish);
+        self.rewriter.new.push(node)
+    }
+
+    fn arrival(&self, operand: Operand) -> u32 {
+        let value = operand.value();
+        value.map_or(0, |value| self.arrivals[value.index()])
+    }
+
+    /// Writes a value, and what was absorbed into it, as they were.
+    fn keep(&mut self, root: Value) {
+        let mut absorbed = match self.is_sum(root) {
+            true => self.groups.inner(root).to_vec(),
+            false => Vec::new(),
+        };
+        absorbed.sort_unstable();
+        for value in absorbed {
+            let written = self.copy(value);
+            self.rewriter.amend(value, written.into());
+        }
+        let written = self.copy(root);
+        self.rewriter.record(written.into());
+    }
+
+    fn copy(&mut self, value: Value) -> Value {
+        let node = *self.function.node(value);
+        let operands = self.rewriter.translate_operands(&node);
+        self.push(Node { operands, ..node })
+    }
+
+    /// A better way to compute the sum of a value, and whether it factors
+    /// differences.
+    fn choose(&mut self, root: Value) -> Option<(Plan, bool)> {
+        if !self.is_sum(root) {
+            return None;
+        }
+        let leaves = self.groups.leaves(root);
+        let count = leaves.len();
+        let products = leaves.iter().filter(|leaf| self.product(leaf).is_some());
+        let products = products.count();
+        // Two terms have one order; they can still be two products.
+        if count > terms::MOST || !(count > 2 || products == 2) || is_error_term(leaves) {
+            return None;
+        }
+        let terms: Vec<Term> = leaves.to_vec().iter().map(|leaf| self.term(leaf)).collect();
+        let present = self.present(root, &terms);
+        let index = root.index();
+        let setting = |deadline| Setting {
+            adjoint: *self.profile.adjoint(index),
+            deadline,
+            add: self
+                .weights
+                .of(Operation::Add)
+                .max(self.weights.of(Operation::Sub)),
+            multiply: self.weights.of(Operation::Mul),
+        };
+        let best = |deadline: u32| -> Option<(Plan, bool)> {
+            let factored = (products >= 2)
+                .then(|| terms::plan(&setting(deadline), &terms, true))
+                .flatten();
+            let plain = match count > 2 {
+                true => terms::plan(&setting(deadline), &terms, false),
+                false => None,
+            };
+            match (factored, plain) {
+                (Some(factored), Some(plain)) if plain.cost < factored.cost => Some((plain, false)),
+                (Some(factored), _) => Some((factored, true)),
+                (None, plain) => plain.map(|plan| (plan, false)),
+            }
+        };
+        let required = self.required[index];
+        let prompt = best(present.1.min(required));
+        let patient = match required > present.1 {
+            true => best(required),
+            false => None,
+        };
+        let cost =
+            |plan: &Option<(Plan, bool)>| plan.as_ref().map_or(present.0, |(plan, _)| plan.cost);
+        let chosen = match cost(&prompt) - cost(&patient) > self.worth {
+            true => patient,
+            false => prompt,
+        };
+        chosen.filter(|(plan, _)| plan.cost < CLEARLY_LESS * present.0)
+    }
+
+    /// What the sum costs as it is, and when it would be there.
+    fn present(&self, root: Value, terms: &[Term]) -> (f64, u32) {
+        let adjoint = self.profile.adjoint(root.index());
+        let products = terms.iter().filter(|term| term.factors.is_some());
+        let mut cost: f64 = products.map(|term| squares(adjoint, &term.lanes)).sum();
+        let mut nodes = self.groups.inner(root).to_vec();
+        nodes.sort_unstable();
+        nodes.push(root);
+        let mut finished: Vec<(Value, u32)> = Vec::with_capacity(nodes.len());
+        for &value in &nodes {
+            let node = self.function.node(value);
+            let lanes = |operand| self.profile.operand(self.function, operand);
+            let [a, b] = [lanes(node.operands[0]), lanes(node.operands[1])];
+            cost += match node.operation {
+                Operation::Add => addition(adjoint, &a, &b),
+                Operation::Sub => addition(adjoint, &a, &b.map(|number| -number)),
+                _ => 0.0,
+            };
+            let ready = node.operands().iter().map(|&operand| {
+                let inside = operand
+                    .value()
+                    .and_then(|value| finished.binary_search_by_key(&value, |&(at, _)| at).ok());
+                match inside {
+                    Some(place) => finished[place].1,
+                    None => self.old_arrival(operand),
+                }
+            });
+            let ready = ready.max().unwrap_or(0);
+            finished.push((value, ready.saturating_add(self.weights.of(node.operation))));
+        }
+        (cost, finished.last().map_or(0, |&(_, at)| at))
+    }
+
+    /// When what an old operand has become is there.
+    fn old_arrival(&self, operand: Operand) -> u32 {
+        match operand.value() {
+            Some(value) => self.arrival(self.rewriter.known(value)),
+            None => 0,
+        }
+    }
+
+    /// The product that a leaf is, when nothing else reads it.
+    fn product(&self, leaf: &Leaf) -> Option<Value> {
+        let value = leaf.operand.value()?;
+        let single = self.uses[value.index()] == 1;
+        (single && self.function.node(value).operation == Operation::Mul).then_some(value)
+    }
+
+    fn term(&mut self, leaf: &Leaf) -> Term {
+        let lanes = self.profile.operand(self.function, leaf.operand);
+        let source = self.rewriter.translate(leaf.operand);
+        let factors = self.product(leaf).map(|product| {
+            let [a, b, _] = self.function.node(product).operands;
+            [a, b].map(|operand| {
+                let source = self.rewriter.translate(operand);
+                Factor {
+                    source: Source::Operand(source),
+                    lanes: self.profile.operand(self.function, operand),
+                    arrival: self.arrival(source),
+                }
+            })
+        });
+        Term {
+            source: Source::Operand(source),
+            negative: leaf.negative,
+            lanes: if leaf.negative {
+                lanes.map(|number| -number)
+            } else {
+                lanes
+            },
+            arrival: self.arrival(source),
+            factors,
+        }
+    }
+
+    /// Writes the operations of a plan in the place of a group.
+    fn write(&mut self, root: Value, plan: &Plan, factoring: bool, context: &mut Context<'_>) {
+        let node = *self.function.node(root);
+        let inner = self.groups.inner(root).to_vec();
+        let mut sets = vec![node.sources];
+        sets.extend(inner.iter().map(|&value| self.function.node(value).sources));
+        if factoring {
+            let leaves = self.groups.leaves(root).iter();
+            let products = leaves.filter_map(|leaf| self.product(leaf));
+            sets.extend(products.map(|value| self.function.node(value).sources));
+        }
+        let sources = context.tables.sources.union(&sets);
+        // The name of an equation goes with its value.
+        let names = inner.iter().map(|&value| self.function.node(value).name);
+        let mut spare: Vec<Name> = names.filter(|name| name.suffix > 0).collect();
+        spare.sort_unstable();
+        spare.reverse();
+        let needed = needed(plan);
+        let mut results: Vec<Operand> = Vec::with_capacity(plan.steps.len());
+        for (place, step) in plan.steps.iter().enumerate() {
+            if !needed[place] {
+                results.push(Operand::NONE);
+                continue;
+            }
+            let last = plan.result == Source::Step(place);
+            let name = match (last, spare.pop()) {
+                (true, _) => node.name,
+                (false, Some(name)) => name,
+                (false, None) => self.names.fresh(self.owners[root.index()]),
+            };
+            let operands = step.operands.map(|source| self.resolve(source, &results));
+            results.push(self.emit(step.operation, operands, name, sources));
+            context.note(name, if factoring { "factor" } else { "order" });
+        }
+        let result = self.resolve(plan.result, &results);
+        self.rewriter.record(result);
+        match factoring {
+            true => self.done.factored += 1,
+            false => self.done.reordered += 1,
+        }
+    }
+
+    fn emit(
+        &mut self,
+        operation: Operation,
+        operands: [Operand; 2],
+        name: Name,
+        sources: SourceSet,
+    ) -> Operand {
+        let operands = Operand::list(operands);
+        let node = Node {
+            name,
+            sources,
+            operands,
+            operation,
+        };
+        self.push(node).into()
+    }
+
+    /// The operand of a source; the absent one stands for zero.
+    fn resolve(&mut self, source: Source, results: &[Operand]) -> Operand {
+        match source {
+            Source::Operand(operand) if operand.is_none() => self.rewriter.new.constant(0.0).into(),
+            Source::Operand(operand) => operand,
+            Source::Step(place) => results[place],
+        }
+    }
+}
+
+/// The steps that the result needs.
+fn needed(plan: &Plan) -> Vec<bool> {
+    let mut needed = vec![false; plan.steps.len()];
+    let mark = |needed: &mut Vec<bool>, source: Source| {
+        if let Source::Step(place) = source {
+            needed[place] = true;
+        }
+    };
+    mark(&mut needed, plan.result);
+    for place in (0..plan.steps.len()).rev() {
+        if needed[place] {
+            for source in plan.steps[place].operands {
+                mark(&mut needed, source);
+            }
+        }
+    }
+    needed
+}
+
+/// What adding two numbers costs.
+fn addition(adjoint: &Lanes, a: &Lanes, b: &Lanes) -> f64 {
+    let setting = Setting {
+        adjoint: *adjoint,
+        deadline: 0,
+        add: 0,
+        multiply: 0,
+    };
+    setting.addition(a, b)
+}
+
+/// True when a term occurs with both signs. Over the real numbers such terms
+/// would vanish; they are there for the rounding errors between them
+/// (`super::compensate`).
+fn is_error_term(leaves: &[Leaf]) -> bool {
+    let opposite = |leaf: &Leaf| Leaf {
+        negative: !leaf.negative,
+        ..*leaf
+    };
+    if leaves.len() <= 16 {
+        return leaves.iter().any(|leaf| leaves.contains(&opposite(leaf)));
+    }
+    let mut sorted: Vec<Operand> = leaves.iter().map(|leaf| leaf.operand).collect();
+    sorted.sort_unstable();
+    sorted.windows(2).any(|pair| pair[0] == pair[1])
+}
