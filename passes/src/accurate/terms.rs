@@ -577,7 +577,7 @@ mod tests {
 
     #[test]
     fn negative_terms_alone_start_from_zero() {
-        let terms = [-1.0, -2.0].map(|value| term(value.abs() as u32, value, 0));
+        let terms = [-1.0f64, -2.0].map(|value| term(value.abs() as u32, value, 0));
         let found = plan(&setting(100), &terms, false).expect("there is time");
         assert_eq!(found.steps.len(), 2);
     }
