@@ -23,6 +23,7 @@ pub mod inline;
 pub mod lookahead;
 pub mod manager;
 pub mod manual;
+pub mod mixed;
 pub mod optimise;
 pub mod options;
 pub mod pass;

@@ -4,7 +4,8 @@
 use crate::pass::PassInfo;
 use crate::{
     accurate, asap_alap, atomise, balance, codegen, composite, cse, dce, eqsat, factor, fma, fold,
-    inline, lookahead, optimise, place, recurrence, specialise, swap, trigonometry, zero_removal,
+    inline, lookahead, mixed, optimise, place, recurrence, specialise, swap, trigonometry,
+    zero_removal,
 };
 
 /// All passes, in the order a function usually meets them.
@@ -27,6 +28,7 @@ pub const PASSES: &[PassInfo] = &[
     inline::Inline::INFO,
     lookahead::Lookahead::INFO,
     recurrence::Recurrence::INFO,
+    mixed::Mixed::INFO,
     asap_alap::AsapAlap::INFO,
     optimise::Optimise::INFO,
     place::Place::INFO,

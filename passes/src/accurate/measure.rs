@@ -9,6 +9,7 @@
 use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::evaluate::evaluate;
+use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
 
@@ -62,12 +63,16 @@ impl Reference {
                 let outputs = run(function, &Binary32, state);
                 outputs.into_iter().map(f64::from).collect()
             }),
-            _ => self.errors_of(|state| run(function, &Binary64, state)),
+            Format::BINARY64 => self.errors_of(|state| run(function, &Binary64, state)),
+            _ => {
+                let arithmetic = FormatArithmetic::new(format);
+                self.errors_of(|state| run(function, &arithmetic, state))
+            }
         }
     }
 
     /// The errors of outputs, computed from the inputs of each state.
-    pub(crate) fn errors_of(&self, outputs: impl Fn(&[f64]) -> Vec<f64>) -> Errors {
+    fn errors_of(&self, outputs: impl Fn(&[f64]) -> Vec<f64>) -> Errors {
         let (mut relative, mut normwise) = (Vec::new(), Vec::new());
         for (state, exact) in self.inputs.iter().zip(&self.exact) {
             let computed = outputs(state);

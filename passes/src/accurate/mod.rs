@@ -97,7 +97,7 @@ declare_pass! {
 }
 
 /// The seed of all states the pass looks at.
-const SEED: u64 = 0x5eed_acc0;
+pub(crate) const SEED: u64 = 0x5eed_acc0;
 
 /// The number of the first state that is measured; earlier ones are looked
 /// at.
@@ -108,7 +108,10 @@ const MEASURED: usize = 3;
 
 impl Pass for Accurate {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
-        let states = States::new(SEED);
+        let states = match context.scene {
+            Some(scene) => scene.states(SEED),
+            None => States::new(SEED),
+        };
         let before = critical_path(function, context.machine).asap_cycle;
         let allowed = match self.cycles {
             Cycles::Same => before,

@@ -50,8 +50,21 @@ pub(crate) struct Profile {
 
 impl Profile {
     /// Evaluates the function in binary64 at states `first..first + LANES`
-    /// and sweeps back once.
+    /// and sweeps back once, with weights that make every output better by
+    /// the same factor.
     pub(crate) fn new(view: View<'_>, states: &States, first: u32) -> Profile {
+        let function = view.function;
+        Profile::with_seeds(view, states, first, |profile| profile.balanced(function))
+    }
+
+    /// As [`Profile::new`], with these weights of every assignment, lane by
+    /// lane.
+    pub(crate) fn with_seeds(
+        view: View<'_>,
+        states: &States,
+        first: u32,
+        weights: impl FnOnce(&Profile) -> Vec<Lanes>,
+    ) -> Profile {
         let function = view.function;
         let drawn: [Vec<f64>; LANES] =
             array::from_fn(|lane| states.draw(view, first + lane as u32));
@@ -63,7 +76,14 @@ impl Profile {
             adjoints: Vec::new(),
             seeds: Vec::new(),
         };
-        profile.seeds = profile.seeds(function);
+        let mut seeds = weights(&profile);
+        for (place, seed) in seeds.iter_mut().enumerate() {
+            for (lane, weight) in seed.iter_mut().enumerate() {
+                let state = u64::from(first) + lane as u64;
+                *weight = finite(*weight) * sign((place as u64) << 32 | state);
+            }
+        }
+        profile.seeds = seeds;
         profile.adjoints = profile.sweep(function);
         profile
     }
@@ -111,7 +131,8 @@ impl Profile {
         array::from_fn(|side| array::from_fn(|lane| all[lane][side]))
     }
 
-    fn seeds(&self, function: &Function) -> Vec<Lanes> {
+    /// Weights that make every output better by the same factor.
+    fn balanced(&self, function: &Function) -> Vec<Lanes> {
         let outputs = function.outputs();
         let array = |assignment: usize| {
             let place = function.assignments[assignment].output.0;
@@ -139,8 +160,7 @@ impl Profile {
             let (largest, count) = (&largest[array(assignment)], counts[array(assignment)]);
             array::from_fn(|lane| {
                 let product = expected[lane].sqrt() * largest[lane].sqrt();
-                let weight = 1.0 / (product * f64::from(count)).sqrt();
-                finite(weight) * sign((assignment * LANES + lane) as u64)
+                1.0 / (product * f64::from(count)).sqrt()
             })
         };
         expected.iter().enumerate().map(seed).collect()

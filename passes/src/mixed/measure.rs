@@ -1,0 +1,139 @@
+//! Errors against what is allowed.
+
+use crate::scene::{Measure, Scene};
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::evaluate::{evaluate, evaluate_nodes_in};
+use robovec_ir::states::States;
+use robovec_ir::{Format, Formats, Function, OperandKind, View};
+
+/// The errors allowed.
+pub(super) struct Allowed {
+    /// By assignment: measures and bounds, all of which hold.
+    bounds: Vec<Vec<(Measure, f64)>>,
+    /// The output array of every assignment, and how many there are.
+    arrays: Vec<usize>,
+    count: usize,
+}
+
+impl Allowed {
+    /// What a scene says of outputs, and of all others that errors may be this
+    /// part of the largest element of the array.
+    pub(super) fn new(view: View<'_>, scene: Option<&Scene>, error: f64) -> Allowed {
+        let outputs = view.function.outputs();
+        let array = |place: u32| outputs.partition_point(|array| array.offset <= place) - 1;
+        let assignments = &view.function.assignments;
+        let bounds = assignments.iter().map(|assignment| {
+            let known = scene.map(|scene| scene.tolerances(view, assignment.output));
+            let known = known.unwrap_or_default();
+            match known.is_empty() {
+                true => vec![(Measure::Norm, error)],
+                false => known.iter().map(|one| (one.measure, one.bound)).collect(),
+            }
+        });
+        Allowed {
+            bounds: bounds.collect(),
+            arrays: assignments.iter().map(|a| array(a.output.0)).collect(),
+            count: outputs.len(),
+        }
+    }
+
+    /// The errors allowed of outputs with these values.
+    pub(super) fn of(&self, exact: &[f64]) -> Vec<f64> {
+        let mut norms = vec![0.0f64; self.count];
+        for (value, &array) in exact.iter().zip(&self.arrays) {
+            if value.is_finite() {
+                norms[array] = norms[array].max(value.abs());
+            }
+        }
+        let rows = self.bounds.iter().zip(exact).zip(&self.arrays);
+        rows.map(|((bounds, value), &array)| {
+            let allowed = bounds.iter().map(|(measure, bound)| match measure {
+                Measure::Norm => bound * norms[array],
+                Measure::Relative => bound * value.abs(),
+                Measure::Absolute => *bound,
+            });
+            allowed.fold(f64::INFINITY, f64::min)
+        })
+        .collect()
+    }
+}
+
+/// Exact outputs at some states, and the errors they may have.
+pub(super) struct Check {
+    inputs: Vec<Vec<f64>>,
+    exact: Vec<Vec<Double>>,
+    allowed: Vec<Vec<f64>>,
+}
+
+impl Check {
+    /// Evaluates the function in double-double at `count` states from
+    /// `first` on.
+    pub(super) fn new(
+        view: View<'_>,
+        states: &States,
+        [first, count]: [u32; 2],
+        allowed: &Allowed,
+    ) -> Check {
+        let inputs: Vec<Vec<f64>> = (first..first + count)
+            .map(|index| states.draw(view, index))
+            .collect();
+        let exact: Vec<Vec<Double>> = inputs
+            .iter()
+            .map(|state| {
+                let inputs: Vec<Double> = state.iter().map(|&x| DoubleDouble.literal(x)).collect();
+                evaluate(view.function, &DoubleDouble, &inputs)
+            })
+            .collect();
+        let allowed = exact.iter().map(|outputs| {
+            let values: Vec<f64> = outputs.iter().map(|output| output.high).collect();
+            allowed.of(&values)
+        });
+        Check {
+            allowed: allowed.collect(),
+            inputs,
+            exact,
+        }
+    }
+
+    /// For every assignment the largest error over what is allowed.
+    pub(super) fn ratios(&self, function: &Function, formats: &Formats) -> Vec<f64> {
+        let mut ratios = vec![0.0f64; function.assignments.len()];
+        for ((inputs, exact), allowed) in self.inputs.iter().zip(&self.exact).zip(&self.allowed) {
+            // Inputs are numbers of binary32, so that of the run changes none.
+            let values = evaluate_nodes_in(function, Some(formats), Format::BINARY64, inputs);
+            for (place, assignment) in function.assignments.iter().enumerate() {
+                let OperandKind::Value(value) = assignment.operand.kind() else {
+                    continue;
+                };
+                let ratio = ratio(exact[place], values[value.index()], allowed[place]);
+                ratios[place] = ratios[place].max(ratio);
+            }
+        }
+        ratios
+    }
+
+    /// The largest ratio of an error to what is allowed.
+    pub(super) fn worst(&self, function: &Function, formats: &Formats) -> f64 {
+        self.ratios(function, formats)
+            .into_iter()
+            .fold(0.0, f64::max)
+    }
+}
+
+/// An error over what is allowed; where the exact number is not finite
+/// nothing can be said.
+fn ratio(exact: Double, computed: f64, allowed: f64) -> f64 {
+    if !exact.high.is_finite() {
+        return 0.0;
+    }
+    let distance = match computed.is_finite() {
+        true => exact.distance(computed),
+        false => f64::INFINITY,
+    };
+    if distance == 0.0 {
+        0.0
+    } else {
+        distance / allowed
+    }
+}
