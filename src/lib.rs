@@ -3,6 +3,7 @@
 pub mod accuracy;
 pub mod align;
 pub mod command;
+pub mod errors;
 pub mod evaluate_command;
 pub mod fit;
 pub mod front;

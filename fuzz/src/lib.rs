@@ -1,6 +1,7 @@
 //! The bodies of the fuzz targets: plain functions of bytes, which the ordinary
 //! tests run briefly and cargo-fuzz runs at length.
 
+pub mod adjoints;
 pub mod equations;
 pub mod errors;
 pub mod formats;
@@ -20,6 +21,7 @@ mod term;
 pub mod text;
 pub mod written;
 
+pub use adjoints::errors_are_predicted;
 pub use errors::errors_stay_within_bounds;
 pub use formats::formats_agree;
 pub use images::simulate_garbage;

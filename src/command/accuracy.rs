@@ -1,6 +1,5 @@
 //! `robovec accuracy`: what every pass does to the rounding errors.
 
-use super::output_errors::{self, OutputArguments};
 use super::{Failure, input, output};
 use crate::accuracy::{self, Options, Subject};
 use crate::study::plot;
@@ -14,38 +13,31 @@ use std::path::PathBuf;
 pub(super) struct AccuracyArguments {
     /// Files of equations, or models (.mbs)
     #[arg(required = true)]
-    pub(super) files: Vec<PathBuf>,
-    /// Pipeline whose passes are compared, by default $shorten; with
-    /// --outputs run before anything is measured, by default none
-    #[arg(long, value_name = "PIPELINE")]
-    pub(super) passes: Option<String>,
+    files: Vec<PathBuf>,
+    /// Pipeline whose passes are compared
+    #[arg(long, value_name = "PIPELINE", default_value = "$shorten")]
+    passes: String,
     /// Machine compiled for: a name or a .toml file
     #[arg(long, default_value = "thesis")]
-    pub(super) machine: String,
+    machine: String,
     /// Only this function; of a model, the one to generate
     #[arg(long, value_name = "NAME")]
-    pub(super) function: Option<String>,
+    function: Option<String>,
     /// Random states; by default the more the smaller the function is
     #[arg(long, default_value_t = 0, hide_default_value = true,
           value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
-    pub(super) states: u32,
+    states: u32,
     /// Seed of the states
     #[arg(long, default_value_t = 1)]
-    pub(super) seed: u64,
-    /// Folder for accuracy.csv, accuracy.json and accuracy.svg; with --outputs
-    /// for outputs.csv and outputs.json
+    seed: u64,
+    /// Folder for accuracy.csv, accuracy.json and accuracy.svg
     #[arg(short, long, value_name = "FOLDER")]
-    pub(super) output: Option<PathBuf>,
-    #[command(flatten)]
-    pub(super) of_outputs: OutputArguments,
+    output: Option<PathBuf>,
 }
 
 /// Runs the command.
 pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
-    if arguments.of_outputs.outputs {
-        return output_errors::run(arguments);
-    }
-    let pipeline = input::passes(arguments.passes.as_deref().unwrap_or("$shorten"))?;
+    let pipeline = input::passes(&arguments.passes)?;
     let machine = input::machine(&arguments.machine)?;
     let options = Options {
         states: arguments.states,

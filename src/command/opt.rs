@@ -127,7 +127,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let start = usage().0;
     if let (Some(asked), Some(trail)) = (&arguments.explain, &trail) {
-        let account = explain::explain(asked, &input, trail, &machine)?;
+        let account =
+            explain::explain(asked, &input, trail, &machine, &States::new(arguments.seed))?;
         output::write_stdout(|stdout| stdout.write_all(account.as_bytes()))?;
     }
     if arguments.explain.is_none() || arguments.output.is_some() {

@@ -3,6 +3,7 @@
 
 use super::accuracy::{self, AccuracyArguments};
 use super::compare::{self, CheckArguments};
+use super::errors::{self, ErrorsArguments};
 use super::eval::{self, EvalArguments};
 use super::fit::{self, FitArguments};
 use super::front::{self, FrontArguments};
@@ -31,6 +32,7 @@ struct Arguments {
 enum Command {
     /// Measure what every pass of a pipeline does to the rounding errors
     Accuracy(AccuracyArguments),
+    Errors(ErrorsArguments),
     /// Evaluate functions at given or random states
     Eval(EvalArguments),
     Fit(FitArguments),
@@ -73,6 +75,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let arguments = Arguments::parse_from(arguments);
     let result = match &arguments.command {
         Command::Accuracy(arguments) => accuracy::run(arguments),
+        Command::Errors(arguments) => errors::run(arguments),
         Command::Eval(arguments) => eval::run(arguments),
         Command::Fit(arguments) => fit::run(arguments),
         Command::Front(arguments) => front::run(arguments),

@@ -11,15 +11,14 @@ mod rounding;
 mod schedule;
 mod text;
 
-pub use error::{
-    ArrayReport, ElementReport, ErrorReport, FormatReport, MatrixReport, SpreadReport,
-};
+pub use error::{ArrayReport, ElementReport, ErrorReport, FormatReport, SpreadReport};
 pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
 pub(crate) use text::{table, units};
 
+use crate::errors::Heat;
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;
-use robovec_ir::{Function, Level, Machine, Module, View};
+use robovec_ir::{Format, Function, Level, Machine, Module, View};
 use robovec_passes::analysis::critical_path::critical_path;
 use robovec_passes::analysis::rounding::Rounding;
 use robovec_passes::check::Verdict;
@@ -123,6 +122,8 @@ pub struct FunctionReport {
     pub schedule: Option<ScheduleReport>,
     /// Rounding errors of the outputs.
     pub error: ErrorReport,
+    /// Which equations these come from, in the machine's number format.
+    pub heat: Heat,
 }
 
 impl Report {
@@ -193,6 +194,7 @@ impl FunctionReport {
             passes: own.map(|record| PassReport::new(record, view)).collect(),
             schedule: ScheduleReport::collect(function, machine),
             error: ErrorReport::new(view, options),
+            heat: Heat::measure(view, Format::Float(machine.number), &options.states),
         }
     }
 }

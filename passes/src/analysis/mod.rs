@@ -3,9 +3,9 @@
 
 pub mod accuracy;
 pub mod adjoint;
-pub mod condition;
 pub mod critical_path;
 pub mod error_bound;
+pub mod interval;
 pub mod reference;
 pub mod rounding;
 pub mod slice;

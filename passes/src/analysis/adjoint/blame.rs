@@ -1,6 +1,6 @@
 //! Which operations, equations and inputs the error comes from.
 
-use super::{Adjoint, LANES, Run, Tape, Workspace};
+use super::{LANES, Run, Tape, Workspace};
 use robovec_ir::{Function, Input, Place, Symbol, Value, View};
 
 /// Contributions to the error of outputs, summed over outputs and states.
@@ -48,18 +48,9 @@ impl Blame {
     ///
     /// When an output does not exist or the run is one of another function.
     pub fn add(&mut self, function: &Function, run: &Run<'_>, outputs: &[usize]) {
-        self.add_by(function, run, &run.adjoint(), outputs);
-    }
-
-    fn add_by(
-        &mut self,
-        function: &Function,
-        run: &Run<'_>,
-        adjoint: &Adjoint<'_>,
-        outputs: &[usize],
-    ) {
+        let adjoint = run.adjoint();
         let tape = run.tape();
-        let weights = weights(function, run);
+        let weights = output_weights(function, run);
         let mut workspace = Workspace::default();
         let mut sums = vec![0.0; tape.slots()];
         for group in outputs.chunks(LANES) {
@@ -169,8 +160,8 @@ fn largest<T>(mut shares: Vec<(T, f64)>, most: usize) -> Vec<(T, f64)> {
 }
 
 /// For every assignment one over the largest exact element of its array; 0
-/// for arrays that are zero.
-fn weights(function: &Function, run: &Run<'_>) -> Vec<f64> {
+/// for arrays that are zero. Errors times weights are comparable.
+pub fn output_weights(function: &Function, run: &Run<'_>) -> Vec<f64> {
     let arrays = function.outputs();
     let holds = |assignment: usize| {
         let output = function.assignments[assignment].output;

@@ -59,41 +59,45 @@ fn power(exponent: i32) -> f64 {
 }
 
 /// For every slot the largest error its rounding can have had, when it came
-/// out as `computed`; the exact values decide where they are larger, so that
-/// a result just below a power of two is not judged by luck.
+/// out as `computed` and lost `errors`; the exact values decide where they
+/// are larger, so that a result just below a power of two is not judged by
+/// luck.
 ///
 /// Operations that never round have none: copies, negations, sums with a
 /// literal zero, and in fixed point all sums. A literal or an input that the
-/// format holds has none either, and the error of others is known.
-pub(super) fn bounds(tape: &Tape, format: Format, exact: &[f64], computed: &[f64]) -> Vec<f64> {
+/// format holds has none either, and the error of others is known. Where
+/// formats change from one value to the next, any operation may round, and
+/// literals round with it: what it did lose always counts.
+pub(super) fn bounds(
+    tape: &Tape,
+    format: impl Fn(usize) -> Format,
+    [exact, computed, errors]: [&[f64]; 3],
+) -> Vec<f64> {
     let nodes = tape.nodes();
     let is_zero = |slot: usize| slot >= nodes + tape.inputs() && exact[slot] == 0.0;
-    let fixed = matches!(format, Format::Fixed(_));
     let mut bounds = Vec::with_capacity(tape.slots());
     for node in 0..nodes {
-        let operation = tape.operation(node);
+        let (operation, format) = (tape.operation(node), format(node));
         let [a, b, _] = tape.operands(node);
-        let size = computed[node].abs().max(exact[node].abs());
-        let rounding = half_ulp(
-            format,
-            if computed[node].is_nan() {
-                f64::NAN
-            } else {
-                size
-            },
-        );
+        let size = if computed[node].is_nan() {
+            f64::NAN
+        } else {
+            computed[node].abs().max(exact[node].abs())
+        };
+        let fixed = matches!(format, Format::Fixed(_));
         let sum = matches!(operation, Operation::Add | Operation::Sub);
         let moves = only_moves(operation) || sum && (fixed || is_zero(a) || is_zero(b));
-        bounds.push(if moves && rounding.is_finite() {
+        let rounding = half_ulp(format, size);
+        let most = if moves && rounding.is_finite() {
             0.0
         } else if operation.is_trigonometric() {
             rounding + HOST * size
         } else {
             rounding
-        });
+        };
+        bounds.push(most.max(errors[node].abs()));
     }
-    let leaves = exact[nodes..].iter().zip(&computed[nodes..]);
-    bounds.extend(leaves.map(|(exact, computed)| (computed - exact).abs()));
+    bounds.extend(errors[nodes..].iter().map(|error| error.abs()));
     bounds
 }
 
@@ -104,13 +108,9 @@ pub(super) fn errors(tape: &Tape, exact: &[f64], computed: &[f64]) -> Vec<f64> {
     let mut errors = Vec::with_capacity(tape.slots());
     for node in 0..nodes {
         let operation = tape.operation(node);
-        errors.push(if only_moves(operation) {
-            0.0
-        } else {
-            let operands = tape.operands(node).map(|slot| Double::from(computed[slot]));
-            let result = apply(&DoubleDouble, operation, operands);
-            (Double::from(computed[node]) - result).high
-        });
+        let operands = tape.operands(node).map(|slot| Double::from(computed[slot]));
+        let result = apply(&DoubleDouble, operation, operands);
+        errors.push((Double::from(computed[node]) - result).high);
     }
     let leaves = exact[nodes..].iter().zip(&computed[nodes..]);
     errors.extend(leaves.map(|(exact, computed)| computed - exact));

@@ -30,9 +30,10 @@ mod tape;
 #[cfg(test)]
 mod tests;
 
-pub use blame::{Blame, EquationBlame};
+pub use blame::{Blame, EquationBlame, output_weights};
 pub use local::half_ulp;
 pub use run::{OutputError, Run};
+pub(crate) use tape::apply;
 pub use tape::{Slot, Tape};
 
 use partials::{Pair, secant, tangent, third};
@@ -170,16 +171,31 @@ impl<'a> Adjoint<'a> {
         &self,
         workspace: &mut Workspace,
         outputs: &[usize],
+        visit: impl FnMut(usize, &Lanes),
+    ) {
+        let slots = outputs.iter().map(|&output| self.tape.output_slot(output));
+        let slots: Vec<usize> = slots.collect();
+        self.sweep_slots(workspace, &slots, visit);
+    }
+
+    /// As [`Adjoint::sweep_lanes`], from any slots.
+    ///
+    /// # Panics
+    ///
+    /// When more than [`LANES`] slots are asked for or one does not exist.
+    pub fn sweep_slots(
+        &self,
+        workspace: &mut Workspace,
+        slots: &[usize],
         mut visit: impl FnMut(usize, &Lanes),
     ) {
-        assert!(outputs.len() <= LANES, "at most {LANES} at a time");
+        assert!(slots.len() <= LANES, "at most {LANES} at a time");
         let tape = self.tape;
         let gradients = &mut workspace.gradients;
         // Every sweep leaves zeros behind, so only the first fills them in.
         gradients.resize(tape.slots(), Lanes::ZERO);
         let mut end = 0;
-        for (lane, &output) in outputs.iter().enumerate() {
-            let slot = tape.output_slot(output);
+        for (lane, &slot) in slots.iter().enumerate() {
             gradients[slot].0[lane] += 1.0;
             if slot < tape.nodes() {
                 end = end.max(slot + 1);

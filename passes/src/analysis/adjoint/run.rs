@@ -1,9 +1,11 @@
 //! A run of a function in a number format, beside the exact one.
 
 use super::{Adjoint, LANES, Lanes, Tape, Workspace, local};
-use robovec_ir::Format;
 use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::evaluate::evaluate_mixed_nodes;
+use robovec_ir::soft_float::FormatArithmetic;
+use robovec_ir::{Format, Function, Value};
 
 /// What a function computes in a format at one state, what it should have
 /// computed, and what every operation lost. All vectors count slots, as the
@@ -49,16 +51,47 @@ impl<'a> Run<'a> {
         A::Number: Into<f64>,
     {
         let computed = tape.evaluate(arithmetic, inputs);
-        let computed: Vec<f64> = computed.into_iter().map(Into::into).collect();
+        let computed = computed.into_iter().map(Into::into).collect();
+        Run::beside(tape, computed, |_| format, inputs)
+    }
+
+    /// Runs a function in a format, its values in formats of their own where
+    /// it gives them some. The tape is the function's.
+    ///
+    /// # Panics
+    ///
+    /// When there is not one number per input element.
+    pub fn of(function: &Function, tape: &'a Tape, format: Format, inputs: &[f64]) -> Run<'a> {
+        let arithmetic = FormatArithmetic::new(format);
+        let Some(formats) = &function.formats else {
+            return Run::new(tape, &arithmetic, format, inputs);
+        };
+        let mut computed = evaluate_mixed_nodes(function, format, inputs);
+        computed.extend(inputs.iter().map(|&input| arithmetic.convert(input)));
+        // A literal is rounded by the operation that reads it, differently by
+        // each, so its slot holds the literal itself.
+        computed.extend(tape.constants().iter().chain(&[0.0]));
+        let own = |node: usize| formats.get(Value(node as u32)).unwrap_or(format);
+        Run::beside(tape, computed, own, inputs)
+    }
+
+    /// The computed slots with everything that is known beside them.
+    fn beside(
+        tape: &'a Tape,
+        computed: Vec<f64>,
+        format: impl Fn(usize) -> Format,
+        inputs: &[f64],
+    ) -> Run<'a> {
         let exact = tape.evaluate(&DoubleDouble, inputs);
         let both = exact.iter().zip(&computed);
         let errors = both.map(|(exact, &computed)| (Double::from(computed) - *exact).high);
         let errors = errors.collect();
         let exact: Vec<f64> = exact.into_iter().map(|number| number.high).collect();
+        let local = local::errors(tape, &exact, &computed);
         Run {
             tape,
-            local: local::errors(tape, &exact, &computed),
-            bounds: local::bounds(tape, format, &exact, &computed),
+            bounds: local::bounds(tape, format, [&exact, &computed, &local]),
+            local,
             exact,
             computed,
             errors,
@@ -115,21 +148,30 @@ impl<'a> Run<'a> {
     ///
     /// When an output does not exist.
     pub fn outputs(&self, outputs: &[usize]) -> Vec<OutputError> {
+        let slots = outputs.iter().map(|&output| self.tape.output_slot(output));
+        self.slots(&slots.collect::<Vec<usize>>())
+    }
+
+    /// As [`Run::outputs`], for any slots.
+    ///
+    /// # Panics
+    ///
+    /// When a slot does not exist.
+    pub fn slots(&self, slots: &[usize]) -> Vec<OutputError> {
         let adjoint = self.adjoint();
         let mut workspace = Workspace::default();
-        let mut results = Vec::with_capacity(outputs.len());
-        for group in outputs.chunks(LANES) {
+        let mut results = Vec::with_capacity(slots.len());
+        for group in slots.chunks(LANES) {
             let (mut predicted, mut bound) = (Lanes::ZERO, Lanes::ZERO);
-            adjoint.sweep_lanes(&mut workspace, group, |slot, gradient| {
+            adjoint.sweep_slots(&mut workspace, group, |slot, gradient| {
                 let (signed, largest) = (self.local[slot], self.bounds[slot]);
-                if largest == 0.0 {
-                    return;
+                // A bound that is NaN is neither.
+                if largest != 0.0 {
+                    predicted.add_multiple(signed, gradient);
+                    bound.add_multiple(largest, &gradient.size());
                 }
-                predicted.add_multiple(signed, gradient);
-                bound.add_multiple(largest, &gradient.size());
             });
-            results.extend(group.iter().enumerate().map(|(lane, &output)| {
-                let slot = self.tape.output_slot(output);
+            results.extend(group.iter().enumerate().map(|(lane, &slot)| {
                 let (predicted, bound) = (predicted.0[lane], bound.0[lane] * SUMS);
                 OutputError {
                     exact: self.exact[slot],

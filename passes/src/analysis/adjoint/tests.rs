@@ -2,6 +2,7 @@
 
 use super::*;
 use robovec_ir::arithmetic::Binary32;
+use robovec_ir::formats::Formats;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Module, Value, View};
@@ -201,4 +202,30 @@ fn blame_goes_to_the_operation_that_cancels() {
     assert!((total - 1.0).abs() < 1e-12);
     assert_eq!(blame.operations(&tape, 1)[0].0, Value(0));
     assert!(blame.inputs(&tape, 12).is_empty() && blame.literals(&tape) == 0.0);
+}
+
+#[test]
+fn values_in_formats_of_their_own_are_predicted_too() {
+    let mut module = module(EVERYTHING);
+    let function = &mut module.functions[0];
+    let mut formats = Formats::new(function.nodes().len());
+    let narrow: Format = "float(8,12)".parse().expect("it is one");
+    for node in [0, 3, 6, 8, 11] {
+        formats.set(Value(node), Some(narrow));
+    }
+    function.formats = Some(formats);
+    let view = View {
+        tables: &module.tables,
+        function: &module.functions[0],
+    };
+    let tape = Tape::new(view.function);
+    for state in 0..100 {
+        let inputs = States::new(4).draw(view, state);
+        let run = Run::of(view.function, &tape, Format::BINARY32, &inputs);
+        for error in run.outputs(&[0, 1, 2, 3]) {
+            assert!(error.actual.abs() <= error.bound, "{state}: {error:?}");
+            let distance = (error.predicted - error.actual).abs();
+            assert!(distance <= 1e-6 * error.bound, "{state}: {error:?}");
+        }
+    }
 }

@@ -13,10 +13,12 @@
 //! How sigma is to be read: an operation that rounds by chance has an error
 //! of variance ulp²/6 on average, one that rounds to nearest ulp²/12, so the
 //! standard deviation of the samples is about √2 times that of the errors to
-//! be judged, and 3 sigma is about 4.2 of theirs. That margin pays for sigma
-//! being estimated from [`SAMPLES`] runs, whose own standard deviation is
-//! 18 % of it; with three runs it would be 52 %, and several outputs of a
-//! hundred would lie beyond three sigma. Where all runs agree because the
+//! be judged, and 3 sigma is about 4.2 of theirs. It is kept as a
+//! margin, for errors of the outputs of one function are correlated: if one
+//! is estimated badly, hundreds are. The deviation of [`SAMPLES`] runs is
+//! itself uncertain by 18 % (with three runs by 52 %); it is multiplied by
+//! 1.2, because Student's distribution with 15 degrees of freedom has as much
+//! beyond 3.59 deviations as the normal one beyond three. Where all runs agree because the
 //! last operation's result is nearly representable, the last rounding is
 //! still unknown; so sigma is never less than the standard deviation of one
 //! rounding to nearest of the output, ulp/√12.
@@ -37,6 +39,10 @@ use rounder::Rounder;
 
 /// Runs that roundings are sampled in.
 pub const SAMPLES: usize = 16;
+
+/// What makes three deviations of [`SAMPLES`] runs as wide as three of ever
+/// so many: 3.59 / 3, by Student's distribution.
+const SMALL_SAMPLE: f64 = 1.196;
 
 /// Samples computed at a time: one cache line of binary64 numbers.
 const LANES: usize = 8;
@@ -187,6 +193,7 @@ fn judge(format: Format, samples: &[f64; SAMPLES]) -> Sampled {
         .iter()
         .map(|sample| (sample - mean) * (sample - mean));
     let deviation = (squares.sum::<f64>() / (count - 1.0)).sqrt();
+    let deviation = SMALL_SAMPLE * deviation;
     let last = half_ulp(format, mean) / 3f64.sqrt();
     Sampled {
         mean,

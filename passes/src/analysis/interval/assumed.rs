@@ -1,0 +1,122 @@
+//! What the leaves of windows can be.
+
+use super::super::adjoint::{Slot, Tape};
+use super::Interval;
+use robovec_ir::View;
+use robovec_ir::arithmetic::Binary64;
+use robovec_ir::states::States;
+
+/// How much wider than the hull of its samples a value is assumed to range:
+/// twice, about the same middle.
+pub const MARGIN: f64 = 2.0;
+
+/// What a range rests on, the best first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Knowledge {
+    /// It is that of a literal, or was given for the input.
+    Given,
+    /// It is the range that random states draw the input from.
+    Drawn,
+    /// It is the hull of a value's samples with a margin: no proof.
+    Assumed,
+}
+
+impl Knowledge {
+    /// The word for it.
+    pub fn text(self) -> &'static str {
+        match self {
+            Knowledge::Given => "given",
+            Knowledge::Drawn => "drawn",
+            Knowledge::Assumed => "assumed",
+        }
+    }
+}
+
+/// The range of a leaf.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Leaf {
+    /// What it can be.
+    pub range: Interval,
+    /// Why.
+    pub knowledge: Knowledge,
+}
+
+/// The ranges of all leaves that windows of a function can have.
+#[derive(Clone, Debug)]
+pub struct Leaves<'a> {
+    tape: &'a Tape,
+    inputs: Vec<Leaf>,
+    /// The hull of the samples of every node.
+    hulls: Vec<Interval>,
+}
+
+impl<'a> Leaves<'a> {
+    /// The ranges of a function's inputs as the states know them, and of its
+    /// nodes from so many of these states.
+    pub fn new(view: View<'_>, tape: &'a Tape, states: &States, samples: u32) -> Leaves<'a> {
+        let mut inputs = Vec::with_capacity(tape.inputs());
+        for array in view.function.inputs() {
+            let name = view.tables.symbols.text(array.name);
+            for offset in 0..array.shape.len() as u32 {
+                let (indices, _) = array.shape.indices(offset);
+                let given = states.ranges().get(name, indices).is_some();
+                let [low, high] = states.bounds(name, array, offset);
+                inputs.push(Leaf {
+                    range: Interval::new(low, high),
+                    knowledge: if given {
+                        Knowledge::Given
+                    } else {
+                        Knowledge::Drawn
+                    },
+                });
+            }
+        }
+        let empty = Interval {
+            low: f64::INFINITY,
+            high: f64::NEG_INFINITY,
+        };
+        let mut hulls = vec![empty; tape.nodes()];
+        for state in 0..samples {
+            let values = tape.evaluate(&Binary64, &states.draw(view, state));
+            for (hull, &value) in hulls.iter_mut().zip(&values) {
+                *hull = hull.hull(Interval::point(value));
+            }
+        }
+        Leaves {
+            tape,
+            inputs,
+            hulls,
+        }
+    }
+
+    /// The range of a slot as a leaf.
+    pub fn of(&self, slot: usize) -> Leaf {
+        match self.tape.slot(slot) {
+            Slot::Input(input) => self.inputs[input.index()],
+            Slot::Constant(constant) => Leaf {
+                range: Interval::point(self.tape.constants()[constant.index()]),
+                knowledge: Knowledge::Given,
+            },
+            Slot::Nothing => Leaf {
+                range: Interval::ZERO,
+                knowledge: Knowledge::Given,
+            },
+            Slot::Value(value) => Leaf {
+                range: assumed(self.hulls[value.index()]),
+                knowledge: Knowledge::Assumed,
+            },
+        }
+    }
+}
+
+/// A hull widened by [`MARGIN`] about its middle; a single number that much
+/// to both sides.
+fn assumed(hull: Interval) -> Interval {
+    if hull.low > hull.high {
+        // Nothing was sampled.
+        return Interval::WHOLE;
+    }
+    let half = 0.5 * (hull.high - hull.low);
+    let half = if half > 0.0 { half } else { hull.magnitude() };
+    hull.widened((MARGIN - 1.0) * half)
+}

@@ -1,0 +1,237 @@
+//! Sound ranges and error bounds in windows.
+//!
+//! Given ranges of its leaves, every value of a [`Window`] is enclosed by
+//! interval arithmetic, once in exact arithmetic and once as a format
+//! computes it. The error made inside the window is the sum over its
+//! operations of what each can lose times its adjoint, where adjoints are
+//! intervals of quotients of differences between exact and computed values
+//! (the mean-value form): nothing of second order is left out, so the bound
+//! holds for every state in the ranges, not only to first order.
+//!
+//! Why only windows: along a chain of rotations enclosures double every two
+//! joints, and after some thousand operations they say nothing. Up to about
+//! six joints they are as tight as what specialised tools prove.
+//!
+//! What the leaves can be is known only for inputs with given ranges. Ranges
+//! of other inputs are those that random states are drawn from, and ranges of
+//! inner values are *assumed*: the hull of sampled values, widened by a
+//! margin. Whatever rests on an assumed range says so ([`Knowledge`]).
+
+mod assumed;
+mod number;
+#[cfg(test)]
+mod tests;
+mod window;
+
+pub use assumed::{Knowledge, Leaf, Leaves, MARGIN};
+pub use number::{Enclosing, Interval};
+pub use window::Window;
+
+use super::adjoint::{Tape, apply, half_ulp};
+use robovec_ir::soft_float::FormatArithmetic;
+use robovec_ir::{Format, Operation};
+
+/// The usual number of operations of a window; beyond some thousand the
+/// enclosures widen faster than they tell.
+pub const USUAL: usize = 1000;
+
+/// What is enclosed in a window.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Enclosure {
+    /// The exact value of every leaf, then of every node.
+    pub exact: Vec<Interval>,
+    /// The same as the format computes it.
+    pub computed: Vec<Interval>,
+    /// What each of them loses at most by its own rounding.
+    pub local: Vec<f64>,
+    /// The error of the window's value at most, if the leaves that are values
+    /// have none; infinite where nothing can be said.
+    pub error: f64,
+    /// What the weakest range of a leaf rests on.
+    pub knowledge: Knowledge,
+}
+
+/// What a range says about a format.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Alarm {
+    /// Results may be larger than the format's largest number.
+    MayOverflow,
+    /// All results are.
+    Overflows,
+    /// All results are smaller than the least normal number (of fixed point:
+    /// than a step), zero excepted.
+    Underflows,
+}
+
+impl Alarm {
+    /// The alarm that a range of results raises.
+    pub fn of(range: Interval, format: Format) -> Option<Alarm> {
+        let over = |size: f64| half_ulp(format, size).is_infinite();
+        let least = match format {
+            Format::Float(float) => 2f64.powi(float.smallest_exponent()),
+            Format::Fixed(fixed) => 2f64.powi(-(fixed.fraction as i32)),
+        };
+        if over(range.mignitude()) {
+            Some(Alarm::Overflows)
+        } else if over(range.low) || over(range.high) {
+            Some(Alarm::MayOverflow)
+        } else if range != Interval::ZERO && range.magnitude() < least {
+            Some(Alarm::Underflows)
+        } else {
+            None
+        }
+    }
+
+    /// The alarm in words.
+    pub fn text(self) -> &'static str {
+        match self {
+            Alarm::MayOverflow => "may overflow",
+            Alarm::Overflows => "overflows",
+            Alarm::Underflows => "underflows",
+        }
+    }
+}
+
+/// The bits before the point that fixed-point numbers of a range need,
+/// without the sign; `None` for a range without end.
+pub fn integer_bits(range: Interval) -> Option<u32> {
+    let size = range.magnitude();
+    if !size.is_finite() {
+        return None;
+    }
+    // Sizes from 2ᵏ on need k + 1 bits.
+    Some(((size.to_bits() >> 52) as i32 - 1022).max(0) as u32)
+}
+
+/// Encloses all values of a window and bounds its error in a format, for
+/// operands of that format.
+pub fn enclose(tape: &Tape, window: &Window, format: Format, leaves: &Leaves<'_>) -> Enclosure {
+    let arithmetic = FormatArithmetic::new(format);
+    let count = window.leaves.len() + window.nodes.len();
+    let mut enclosure = Enclosure {
+        exact: Vec::with_capacity(count),
+        computed: Vec::with_capacity(count),
+        local: Vec::with_capacity(count),
+        error: 0.0,
+        knowledge: Knowledge::Given,
+    };
+    for &slot in &window.leaves {
+        let Leaf { range, knowledge } = leaves.of(slot);
+        enclosure.knowledge = enclosure.knowledge.max(knowledge);
+        // A literal is rounded once and for all; other leaves are what the
+        // format holds.
+        let literal = slot >= tape.nodes() + tape.inputs();
+        let computed = match literal {
+            true => Interval::point(arithmetic.convert(range.low)),
+            false => range,
+        };
+        enclosure.exact.push(range);
+        enclosure.computed.push(computed);
+        let lost = (computed - range).magnitude();
+        enclosure.local.push(if literal { lost } else { 0.0 });
+    }
+    for (&node, places) in window.nodes.iter().zip(&window.operands) {
+        let operation = tape.operation(node);
+        let exact = operate(operation, places, &enclosure.exact);
+        let before = operate(operation, places, &enclosure.computed);
+        let (computed, local) = rounded(operation, before, format);
+        enclosure.exact.push(exact);
+        enclosure.computed.push(computed);
+        enclosure.local.push(local);
+    }
+    enclosure.error = error(tape, window, &enclosure);
+    enclosure
+}
+
+/// One operation on enclosures; a product with itself is a square.
+fn operate(operation: Operation, places: &[usize; 3], values: &[Interval]) -> Interval {
+    if values.is_empty() {
+        return Interval::WHOLE;
+    }
+    if operation == Operation::Mul && places[0] == places[1] {
+        return values[places[0]].square();
+    }
+    apply(&Enclosing, operation, places.map(|place| values[place]))
+}
+
+/// What rounding makes of a range, and how far it moves a number at most.
+fn rounded(operation: Operation, range: Interval, format: Format) -> (Interval, f64) {
+    let ends = half_ulp(format, range.low).max(half_ulp(format, range.high));
+    if ends.is_infinite() {
+        return (Interval::WHOLE, f64::INFINITY);
+    }
+    let fixed_sum =
+        matches!(format, Format::Fixed(_)) && matches!(operation, Operation::Add | Operation::Sub);
+    let moves = matches!(operation, Operation::Copy | Operation::Neg);
+    if moves || fixed_sum {
+        return (range, 0.0);
+    }
+    let host = match operation.is_trigonometric() {
+        // The host's function is that of binary64, within four places.
+        true => 4.0 * f64::EPSILON * range.magnitude(),
+        false => 0.0,
+    };
+    (range.widened(ends + host), ends + host)
+}
+
+/// The error of a window's value: adjoints of all nodes and literals as
+/// intervals, times what they lose.
+fn error(tape: &Tape, window: &Window, enclosure: &Enclosure) -> f64 {
+    let leaves = window.leaves.len();
+    let mut adjoints = vec![Interval::ZERO; leaves + window.nodes.len()];
+    let Some(last) = adjoints.last_mut() else {
+        return 0.0;
+    };
+    *last = Interval::point(1.0);
+    for (place, &node) in window.nodes.iter().enumerate().rev() {
+        let adjoint = adjoints[leaves + place];
+        if adjoint == Interval::ZERO {
+            continue;
+        }
+        let (operation, operands) = (tape.operation(node), window.operands[place]);
+        let secants = secant(operation, operands, enclosure, leaves + place);
+        for (operand, secant) in operands.into_iter().zip(secants).take(operation.arity()) {
+            adjoints[operand] = adjoints[operand] + adjoint * secant;
+        }
+    }
+    let parts = adjoints.iter().zip(&enclosure.local);
+    let parts = parts.filter(|(adjoint, local)| **local > 0.0 && **adjoint != Interval::ZERO);
+    // Every product and every partial sum is rounded up.
+    let total = parts.fold(0.0f64, |total, (adjoint, local)| {
+        (total + (adjoint.magnitude() * local).next_up()).next_up()
+    });
+    if total.is_nan() { f64::INFINITY } else { total }
+}
+
+/// Enclosures of the quotients of differences between computed and exact
+/// results, as in the adjoints at points.
+fn secant(
+    operation: Operation,
+    places: [usize; 3],
+    enclosure: &Enclosure,
+    result: usize,
+) -> [Interval; 3] {
+    let one = Interval::point(1.0);
+    let exact = |operand: usize| enclosure.exact[places[operand]];
+    let computed = |operand: usize| enclosure.computed[places[operand]];
+    let both = || exact(0).hull(computed(0));
+    match operation {
+        Operation::Copy => [one; 3],
+        Operation::Neg => [-one; 3],
+        Operation::Add => [one; 3],
+        Operation::Sub => [one, -one, one],
+        Operation::Mul | Operation::Fma => [exact(1), computed(0), one],
+        Operation::Fms => [exact(1), computed(0), -one],
+        Operation::Fnma => [-exact(1), -computed(0), one],
+        Operation::Div => {
+            let inverse = one / computed(1);
+            [inverse, -(enclosure.exact[result] * inverse), one]
+        }
+        Operation::Sin => [apply(&Enclosing, Operation::Cos, [both(); 3]), one, one],
+        Operation::Cos => [-apply(&Enclosing, Operation::Sin, [both(); 3]), one, one],
+        Operation::Sqrt => {
+            let root = |argument| apply(&Enclosing, Operation::Sqrt, [argument; 3]);
+            [one / (root(computed(0)) + root(exact(0))), one, one]
+        }
+    }
+}

@@ -1,0 +1,422 @@
+//! Intervals of real numbers with ends in binary64.
+//!
+//! Every operation gives an interval that holds all real results; ends are
+//! moved outwards by one number of binary64 unless they are known to be
+//! exact. What is undefined somewhere (a division by an interval that holds
+//! zero, the root of one that reaches below it) is the whole line.
+//!
+//! The library's sine and cosine are taken to be within four units in the
+//! last place, which every one in use keeps.
+
+use robovec_ir::arithmetic::Arithmetic;
+
+/// All numbers from one to another, both included.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Interval {
+    /// The lower end; never NaN, never above the upper one.
+    pub low: f64,
+    /// The upper end.
+    pub high: f64,
+}
+
+/// The arithmetic of intervals.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct Enclosing;
+
+impl Interval {
+    /// All real numbers.
+    pub const WHOLE: Interval = Interval {
+        low: f64::NEG_INFINITY,
+        high: f64::INFINITY,
+    };
+
+    /// Nothing but zero.
+    pub const ZERO: Interval = Interval {
+        low: 0.0,
+        high: 0.0,
+    };
+
+    /// The interval between two numbers, in either order; the whole line when
+    /// one is NaN.
+    pub fn new(one: f64, other: f64) -> Interval {
+        if one.is_nan() || other.is_nan() {
+            return Interval::WHOLE;
+        }
+        Interval {
+            low: one.min(other),
+            high: one.max(other),
+        }
+    }
+
+    /// Nothing but one number; the whole line for NaN.
+    pub fn point(number: f64) -> Interval {
+        Interval::new(number, number)
+    }
+
+    /// True when the number lies inside.
+    pub fn contains(self, number: f64) -> bool {
+        self.low <= number && number <= self.high
+    }
+
+    /// The largest absolute value inside.
+    pub fn magnitude(self) -> f64 {
+        self.low.abs().max(self.high.abs())
+    }
+
+    /// The smallest absolute value inside.
+    pub fn mignitude(self) -> f64 {
+        if self.contains(0.0) {
+            0.0
+        } else {
+            self.low.abs().min(self.high.abs())
+        }
+    }
+
+    /// The smallest interval that holds both.
+    #[must_use]
+    pub fn hull(self, other: Interval) -> Interval {
+        Interval {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+        }
+    }
+
+    /// The interval with both ends moved outwards.
+    #[must_use]
+    pub fn widened(self, by: f64) -> Interval {
+        Interval::outward(self.low - by, self.high + by)
+    }
+
+    /// Ends that were rounded, moved outwards.
+    fn outward(low: f64, high: f64) -> Interval {
+        if low.is_nan() || high.is_nan() {
+            return Interval::WHOLE;
+        }
+        Interval {
+            low: low.next_down(),
+            high: high.next_up(),
+        }
+    }
+
+    /// The square: unlike the product with itself never negative.
+    #[must_use]
+    pub fn square(self) -> Interval {
+        let (small, large) = (self.mignitude(), self.magnitude());
+        Interval {
+            low: (small * small).next_down().max(0.0),
+            high: if large == 0.0 {
+                0.0
+            } else {
+                (large * large).next_up()
+            },
+        }
+    }
+}
+
+/// A sum rounded down or up: moved only where it was rounded.
+fn sum(a: f64, b: f64, up: bool) -> f64 {
+    let sum = a + b;
+    let part = sum - a;
+    let error = (a - (sum - part)) + (b - part);
+    match up {
+        // The error is exact, or NaN near an overflow.
+        _ if error == 0.0 || sum.is_infinite() => sum,
+        true if error < 0.0 => sum,
+        false if error > 0.0 => sum,
+        true => sum.next_up(),
+        false => sum.next_down(),
+    }
+}
+
+impl std::ops::Neg for Interval {
+    type Output = Interval;
+
+    fn neg(self) -> Interval {
+        Interval {
+            low: -self.high,
+            high: -self.low,
+        }
+    }
+}
+
+impl std::ops::Add for Interval {
+    type Output = Interval;
+
+    fn add(self, other: Interval) -> Interval {
+        let (low, high) = (
+            sum(self.low, other.low, false),
+            sum(self.high, other.high, true),
+        );
+        // Finite ends whose sum overflows leave the line open on that side;
+        // opposite infinities, both.
+        match low.is_nan() || high.is_nan() {
+            true => Interval::WHOLE,
+            false => Interval {
+                low: if low == f64::INFINITY { f64::MAX } else { low },
+                high: if high == f64::NEG_INFINITY {
+                    f64::MIN
+                } else {
+                    high
+                },
+            },
+        }
+    }
+}
+
+impl std::ops::Sub for Interval {
+    type Output = Interval;
+
+    fn sub(self, other: Interval) -> Interval {
+        self + -other
+    }
+}
+
+impl std::ops::Mul for Interval {
+    type Output = Interval;
+
+    fn mul(self, other: Interval) -> Interval {
+        if self == Interval::ZERO || other == Interval::ZERO {
+            return Interval::ZERO;
+        }
+        // No number inside is infinite, so zero times an end is zero.
+        let product = |a: f64, b: f64| if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
+        let corners = [
+            product(self.low, other.low),
+            product(self.low, other.high),
+            product(self.high, other.low),
+            product(self.high, other.high),
+        ];
+        let low = corners.into_iter().fold(f64::INFINITY, f64::min);
+        let high = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let ends = Interval::outward(low, high);
+        // A sign that is certain stays so: rounding never passes zero.
+        let signs = [
+            self.low >= 0.0,
+            self.high <= 0.0,
+            other.low >= 0.0,
+            other.high <= 0.0,
+        ];
+        match signs {
+            [true, _, true, _] | [_, true, _, true] => Interval {
+                low: ends.low.max(0.0),
+                ..ends
+            },
+            [true, _, _, true] | [_, true, true, _] => Interval {
+                high: ends.high.min(0.0),
+                ..ends
+            },
+            _ => ends,
+        }
+    }
+}
+
+impl std::ops::Div for Interval {
+    type Output = Interval;
+
+    fn div(self, other: Interval) -> Interval {
+        if other.contains(0.0) {
+            return Interval::WHOLE;
+        }
+        if self == Interval::ZERO {
+            return Interval::ZERO;
+        }
+        let corners = [
+            self.low / other.low,
+            self.low / other.high,
+            self.high / other.low,
+            self.high / other.high,
+        ];
+        if corners.iter().any(|corner| corner.is_nan()) {
+            return Interval::WHOLE;
+        }
+        let low = corners.into_iter().fold(f64::INFINITY, f64::min);
+        let high = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        Interval::outward(low, high)
+    }
+}
+
+/// Both numbers of binary64 around a multiple of π/2 (1 to 4).
+fn quarter_turns(count: u32) -> Interval {
+    let rounded = f64::from(count) * std::f64::consts::FRAC_PI_2;
+    // 3π/2 rounds once more than the others; two steps cover both.
+    Interval {
+        low: rounded.next_down().next_down(),
+        high: rounded.next_up().next_up(),
+    }
+}
+
+/// True when an angle may be a phase plus a whole number of turns.
+fn reaches(angle: Interval, phase: Interval) -> bool {
+    let turns = (angle - phase) / quarter_turns(4);
+    turns.high.floor() >= turns.low.ceil()
+}
+
+/// Angles beyond this are any angle.
+const LARGEST_ANGLE: f64 = 1e9;
+
+/// A wave that is greatest at one phase and least at another.
+fn wave(angle: Interval, function: fn(f64) -> f64, top: Interval, bottom: Interval) -> Interval {
+    // Not beyond it, so that NaN would be any angle as well.
+    let small = angle.magnitude() <= LARGEST_ANGLE;
+    if !small || angle.high - angle.low >= 6.0 {
+        return Interval {
+            low: -1.0,
+            high: 1.0,
+        };
+    }
+    let (one, other) = (function(angle.low), function(angle.high));
+    let ends = Interval::new(one, other).widened(4.0 * f64::EPSILON * one.abs().max(other.abs()));
+    Interval {
+        low: if reaches(angle, bottom) {
+            -1.0
+        } else {
+            ends.low.max(-1.0)
+        },
+        high: if reaches(angle, top) {
+            1.0
+        } else {
+            ends.high.min(1.0)
+        },
+    }
+}
+
+impl Arithmetic for Enclosing {
+    type Number = Interval;
+
+    fn literal(&self, number: f64) -> Interval {
+        Interval::point(number)
+    }
+    fn neg(&self, a: Interval) -> Interval {
+        -a
+    }
+    fn add(&self, a: Interval, b: Interval) -> Interval {
+        a + b
+    }
+    fn sub(&self, a: Interval, b: Interval) -> Interval {
+        a - b
+    }
+    fn mul(&self, a: Interval, b: Interval) -> Interval {
+        a * b
+    }
+    fn div(&self, a: Interval, b: Interval) -> Interval {
+        a / b
+    }
+    fn sin(&self, a: Interval) -> Interval {
+        if a == Interval::ZERO {
+            return a;
+        }
+        wave(a, f64::sin, quarter_turns(1), quarter_turns(3))
+    }
+    fn cos(&self, a: Interval) -> Interval {
+        wave(a, f64::cos, Interval::ZERO, quarter_turns(2))
+    }
+    fn sqrt(&self, a: Interval) -> Interval {
+        if a.low < 0.0 {
+            return Interval::WHOLE;
+        }
+        Interval {
+            low: a.low.sqrt().next_down().max(0.0),
+            high: if a.high == 0.0 {
+                0.0
+            } else {
+                a.high.sqrt().next_up()
+            },
+        }
+    }
+    fn fma(&self, a: Interval, b: Interval, c: Interval) -> Interval {
+        a * b + c
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_ir::double_double::{Double, DoubleDouble};
+
+    /// Numbers of all sizes and signs, from a linear congruence.
+    fn draw(state: &mut u64) -> f64 {
+        *state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let unit = (*state >> 11) as f64 / (1u64 << 53) as f64;
+        let scale = 2f64.powi((*state % 13) as i32 - 6);
+        (unit - 0.5) * scale
+    }
+
+    #[test]
+    fn results_of_members_are_members() {
+        let mut state = 1;
+        let mut draw = || draw(&mut state);
+        let inside = |result: Double, interval: Interval| {
+            let low = result - Double::from(interval.low);
+            let high = Double::from(interval.high) - result;
+            (low.high >= 0.0 || interval.low.is_infinite())
+                && (high.high >= 0.0 || interval.high.is_infinite())
+        };
+        for _ in 0..20_000 {
+            let (x, y) = (Interval::new(draw(), draw()), Interval::new(draw(), draw()));
+            // The ends are members, and so is what lies between.
+            for (a, b) in [
+                (x.low, y.high),
+                (x.high, y.low),
+                (0.5 * (x.low + x.high), y.low),
+            ] {
+                let (wide_a, wide_b) = (Double::from(a), Double::from(b));
+                let pairs = [
+                    (wide_a + wide_b, x + y),
+                    (wide_a - wide_b, x - y),
+                    (wide_a * wide_b, x * y),
+                    (wide_a / wide_b, x / y),
+                    (DoubleDouble.sin(wide_a), Enclosing.sin(x)),
+                    (DoubleDouble.cos(wide_a), Enclosing.cos(x)),
+                    (
+                        DoubleDouble.sqrt(wide_a * wide_a),
+                        Enclosing.sqrt(x.square()),
+                    ),
+                    (wide_a * wide_b + wide_a, Enclosing.fma(x, y, x)),
+                ];
+                for (place, (result, interval)) in pairs.into_iter().enumerate() {
+                    assert!(
+                        inside(result, interval),
+                        "{place}: {x:?} {y:?} {interval:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn waves_reach_their_extremes_where_they_do() {
+        let pi = std::f64::consts::PI;
+        let narrow = Enclosing.cos(Interval::new(0.5, 1.0));
+        assert!(narrow.high < 0.88 && narrow.low > 0.54);
+        assert_eq!(Enclosing.cos(Interval::new(-0.1, 0.1)).high, 1.0);
+        assert_eq!(Enclosing.cos(Interval::new(3.0, 3.5)).low, -1.0);
+        assert_eq!(Enclosing.sin(Interval::new(1.5, 1.6)).high, 1.0);
+        assert_eq!(Enclosing.sin(Interval::new(-1.6, -1.5)).low, -1.0);
+        assert_eq!(
+            Enclosing
+                .sin(Interval::new(4.0 * pi + 1.5, 4.0 * pi + 1.6))
+                .high,
+            1.0
+        );
+        assert!(Enclosing.sin(Interval::new(1.6, 1.7)).high < 1.0);
+        let any = Interval::new(-1.0, 1.0);
+        assert_eq!(Enclosing.sin(Interval::new(-4.0, 4.0)), any);
+        assert_eq!(Enclosing.cos(Interval::WHOLE), any);
+    }
+
+    #[test]
+    fn what_is_undefined_is_the_whole_line() {
+        let unit = Interval::new(-1.0, 1.0);
+        assert_eq!(Interval::point(1.0) / unit, Interval::WHOLE);
+        assert_eq!(Enclosing.sqrt(unit), Interval::WHOLE);
+        assert_eq!(Interval::WHOLE - Interval::WHOLE, Interval::WHOLE);
+        assert_eq!(Interval::WHOLE * Interval::ZERO, Interval::ZERO);
+        let large = Interval::point(f64::MAX);
+        assert_eq!((large + large).high, f64::INFINITY);
+        assert!((large + large).low.is_finite());
+        assert_eq!(Interval::point(0.5) - Interval::point(0.5), Interval::ZERO);
+        assert_eq!(unit.square().low, 0.0);
+    }
+}

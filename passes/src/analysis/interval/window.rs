@@ -1,0 +1,72 @@
+//! Windows: a value with the operations closest before it.
+
+use super::super::adjoint::Tape;
+use std::collections::BinaryHeap;
+
+/// The definition cone of a value, cut off after a number of operations.
+///
+/// Operations are taken in from the last to the first, so that everything
+/// outside comes before everything inside: a leaf never depends on an
+/// operation of the window.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Window {
+    /// The slots that are read and not computed inside, in order.
+    pub leaves: Vec<usize>,
+    /// The nodes inside, in program order; the last one is the value. None
+    /// for a value that is an input or a literal.
+    pub nodes: Vec<usize>,
+    /// For every node the places of its operands: leaves first, nodes behind.
+    pub(super) operands: Vec<[usize; 3]>,
+}
+
+impl Window {
+    /// The window of a slot with at most so many operations.
+    pub fn new(tape: &Tape, root: usize, most: usize) -> Window {
+        // Inputs and literals have the largest slots, though they come before
+        // everything: only nodes are taken in order.
+        let (mut open, mut nodes, mut leaves) = (BinaryHeap::new(), Vec::new(), Vec::new());
+        let mut read = vec![root];
+        loop {
+            let is_node = |slot: &usize| *slot < tape.nodes();
+            leaves.extend(read.iter().copied().filter(|slot| !is_node(slot)));
+            open.extend(read.iter().copied().filter(is_node));
+            read.clear();
+            let Some(slot) = open.pop() else {
+                break;
+            };
+            // Equal slots come out one after the other.
+            while open.peek() == Some(&slot) {
+                open.pop();
+            }
+            if nodes.len() < most {
+                let arity = tape.operation(slot).arity();
+                read.extend(&tape.operands(slot)[..arity]);
+                nodes.push(slot);
+            } else {
+                leaves.push(slot);
+            }
+        }
+        nodes.reverse();
+        leaves.sort_unstable();
+        leaves.dedup();
+        let place = |slot: usize| match leaves.binary_search(&slot) {
+            Ok(leaf) => leaf,
+            // What is read inside and no leaf is computed inside.
+            Err(_) => leaves.len() + nodes.partition_point(|&node| node < slot),
+        };
+        let operands = nodes.iter().map(|&node| {
+            let arity = tape.operation(node).arity();
+            let mut places = [0; 3];
+            for (place_of, &slot) in places.iter_mut().zip(&tape.operands(node)[..arity]) {
+                *place_of = place(slot);
+            }
+            places
+        });
+        let operands = operands.collect();
+        Window {
+            leaves,
+            nodes,
+            operands,
+        }
+    }
+}

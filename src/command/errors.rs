@@ -1,0 +1,254 @@
+//! `robovec errors`: how large errors are, can be, and where they come from.
+
+use super::arguments::InputLanguage;
+use super::{Failure, input};
+use crate::errors::{self, ErrorTable, Method, Settings};
+use crate::scene::SceneFile;
+use clap::Args;
+use robovec_ir::diagnostic::termcolor::ColorChoice;
+use robovec_ir::diagnostic::{clip, did_you_mean};
+use robovec_ir::print::print_output;
+use robovec_ir::states::States;
+use robovec_ir::{Format, Function, Module, View};
+use robovec_passes::manager::{self, Config};
+use std::io;
+use std::path::PathBuf;
+
+/// Tell how large rounding errors are, how large they can be, and which
+/// equations they come from
+#[derive(Args, Debug)]
+pub(super) struct ErrorsArguments {
+    /// File of equations, or model (.mbs)
+    file: PathBuf,
+    /// Language of the file, if its name does not say it
+    #[arg(long, value_name = "LANGUAGE")]
+    language: Option<InputLanguage>,
+    /// Only this function; of a model, the one to generate
+    #[arg(long, value_name = "NAME")]
+    function: Option<String>,
+    /// Pipeline to run first
+    #[arg(long, value_name = "PIPELINE")]
+    passes: Option<String>,
+    /// Machine compiled for: a name or a .toml file
+    #[arg(long, default_value = "thesis")]
+    machine: String,
+    /// Number format of the run: f32, f16, float(8,17), fixed(12,19) …
+    #[arg(long, default_value = "f32")]
+    format: String,
+    /// Output arrays or elements: c, or M[1,2],c[3]; by default all, of large
+    /// functions only scalars and vectors
+    #[arg(long, value_name = "LIST")]
+    outputs: Option<String>,
+    /// What is told of every output
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        value_enum,
+        default_value = "bound,predict,stochastic"
+    )]
+    method: Vec<Method>,
+    /// Seed of the states
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// State of the table, counted from 0
+    #[arg(long, default_value_t = 0)]
+    state: u32,
+    /// States that the shares of equations are averaged over
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    states: u32,
+    /// Scene (.scene.toml) whose ranges states are drawn from
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<PathBuf>,
+    /// Equations named as the hottest
+    #[arg(long, default_value_t = 12)]
+    top: usize,
+    /// Operations of a window, for the method interval
+    #[arg(long, default_value_t = 1000,
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    window: u32,
+    /// States from which ranges inside a function are assumed, for the method
+    /// interval
+    #[arg(long, default_value_t = 32,
+          value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    samples: u32,
+    /// Write JSON instead of text
+    #[arg(long, conflicts_with = "csv")]
+    json: bool,
+    /// Write CSV instead of text: one line per output
+    #[arg(long)]
+    csv: bool,
+}
+
+/// What differentiating all outputs may cost, in values times outputs; where
+/// it would be more, matrices are left out unless they are asked for.
+const WORK: usize = 1 << 31;
+
+/// Runs the command: the text for the standard output.
+pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, Failure> {
+    let format: Format = arguments.format.parse().map_err(|error| {
+        Failure::plain(format!("--format {}: {error}", clip(&arguments.format)))
+    })?;
+    let states = match &arguments.scene {
+        Some(path) => {
+            let file = SceneFile::load(path).map_err(Failure)?;
+            file.scene.states(arguments.seed)
+        }
+        None => States::new(arguments.seed),
+    };
+    let module = read(arguments)?;
+    let mut tables = Vec::new();
+    for function in &module.functions {
+        let wanted = arguments.function.as_ref();
+        if module.functions.len() > 1 && wanted.is_some_and(|name| *name != function.name) {
+            continue;
+        }
+        let view = View {
+            tables: &module.tables,
+            function,
+        };
+        let settings = Settings {
+            format,
+            states: states.clone(),
+            state: arguments.state,
+            blamed: arguments.states,
+            methods: arguments.method.clone(),
+            outputs: chosen(view, arguments.outputs.as_deref())?,
+            most_equations: arguments.top,
+            window: arguments.window as usize,
+            samples: arguments.samples,
+        };
+        let table = ErrorTable::measure(view, &settings).map_err(|error| {
+            let help = "leave it out: --method bound,predict".to_owned();
+            Failure::advised(format!("method stochastic: {error}"), vec![help])
+        })?;
+        tables.push(table);
+    }
+    if tables.is_empty() {
+        let name = arguments.function.as_deref().unwrap_or_default();
+        let names = module
+            .functions
+            .iter()
+            .map(|function| function.name.as_str());
+        let note = match did_you_mean(name, names) {
+            Some(near) => vec![format!("did you mean '{near}'?")],
+            None => Vec::new(),
+        };
+        let message = format!("there is no function '{}'", clip(name));
+        return Err(Failure::advised(message, note));
+    }
+    if arguments.json {
+        return Ok(errors::json(&tables));
+    }
+    if arguments.csv {
+        return Ok(errors::csv(&tables));
+    }
+    let texts: Vec<String> = tables.iter().map(errors::text).collect();
+    Ok(texts.join("\n"))
+}
+
+/// Reads the file and runs the pipeline.
+fn read(arguments: &ErrorsArguments) -> Result<Module, Failure> {
+    let function = arguments.function.as_deref();
+    let read = input::equations_or_model(&arguments.file, arguments.language, function)?;
+    read.warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
+    let mut module = read.module;
+    if let Some(passes) = &arguments.passes {
+        let pipeline = input::passes(passes)?;
+        let machine = input::machine(&arguments.machine)?;
+        manager::run(
+            &mut module,
+            &pipeline,
+            Config::new(&machine, &mut io::sink()),
+        )
+        .map_err(|error| Failure::plain(error.to_string()))?;
+    }
+    Ok(module)
+}
+
+/// The assignments that a list of arrays and elements means.
+fn chosen(view: View<'_>, list: Option<&str>) -> Result<Vec<usize>, Failure> {
+    let function = view.function;
+    let all = 0..function.assignments.len();
+    let Some(list) = list else {
+        if all.len().saturating_mul(function.nodes().len()) <= WORK {
+            return Ok(all.collect());
+        }
+        let is_vector = |&place: &usize| {
+            let output = function.assignments[place].output;
+            function.output_element(output).2 <= 1
+        };
+        let vectors: Vec<usize> = all.clone().filter(is_vector).collect();
+        return Ok(if vectors.is_empty() {
+            all.collect()
+        } else {
+            vectors
+        });
+    };
+    let mut places = Vec::new();
+    for name in split(list) {
+        let before = places.len();
+        places.extend(all.clone().filter(|&place| {
+            let output = function.assignments[place].output;
+            let (array, ..) = function.output_element(output);
+            let array = view.tables.symbols.text(array.name);
+            // Printing every element would be the dearer way on large arrays.
+            array == name || name.starts_with(array) && print_output(view, output) == name
+        }));
+        if places.len() == before {
+            return Err(unknown(view, function, &name));
+        }
+    }
+    places.sort_unstable();
+    places.dedup();
+    Ok(places)
+}
+
+/// The parts of a list with commas, those inside brackets aside.
+fn split(list: &str) -> Vec<String> {
+    let mut parts = vec![String::new()];
+    let mut inside = false;
+    for character in list.chars().filter(|character| !character.is_whitespace()) {
+        match character {
+            ',' if !inside => parts.push(String::new()),
+            _ => {
+                inside = match character {
+                    '[' => true,
+                    ']' => false,
+                    _ => inside,
+                };
+                if let Some(part) = parts.last_mut() {
+                    part.push(character);
+                }
+            }
+        }
+    }
+    parts.retain(|part| !part.is_empty());
+    parts
+}
+
+fn unknown(view: View<'_>, function: &Function, name: &str) -> Failure {
+    let arrays = function.outputs().iter();
+    let arrays: Vec<&str> = arrays
+        .map(|array| view.tables.symbols.text(array.name))
+        .collect();
+    let note = match did_you_mean(name, arrays.iter().copied()) {
+        Some(near) => format!("did you mean '{near}'?"),
+        None => format!("outputs: {}", clip(&arrays.join(", "))),
+    };
+    let message = format!("'{}' has no output '{}'", function.name, clip(name));
+    Failure::advised(message, vec![note])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commas_inside_brackets_do_not_separate() {
+        assert_eq!(split("c, M[1, 2],Qq[3]"), ["c", "M[1,2]", "Qq[3]"]);
+        assert_eq!(split(" ,"), [] as [String; 0]);
+    }
+}

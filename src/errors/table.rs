@@ -1,0 +1,191 @@
+//! Every output's error at one state, by several methods.
+
+use super::heat::{Heat, blame_of};
+use robovec_ir::print::print_output;
+use robovec_ir::states::States;
+use robovec_ir::{Format, View};
+use robovec_passes::analysis::adjoint::{Run, Tape};
+use robovec_passes::analysis::interval::{Alarm, Interval, Leaves, Window, enclose, integer_bits};
+use robovec_passes::analysis::stochastic::{Unsupported, stochastic_slots};
+use serde::Serialize;
+
+/// A way to say something of an error.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, clap::ValueEnum)]
+pub enum Method {
+    /// The sum of what every operation can lose, weighted by adjoints
+    Bound,
+    /// The sum of what every operation lost, with signs
+    Predict,
+    /// The standard deviation under rounding up or down by chance
+    Stochastic,
+    /// Ranges and errors for all states, over the operations closest before
+    Interval,
+}
+
+/// What is asked.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The number format of the run.
+    pub format: Format,
+    /// Where states come from.
+    pub states: States,
+    /// The state of the table.
+    pub state: u32,
+    /// States from that one on which blame is averaged over.
+    pub blamed: u32,
+    /// How.
+    pub methods: Vec<Method>,
+    /// The outputs asked for, by their places among the assignments.
+    pub outputs: Vec<usize>,
+    /// Equations named as the hottest.
+    pub most_equations: usize,
+    /// Operations of a window.
+    pub window: usize,
+    /// States from which ranges inside a function are assumed.
+    pub samples: u32,
+}
+
+/// The errors of a function's outputs.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct ErrorTable {
+    /// The function.
+    pub function: String,
+    /// The number format.
+    pub format: String,
+    /// The seed of the states.
+    pub seed: u64,
+    /// The number of the state.
+    pub state: u32,
+    /// One row per output asked for.
+    pub outputs: Vec<OutputRow>,
+    /// Where the errors come from.
+    pub heat: Heat,
+}
+
+/// What is said of one output.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct OutputRow {
+    /// The element (`M[1,2]`).
+    pub name: String,
+    /// The exact value, to binary64.
+    pub exact: f64,
+    /// The computed value.
+    pub computed: f64,
+    /// Computed less exact.
+    pub error: f64,
+    /// The error that was predicted from what every operation lost.
+    pub predicted: Option<f64>,
+    /// No error of a run like this one is larger.
+    pub bound: Option<f64>,
+    /// The standard deviation under random rounding.
+    pub sigma: Option<f64>,
+    /// What holds for all states.
+    pub interval: Option<IntervalRow>,
+}
+
+/// What holds for all states in the ranges of the leaves of a window.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct IntervalRow {
+    /// The least value.
+    pub low: f64,
+    /// The greatest value.
+    pub high: f64,
+    /// The most that the window's operations lose together.
+    pub error: f64,
+    /// How many operations the window has.
+    pub operations: usize,
+    /// What the weakest range of a leaf rests on: `given` for inputs, `drawn`
+    /// from the states' distribution, `assumed` from samples.
+    pub ranges: &'static str,
+    /// What the range means in the format, if it is something bad.
+    pub alarm: Option<&'static str>,
+    /// Bits before the point that a fixed-point number needs.
+    pub integer_bits: Option<u32>,
+}
+
+impl ErrorTable {
+    /// Measures what is asked for.
+    ///
+    /// # Errors
+    ///
+    /// When roundings of the format cannot be sampled.
+    pub fn measure(view: View<'_>, settings: &Settings) -> Result<ErrorTable, Unsupported> {
+        let tape = Tape::new(view.function);
+        let inputs = settings.states.draw(view, settings.state);
+        let run = Run::of(view.function, &tape, settings.format, &inputs);
+        let mut rows: Vec<OutputRow> = settings
+            .outputs
+            .iter()
+            .map(|&output| row(view, &run, output))
+            .collect();
+        let asked = |method| settings.methods.contains(&method);
+        if asked(Method::Bound) || asked(Method::Predict) {
+            let errors = run.outputs(&settings.outputs);
+            for (row, error) in rows.iter_mut().zip(errors) {
+                row.predicted = asked(Method::Predict).then_some(error.predicted);
+                row.bound = asked(Method::Bound).then_some(error.bound);
+            }
+        }
+        let slots = settings
+            .outputs
+            .iter()
+            .map(|&output| tape.output_slot(output));
+        let slots: Vec<usize> = slots.collect();
+        if asked(Method::Stochastic) {
+            let seed = settings.states.seed();
+            let sampled = stochastic_slots(&tape, settings.format, &inputs, seed, &slots)?;
+            for (row, sampled) in rows.iter_mut().zip(sampled) {
+                row.sigma = Some(sampled.sigma);
+            }
+        }
+        if asked(Method::Interval) {
+            let leaves = Leaves::new(view, &tape, &settings.states, settings.samples);
+            for (row, &slot) in rows.iter_mut().zip(&slots) {
+                let window = Window::new(&tape, slot, settings.window);
+                row.interval = Some(interval(&tape, &window, settings.format, &leaves));
+            }
+        }
+        let states = settings.state..settings.state.saturating_add(settings.blamed);
+        let (count, outputs) = (states.len() as u32, settings.outputs.len());
+        let (format, all) = (settings.format, &settings.outputs);
+        let blame = blame_of(view, &tape, format, &settings.states, states, all, outputs);
+        let about = (settings.states.seed(), count, outputs);
+        Ok(ErrorTable {
+            function: view.function.name.clone(),
+            format: format.to_string(),
+            seed: settings.states.seed(),
+            state: settings.state,
+            outputs: rows,
+            heat: Heat::new(view, &tape, format, &blame, about, settings.most_equations),
+        })
+    }
+}
+
+fn row(view: View<'_>, run: &Run<'_>, output: usize) -> OutputRow {
+    let slot = run.tape().output_slot(output);
+    OutputRow {
+        name: print_output(view, view.function.assignments[output].output),
+        exact: run.exact()[slot],
+        computed: run.computed()[slot],
+        error: run.errors()[slot],
+        predicted: None,
+        bound: None,
+        sigma: None,
+        interval: None,
+    }
+}
+
+fn interval(tape: &Tape, window: &Window, format: Format, leaves: &Leaves<'_>) -> IntervalRow {
+    let enclosure = enclose(tape, window, format, leaves);
+    // A window has a node or is a single leaf.
+    let range = enclosure.exact.last().copied().unwrap_or(Interval::WHOLE);
+    IntervalRow {
+        low: range.low,
+        high: range.high,
+        error: enclosure.error,
+        operations: window.nodes.len(),
+        ranges: enclosure.knowledge.text(),
+        alarm: Alarm::of(range, format).map(Alarm::text),
+        integer_bits: integer_bits(range),
+    }
+}

@@ -1,0 +1,238 @@
+//! Errors as text, JSON and CSV.
+
+use super::heat::{Heat, HotEquation};
+use super::table::{ErrorTable, OutputRow};
+use crate::report::table;
+use std::fmt::Write;
+
+/// The rows of a table for a person; the others are counted.
+const MOST_ROWS: usize = 40;
+
+/// Characters of a full bar.
+const BAR: f64 = 24.0;
+
+/// The table for a person: the outputs with the largest errors relative to
+/// their exact values, in their order, and the heat.
+pub fn text(errors: &ErrorTable) -> String {
+    let mut text = format!(
+        "{}: errors in {} at state {} of seed {}\n",
+        errors.function, errors.format, errors.state, errors.seed
+    );
+    let shown = worst(&errors.outputs);
+    let mut head = vec!["output", "exact", "error"];
+    let first = errors.outputs.first();
+    let has = |pick: fn(&OutputRow) -> bool| first.is_some_and(pick);
+    let columns = [
+        has(|row| row.predicted.is_some()),
+        has(|row| row.bound.is_some()),
+        has(|row| row.sigma.is_some()),
+        has(|row| row.interval.is_some()),
+    ];
+    let names = [
+        &["predicted"] as &[&str],
+        &["bound"],
+        &["sigma"],
+        &["least", "greatest", "window loses", "ranges"],
+    ];
+    for (names, has) in names.iter().zip(columns) {
+        head.extend(names.iter().filter(|_| has));
+    }
+    let rows: Vec<Vec<String>> = shown
+        .iter()
+        .map(|&index| row(&errors.outputs[index]))
+        .collect();
+    let right: Vec<usize> = (1..head.len()).collect();
+    push(&table(&head, &rows, &right), &mut text);
+    let rest = errors.outputs.len() - shown.len();
+    if rest > 0 {
+        let _ = writeln!(text, "and {rest} more outputs with smaller relative errors");
+    }
+    text.push('\n');
+    text.push_str(&heat_title(&errors.heat));
+    text.push('\n');
+    push(&heat_text(&errors.heat), &mut text);
+    text
+}
+
+fn push(lines: &str, text: &mut String) {
+    for line in lines.lines() {
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+}
+
+/// The places of the rows to show, in order.
+fn worst(outputs: &[OutputRow]) -> Vec<usize> {
+    let relative = |row: &OutputRow| match row.error {
+        0.0 => 0.0,
+        error => (error / row.exact).abs(),
+    };
+    let mut places: Vec<usize> = (0..outputs.len()).collect();
+    places.sort_by(|&a, &b| relative(&outputs[b]).total_cmp(&relative(&outputs[a])));
+    places.truncate(MOST_ROWS);
+    places.sort_unstable();
+    places
+}
+
+fn row(output: &OutputRow) -> Vec<String> {
+    let mut cells = vec![
+        output.name.clone(),
+        format!("{:.6e}", output.exact),
+        small(output.error),
+    ];
+    let numbers = [output.predicted, output.bound, output.sigma];
+    cells.extend(numbers.into_iter().flatten().map(small));
+    if let Some(interval) = &output.interval {
+        let ranges = match interval.alarm {
+            Some(alarm) => format!("{}, {alarm}", interval.ranges),
+            None => interval.ranges.to_owned(),
+        };
+        let numbers = [interval.low, interval.high, interval.error];
+        cells.extend(numbers.map(small));
+        cells.push(ranges);
+    }
+    cells
+}
+
+/// Three digits and an exponent; a plain 0.
+pub(super) fn small(number: f64) -> String {
+    if number == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{number:.2e}")
+    }
+}
+
+/// What the heat is of.
+pub(crate) fn heat_title(heat: &Heat) -> String {
+    let states = match heat.states {
+        1 => "1 state".to_owned(),
+        states => format!("{states} states"),
+    };
+    format!(
+        "Heat: where the errors of {} outputs in {} come from, {states}, seed {}",
+        heat.outputs, heat.format, heat.seed
+    )
+}
+
+/// The hottest equations, with bars, and what inputs and literals add.
+pub(crate) fn heat_text(heat: &Heat) -> String {
+    let mut text = String::new();
+    if heat.equations.is_empty() && heat.inputs.is_empty() && heat.literals == 0.0 {
+        text.push_str(match heat.refused {
+            0 => "nothing is rounded\n",
+            _ => "results are not finite, so no operation has a share\n",
+        });
+        return text;
+    }
+    // Bars tell equations apart even where none stands out.
+    let hottest = heat
+        .equations
+        .first()
+        .map_or(1.0, |equation| equation.share);
+    let rows = heat
+        .equations
+        .iter()
+        .map(|equation| equation_row(equation, hottest));
+    let rows: Vec<Vec<String>> = rows.collect();
+    let head = ["share", "", "equation", "operations", "where"];
+    push(&table(&head, &rows, &[0, 3]), &mut text);
+    if heat.literals > 0.0 {
+        let _ = writeln!(
+            text,
+            "{} literals that the format cannot hold",
+            percent(heat.literals)
+        );
+    }
+    for input in &heat.inputs {
+        let _ = writeln!(
+            text,
+            "{} input {}, which it cannot hold",
+            percent(input.share),
+            input.name
+        );
+    }
+    if heat.refused > 0 {
+        let _ = writeln!(
+            text,
+            "{} states had results that are not finite",
+            heat.refused
+        );
+    }
+    text
+}
+
+fn equation_row(equation: &HotEquation, hottest: f64) -> Vec<String> {
+    vec![
+        percent(equation.share),
+        bar(equation.share / hottest),
+        equation.name.clone().unwrap_or_else(|| "-".to_owned()),
+        equation.operations.to_string(),
+        place(equation),
+    ]
+}
+
+/// Where an equation stands.
+pub(super) fn place(equation: &HotEquation) -> String {
+    match (&equation.file, equation.line, equation.column) {
+        (Some(file), Some(line), Some(column)) => format!("{file}:{line}:{column}"),
+        _ => "-".to_owned(),
+    }
+}
+
+/// A share of 1 in percent.
+pub(super) fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+/// A bar from left to right, to eighths of a character.
+fn bar(share: f64) -> String {
+    const EIGHTHS: [&str; 8] = ["", "▏", "▎", "▍", "▌", "▋", "▊", "▉"];
+    let eighths = (share.clamp(0.0, 1.0) * BAR * 8.0).round() as usize;
+    let eighths = if share > 0.0 { eighths.max(1) } else { 0 };
+    format!("{}{}", "█".repeat(eighths / 8), EIGHTHS[eighths % 8])
+}
+
+/// The tables as JSON: a list with one object per function.
+pub fn json(tables: &[ErrorTable]) -> String {
+    // Strings, numbers and lists of them: nothing that JSON cannot hold.
+    let mut text = serde_json::to_string_pretty(tables).expect("a table is plain data");
+    text.push('\n');
+    text
+}
+
+/// The rows of all tables as CSV, empty cells where a method was not asked.
+pub fn csv(tables: &[ErrorTable]) -> String {
+    let mut text = String::from(
+        "function,output,exact,computed,error,predicted,bound,sigma,\
+         low,high,window_error,window_operations,ranges,alarm\n",
+    );
+    let number = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:e}"));
+    for table in tables {
+        for row in &table.outputs {
+            let interval = row.interval.as_ref();
+            let cells = [
+                table.function.clone(),
+                // An element of a matrix has a comma in it.
+                format!("\"{}\"", row.name),
+                number(Some(row.exact)),
+                number(Some(row.computed)),
+                number(Some(row.error)),
+                number(row.predicted),
+                number(row.bound),
+                number(row.sigma),
+                number(interval.map(|interval| interval.low)),
+                number(interval.map(|interval| interval.high)),
+                number(interval.map(|interval| interval.error)),
+                interval.map_or(String::new(), |interval| interval.operations.to_string()),
+                interval.map_or("", |interval| interval.ranges).to_owned(),
+                interval
+                    .and_then(|interval| interval.alarm)
+                    .unwrap_or("")
+                    .to_owned(),
+            ];
+            let _ = writeln!(text, "{}", cells.join(","));
+        }
+    }
+    text
+}
