@@ -78,70 +78,108 @@ pub fn judge(case: &Case) -> Result<Findings, StressError> {
 pub fn examine(case: &Case) -> Result<Findings, StressError> {
     let bench = case.subject.prepare()?;
     let mut findings = judged(case, bench.as_ref())?;
-    let untreated = case.subject.untreated();
+    let untreated = findings.untreated.clone();
     // A result may happen to be exact; nobody can ask for that.
     let exact = Format::BINARY64.unit_roundoff();
     let close = CLOSE * findings.long.error.max(exact);
     let readable = close.max(CLOSE * Format::BINARY32.unit_roundoff());
-    let leaves_range = findings.short.outside > 0.0;
-    let mut attempt = |treatment: Treatment| -> Result<f64, StressError> {
-        let measured = bench.measure(&treatment)?;
-        let error = measured.error;
-        findings.trials.push(Trial {
-            label: treatment.label(&untreated),
-            cost: measured.cost / findings.short.cost,
-            treatment,
-            measured,
-        });
-        Ok(error)
+    let mut attempts = Attempts {
+        bench: bench.as_ref(),
+        untreated: &untreated,
+        cost: findings.short.cost,
+        trials: Vec::new(),
     };
     for treatment in case.subject.candidates() {
-        attempt(treatment)?;
+        attempts.attempt(treatment)?;
     }
-    attempt(case.subject.standard())?;
+    attempts.attempt(case.subject.standard())?;
     if case.subject.rounds() {
-        for goal in [readable, close] {
-            let exponent = if leaves_range {
-                NumberFormat::BINARY64.exponent
-            } else {
-                NumberFormat::BINARY32.exponent
-            };
-            narrowest(&untreated, exponent, goal, &mut attempt)?;
+        let exponent = if findings.short.outside > 0.0 {
+            NumberFormat::BINARY64.exponent
+        } else {
+            NumberFormat::BINARY32.exponent
+        };
+        // The program as it is, and the one with the least operations.
+        for program in [Some(untreated.clone()), attempts.shortest()] {
+            let Some(program) = program else { continue };
+            for goal in [readable, close] {
+                attempts.narrowest(&program, exponent, goal)?;
+            }
         }
     }
+    findings.trials = attempts.trials;
     findings.cure = cheapest(&findings.trials, close);
     findings.short_cure = cheapest(&findings.trials, readable);
     Ok(findings)
 }
 
-/// Looks for the shortest mantissa between those of binary32 and binary64
-/// whose error is small enough, by bisection: the error falls with every bit,
-/// but for luck.
-fn narrowest(
-    untreated: &Treatment,
-    exponent: u32,
-    goal: f64,
-    attempt: &mut dyn FnMut(Treatment) -> Result<f64, StressError>,
-) -> Result<(), StressError> {
-    let (mut short, mut enough) = (24, Format::WIDEST.mantissa);
-    while short < enough {
-        let mantissa = (short + enough) / 2;
-        let format = NumberFormat {
-            exponent,
-            mantissa,
-            subnormals: true,
-        };
-        let error = attempt(Treatment {
-            format: Format::Float(format),
-            ..untreated.clone()
-        })?;
-        if error <= goal {
-            enough = mantissa;
-        } else {
-            short = mantissa + 1;
+/// What was tried so far.
+struct Attempts<'a> {
+    bench: &'a dyn Bench,
+    untreated: &'a Treatment,
+    /// Of the untreated program.
+    cost: f64,
+    trials: Vec<Trial>,
+}
+
+impl Attempts<'_> {
+    /// Tries a treatment, unless that was done: its error.
+    fn attempt(&mut self, treatment: Treatment) -> Result<f64, StressError> {
+        let mut trials = self.trials.iter();
+        if let Some(known) = trials.find(|trial| trial.treatment == treatment) {
+            return Ok(known.measured.error);
         }
+        let measured = self.bench.measure(&treatment)?;
+        let error = measured.error;
+        self.trials.push(Trial {
+            label: treatment.label(self.untreated),
+            cost: measured.cost / self.cost,
+            treatment,
+            measured,
+        });
+        Ok(error)
     }
-    Ok(())
+
+    /// The program of the least cost among those in the same format, when it
+    /// is another than the untreated one.
+    fn shortest(&self) -> Option<Treatment> {
+        let others = self
+            .trials
+            .iter()
+            .filter(|trial| trial.treatment.is_another_program(self.untreated) && trial.cost < 1.0);
+        let shortest = others.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        Some(shortest.treatment.clone())
+    }
+
+    /// Looks for the shortest mantissa between those of binary32 and binary64
+    /// whose error is small enough, by bisection: the error falls with every
+    /// bit, but for luck.
+    fn narrowest(
+        &mut self,
+        program: &Treatment,
+        exponent: u32,
+        goal: f64,
+    ) -> Result<(), StressError> {
+        let (mut short, mut enough) = (24, Format::WIDEST.mantissa);
+        while short < enough {
+            let mantissa = (short + enough) / 2;
+            let format = NumberFormat {
+                exponent,
+                mantissa,
+                subnormals: true,
+            };
+            let error = self.attempt(Treatment {
+                format: Format::Float(format),
+                ..program.clone()
+            })?;
+            if error <= goal {
+                enough = mantissa;
+            } else {
+                short = mantissa + 1;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The cheapest trial with an error that is small enough; the first of those

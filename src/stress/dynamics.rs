@@ -469,7 +469,7 @@ pub(super) fn componentwise(found: &[Double], exact: &[Double]) -> f64 {
     let size = exact.iter().fold(0.0f64, |most, x| most.max(x.high.abs()));
     let error = |(x, y): (&Double, &Double)| {
         let difference = (*x - *y).high.abs();
-        if y.high.abs() > 1e-24 * size {
+        if y.high.abs() > 1e-26 * size {
             difference / y.high.abs()
         } else {
             difference / size

@@ -14,24 +14,36 @@ use crate::motion::{Equations, Setting, State};
 use robovec_ir::Format;
 use robovec_ir::double_double::Double;
 
-/// A model with closed loops in a state that closes them.
+/// Models with closed loops.
 pub(super) struct Loops {
+    closed: Vec<Closed>,
+}
+
+/// A model in a state that closes its loops.
+struct Closed {
     model: Model,
     state: State,
 }
 
 impl Loops {
-    /// The model, closed in its initial state.
-    pub(super) fn new(model: Model) -> Loops {
-        let state = State::initial(&model);
-        // Rounds the numbers of both.
-        let mut shared = Dynamics::new(model, vec![state], Metric::Accelerations);
+    /// Models, closed in their initial states.
+    pub(super) fn new(models: impl IntoIterator<Item = Model>) -> Loops {
+        let closed = models.into_iter().map(|model| {
+            let state = State::initial(&model);
+            // Rounds the numbers of both.
+            let mut shared = Dynamics::new(model, vec![state], Metric::Accelerations);
+            Closed {
+                state: shared.states.remove(0),
+                model: shared.model,
+            }
+        });
         Loops {
-            state: shared.states.remove(0),
-            model: shared.model,
+            closed: closed.collect(),
         }
     }
+}
 
+impl Closed {
     fn program(&self, treatment: &Treatment) -> Result<Program, StressError> {
         let recipe = Recipe {
             formulation: treatment.formulation,
@@ -48,7 +60,12 @@ impl Loops {
 }
 
 struct Workbench<'a> {
-    subject: &'a Loops,
+    models: Vec<Prepared<'a>>,
+}
+
+/// A model with its reference.
+struct Prepared<'a> {
+    subject: &'a Closed,
     plain: Program,
     exact: Vec<Double>,
     equations: Equations,
@@ -79,15 +96,8 @@ impl Subject for Loops {
     }
 
     fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
-        let plain = self.program(&Treatment::default())?;
-        let inputs = plain.inputs(&self.state);
-        let exact = self.accelerations(&plain, Numbers::Reference, &inputs);
-        Ok(Box::new(Workbench {
-            subject: self,
-            exact,
-            equations: Equations::new(&self.model, &Setting::default())?,
-            plain,
-        }))
+        let models: Result<_, _> = self.closed.iter().map(Prepared::new).collect();
+        Ok(Box::new(Workbench { models: models? }))
     }
 }
 
@@ -96,6 +106,48 @@ impl Subject for Loops {
 const REDUNDANT: f64 = 1e-13;
 
 impl Bench for Workbench<'_> {
+    fn condition(&self) -> f64 {
+        worst(self.models.iter().map(Prepared::condition))
+    }
+
+    fn floor(&self, format: Format) -> f64 {
+        worst(self.models.iter().map(|model| model.floor(format)))
+    }
+
+    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
+        let results: Result<Vec<Measured>, StressError> = self
+            .models
+            .iter()
+            .map(|model| model.measure(treatment))
+            .collect();
+        let results = results?;
+        let residuals = results.iter().flat_map(|result| &result.others);
+        let most = |of: fn(&Measured) -> f64| worst(results.iter().map(of));
+        Ok(Measured {
+            error: most(|result| result.error),
+            others: vec![(
+                "J qdd + Jdqd",
+                worst(residuals.map(|(_, residual)| *residual)),
+            )],
+            outside: most(|result| result.outside),
+            consistent: true,
+            cost: results.iter().map(|result| result.cost).sum(),
+        })
+    }
+}
+
+impl<'a> Prepared<'a> {
+    fn new(subject: &'a Closed) -> Result<Prepared<'a>, StressError> {
+        let plain = subject.program(&Treatment::default())?;
+        let inputs = plain.inputs(&subject.state);
+        Ok(Prepared {
+            exact: subject.accelerations(&plain, Numbers::Reference, &inputs),
+            equations: Equations::new(&subject.model, &Setting::default())?,
+            subject,
+            plain,
+        })
+    }
+
     /// Of the matrix `[M J'; J 0]` of accelerations and multipliers, redundant
     /// rows left out.
     fn condition(&self) -> f64 {

@@ -94,13 +94,10 @@ impl Program {
         })
     }
 
-    /// The flattened inputs in a state, each rounded once to binary32 where
-    /// it lies in the range of its normal numbers: so that the reference and
-    /// every format from binary32 on start from the same numbers, and leaving
-    /// the range still shows.
+    /// The flattened inputs in a state. Models and states are rounded before
+    /// ([`shared`]), what a program is given by another is not.
     pub(super) fn inputs(&self, state: &State) -> Vec<f64> {
-        let inputs = self.inputs.gather(state);
-        inputs.into_iter().map(shared).collect()
+        self.inputs.gather(state)
     }
 
     /// The flattened outputs for given inputs, in SI units, computed in units
@@ -194,7 +191,8 @@ pub(super) fn run_passes(module: &mut Module, passes: &str) -> Result<(), Stress
 }
 
 /// The binary32 number next to a number, or the number itself where binary32
-/// has no normal number for it.
+/// has no normal number for it: so that the reference and every format from
+/// binary32 on start from the same numbers, and leaving the range still shows.
 pub(super) fn shared(number: f64) -> f64 {
     if is_normal(number, Format::BINARY32) {
         rounded(number, Format::BINARY32)

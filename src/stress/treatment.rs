@@ -60,6 +60,16 @@ impl Treatment {
         }
     }
 
+    /// True when it is another program in the same format, and nothing else.
+    pub(super) fn is_another_program(&self, untreated: &Treatment) -> bool {
+        let same = Treatment {
+            formulation: untreated.formulation,
+            passes: untreated.passes,
+            ..self.clone()
+        };
+        same == *untreated && self != untreated
+    }
+
     /// What it does that another does not, in a few words.
     pub fn label(&self, untreated: &Treatment) -> String {
         let mut words: Vec<String> = Vec::new();
