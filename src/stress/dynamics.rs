@@ -12,6 +12,7 @@ use super::draw::Draw;
 use super::linear::{condition, estimated_condition, factorise, solve, substitute};
 use super::numbers::{Numbers, Wide, Work, rounded};
 use super::program::{Program, Recipe, shared};
+use super::treatment::BALANCED;
 use super::units::Units;
 use super::{StressError, Treatment};
 use crate::generate::{Formulation, FunctionKind};
@@ -129,10 +130,7 @@ impl Subject for Dynamics {
             change(&mut treatment);
             treatment
         };
-        let mut list = vec![
-            with(&|t| t.units = true),
-            with(&|t| t.passes = "atomise,zero-removal,balance,cse,dce"),
-        ];
+        let mut list = vec![with(&|t| t.units = true), with(&|t| t.passes = BALANCED)];
         if self.articulated {
             list.push(with(&|t| t.forces = Some(Format::BINARY64)));
             list.push(with(&|t| {
@@ -148,6 +146,9 @@ impl Subject for Dynamics {
         ] {
             list.push(with(&|t| t.formulation = formulation));
         }
+        list.push(with(&|t| {
+            (t.formulation, t.units) = (Formulation::Composite, true);
+        }));
         if self.metric == Metric::Accelerations {
             list.push(with(&|t| t.formulation = Formulation::Articulated));
             for refinements in [0, 1, 2, 4] {
@@ -504,7 +505,7 @@ impl Bench for Workbench<'_> {
         match self.subject.metric {
             Metric::Accelerations if self.subject.articulated => {
                 // The error of solving with a mass matrix rounded once.
-                (self.mass_condition() * format.unit_roundoff()).min(1.0)
+                self.mass_condition() * format.unit_roundoff()
             }
             Metric::Accelerations => self.rounded_solution(format),
             Metric::Masses | Metric::Forces => self.perturbed(format.unit_roundoff()),

@@ -4,14 +4,17 @@ use super::case::{Bench, Measured, Subject};
 use super::dynamics::{componentwise, normwise, perturb, worst};
 use super::numbers::{Evaluation, Numbers};
 use super::program::{is_normal, run_passes, shared};
+use super::treatment::BALANCED;
 use super::{StressError, Treatment};
 use robovec_ir::arithmetic::Binary64;
 use robovec_ir::count::Counts;
 use robovec_ir::double_double::Double;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::parse::parse_module;
-use robovec_ir::{Format, Module};
+use robovec_ir::states::Ranges;
+use robovec_ir::{Format, Input, Module};
 use robovec_passes::registry;
+use robovec_passes::scene::Scene;
 
 /// Equations, and the inputs they are evaluated for.
 pub(super) struct Equations {
@@ -34,9 +37,28 @@ impl Equations {
         let mut module = parse_module("case", &self.text)
             .map_err(|report| StressError::Passes(format!("{report:?}")))?;
         if !passes.is_empty() {
-            run_passes(&mut module, passes)?;
+            let scene = self.scene(&module);
+            run_passes(&mut module, passes, Some(&scene))?;
         }
         Ok(module)
+    }
+
+    /// What the inputs can be: a pass that looks at states sees those of the
+    /// case.
+    fn scene(&self, module: &Module) -> Scene {
+        let mut ranges = Ranges::default();
+        let function = &module.functions[0];
+        for place in 0..function.input_len() {
+            let (array, indices, _) = function.input_element(Input(place as u32));
+            let numbers = self.inputs.iter().map(|inputs| inputs[place]);
+            let start = [f64::INFINITY, f64::NEG_INFINITY];
+            let [low, high] = numbers.fold(start, |[low, high], x| [low.min(x), high.max(x)]);
+            ranges.set(module.tables.symbols.text(array.name), indices, low, high);
+        }
+        Scene {
+            ranges,
+            ..Scene::default()
+        }
     }
 }
 
@@ -52,21 +74,17 @@ impl Subject for Equations {
     }
 
     fn candidates(&self) -> Vec<Treatment> {
-        let passes = [
-            "atomise,zero-removal,balance",
-            "atomise,fma",
-            "atomise,accurate",
-        ];
-        // A pass is only tried where there is one.
-        let known = |pipeline: &&str| {
-            let mut names = pipeline.split(',');
-            names.all(|name| registry::find(name).is_some())
-        };
+        let mut passes = vec![BALANCED];
+        // Only where there is such a pass.
+        if registry::find("accurate").is_some() {
+            passes.push("atomise,accurate");
+            passes.push("atomise,accurate{growth=1000 slack=1000}");
+        }
         let treatment = |passes| Treatment {
             passes,
             ..Treatment::default()
         };
-        passes.into_iter().filter(known).map(treatment).collect()
+        passes.into_iter().map(treatment).collect()
     }
 
     fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {

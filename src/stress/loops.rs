@@ -5,6 +5,7 @@ use super::dynamics::{Dynamics, Metric, normwise, perturb, worst};
 use super::linear::eigenvalues;
 use super::numbers::Numbers;
 use super::program::{Program, Recipe};
+use super::treatment::BALANCED;
 use super::units::Units;
 use super::{StressError, Treatment};
 use crate::generate::{Formulation, FunctionKind};
@@ -79,7 +80,7 @@ impl Subject for Loops {
     fn candidates(&self) -> Vec<Treatment> {
         let plain = Treatment::default();
         let mut list = vec![Treatment {
-            passes: "atomise,zero-removal,balance,cse,dce",
+            passes: BALANCED,
             ..plain.clone()
         }];
         for formulation in [

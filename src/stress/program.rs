@@ -14,6 +14,7 @@ use robovec_ir::machine::NumberFormat;
 use robovec_ir::{Format, Function, Input, Machine, Module, Operand, Output, View};
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline;
+use robovec_passes::scene::Scene;
 
 /// How a program is made.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -52,12 +53,12 @@ impl Program {
         let mut module = generate(model, &request)?;
         if let Some(only) = recipe.only {
             // Of an equation cut off before, nothing would tell the name.
-            run_passes(&mut module, "atomise")?;
+            run_passes(&mut module, "atomise", None)?;
             keep(&mut module, only);
-            run_passes(&mut module, "dce")?;
+            run_passes(&mut module, "dce", None)?;
         }
         if !recipe.passes.is_empty() {
-            run_passes(&mut module, recipe.passes)?;
+            run_passes(&mut module, recipe.passes, None)?;
         }
         let Module {
             tables,
@@ -177,16 +178,23 @@ fn keep(module: &mut Module, only: &str) {
     }
 }
 
-/// Runs a pipeline over a module.
-pub(super) fn run_passes(module: &mut Module, passes: &str) -> Result<(), StressError> {
+/// Runs a pipeline over a module, for a scene when there is one.
+pub(super) fn run_passes(
+    module: &mut Module,
+    passes: &str,
+    scene: Option<&Scene>,
+) -> Result<(), StressError> {
     let failed = |error: String| StressError::Passes(format!("{passes}: {error}"));
     let pipeline = pipeline::parse(passes).map_err(|error| failed(format!("{error:?}")))?;
     let machine =
         Machine::built_in("thesis").ok_or_else(|| failed("there is no machine".to_owned()))?;
     // Remarks of passes are of no interest here.
     let mut log = std::io::sink();
-    manager::run(module, &pipeline, Config::new(&machine, &mut log))
-        .map_err(|error| failed(error.to_string()))?;
+    let config = Config {
+        scene,
+        ..Config::new(&machine, &mut log)
+    };
+    manager::run(module, &pipeline, config).map_err(|error| failed(error.to_string()))?;
     Ok(())
 }
 

@@ -4,6 +4,9 @@ use crate::generate::Formulation;
 use robovec_ir::Format;
 use std::fmt;
 
+/// The passes that shorten paths by regrouping sums and products.
+pub(super) const BALANCED: &str = "atomise,zero-removal,balance,cse,dce";
+
 /// How a program is made and run. The default is what one gets without
 /// asking: the recursion Robotran prints, in binary32.
 #[derive(Clone, PartialEq, Debug)]
@@ -77,7 +80,11 @@ impl Treatment {
             words.push(self.formulation.name().to_owned());
         }
         if self.passes != untreated.passes {
-            words.push(self.passes.to_owned());
+            words.push(match self.passes {
+                BALANCED => "balanced".to_owned(),
+                // Every list of passes begins there.
+                passes => passes.trim_start_matches("atomise,").to_owned(),
+            });
         }
         if self.series != untreated.series {
             words.push(match self.series {
