@@ -175,6 +175,38 @@ fn every_pass_is_checked_and_the_images_are_simulated() {
 }
 
 #[test]
+fn machines_of_other_formats_are_simulated_bit_for_bit() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let machine = folder.path().join("machine.toml");
+    let table = "[number]\nexponent = 8\nmantissa = 23\nsubnormals = true\n";
+    let thesis = include_str!("../machines/thesis.toml");
+    assert!(thesis.contains(table));
+    for format in ["float(8,17)", "float(11,51,flush)", "fixed(24,29)"] {
+        let text = format!("number = \"{format}\"\n{}", thesis.replace(table, ""));
+        fs::write(&machine, text).expect("a file");
+        let output = run(opt()
+            .arg(example(SUSPENSION))
+            .args([
+                &format!("{PIPELINE}{{n_add=2 n_multi=2}}"),
+                "--simulate=3",
+                "--machine",
+            ])
+            .arg(&machine));
+        let message = stderr(&output);
+        assert!(output.status.success(), "{format}: {message}");
+        assert!(message.contains("bit for bit"), "{format}: {message}");
+    }
+    // Values that want another format have no images on this machine.
+    let text = "function f atomic {\n in a\n out o\n %x = a*a as f16\n o = %x\n}\n";
+    let source = folder.path().join("mixed.rvir");
+    fs::write(&source, text).expect("a file");
+    let output = run(opt().arg(&source).args(["-passes=place,codegen"]));
+    assert!(!output.status.success());
+    let message = stderr(&output);
+    assert!(message.contains("'%x' is computed as f16"), "{message}");
+}
+
+#[test]
 fn instruments_write_where_they_should() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let dumps = folder.path().join("dumps");

@@ -8,6 +8,9 @@
 //! thesis calls formats between and below the IEEE ones *customised* (1.1).
 
 use crate::machine::NumberFormat;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
 
@@ -106,6 +109,47 @@ impl NumberFormat {
     /// The exponent of the least normal number.
     pub fn smallest_exponent(self) -> i32 {
         1 - self.largest_exponent()
+    }
+}
+
+impl Default for Format {
+    fn default() -> Format {
+        Format::BINARY32
+    }
+}
+
+/// A float is written as a table of its fields, anything else by its name.
+impl Serialize for Format {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Format::Float(float) => float.serialize(serializer),
+            Format::Fixed(_) => serializer.collect_str(self),
+        }
+    }
+}
+
+/// Every format can be read from its name, a float also from a table.
+impl<'de> Deserialize<'de> for Format {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Format, D::Error> {
+        deserializer.deserialize_any(FormatVisitor)
+    }
+}
+
+struct FormatVisitor;
+
+impl<'de> Visitor<'de> for FormatVisitor {
+    type Value = Format;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("the name of a number format, as \"float(8,17)\", or a table with exponent, mantissa and subnormals")
+    }
+
+    fn visit_str<E: de::Error>(self, name: &str) -> Result<Format, E> {
+        name.parse().map_err(E::custom)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, fields: A) -> Result<Format, A::Error> {
+        NumberFormat::deserialize(MapAccessDeserializer::new(fields)).map(Format::Float)
     }
 }
 

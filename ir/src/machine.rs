@@ -6,12 +6,9 @@
 //! (thesis 1.1 to 1.3). Nothing about a machine is a constant in code: all of
 //! it comes from a TOML file (`machines/`), described field by field below.
 
-use crate::format::Format;
+use crate::format::{Format, FormatError};
 use crate::operation::Operation;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
 /// A target machine.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
@@ -24,9 +21,10 @@ pub struct Machine {
     pub description: String,
     /// Clock of the processing elements, in MHz.
     pub clock_mhz: f64,
-    /// The number format of every word.
+    /// The number format of every word: a name as in
+    /// [`Format::from_str`](Format), or a float's fields as a table.
     #[serde(default)]
-    pub number: NumberFormat,
+    pub number: Format,
     /// The kinds of processing elements.
     #[serde(rename = "element")]
     pub elements: Vec<ElementDescription>,
@@ -43,9 +41,9 @@ pub struct Machine {
     pub resources: Option<Resources>,
 }
 
-/// A binary floating-point format. In files it is a table of these fields,
-/// or its name as in [`Format::from_str`](crate::Format): `"float(8,17)"`.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize)]
+/// A binary floating-point format.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct NumberFormat {
     /// Width of the exponent, in bits.
     pub exponent: u32,
@@ -53,53 +51,6 @@ pub struct NumberFormat {
     pub mantissa: u32,
     /// Whether subnormal numbers are kept (true) or flushed to zero.
     pub subnormals: bool,
-}
-
-impl<'de> Deserialize<'de> for NumberFormat {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<NumberFormat, D::Error> {
-        deserializer.deserialize_any(NumberFormatVisitor)
-    }
-}
-
-/// Reads a number format from a table or a name.
-struct NumberFormatVisitor;
-
-impl<'de> Visitor<'de> for NumberFormatVisitor {
-    type Value = NumberFormat;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a table with exponent, mantissa and subnormals, or a name as \"f32\"")
-    }
-
-    fn visit_str<E: de::Error>(self, name: &str) -> Result<NumberFormat, E> {
-        match name.parse() {
-            Ok(Format::Float(format)) => Ok(format),
-            Ok(Format::Fixed(_)) => Err(E::custom("a machine computes in a floating-point format")),
-            Err(error) => Err(E::custom(error)),
-        }
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, fields: A) -> Result<NumberFormat, A::Error> {
-        #[derive(Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct Fields {
-            exponent: u32,
-            mantissa: u32,
-            subnormals: bool,
-        }
-        let fields = Fields::deserialize(MapAccessDeserializer::new(fields))?;
-        Ok(NumberFormat {
-            exponent: fields.exponent,
-            mantissa: fields.mantissa,
-            subnormals: fields.subnormals,
-        })
-    }
-}
-
-impl Default for NumberFormat {
-    fn default() -> NumberFormat {
-        NumberFormat::BINARY32
-    }
 }
 
 /// A kind of processing element.
@@ -280,10 +231,12 @@ impl Machine {
                 self.clock_mhz
             ));
         }
-        if !self.format().is_possible() {
-            return fail(
-                "the number format must have 2 to 11 exponent and 1 to 52 mantissa bits".to_owned(),
-            );
+        if !self.number.is_possible() {
+            return fail(format!(
+                "the number format {}: {}",
+                self.number,
+                FormatError::Width
+            ));
         }
         for (index, element) in self.elements.iter().enumerate() {
             let kind = &element.kind;
@@ -340,11 +293,6 @@ impl Machine {
             }
         }
         Ok(())
-    }
-
-    /// The format that all elements and memories have.
-    pub fn format(&self) -> Format {
-        Format::Float(self.number)
     }
 
     /// Index into [`Machine::elements`] of the kind that performs an
@@ -409,12 +357,22 @@ mod tests {
         let named =
             |name: &str| Machine::parse(&format!("number = {name}\n{before}{}", &table[end..]));
         let machine = named("\"float(8,17,flush)\"").expect("it is a format");
-        assert_eq!(machine.format().to_string(), "float(8,17,flush)");
+        assert_eq!(machine.number.to_string(), "float(8,17,flush)");
         assert_eq!(
             named("\"f32\""),
             Ok(Machine::built_in("thesis").expect("it ships"))
         );
-        for wrong in ["\"f31\"", "\"fixed(3,4)\"", "32", "{exponent = 8}"] {
+        let fixed = named("\"fixed(12,19)\"").expect("it is a format");
+        assert_eq!(fixed.number.width(), 32);
+        let written = toml::to_string(&fixed).expect("it can be written");
+        assert_eq!(Machine::parse(&written), Ok(fixed));
+        for wrong in [
+            "\"f31\"",
+            "\"fixed(40,40)\"",
+            "32",
+            "{exponent = 8}",
+            "{exponent = 15, mantissa = 63, subnormals = true}",
+        ] {
             assert!(named(wrong).is_err(), "{wrong}");
         }
     }

@@ -5,7 +5,7 @@ use super::input::Input;
 use crate::errors;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::states::States;
-use robovec_ir::{Format, Function, Machine, Place, SourceSet, Step, View, print};
+use robovec_ir::{Function, Machine, Place, SourceSet, Step, View, print};
 use robovec_passes::trail::{self, Account, Change, Entry, Moment, Trail};
 use std::fmt::Write;
 
@@ -64,7 +64,7 @@ pub(crate) fn explain(
             };
             print_moment(&now, &mut text);
             print_readers(view, item, &mut text);
-            let format = Format::Float(machine.number);
+            let format = machine.number;
             text.push_str(&errors::explain(view, item, format, states).unwrap_or_default());
         }
         (None, None) => {}

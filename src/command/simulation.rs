@@ -54,7 +54,7 @@ fn compare(view: View<'_>, machine: &Machine, states: u32, draws: &States) -> Re
     write_images(view, machine, None, &mut files).map_err(|error| error.to_string())?;
     let program = Program::load(&files, machine).map_err(|error| error.to_string())?;
     let places: Vec<u32> = program.outputs().map(|(_, place)| place).collect();
-    let arithmetic = FormatArithmetic::new(machine.format());
+    let arithmetic = FormatArithmetic::new(machine.number);
     for index in 0..states {
         let inputs = draws.draw(view, index);
         let outputs = program.run(&inputs).map_err(|hazard| hazard.to_string())?;

@@ -10,7 +10,7 @@ use super::{Candidate, FitError, MORE, Program, Task, size, used, yardstick};
 use crate::front::measure::{MeasureError, view};
 use crate::front::yardstick::{Spread, results};
 use crate::simulate;
-use robovec_ir::{Format, Machine, Module, View};
+use robovec_ir::{Machine, Module, View};
 use robovec_passes::codegen::write_images;
 use robovec_passes::place::{PlaceOptions, place};
 use serde::Serialize;
@@ -61,7 +61,7 @@ pub struct Ready {
 /// When it cannot be placed any more, which would be a mistake of the search.
 pub fn ready(task: &Task<'_>, program: &Program, candidate: &Candidate) -> Result<Ready, FitError> {
     let mut machine = size::sized(task.machine, candidate.elements);
-    if let Ok(Format::Float(number)) = candidate.format.parse() {
+    if let Ok(number) = candidate.format.parse() {
         machine.number = number;
     }
     let mut module = (*program.module).clone();
@@ -82,7 +82,7 @@ pub fn confirm(
     candidate: &Candidate,
 ) -> Result<Confirmation, FitError> {
     let ready = ready(task, program, candidate)?;
-    let format = Format::Float(ready.machine.number);
+    let format = ready.machine.number;
     let states = task.states * MORE;
     let fresh = yardstick(task, states, task.seed.wrapping_add(2));
     let view = view(&program.module);

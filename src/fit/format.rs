@@ -41,7 +41,10 @@ pub(super) fn formats(
     let meets = |errors: &Errors| {
         errors.normwise.worst.is_finite() && used(task.scene, program, errors) <= PART
     };
-    let subnormals = task.machine.number.subnormals;
+    let subnormals = match task.machine.number {
+        Format::Float(float) => float.subnormals,
+        Format::Fixed(_) => true,
+    };
     for exponent in exponent_bits(exponent)..=11 {
         let format = |mantissa| {
             Format::Float(NumberFormat {

@@ -18,7 +18,7 @@ pub(crate) use text::{table, units};
 use crate::errors::Heat;
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;
-use robovec_ir::{Format, Function, Level, Machine, Module, View};
+use robovec_ir::{Function, Level, Machine, Module, View};
 use robovec_passes::analysis::critical_path::critical_path;
 use robovec_passes::analysis::rounding::Rounding;
 use robovec_passes::check::Verdict;
@@ -194,7 +194,7 @@ impl FunctionReport {
             passes: own.map(|record| PassReport::new(record, view)).collect(),
             schedule: ScheduleReport::collect(function, machine),
             error: ErrorReport::new(view, options),
-            heat: Heat::measure(view, Format::Float(machine.number), &options.states),
+            heat: Heat::measure(view, machine.number, &options.states),
         }
     }
 }

@@ -1,8 +1,7 @@
 //! What a schedule costs, and how well it uses its machine.
 
-use robovec_ir::machine::NumberFormat;
 use robovec_ir::placement::{ElementKind, Schedule};
-use robovec_ir::{Function, Machine, Operation};
+use robovec_ir::{Format, Function, Machine, Operation};
 use robovec_passes::place::{KindStatistics, PlacementStatistics, Spread, placement_statistics};
 use serde::{Serialize, Serializer};
 
@@ -11,8 +10,8 @@ use serde::{Serialize, Serializer};
 pub struct ScheduleReport {
     /// The machine's name.
     pub machine: String,
-    /// Its number format: `binary32`, `binary64`, or `e8m10` for 8 bits of
-    /// exponent and 10 of mantissa; absent as `time_us` is.
+    /// Its number format: `binary32`, `binary64`, or a name as
+    /// `float(8,10)`; absent as `time_us` is.
     pub number: Option<String>,
     /// Elements that add.
     pub n_add: u32,
@@ -132,17 +131,12 @@ impl ScheduleReport {
     }
 }
 
-/// The name of a number format; flushing subnormals to zero is marked.
-fn format_name(format: NumberFormat) -> String {
-    let name = match (format.exponent, format.mantissa) {
-        (8, 23) => "binary32".to_owned(),
-        (11, 52) => "binary64".to_owned(),
-        (exponent, mantissa) => format!("e{exponent}m{mantissa}"),
-    };
-    if format.subnormals {
-        name
-    } else {
-        format!("{name}, subnormals as zero")
+/// The name of a number format.
+fn format_name(format: Format) -> String {
+    match format {
+        Format::BINARY32 => "binary32".to_owned(),
+        Format::BINARY64 => "binary64".to_owned(),
+        other => other.to_string(),
     }
 }
 

@@ -1,6 +1,8 @@
 //! What can be wrong with images, and what can go wrong in a run.
 
 use super::mif::MifError;
+use robovec_ir::Format;
+use robovec_ir::format::FormatError;
 
 /// Why images cannot be loaded into a machine.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
@@ -54,16 +56,8 @@ pub enum LoadError {
     #[error("the images describe {0}, more than the simulator holds")]
     TooLarge(String),
     /// A number format that nothing computes in.
-    #[error(
-        "a number has 2 to 11 bits of exponent and 1 to 52 of mantissa, not \
-         {exponent}+{mantissa} bits"
-    )]
-    UnsupportedNumber {
-        /// Exponent bits.
-        exponent: u32,
-        /// Mantissa bits.
-        mantissa: u32,
-    },
+    #[error("the number format {0}: {width}", width = FormatError::Width)]
+    UnsupportedNumber(Format),
     /// The images ask for what the machine does not have.
     #[error("the machine does not fit the images: {0}")]
     Machine(String),

@@ -2,7 +2,6 @@
 
 use super::error::LoadError;
 use super::load::Loader;
-use robovec_ir::Format;
 use robovec_ir::machine::MemoryStyle;
 use robovec_passes::codegen::manifest;
 
@@ -14,11 +13,8 @@ impl Loader<'_> {
     pub(super) fn check_machine(&self) -> Result<(), LoadError> {
         let (manifest, machine) = (&self.manifest, self.machine);
         let format = manifest.number;
-        if !Format::Float(format).is_possible() {
-            return Err(LoadError::UnsupportedNumber {
-                exponent: format.exponent,
-                mantissa: format.mantissa,
-            });
+        if !format.is_possible() {
+            return Err(LoadError::UnsupportedNumber(format));
         }
         if format != machine.number {
             return Err(LoadError::Machine(

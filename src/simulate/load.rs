@@ -5,7 +5,7 @@ use super::error::LoadError;
 use super::mif::Image;
 use super::program::{ElementUnit, HostStep, MemoryUnit, OutputPlace, OutputUnit, Program};
 use robovec_ir::soft_float::FormatArithmetic;
-use robovec_ir::{Format, Machine, Operation};
+use robovec_ir::{Machine, Operation};
 use robovec_passes::codegen::manifest::{self, Manifest, OutputValue, Reference, WordAddress};
 use std::collections::BTreeMap;
 
@@ -166,7 +166,7 @@ impl<'a> Loader<'a> {
         Ok(Program {
             function: manifest.function.clone(),
             cycles: manifest.cycles,
-            arithmetic: FormatArithmetic::new(Format::Float(manifest.number)),
+            arithmetic: FormatArithmetic::new(manifest.number),
             elements,
             memories: self.memories.clone(),
             words: self.words,
@@ -231,7 +231,7 @@ impl<'a> Loader<'a> {
 
     /// The words that the data images give a content.
     fn data(&self) -> Result<Vec<(u32, u64)>, LoadError> {
-        let width = Format::Float(self.manifest.number).width();
+        let width = self.manifest.number.width();
         let mut data = Vec::new();
         let files = self.manifest.elements.iter().flat_map(|e| &e.memories);
         for (memory, unit) in files.zip(&self.memories) {

@@ -1,5 +1,6 @@
 //! Images that must not be loaded.
 
+use super::float;
 use super::hand::{Edited, mif};
 use robovec::simulate::{LoadError, Program};
 use robovec_ir::Machine;
@@ -139,7 +140,7 @@ fn machines_that_lack_something() {
         |machine| machine.memory.style = MemoryStyle::SideSplit,
         |machine| machine.elements.truncate(1),
         |machine| machine.elements[0].operations.truncate(1),
-        |machine| machine.number.subnormals = false,
+        |machine| machine.number = float(8, 23, false),
     ];
     for change in changes {
         assert!(matches!(of(change), LoadError::Machine(_)));
@@ -148,12 +149,9 @@ fn machines_that_lack_something() {
 
 #[test]
 fn number_formats_that_nothing_computes_in() {
-    let error = refused(|images| {
-        images.manifest.number.exponent = 15;
-        images.manifest.number.mantissa = 112;
-    });
-    let (exponent, mantissa) = (15, 112);
-    assert_eq!(error, LoadError::UnsupportedNumber { exponent, mantissa });
+    let quad = float(15, 112, true);
+    let error = refused(|images| images.manifest.number = quad);
+    assert_eq!(error, LoadError::UnsupportedNumber(quad));
 }
 
 #[test]

@@ -10,10 +10,20 @@ mod refusals;
 use naive::Random;
 use robovec::simulate::Program;
 use robovec_ir::evaluate::evaluate_mixed;
+use robovec_ir::machine::NumberFormat;
 use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::{Format, Machine, Module, View};
 use robovec_passes::codegen::images;
 use robovec_passes::place::{Choice, PlaceOptions, place};
+
+/// A floating-point format.
+fn float(exponent: u32, mantissa: u32, subnormals: bool) -> Format {
+    Format::Float(NumberFormat {
+        exponent,
+        mantissa,
+        subnormals,
+    })
+}
 
 fn view(module: &Module) -> View<'_> {
     View {
@@ -37,15 +47,15 @@ fn check(module: &Module, machine: &Machine, inputs: &[f64]) -> Program {
     let outputs = program.run(inputs).expect("no hazard");
     let values = &outputs.values;
     assert!(values.iter().all(|value| value.is_finite()), "{values:?}");
-    let arithmetic = FormatArithmetic::new(machine.format());
-    let expected = evaluate_mixed(function, machine.format(), inputs);
+    let arithmetic = FormatArithmetic::new(machine.number);
+    let expected = evaluate_mixed(function, machine.number, inputs);
     let words: Vec<u64> = expected.iter().map(|&n| arithmetic.word(n)).collect();
     assert_eq!(outputs.words, words);
     for (&number, &word) in outputs.values.iter().zip(&outputs.words) {
-        match machine.format() {
+        match machine.number {
             Format::BINARY32 => assert_eq!(u64::from((number as f32).to_bits()), word),
             Format::BINARY64 => assert_eq!(number.to_bits(), word),
-            _ => assert!(word >> machine.format().width() == 0),
+            _ => assert!(word >> machine.number.width() == 0),
         }
     }
     program
@@ -56,14 +66,15 @@ fn random_programs_give_the_evaluators_bits_on_every_machine() {
     for (name, _) in robovec_ir::machine::BUILT_IN {
         let mut machine = Machine::built_in(name).expect("it ships");
         for seed in 0..6 {
-            (machine.number.exponent, machine.number.mantissa) = match seed {
-                0 => (8, 23),
-                1 => (11, 52),
-                2 => (8, 17),
-                3 => (11, 51),
-                4 => (10, 7),
-                _ => (9, 38),
-            };
+            let format = [
+                "f32",
+                "f64",
+                "float(8,17)",
+                "float(11,51,flush)",
+                "fixed(20,30)",
+                "float(9,38)",
+            ][seed as usize];
+            machine.number = format.parse().expect("a format");
             for (element, count) in machine.elements.iter_mut().zip([1 + seed % 4, 3]) {
                 element.count = count as u32;
             }
@@ -132,13 +143,13 @@ fn machines_without_subnormal_numbers_flush() {
         f64::from(-1e-20_f32 * -2e-20_f32)
     );
     assert!(run(&machine, &inputs)[1] > 0.0);
-    machine.number.subnormals = false;
+    machine.number = float(8, 23, false);
     let flushed = run(&machine, &inputs);
     assert_eq!(flushed[1], 0.0);
     assert_eq!(flushed[0], f64::from(1e-20_f32 - 2e-20_f32));
     // A subnormal input is a zero: the sum is b itself.
     let sum = |machine: &Machine| run(machine, &[1e-39, 2e-38])[0];
     assert_eq!(sum(&machine), f64::from(2e-38_f32));
-    machine.number.subnormals = true;
+    machine.number = float(8, 23, true);
     assert!(sum(&machine) > f64::from(2e-38_f32));
 }

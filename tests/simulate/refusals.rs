@@ -1,6 +1,7 @@
 //! Placements that the instruction words cannot express, and the images of
 //! one that they can.
 
+use super::float;
 use super::hand::{self, ADD0, MULTI0, word};
 use super::view;
 use robovec::simulate::mif::Image;
@@ -63,7 +64,7 @@ fn functions_of_another_level_or_machine() {
             ..
         }
     ));
-    let error = refused(|_, machine| machine.number.mantissa = 63);
+    let error = refused(|_, machine| machine.number = float(8, 63, true));
     assert!(matches!(error, ImageError::Number(_)));
 }
 

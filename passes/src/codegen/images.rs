@@ -76,7 +76,7 @@ pub fn write_images(
 ) -> Result<(), ImageError> {
     let traffic = Traffic::new(view, machine)?;
     check_formats(view, machine)?;
-    let format = machine.format();
+    let format = machine.number;
     if !format.is_possible() {
         let message = format!("there is no arithmetic in the machine's format, {format}");
         return Err(ImageError::Number(message));
@@ -124,7 +124,7 @@ pub fn write_images(
 /// All elements compute in the machine's format, so no value may ask for
 /// another.
 fn check_formats(view: View<'_>, machine: &Machine) -> Result<(), ImageError> {
-    let own = machine.format();
+    let own = machine.number;
     match foreign_format(view, own) {
         None => Ok(()),
         Some((value, format)) => Err(ImageError::Format {

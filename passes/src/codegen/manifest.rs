@@ -24,7 +24,7 @@ pub struct Manifest {
     /// The machine the images are for.
     pub machine: MachineIdentity,
     /// The number format of every data word.
-    pub number: robovec_ir::machine::NumberFormat,
+    pub number: robovec_ir::Format,
     /// 64-bit FNV-1a hash, in hexadecimal, of the instruction images' bytes,
     /// one image after the other in order of the elements.
     pub schedule_hash: String,

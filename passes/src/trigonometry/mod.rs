@@ -26,7 +26,7 @@ use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::trigonometry::halving::MOST_HALVINGS;
 use robovec_ir::trigonometry::{Interval, LARGEST_RANGE, MOST_ORDER};
-use robovec_ir::{Format, Function, Input, SourceSet};
+use robovec_ir::{Function, Input, SourceSet};
 use std::collections::BTreeMap;
 
 declare_pass! {
@@ -190,7 +190,7 @@ impl Trigonometry {
         occurrences: &BTreeMap<u64, Occurrence>,
         context: &Context<'_>,
     ) -> Result<Decided, PassError> {
-        let format = Format::Float(context.machine.number);
+        let format = context.machine.number;
         let wish = Wish {
             method: self.method,
             order: self.order,

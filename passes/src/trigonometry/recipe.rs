@@ -35,7 +35,7 @@ impl Recipe {
             add: machine.weight(Operation::Add),
             multiply: machine.weight(Operation::Mul),
         };
-        let format = Format::Float(machine.number);
+        let format = machine.number;
         let results = builder.write(halved, cycles, scheme, format);
         builder.finish(results, wanted)
     }
@@ -350,8 +350,7 @@ mod tests {
     #[test]
     fn small_formats_divide_the_angle_instead_of_coefficients() {
         let mut machine = machine("thesis");
-        machine.number.exponent = 5;
-        machine.number.mantissa = 10;
+        machine.number = "f16".parse().expect("a format");
         let halved = Halved {
             sine: Polynomial::taylor(Circular::Sine, 5),
             cosine: Polynomial::taylor(Circular::Cosine, 5),

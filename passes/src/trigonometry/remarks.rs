@@ -5,7 +5,6 @@ use super::recipe::Recipe;
 use super::{Occurrence, Treatment};
 use crate::analysis::critical_path::critical_path;
 use crate::pass::Context;
-use robovec_ir::Format;
 use robovec_ir::trigonometry::Circular;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -18,7 +17,7 @@ pub(super) fn tell(
     occurrences: &BTreeMap<u64, Occurrence>,
     context: &mut Context<'_>,
 ) {
-    let format = Format::Float(context.machine.number);
+    let format = context.machine.number;
     let count = |wanted: &dyn Fn(&Treatment) -> bool| {
         let found = treatments.values().filter(|treatment| wanted(treatment));
         found.count()
