@@ -549,3 +549,34 @@ fn help_lists_what_there_is() {
         String::from_utf8_lossy(&completed.stdout)
     );
 }
+
+#[test]
+fn errors_name_equations_with_their_places_and_refuse_what_they_cannot_do() {
+    let errors = |arguments: &[&str]| {
+        run(Command::new(env!("CARGO_BIN_EXE_robovec"))
+            .arg("errors")
+            .arg(example(SUSPENSION))
+            .args(arguments))
+    };
+    let output = errors(&["--outputs", "c,M[1,1]", "--states", "3"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    for part in [
+        "predicted",
+        "M[1,1] ",
+        "Heat: ",
+        "mbs_dirdyna_suspension.m:",
+    ] {
+        assert!(text.contains(part), "no '{part}' in\n{text}");
+    }
+    for (arguments, message) in [
+        (["--outputs", "M[9,9]"], "has no output 'M[9,9]'"),
+        (["--format", "f31"], "expected a number format"),
+        (["--format", "f64"], "more than 40 bits"),
+        (["--function", "nothing"], "no function 'nothing'"),
+    ] {
+        let output = errors(&arguments);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        assert!(stderr(&output).contains(message), "{}", stderr(&output));
+    }
+}

@@ -99,8 +99,7 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, Failure> {
     let module = read(arguments)?;
     let mut tables = Vec::new();
     for function in &module.functions {
-        let wanted = arguments.function.as_ref();
-        if module.functions.len() > 1 && wanted.is_some_and(|name| *name != function.name) {
+        if !asked(arguments, function) {
             continue;
         }
         let view = View {
@@ -145,6 +144,16 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, Failure> {
     }
     let texts: Vec<String> = tables.iter().map(errors::text).collect();
     Ok(texts.join("\n"))
+}
+
+/// True for the function asked for, and for all that a model has under its
+/// name: `sensor` are `sensor_1`, `sensor_2` ….
+fn asked(arguments: &ErrorsArguments, function: &Function) -> bool {
+    let kind = arguments.file.extension();
+    let is_model = arguments.language.is_none() && kind.is_some_and(|kind| kind == "mbs");
+    arguments.function.as_ref().is_none_or(|name| {
+        *name == function.name || is_model && function.name.starts_with(name.as_str())
+    })
 }
 
 /// Reads the file and runs the pipeline.

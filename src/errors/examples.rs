@@ -136,7 +136,7 @@ fn small_models_stay_within_bounds_and_three_sigma() {
 /// All models up to 130 joints; of large functions a part of the outputs is
 /// differentiated, and all are sampled.
 #[test]
-#[ignore = "takes a minute in a release build"]
+#[ignore = "takes half a minute"]
 fn all_models_stay_within_bounds_and_three_sigma() {
     let mut found = Found::default();
     for path in models() {
