@@ -84,7 +84,7 @@ impl InputReader<'_> {
         }
     }
 
-    /// One entry of [bind] or [range].
+    /// One entry of `[bind]` or `[range]`.
     fn entry(&mut self, section: Section, key: &str, span: &Span, value: &Value<'_>) {
         let Some((array, pattern)) = self.arrays.pattern(key, span, self.problems) else {
             return;

@@ -250,7 +250,7 @@ fn model_subject(
         name: wish.to_owned(),
         options: Options::default(),
     };
-    Ok(Some((Subject::Model(subject), read.warnings)))
+    Ok(Some((Subject::Model(Box::new(subject)), read.warnings)))
 }
 
 /// The outputs that are needed.

@@ -11,7 +11,7 @@ use robovec_passes::scene::{HeldJoint, Hold};
 #[derive(Debug)]
 pub enum Subject {
     /// A model and a function of it.
-    Model(ModelSubject),
+    Model(Box<ModelSubject>),
     /// Equations as they were read: the one function of the scene.
     Equations(Module),
 }

@@ -9,7 +9,7 @@
 //!
 //! Numbers are combined in double-double and rounded once. What is proved is
 //! the function before that: the pass leaves a *witness* in its context, in
-//! which numbers are still expressions ([`write`]), and the semantic check
+//! which numbers are still expressions ([`mod@write`]), and the semantic check
 //! shows that it equals the function taken wherever the bound inputs have
 //! their numbers, and that the result differs from it in nothing but rounded
 //! constants.
