@@ -13,6 +13,7 @@ pub mod models;
 pub mod mutants;
 pub mod passes;
 pub mod pipelines;
+pub mod precision;
 pub mod rewriting;
 pub mod robotran;
 pub mod rules;

@@ -24,6 +24,8 @@ pub fn pipeline(bytes: &mut Unstructured<'_>, most: u32) -> Result<String> {
             };
             kept && info.takes.contains(&level)
                 && info.name != "codegen"
+                // They have bounds of their own (`crate::precision`).
+                && !matches!(info.name, "accurate" | "mixed")
                 && info
                     .requires
                     .iter()
