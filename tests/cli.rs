@@ -523,6 +523,57 @@ fn errors_are_compared_before_and_after_every_pass() {
 }
 
 #[test]
+fn every_output_is_measured_in_any_format() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let model = example("models/quarter-car.mbs");
+    let accuracy = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_robovec"));
+        run(command.arg("accuracy").arg(&model).args(arguments))
+    };
+    let results = folder.path().join("results");
+    let output = accuracy(&[
+        "--outputs",
+        "--formats",
+        "f32,float(8,17),f64",
+        "--states",
+        "24",
+        "-o",
+        results.to_str().expect("it is text"),
+    ]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    for part in ["reference certified", "float(8,17):", "condition", "M[1,1]"] {
+        assert!(text.contains(part), "no '{part}' in\n{text}");
+    }
+    let json = fs::read_to_string(results.join("outputs.json")).expect("it was asked for");
+    let lines: serde_json::Value = serde_json::from_str(&json).expect("it is JSON");
+    let lines = lines.as_array().expect("a list");
+    let worst = |format: &str| {
+        let own = lines.iter().filter(|line| line["format"] == format);
+        own.filter_map(|line| line["mixed"]["worst"].as_f64())
+            .fold(0.0, f64::max)
+    };
+    // Each format has its own rounding, six bits and 29 bits apart.
+    let ratio = worst("float(8,17)") / worst("f32");
+    assert!((10.0..400.0).contains(&ratio), "{ratio}");
+    let ratio = worst("f32") / worst("f64");
+    assert!((1e7..1e11).contains(&ratio), "{ratio}");
+    let csv = fs::read_to_string(results.join("outputs.csv")).expect("it was asked for");
+    assert_eq!(csv.lines().count(), lines.len() + 1);
+
+    // A state is printed so that the evaluator reads it.
+    let state = accuracy(&["--outputs", "--print-state", "5"]);
+    let file = folder.path().join("state.txt");
+    fs::write(&file, &state.stdout).expect("the folder is there");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_robovec"));
+    let output = run(command.arg("eval").arg(&model).arg("--states").arg(&file));
+    assert!(output.status.success(), "{}", stderr(&output));
+
+    let output = accuracy(&["--outputs", "--formats", "f31"]);
+    assert!(!output.status.success() && stderr(&output).contains("expected a number format"));
+}
+
+#[test]
 fn help_lists_what_there_is() {
     let passes = run(opt().arg("--list-passes"));
     let text = String::from_utf8_lossy(&passes.stdout).into_owned();

@@ -1,12 +1,14 @@
 //! File tests of passes: `tests/passes/PASS/*.rvir`.
 //!
 //! The first line of a file says what to run: `// RUN: PIPELINE [MACHINE]`; the
-//! machine is the last word, if it is the name of one that ships.
+//! machine is the last word, if it is the name of one that ships. A scene beside
+//! it (`NAME.scene.toml` for `NAME.rvir`) is used.
 //! Every pass runs under the verifier and the semantic check; the expected
 //! text is the function after the pipeline, or the message when it must fail.
 
 mod support;
 
+use robovec::scene::SceneFile;
 use robovec_ir::{Machine, parse, print};
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline;
@@ -29,12 +31,16 @@ fn produce(path: &Path, text: &str) -> String {
     };
     let name = path.file_name().expect("a file").to_string_lossy();
     let mut module = parse::parse_module(&name, text).expect("a well-formed test file");
+    let scene = path.with_extension("scene.toml");
+    let scene = scene.is_file().then(|| SceneFile::load(&scene));
+    let scene = scene.map(|file| file.expect("a well-formed scene").scene);
     let mut log = Vec::new();
     let result = manager::run(
         &mut module,
         &pipeline,
         Config {
             check_each: Some(4),
+            scene: scene.as_ref(),
             ..Config::new(&machine, &mut log)
         },
     );

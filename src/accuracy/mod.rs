@@ -6,6 +6,7 @@
 //! when one counts as worse is said in
 //! [`robovec_passes::analysis::rounding`].
 
+pub mod outputs;
 mod view;
 
 pub use view::{figure, summary, table, text};

@@ -1,5 +1,6 @@
 //! `robovec accuracy`: what every pass does to the rounding errors.
 
+use super::output_errors::{self, OutputArguments};
 use super::{Failure, input, output};
 use crate::accuracy::{self, Options, Subject};
 use crate::study::plot;
@@ -13,31 +14,38 @@ use std::path::PathBuf;
 pub(super) struct AccuracyArguments {
     /// Files of equations, or models (.mbs)
     #[arg(required = true)]
-    files: Vec<PathBuf>,
-    /// Pipeline whose passes are compared
-    #[arg(long, value_name = "PIPELINE", default_value = "$shorten")]
-    passes: String,
+    pub(super) files: Vec<PathBuf>,
+    /// Pipeline whose passes are compared, by default $shorten; with
+    /// --outputs run before anything is measured, by default none
+    #[arg(long, value_name = "PIPELINE")]
+    pub(super) passes: Option<String>,
     /// Machine compiled for: a name or a .toml file
     #[arg(long, default_value = "thesis")]
-    machine: String,
+    pub(super) machine: String,
     /// Only this function; of a model, the one to generate
     #[arg(long, value_name = "NAME")]
-    function: Option<String>,
+    pub(super) function: Option<String>,
     /// Random states; by default the more the smaller the function is
     #[arg(long, default_value_t = 0, hide_default_value = true,
           value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
-    states: u32,
+    pub(super) states: u32,
     /// Seed of the states
     #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Folder for accuracy.csv, accuracy.json and accuracy.svg
+    pub(super) seed: u64,
+    /// Folder for accuracy.csv, accuracy.json and accuracy.svg; with --outputs
+    /// for outputs.csv and outputs.json
     #[arg(short, long, value_name = "FOLDER")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) of_outputs: OutputArguments,
 }
 
 /// Runs the command.
 pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
-    let pipeline = input::passes(&arguments.passes)?;
+    if arguments.of_outputs.outputs {
+        return output_errors::run(arguments);
+    }
+    let pipeline = input::passes(arguments.passes.as_deref().unwrap_or("$shorten"))?;
     let machine = input::machine(&arguments.machine)?;
     let options = Options {
         states: arguments.states,

@@ -20,6 +20,7 @@ mod listing;
 mod model;
 pub mod opt;
 mod output;
+mod output_errors;
 mod reduction;
 mod reproducer;
 mod rules;

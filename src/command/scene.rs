@@ -1,9 +1,13 @@
 //! `robovec scene`: what a scene means.
 
-use super::Failure;
-use crate::scene::SceneFile;
+use super::{Failure, input};
+use crate::report::table;
+use crate::scene::{Effect, SceneFile, Subject, effects};
 use clap::Args;
 use robovec_ir::diagnostic::termcolor::ColorChoice;
+use robovec_ir::{Input, Machine, Module, View};
+use robovec_passes::scene::{Hold, Scene};
+use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Which scene.
@@ -11,6 +15,9 @@ use std::path::PathBuf;
 pub(super) struct SceneArguments {
     /// Scene (.scene.toml)
     scene: PathBuf,
+    /// Machine that cycles are counted for; by default the scene's, else thesis
+    #[arg(long, value_name = "MACHINE")]
+    machine: Option<String>,
 }
 
 /// Runs the command.
@@ -19,5 +26,175 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<String, Failure> {
     file.warnings
         .emit_to_stderr(ColorChoice::Auto)
         .unwrap_or_default();
-    Ok(format!("{:#?}\n", file.scene))
+    let named = arguments.machine.as_ref().or(file.scene.machine.as_ref());
+    let machine = input::machine(named.map_or("thesis", String::as_str))?;
+    let fail = |error: String| Failure::plain(format!("{}: {error}", arguments.scene.display()));
+    let module = file.module().map_err(|error| fail(error.to_string()))?;
+    let effects = effects(&file, &machine).map_err(|error| fail(error.to_string()))?;
+    let mut text = format!("{}\n", file.scene.name);
+    if !file.scene.description.is_empty() {
+        text += &format!("{}\n", file.scene.description);
+    }
+    text += &about(&file);
+    text += &joints(&file.scene);
+    text += &outputs(&file.scene, &module);
+    text += &inputs(&file.scene, &module);
+    text += &worth(&effects, &machine, &file.scene);
+    Ok(text)
+}
+
+fn about(file: &SceneFile) -> String {
+    match &file.subject {
+        Subject::Equations(module) => {
+            let names: Vec<&str> = module.functions.iter().map(|f| f.name.as_str()).collect();
+            format!("\nfunction {}, as it was read\n", names.join(", "))
+        }
+        Subject::Model(subject) => format!(
+            "\nfunction {} of the model {}, formulation {}\n",
+            subject.name,
+            subject.model.name,
+            file.formulation().name()
+        ),
+    }
+}
+
+fn joints(scene: &Scene) -> String {
+    if scene.joints.is_empty() {
+        return String::new();
+    }
+    let rows: Vec<Vec<String>> = scene
+        .joints
+        .iter()
+        .map(|joint| {
+            let hold = match joint.hold {
+                Hold::Locked(position) => format!("locked at {position}"),
+                Hold::Driven => "driven".to_owned(),
+            };
+            vec![joint.number.to_string(), joint.name.clone(), hold]
+        })
+        .collect();
+    format!("\n{}\n", table(&["joint", "name", "held"], &rows, &[0]))
+}
+
+fn outputs(scene: &Scene, module: &Module) -> String {
+    let tables = &module.tables;
+    let views = || {
+        module
+            .functions
+            .iter()
+            .map(|function| View { tables, function })
+    };
+    let all: usize = module.functions.iter().map(|f| f.assignments.len()).sum();
+    if scene.outputs.is_empty() {
+        return format!("\nall {all} outputs are needed\n");
+    }
+    let rows: Vec<Vec<String>> = scene
+        .outputs
+        .iter()
+        .map(|need| {
+            let count: usize = views().map(|view| need.pattern.outputs(view).len()).sum();
+            let error = need.tolerance.map_or("any".to_owned(), |t| t.to_string());
+            vec![need.pattern.to_string(), count.to_string(), error]
+        })
+        .collect();
+    let needed: usize = views()
+        .map(|view| {
+            let set = view.function.assignments.iter();
+            set.filter(|set| scene.needs(view, set.output)).count()
+        })
+        .sum();
+    let head = ["output", "elements", "allowed error"];
+    format!(
+        "\n{needed} of {all} outputs are needed\n{}\n",
+        table(&head, &rows, &[1])
+    )
+}
+
+/// How many elements of an input array are read, and what is known of them.
+#[derive(Default)]
+struct Known {
+    name: String,
+    read: usize,
+    bound: usize,
+    ranged: usize,
+}
+
+fn inputs(scene: &Scene, module: &Module) -> String {
+    let mut arrays: Vec<Known> = Vec::new();
+    for function in &module.functions {
+        let mut read = vec![false; function.input_len()];
+        let operands = function.nodes().iter().flat_map(|node| node.operands());
+        let set = function.assignments.iter().map(|set| &set.operand);
+        for input in operands.chain(set).filter_map(|operand| operand.input()) {
+            read[input.index()] = true;
+        }
+        for index in (0..read.len()).filter(|&index| read[index]) {
+            let (array, indices, _) = function.input_element(Input(index as u32));
+            let name = module.tables.symbols.text(array.name);
+            let place = arrays.iter().position(|known| known.name == name);
+            let place = place.unwrap_or_else(|| {
+                arrays.push(Known {
+                    name: name.to_owned(),
+                    ..Known::default()
+                });
+                arrays.len() - 1
+            });
+            let known = &mut arrays[place];
+            known.read += 1;
+            if scene.bound.get(name, indices).is_some() {
+                known.bound += 1;
+            } else if scene.ranges.get(name, indices).is_some() {
+                known.ranged += 1;
+            }
+        }
+    }
+    let number = |count: usize| match count {
+        0 => String::new(),
+        count => count.to_string(),
+    };
+    let rows: Vec<Vec<String>> = arrays
+        .iter()
+        .map(|known| {
+            let free = known.read - known.bound - known.ranged;
+            let counts = [known.read, known.bound, known.ranged, free];
+            let mut row = vec![known.name.clone()];
+            row.extend(counts.map(number));
+            row
+        })
+        .collect();
+    let head = ["input", "read", "bound", "ranged", "free"];
+    format!("\n{}\n", table(&head, &rows, &[1, 2, 3, 4]))
+}
+
+fn worth(effects: &[Effect], machine: &Machine, scene: &Scene) -> String {
+    let general = effects.first().map_or(1, |first| first.operations.max(1));
+    let rows: Vec<Vec<String>> = effects
+        .iter()
+        .map(|effect| {
+            let share = 100.0 * effect.operations as f64 / general as f64;
+            vec![
+                effect.what.to_owned(),
+                effect.operations.to_string(),
+                format!("{share:.0} %"),
+                effect.sin_cos.to_string(),
+                effect.cycles.to_string(),
+            ]
+        })
+        .collect();
+    let head = ["used", "operations", "of them", "sin, cos", "cycles"];
+    let mut text = format!("\n{}\n", table(&head, &rows, &[1, 2, 3, 4]));
+    if let (Some(deadline), Some(last)) = (scene.deadline, effects.last()) {
+        let time = f64::from(last.cycles) / machine.clock_mhz;
+        let verdict = match time <= deadline {
+            true => "within the deadline of",
+            false => "beyond the deadline of",
+        };
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "\nthe longest chain takes {time:.2} us on {}, {verdict} {deadline} us",
+            machine.name
+        );
+    }
+    text
 }

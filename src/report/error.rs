@@ -5,22 +5,40 @@ use super::records::SummaryReport;
 use robovec_ir::View;
 use robovec_ir::format::Format;
 use robovec_ir::print::print_output;
-use robovec_passes::analysis::accuracy::{ElementError, FormatAccuracy, Spread, accuracy};
+use robovec_passes::analysis::accuracy::{
+    ElementError, FormatAccuracy, MatrixCondition, Measurement, Spread, measure,
+};
+use robovec_passes::analysis::reference::Effort;
 use serde::Serialize;
 
 /// Rounding errors over seeded random states.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ErrorReport {
-    /// What the outputs are compared with.
-    pub reference: &'static str,
+    /// What the outputs are compared with: `double-double`, `certified` or
+    /// `audit`.
+    pub reference: String,
+    /// The share of outputs, in all states, whose exact value is proved to the
+    /// last bit of binary64.
+    pub certain: f64,
     /// How many states.
     pub states: u32,
     /// Where they come from.
     pub seed: u64,
+    /// The output arrays that are symmetric matrices.
+    pub matrices: Vec<MatrixReport>,
     /// In IEEE binary32.
     pub binary32: FormatReport,
     /// In IEEE binary64.
     pub binary64: FormatReport,
+}
+
+/// How solving with an output matrix changes errors.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct MatrixReport {
+    /// The array's name.
+    pub name: String,
+    /// Its condition number in the 2-norm.
+    pub condition: SpreadReport,
 }
 
 /// Rounding errors in one number format.
@@ -29,6 +47,14 @@ pub struct FormatReport {
     /// The whole function.
     #[serde(flatten)]
     pub summary: SummaryReport,
+    /// All outputs in all states as one population, relative to the element.
+    pub relative: SpreadReport,
+    /// The same, relative to the element and what it reacts to.
+    pub mixed: SpreadReport,
+    /// The share of computed outputs below the normal numbers of the format.
+    pub subnormal: f64,
+    /// The share that is not finite where the exact value is.
+    pub overflowed: f64,
     /// One entry per output array.
     pub arrays: Vec<ArrayReport>,
 }
@@ -40,6 +66,10 @@ pub struct ArrayReport {
     pub name: String,
     /// Largest error over largest element.
     pub normwise: SpreadReport,
+    /// Largest relative error of an element.
+    pub componentwise: SpreadReport,
+    /// Largest mixed error of an element.
+    pub mixed: SpreadReport,
     /// Its elements, in order.
     pub elements: Vec<ElementReport>,
 }
@@ -49,15 +79,33 @@ pub struct ArrayReport {
 pub struct ElementReport {
     /// The element (`M[1,2]`).
     pub name: String,
+    /// In the element's own unit.
+    pub absolute: SpreadReport,
     /// Relative to the exact value.
     pub relative: SpreadReport,
     /// In units in the last place of the exact value.
     pub ulps: SpreadReport,
+    /// How many bits are wrong.
+    pub bits: SpreadReport,
+    /// Relative to the exact value and what it reacts to.
+    pub mixed: SpreadReport,
     /// The state with the largest relative error, counted from 0.
     pub worst_state: u32,
     /// In how many states the element is zero but for rounding and was not
     /// computed as zero; these have no relative error.
     pub vanishing: u32,
+    /// In how many states it is computed below the normal numbers.
+    pub subnormal: u32,
+    /// In how many states it is not finite where the exact value is.
+    pub overflowed: u32,
+    /// The estimated condition number for independent errors of the inputs.
+    pub sensitivity: f64,
+    /// The componentwise condition number in the worst state.
+    pub condition: Option<f64>,
+    /// The worst relative error over condition number and unit roundoff.
+    pub backward: Option<f64>,
+    /// `accurate`, `hard problem` or `unstable code`.
+    pub judgement: Option<&'static str>,
 }
 
 /// Median and worst case over the states.
@@ -65,15 +113,21 @@ pub struct ElementReport {
 pub struct SpreadReport {
     /// Half of the states are at or below it.
     pub median: f64,
+    /// 99 of 100 states are at or below it.
+    pub percentile_99: f64,
     /// The largest.
     pub worst: f64,
+    /// The state it was found in, counted from 0.
+    pub worst_state: u32,
 }
 
 impl From<Spread> for SpreadReport {
     fn from(spread: Spread) -> SpreadReport {
         SpreadReport {
             median: spread.median,
+            percentile_99: spread.percentile_99,
             worst: spread.worst,
+            worst_state: spread.worst_state,
         }
     }
 }
@@ -81,17 +135,49 @@ impl From<Spread> for SpreadReport {
 impl ErrorReport {
     pub(super) fn new(view: View<'_>, options: &ReportOptions) -> ErrorReport {
         let formats = [Format::BINARY32, Format::BINARY64];
-        let accuracy = accuracy(view, &options.states, options.count, &formats);
+        let measurement = measurement(view.function.nodes().len());
+        let accuracy = measure(view, &options.states, options.count, &formats, measurement);
         let [binary32, binary64] =
             [0, 1].map(|index| FormatReport::new(view, &accuracy.formats[index]));
+        let certainty = accuracy.certainty;
+        let proved = certainty.double_double + certainty.precise + certainty.zero;
+        let matrix = |matrix: &MatrixCondition| MatrixReport {
+            name: array_name(view, matrix.array),
+            condition: matrix.condition.into(),
+        };
         ErrorReport {
-            reference: "double-double",
+            reference: accuracy.effort.to_string(),
+            certain: proved as f64 / (proved + certainty.uncertain).max(1) as f64,
             states: accuracy.states,
             seed: accuracy.seed,
+            matrices: accuracy.matrices.iter().map(matrix).collect(),
             binary32,
             binary64,
         }
     }
+}
+
+/// Beyond so many operations the exact values of long chains would take more
+/// time than the rest of a compilation to prove.
+const CERTIFIED_OPERATIONS: usize = 100_000;
+
+/// Steps of reverse sweeps for condition numbers: some tenths of a second.
+const CONDITION_WORK: u64 = 200_000_000;
+
+fn measurement(operations: usize) -> Measurement {
+    Measurement {
+        effort: match operations <= CERTIFIED_OPERATIONS {
+            true => Effort::Certified,
+            false => Effort::DoubleDouble,
+        },
+        sensitivities: true,
+        condition_work: CONDITION_WORK,
+    }
+}
+
+fn array_name(view: View<'_>, array: usize) -> String {
+    let name = view.function.outputs()[array].name;
+    view.tables.symbols.text(name).to_owned()
 }
 
 impl FormatReport {
@@ -99,10 +185,19 @@ impl FormatReport {
         let outputs = view.function.outputs();
         let element = |element: &ElementError| ElementReport {
             name: print_output(view, element.output),
+            absolute: element.absolute.into(),
             relative: element.relative.into(),
             ulps: element.ulps.into(),
+            bits: element.ulps.bits().into(),
+            mixed: element.mixed.into(),
             worst_state: element.worst_state,
             vanishing: element.vanishing,
+            subnormal: element.subnormal,
+            overflowed: element.overflowed,
+            sensitivity: element.sensitivity,
+            condition: element.conditioned.map(|found| found.condition),
+            backward: element.conditioned.map(|found| found.backward),
+            judgement: element.conditioned.map(|found| found.judgement.name()),
         };
         let mut arrays: Vec<ArrayReport> = Vec::new();
         for array in &accuracy.arrays {
@@ -116,13 +211,19 @@ impl FormatReport {
                 .elements
                 .partition_point(|element| element.output.0 < range.end);
             arrays.push(ArrayReport {
-                name: view.tables.symbols.text(description.name).to_owned(),
+                name: array_name(view, array.array),
                 normwise: array.normwise.into(),
+                componentwise: array.componentwise.into(),
+                mixed: array.mixed.into(),
                 elements: accuracy.elements[first..past].iter().map(element).collect(),
             });
         }
         FormatReport {
             summary: SummaryReport::new(&accuracy.summary(), view),
+            relative: accuracy.relative.into(),
+            mixed: accuracy.mixed.into(),
+            subnormal: accuracy.subnormal,
+            overflowed: accuracy.overflowed,
             arrays,
         }
     }

@@ -11,7 +11,9 @@ mod rounding;
 mod schedule;
 mod text;
 
-pub use error::{ArrayReport, ElementReport, ErrorReport, FormatReport, SpreadReport};
+pub use error::{
+    ArrayReport, ElementReport, ErrorReport, FormatReport, MatrixReport, SpreadReport,
+};
 pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
 pub(crate) use text::{table, units};
 

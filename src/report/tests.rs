@@ -171,7 +171,8 @@ fn the_json_form_has_the_documented_names_and_the_right_numbers() {
     assert_eq!(schedule["transfers"]["direct"], 2);
     assert_eq!(schedule["transfers"]["indirect"], 1);
     let error = &function["error"];
-    assert_eq!(error["reference"], "double-double");
+    assert_eq!(error["reference"], "certified");
+    assert_eq!(error["certain"], 1.0);
     let elements = &error["binary32"]["arrays"][0]["elements"];
     assert_eq!(elements[1]["name"], "y[2]");
     let ulps = elements[1]["ulps"]["worst"].as_f64().expect("a number");

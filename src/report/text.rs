@@ -3,7 +3,7 @@
 mod chart;
 mod table;
 
-use super::error::{ArrayReport, ElementReport, FormatReport};
+use super::error::{ArrayReport, ElementReport, FormatReport, MatrixReport};
 use super::records::{CheckErrors, CheckReport, PassReport};
 use super::rounding::{QuantilesReport, RoundingReport};
 use super::schedule::{ByKind, ScheduleReport, TransferReport};
@@ -38,8 +38,14 @@ fn print_function(function: &FunctionReport, text: &mut String) {
         print_schedule(schedule, text);
     }
     speed_against_error(function, text);
-    errors("binary32", &function.error.binary32, text);
-    errors("binary64", &function.error.binary64, text);
+    matrices(function, text);
+    for (name, format) in [
+        ("binary32", &function.error.binary32),
+        ("binary64", &function.error.binary64),
+    ] {
+        errors(name, format, text);
+        worst_errors(name, format, text);
+    }
     section(
         &heat_title(&function.heat),
         &heat_text(&function.heat),
@@ -374,7 +380,7 @@ fn speed_against_error(function: &FunctionReport, text: &mut String) {
         "of",
     ];
     let title = format!(
-        "Speed against error: rounding against {}, {} random states, seed {}",
+        "Speed against error: rounding against exact values ({}), {} random states, seed {}",
         function.error.reference, function.error.states, function.error.seed
     );
     section(&title, &table(&head, &rows, &[1, 2, 3, 4, 5]), text);
@@ -435,6 +441,70 @@ fn array_row(array: &ArrayReport) -> Vec<String> {
         scientific(worst(|element| element.ulps.worst)),
         worst_elements(array),
     ]
+}
+
+/// Elements shown with the conditions of their errors.
+const CONDITIONED_ELEMENTS: usize = 6;
+
+/// The elements with the largest relative errors beside their conditions.
+fn worst_errors(format: &str, report: &FormatReport, text: &mut String) {
+    let elements = report.arrays.iter().flat_map(|array| &array.elements);
+    let mut elements: Vec<&ElementReport> = elements
+        .filter(|element| element.condition.is_some())
+        .collect();
+    elements.sort_by(|a, b| b.relative.worst.total_cmp(&a.relative.worst));
+    elements.truncate(CONDITIONED_ELEMENTS);
+    if elements.is_empty() {
+        return;
+    }
+    let number = |number: Option<f64>| number.map_or("-".to_owned(), scientific);
+    let rows: Vec<Vec<String>> = elements
+        .iter()
+        .map(|element| {
+            vec![
+                element.name.clone(),
+                scientific(element.relative.median),
+                scientific(element.relative.percentile_99),
+                scientific(element.relative.worst),
+                element.worst_state.to_string(),
+                scientific(element.mixed.worst),
+                number(element.condition),
+                number(element.backward),
+                element.judgement.unwrap_or("-").to_owned(),
+            ]
+        })
+        .collect();
+    let head = [
+        "element",
+        "relative",
+        "99 %",
+        "worst",
+        "state",
+        "mixed",
+        "condition",
+        "backward",
+        "judgement",
+    ];
+    let title = format!("Largest relative errors in {format}, and how hard the problem is");
+    section(&title, &table(&head, &rows, &[1, 2, 3, 4, 5, 6, 7]), text);
+}
+
+/// What solving with the output matrices does to errors.
+fn matrices(function: &FunctionReport, text: &mut String) {
+    let row = |matrix: &MatrixReport| {
+        vec![
+            matrix.name.clone(),
+            scientific(matrix.condition.median),
+            scientific(matrix.condition.worst),
+            matrix.condition.worst_state.to_string(),
+        ]
+    };
+    let rows: Vec<Vec<String>> = function.error.matrices.iter().map(row).collect();
+    if !rows.is_empty() {
+        let head = ["matrix", "median", "worst", "state"];
+        let title = "Condition of symmetric outputs in the 2-norm";
+        section(title, &table(&head, &rows, &[1, 2, 3]), text);
+    }
 }
 
 /// The elements with the largest errors in ulps, those without error left

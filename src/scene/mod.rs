@@ -35,11 +35,13 @@
 
 mod arrays;
 mod document;
+mod effect;
 mod inputs;
 mod known;
 mod read;
 mod subject;
 
+pub use effect::{Effect, EffectError, PIPELINE, USUAL, effects};
 pub use read::read;
 pub use subject::{ModelSubject, Subject};
 

@@ -9,7 +9,7 @@ use super::known::Words;
 use super::{ModelSubject, SceneFile, Subject};
 use crate::command::input;
 use crate::generate::{Formulation, FunctionKind, Options};
-use robovec_ir::diagnostic::Report;
+use robovec_ir::diagnostic::{Report, clip};
 use robovec_ir::{Module, Shape, View};
 use robovec_passes::scene::{Hold, Measure, Need, Scene, Tolerance};
 use std::path::{Path, PathBuf};
@@ -180,12 +180,12 @@ fn subject(
             return Ok(None);
         }
     };
-    let Some(path) = string(value, problems) else {
+    let Some(written) = string(value, problems) else {
         return Ok(None);
     };
-    let path: PathBuf = folder.join(path);
+    let path: PathBuf = folder.join(written);
     if !path.is_file() {
-        let message = format!("there is no file {}", path.display());
+        let message = format!("there is no file '{}'", clip(written));
         let note = "files are looked for beside the scene".to_owned();
         problems.advise(value.span(), message, Some(note));
         return Ok(None);

@@ -32,7 +32,7 @@ mod field;
 mod numeric;
 mod pairing;
 
-use crate::analysis::accuracy::{Summary, accuracy};
+use crate::analysis::accuracy::{Measurement, Summary, measure};
 use crate::class::NumericClass;
 use crate::scene::Scene;
 use failure::explain;
@@ -199,7 +199,8 @@ fn judge(pairs: &Pairs<'_>, states: &States, verdict: &mut Verdict) {
 
 fn error_changes(versions: [View<'_>; 2], states: &States, points: u32) -> [ErrorChange; 2] {
     let formats = [Format::BINARY32, Format::BINARY64];
-    let [before, after] = versions.map(|view| accuracy(view, states, points, &formats));
+    let [before, after] =
+        versions.map(|view| measure(view, states, points, &formats, Measurement::QUICK));
     array::from_fn(|index| ErrorChange {
         before: before.formats[index].summary(),
         after: after.formats[index].summary(),

@@ -163,7 +163,7 @@ fn settle(ball: &Ball, zero: bool, bits: usize) -> Option<Exact> {
     let radius = ball.radius * super::ball::SLACK;
     if !high.is_finite() || !radius.is_finite() {
         let value = Double::from(high);
-        return (last || !high.is_finite()).then(|| Exact {
+        return (last || !high.is_finite()).then_some(Exact {
             value,
             bound: f64::INFINITY,
             kind: Kind::Uncertain,

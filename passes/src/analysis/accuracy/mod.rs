@@ -1,0 +1,573 @@
+//! Rounding errors: every output in any number formats against the exact
+//! value, over seeded random states.
+//!
+//! Several measures, since each alone misleads (an element that is nearly
+//! zero has a huge relative error and does no harm, a sum of large elements
+//! hides a small wrong one). With `e = |computed - y|`, element by element:
+//!
+//! - *absolute*: `e`;
+//! - *relative*: `e / |y|`;
+//! - *ulps*: `e` in units in the last place of `y`, in the format computed
+//!   with; as *bits* `log2(1 + ulps)`, how many of them are wrong;
+//! - *mixed*: `e / (|y| + s)`, where `s` is the root mean square of what
+//!   independent relative changes of size 1 in all inputs do to `y`, to first
+//!   order ([`Sensitivities`]). What is zero by cancellation is measured by
+//!   what cancels, so that zeros do not dominate.
+//!
+//! And array by array:
+//!
+//! - *normwise*: the largest error over the largest element;
+//! - *componentwise*: the largest relative error of an element.
+//!
+//! An element that is below 2⁻⁷⁰ of the largest of its array is zero but for
+//! the reference's own rounding (an entry of a mass matrix that vanishes by
+//! symmetry): it has no relative or mixed error and *vanishes* in that state,
+//! and only the absolute and normwise measures see it. A computed number that
+//! is not finite where the exact one is has an infinite error. States in which
+//! the exact value is itself not finite say nothing and are left out; an
+//! output without any other state has the error NaN. Inputs are representable
+//! in binary32 ([`States`]), so what is measured is the rounding of the
+//! program, not of its data, unless a narrower format rounds that; literals
+//! that a format cannot hold do count. Values with a format of their own keep
+//! it whatever format is asked for.
+
+mod samples;
+mod spread;
+
+use super::adjoint::Tape;
+use super::condition::{Judgement, Sensitivities, conditions, spectral};
+use super::reference::{Effort, Exact, Kind, LANES, Reference};
+use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_ir::batch::Batch;
+use robovec_ir::evaluate::{evaluate, evaluate_mixed};
+use robovec_ir::format::Format;
+use robovec_ir::plan::Plan;
+use robovec_ir::soft_float::FormatArithmetic;
+use robovec_ir::states::States;
+use robovec_ir::{Function, Output, Shape, View};
+pub(super) use samples::Samples;
+pub use spread::Spread;
+use std::array;
+
+/// The error of one output element.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ElementError {
+    /// Which element.
+    pub output: Output,
+    /// The distance from the exact value, in its unit.
+    pub absolute: Spread,
+    /// Relative to the exact value.
+    pub relative: Spread,
+    /// In units in the last place of the exact value.
+    pub ulps: Spread,
+    /// Relative to the exact value and what it reacts to.
+    pub mixed: Spread,
+    /// The median over the states of the estimated condition number for
+    /// independent errors of the inputs; 0 where it was not asked for.
+    pub sensitivity: f64,
+    /// The number of the state with the largest relative error, as
+    /// [`States::draw`] counts.
+    pub worst_state: u32,
+    /// In how many states it vanishes without being computed as zero.
+    pub vanishing: u32,
+    /// In how many states the computed number is below the normal ones of the
+    /// format, without being zero exactly.
+    pub subnormal: u32,
+    /// In how many states the computed number is not finite where the exact
+    /// one is.
+    pub overflowed: u32,
+    /// How much of the largest relative error lies in the problem; `None`
+    /// where it was not asked for.
+    pub conditioned: Option<Conditioned>,
+}
+
+/// An error beside the condition of what was computed.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Conditioned {
+    /// The componentwise condition number of the element in the state of its
+    /// largest relative error.
+    pub condition: f64,
+    /// That error over the condition number and the unit roundoff of the
+    /// format: how many roundings of the inputs would do as much.
+    pub backward: f64,
+    /// What follows.
+    pub judgement: Judgement,
+}
+
+/// The error of one output array.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ArrayError {
+    /// Index into [`robovec_ir::Function::outputs`].
+    pub array: usize,
+    /// Largest error over largest element.
+    pub normwise: Spread,
+    /// Largest relative error of an element.
+    pub componentwise: Spread,
+    /// Largest mixed error of an element.
+    pub mixed: Spread,
+}
+
+/// The errors in one number format.
+#[derive(Clone, PartialEq, Debug)]
+pub struct FormatAccuracy {
+    /// What was computed with.
+    pub format: Format,
+    /// All outputs in all states as one population.
+    pub relative: Spread,
+    /// The same, mixed.
+    pub mixed: Spread,
+    /// The part of all outputs in all states whose computed number is below
+    /// the normal ones, and not exactly zero.
+    pub subnormal: f64,
+    /// The part whose computed number is not finite where the exact one is.
+    pub overflowed: f64,
+    /// One entry per assignment, in the function's order.
+    pub elements: Vec<ElementError>,
+    /// One entry per output array that has an assignment.
+    pub arrays: Vec<ArrayError>,
+}
+
+/// The condition of an output array that is a symmetric matrix.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct MatrixCondition {
+    /// Index into [`robovec_ir::Function::outputs`].
+    pub array: usize,
+    /// Its condition number in the 2-norm.
+    pub condition: Spread,
+}
+
+/// What stands behind the exact values.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct Certainty {
+    /// Outputs, in all states, whose nearest binary64 number is proved by
+    /// double-double.
+    pub double_double: u64,
+    /// By arbitrary precision.
+    pub precise: u64,
+    /// Zero by an identity.
+    pub zero: u64,
+    /// Not proved, or not asked to be.
+    pub uncertain: u64,
+}
+
+/// The errors of a function.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Accuracy {
+    /// How many states were drawn.
+    pub states: u32,
+    /// From which seed.
+    pub seed: u64,
+    /// What the outputs were compared with.
+    pub effort: Effort,
+    /// How certain that is.
+    pub certainty: Certainty,
+    /// One entry per format, in the order they were asked for.
+    pub formats: Vec<FormatAccuracy>,
+    /// The output arrays that are symmetric matrices, when conditions were
+    /// asked for.
+    pub matrices: Vec<MatrixCondition>,
+}
+
+impl Accuracy {
+    /// The errors in a format; `None` when it was not measured.
+    pub fn of(&self, format: Format) -> Option<&FormatAccuracy> {
+        self.formats.iter().find(|entry| entry.format == format)
+    }
+}
+
+/// The errors of a whole function in a few numbers.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Summary {
+    /// The median over all outputs of their median relative error.
+    pub median_relative: f64,
+    /// The largest normwise error of any array in any state.
+    pub worst_normwise: f64,
+    /// The largest error in ulps of any output in any state.
+    pub worst_ulps: f64,
+    /// The output with the largest error in ulps; `None` without outputs.
+    pub worst_output: Option<Output>,
+}
+
+/// What is measured, and with how much effort.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Measurement {
+    /// What is done for the exact values.
+    pub effort: Effort,
+    /// Whether mixed errors get their floor; without, they are the relative
+    /// ones.
+    pub sensitivities: bool,
+    /// How many steps of reverse sweeps (operations times outputs) may be
+    /// spent on condition numbers; the outputs with the largest errors come
+    /// first. About a nanosecond each.
+    pub condition_work: u64,
+}
+
+impl Measurement {
+    /// Errors alone, as fast as can be.
+    pub const QUICK: Measurement = Measurement {
+        effort: Effort::DoubleDouble,
+        sensitivities: false,
+        condition_work: 0,
+    };
+}
+
+impl Default for Measurement {
+    /// All errors against double-double.
+    fn default() -> Measurement {
+        Measurement {
+            sensitivities: true,
+            ..Measurement::QUICK
+        }
+    }
+}
+
+impl FormatAccuracy {
+    /// The whole function in a few numbers; all 0 for one without outputs.
+    pub fn summary(&self) -> Summary {
+        let medians = self
+            .elements
+            .iter()
+            .map(|element| (0, element.relative.median));
+        let medians = Spread::of(medians);
+        let worst = self
+            .elements
+            .iter()
+            .filter(|element| !element.ulps.worst.is_nan())
+            .max_by(|a, b| {
+                let order = a.ulps.worst.total_cmp(&b.ulps.worst);
+                // The first of equals, so that the choice is stable.
+                order.then(b.output.cmp(&a.output))
+            });
+        Summary {
+            median_relative: if medians.median.is_nan() {
+                0.0
+            } else {
+                medians.median
+            },
+            worst_normwise: self
+                .arrays
+                .iter()
+                .map(|array| array.normwise.worst)
+                .fold(0.0, f64::max),
+            worst_ulps: worst.map_or(0.0, |element| element.ulps.worst),
+            worst_output: worst.map(|element| element.output),
+        }
+    }
+}
+
+/// Measures the errors of a function in the given formats over the first
+/// `count` states: all measures, against double-double.
+pub fn accuracy(view: View<'_>, states: &States, count: u32, formats: &[Format]) -> Accuracy {
+    measure(view, states, count, formats, Measurement::default())
+}
+
+/// As [`accuracy`], with a choice of what is measured.
+pub fn measure(
+    view: View<'_>,
+    states: &States,
+    count: u32,
+    formats: &[Format],
+    measurement: Measurement,
+) -> Accuracy {
+    let mut samples: Vec<Samples> = formats
+        .iter()
+        .map(|&format| Samples::new(view, format))
+        .collect();
+    let mut certainty = Certainty::default();
+    let mut matrices = Matrices::new(view, measurement.condition_work > 0);
+    let mut sensitivities = Sensitivities::new(view.function);
+    let mut evaluators: Vec<Evaluator> = formats
+        .iter()
+        .map(|&format| Evaluator::new(view, format))
+        .collect();
+    for_each_batch(
+        view,
+        states,
+        count,
+        measurement.effort,
+        |first, batch, exact| {
+            let floors: Vec<Vec<f64>> = match measurement.sensitivities {
+                false => vec![Vec::new(); exact.len()],
+                true => (first..)
+                    .zip(&batch[..exact.len()])
+                    .map(|(state, inputs)| sensitivities.at(inputs, state))
+                    .collect(),
+            };
+            for (evaluator, samples) in evaluators.iter_mut().zip(&mut samples) {
+                let computed = evaluator.run(batch);
+                for (lane, exact) in exact.iter().enumerate() {
+                    let exact = exact.iter().map(|exact| exact.value);
+                    let computed = computed.iter().map(|lanes| lanes[lane]);
+                    samples.add(view, exact, computed, &floors[lane]);
+                }
+            }
+            for (state, exact) in (first..).zip(exact) {
+                certainty.count(exact);
+                matrices.add(view, state, exact);
+            }
+        },
+    );
+    let mut result = Accuracy {
+        states: count,
+        seed: states.seed(),
+        effort: measurement.effort,
+        certainty,
+        formats: samples.iter().map(|samples| samples.finish(view)).collect(),
+        matrices: matrices.finish(),
+    };
+    if measurement.condition_work > 0 {
+        let tape = Tape::new(view.function);
+        for (accuracy, samples) in result.formats.iter_mut().zip(&samples) {
+            let work = measurement.condition_work / formats.len() as u64;
+            add_conditions(view, &tape, states, accuracy, samples, work);
+        }
+    }
+    result
+}
+
+/// The errors in one format, state by state.
+pub(super) fn samples(view: View<'_>, states: &States, count: u32, format: Format) -> Samples {
+    let mut samples = Samples::new(view, format);
+    let mut evaluator = Evaluator::new(view, format);
+    for_each_batch(
+        view,
+        states,
+        count,
+        Effort::DoubleDouble,
+        |_, batch, exact| {
+            let computed = evaluator.run(batch);
+            for (lane, exact) in exact.iter().enumerate() {
+                let exact = exact.iter().map(|exact| exact.value);
+                samples.add(view, exact, computed.iter().map(|lanes| lanes[lane]), &[]);
+            }
+        },
+    );
+    samples
+}
+
+/// Draws states and evaluates them exactly, some at a time. Handed on are the
+/// number of the first state, the inputs of all lanes, and the exact outputs
+/// of every lane that is wanted: the last batch may hold more states.
+fn for_each_batch(
+    view: View<'_>,
+    states: &States,
+    count: u32,
+    effort: Effort,
+    mut use_batch: impl FnMut(u32, &[Vec<f64>; LANES], &[Vec<Exact>]),
+) {
+    let mut reference = Reference::new(view.function, effort);
+    for first in (0..count).step_by(LANES) {
+        let wanted = LANES.min((count - first) as usize);
+        let last = first + wanted as u32 - 1;
+        let inputs: [Vec<f64>; LANES] =
+            array::from_fn(|lane| states.draw(view, (first + lane as u32).min(last)));
+        let exact = reference.evaluate(&inputs[..wanted]);
+        use_batch(first, &inputs, &exact);
+    }
+}
+
+/// Evaluates a function in a format, state after state.
+struct Evaluator<'a> {
+    function: &'a Function,
+    plan: Plan,
+    memory: Memory,
+}
+
+/// What a format computes with, and its values.
+enum Memory {
+    Binary32(Vec<[f32; LANES]>),
+    Binary64(Vec<[f64; LANES]>),
+    Soft(FormatArithmetic, Vec<[f64; LANES]>),
+    /// Some values have formats of their own, the others this one.
+    Mixed(Format),
+}
+
+impl<'a> Evaluator<'a> {
+    fn new(view: View<'a>, format: Format) -> Evaluator<'a> {
+        Evaluator {
+            function: view.function,
+            plan: Plan::new(view.function),
+            memory: match format {
+                format if view.function.formats.is_some() => Memory::Mixed(format),
+                Format::BINARY32 => Memory::Binary32(Vec::new()),
+                Format::BINARY64 => Memory::Binary64(Vec::new()),
+                format => Memory::Soft(FormatArithmetic::new(format), Vec::new()),
+            },
+        }
+    }
+
+    /// The outputs of all lanes, as binary64 numbers.
+    fn run(&mut self, inputs: &[Vec<f64>; LANES]) -> Vec<[f64; LANES]> {
+        let plan = &self.plan;
+        match &mut self.memory {
+            Memory::Binary32(memory) => run_lanes(plan, Binary32, inputs, memory)
+                .into_iter()
+                .map(|lanes| lanes.map(f64::from))
+                .collect(),
+            Memory::Binary64(memory) => run_lanes(plan, Binary64, inputs, memory),
+            Memory::Soft(arithmetic, memory) => run_lanes(plan, *arithmetic, inputs, memory),
+            Memory::Mixed(format) => {
+                let lanes = inputs
+                    .each_ref()
+                    .map(|inputs| evaluate_mixed(self.function, *format, inputs));
+                (0..lanes[0].len())
+                    .map(|place| array::from_fn(|lane| lanes[lane][place]))
+                    .collect()
+            }
+        }
+    }
+}
+
+fn run_lanes<A: Arithmetic + Copy>(
+    plan: &Plan,
+    arithmetic: A,
+    inputs: &[Vec<f64>; LANES],
+    memory: &mut Vec<[A::Number; LANES]>,
+) -> Vec<[A::Number; LANES]> {
+    let inputs: Vec<[A::Number; LANES]> = (0..inputs[0].len())
+        .map(|index| array::from_fn(|lane| arithmetic.literal(inputs[lane][index])))
+        .collect();
+    plan.run(&Batch([arithmetic; LANES]), &inputs, memory)
+}
+
+/// The outputs of a function in a state, in the order of its assignments.
+pub fn evaluate_at<A: Arithmetic>(
+    view: View<'_>,
+    arithmetic: &A,
+    inputs: &[f64],
+) -> Vec<A::Number> {
+    let inputs: Vec<A::Number> = inputs
+        .iter()
+        .map(|&number| arithmetic.literal(number))
+        .collect();
+    evaluate(view.function, arithmetic, &inputs)
+}
+
+impl Certainty {
+    fn count(&mut self, exact: &[Exact]) {
+        for value in exact {
+            *match value.kind {
+                Kind::DoubleDouble => &mut self.double_double,
+                Kind::Precise(_) => &mut self.precise,
+                Kind::Zero => &mut self.zero,
+                Kind::Unproved | Kind::Uncertain => &mut self.uncertain,
+            } += 1;
+        }
+    }
+}
+
+/// Adds condition numbers to the elements with the largest relative errors,
+/// each in the state of that error.
+fn add_conditions(
+    view: View<'_>,
+    tape: &Tape,
+    states: &States,
+    accuracy: &mut FormatAccuracy,
+    samples: &Samples,
+    work: u64,
+) {
+    let operations = view.function.nodes().len().max(1) as u64;
+    let affordable = usize::try_from(work / operations).unwrap_or(usize::MAX);
+    let elements = &mut accuracy.elements;
+    // An error of zero is explained by anything.
+    let mut places: Vec<usize> = (0..elements.len())
+        .filter(|&place| elements[place].relative.worst > 0.0)
+        .collect();
+    let error = |place: usize| elements[place].relative.worst;
+    places.sort_by(|&a, &b| error(b).total_cmp(&error(a)).then(a.cmp(&b)));
+    places.truncate(affordable);
+    places.sort_by_key(|&place| (elements[place].worst_state, place));
+    let unit = accuracy.format.unit_roundoff();
+    let same_state = |a: &usize, b: &usize| elements[*a].worst_state == elements[*b].worst_state;
+    let groups: Vec<Vec<usize>> = places.chunk_by(same_state).map(<[usize]>::to_vec).collect();
+    for group in groups {
+        let state = elements[group[0]].worst_state;
+        let inputs = states.draw(view, state);
+        for (&place, sum) in group.iter().zip(conditions(tape, &inputs, &group)) {
+            let condition = sum / samples.size(state, place);
+            let relative = elements[place].relative.worst;
+            elements[place].conditioned = Some(Conditioned {
+                condition,
+                backward: relative / (condition * unit),
+                judgement: Judgement::of(relative, condition, unit),
+            });
+        }
+    }
+}
+
+/// Matrices beyond this order are left out: the work grows with its cube.
+const LARGEST_ORDER: u32 = 256;
+
+/// The condition numbers of output arrays that are symmetric matrices.
+struct Matrices {
+    /// Array, order, offset of its first element, and the condition numbers
+    /// found.
+    found: Vec<(usize, usize, u32, Vec<(u32, f64)>)>,
+}
+
+impl Matrices {
+    fn new(view: View<'_>, wanted: bool) -> Matrices {
+        let arrays = view.function.outputs().iter().enumerate();
+        let square = arrays.filter_map(|(index, array)| match array.shape {
+            Shape::Matrix(rows, columns)
+                if rows == columns && (2..=LARGEST_ORDER).contains(&rows) =>
+            {
+                Some((index, rows as usize, array.offset, Vec::new()))
+            }
+            _ => None,
+        });
+        Matrices {
+            found: square.filter(|_| wanted).collect(),
+        }
+    }
+
+    fn add(&mut self, view: View<'_>, state: u32, exact: &[Exact]) {
+        for (_, order, offset, conditions) in &mut self.found {
+            let range = *offset..*offset + (*order * *order) as u32;
+            let mut matrix = vec![f64::NAN; *order * *order];
+            for (assignment, exact) in view.function.assignments.iter().zip(exact) {
+                if range.contains(&assignment.output.0) {
+                    matrix[(assignment.output.0 - *offset) as usize] = exact.value.high;
+                }
+            }
+            if complete(&mut matrix, *order) {
+                conditions.push((state, spectral::condition(&matrix, *order)));
+            }
+        }
+    }
+
+    fn finish(self) -> Vec<MatrixCondition> {
+        let found = self.found.into_iter();
+        found
+            .filter(|(.., conditions)| !conditions.is_empty())
+            .map(|(array, _, _, conditions)| MatrixCondition {
+                array,
+                condition: Spread::of(conditions.into_iter()),
+            })
+            .collect()
+    }
+}
+
+/// Fills in from the other half what is not set (NaN), and zeros where
+/// neither is; false for a matrix that is not symmetric to rounding.
+fn complete(matrix: &mut [f64], order: usize) -> bool {
+    let mut symmetric = true;
+    for row in 0..order {
+        for column in 0..=row {
+            let (one, other) = (row * order + column, column * order + row);
+            let (a, b) = (matrix[one], matrix[other]);
+            match (a.is_nan(), b.is_nan()) {
+                (true, true) => (matrix[one], matrix[other]) = (0.0, 0.0),
+                (true, false) => matrix[one] = b,
+                (false, true) => matrix[other] = a,
+                (false, false) => {
+                    symmetric &= (a - b).abs() <= 1e-9 * (a.abs() + b.abs());
+                }
+            }
+        }
+    }
+    symmetric
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,305 @@
+//! The errors of every output of a function in any number formats, as text
+//! and as tables for programs.
+
+use crate::report;
+use robovec_ir::View;
+use robovec_ir::print::print_output;
+use robovec_passes::analysis::accuracy::{Accuracy, ElementError, FormatAccuracy, Spread};
+use serde::Serialize;
+use std::fmt::Write;
+
+/// The errors of one output in one format, for programs. Errors that are not
+/// finite are `null`.
+#[derive(Clone, PartialEq, Serialize, Debug)]
+pub struct OutputLine {
+    /// The model or file, and the function.
+    pub function: String,
+    /// The number format.
+    pub format: String,
+    /// The output element.
+    pub output: String,
+    /// The distance from the exact value, in its unit.
+    pub absolute: Places,
+    /// Relative to the exact value.
+    pub relative: Places,
+    /// In units in the last place of the exact value.
+    pub ulps: Places,
+    /// How many bits are wrong.
+    pub bits: Places,
+    /// Relative to the exact value and what it reacts to.
+    pub mixed: Places,
+    /// The estimated condition number for independent errors of the inputs.
+    pub sensitivity: f64,
+    /// The componentwise condition number in the state of the largest
+    /// relative error.
+    pub condition: Option<f64>,
+    /// That error over condition number and unit roundoff.
+    pub backward: Option<f64>,
+    /// `accurate`, `hard problem` or `unstable code`.
+    pub judgement: Option<&'static str>,
+    /// In how many states it is zero but for rounding.
+    pub vanishing: u32,
+    /// In how many states it is computed below the normal numbers.
+    pub subnormal: u32,
+    /// In how many states it is not finite where the exact value is.
+    pub overflowed: u32,
+}
+
+/// Places in a distribution over the states.
+#[derive(Clone, Copy, PartialEq, Serialize, Debug)]
+pub struct Places {
+    /// Half of the states are at or below it.
+    pub median: f64,
+    /// 99 of 100 states are at or below it.
+    pub percentile_99: f64,
+    /// The largest.
+    pub worst: f64,
+    /// The state it was found in, counted from 0.
+    pub state: u32,
+}
+
+impl From<Spread> for Places {
+    fn from(spread: Spread) -> Places {
+        Places {
+            median: spread.median,
+            percentile_99: spread.percentile_99,
+            worst: spread.worst,
+            state: spread.worst_state,
+        }
+    }
+}
+
+/// One line for every output and format.
+pub fn lines(name: &str, view: View<'_>, accuracy: &Accuracy) -> Vec<OutputLine> {
+    let line = |format: &FormatAccuracy, element: &ElementError| OutputLine {
+        function: name.to_owned(),
+        format: format.format.to_string(),
+        output: print_output(view, element.output),
+        absolute: element.absolute.into(),
+        relative: element.relative.into(),
+        ulps: element.ulps.into(),
+        bits: element.ulps.bits().into(),
+        mixed: element.mixed.into(),
+        sensitivity: element.sensitivity,
+        condition: element.conditioned.map(|found| found.condition),
+        backward: element.conditioned.map(|found| found.backward),
+        judgement: element.conditioned.map(|found| found.judgement.name()),
+        vanishing: element.vanishing,
+        subnormal: element.subnormal,
+        overflowed: element.overflowed,
+    };
+    let formats = accuracy.formats.iter();
+    formats
+        .flat_map(|format| {
+            format
+                .elements
+                .iter()
+                .map(move |element| line(format, element))
+        })
+        .collect()
+}
+
+/// The lines as a table with a head, numbers in full.
+pub fn csv(lines: &[OutputLine]) -> String {
+    let mut text = String::from("function,format,output");
+    for measure in ["absolute", "relative", "ulps", "bits", "mixed"] {
+        let _ = write!(
+            text,
+            ",{measure} median,{measure} 99 %,{measure} worst,{measure} state"
+        );
+    }
+    text += ",sensitivity,condition,backward,judgement,vanishing,subnormal,overflowed\n";
+    let number = |number: f64| match number.is_nan() {
+        true => String::new(),
+        false => format!("{number:e}"),
+    };
+    let optional = |value: Option<f64>| value.map_or_else(String::new, number);
+    for line in lines {
+        let [function, output] = [&line.function, &line.output].map(|name| quoted(name));
+        let _ = write!(text, "{function},{},{output}", quoted(&line.format));
+        for places in [
+            line.absolute,
+            line.relative,
+            line.ulps,
+            line.bits,
+            line.mixed,
+        ] {
+            for value in [places.median, places.percentile_99, places.worst] {
+                let _ = write!(text, ",{}", number(value));
+            }
+            let _ = write!(text, ",{}", places.state);
+        }
+        let _ = writeln!(
+            text,
+            ",{},{},{},{},{},{},{}",
+            number(line.sensitivity),
+            optional(line.condition),
+            optional(line.backward),
+            line.judgement.unwrap_or_default(),
+            line.vanishing,
+            line.subnormal,
+            line.overflowed,
+        );
+    }
+    text
+}
+
+/// A field of a table; quoted where it holds a comma or quote.
+fn quoted(field: &str) -> String {
+    if field.contains([',', '"', '\n']) {
+        format!("\"{}\"", field.replace('"', "\"\""))
+    } else {
+        field.to_owned()
+    }
+}
+
+/// The errors for a person: each format as a whole, its arrays, and at most
+/// so many outputs, those with the largest mixed errors, in their order.
+pub fn text(name: &str, view: View<'_>, accuracy: &Accuracy, most: usize) -> String {
+    let certainty = accuracy.certainty;
+    let proved = certainty.double_double + certainty.precise + certainty.zero;
+    let mut text = format!(
+        "{name}: errors over {} random states, seed {}; reference {}, {} of {} exact values \
+         proved ({} in arbitrary precision, {} zero by identity)\n",
+        accuracy.states,
+        accuracy.seed,
+        accuracy.effort,
+        proved,
+        proved + certainty.uncertain,
+        certainty.precise,
+        certainty.zero,
+    );
+    for matrix in &accuracy.matrices {
+        let _ = writeln!(
+            text,
+            "condition of {} in the 2-norm: median {}, worst {} (state {})",
+            array_name(view, matrix.array),
+            number(matrix.condition.median),
+            number(matrix.condition.worst),
+            matrix.condition.worst_state,
+        );
+    }
+    text.push('\n');
+    for format in &accuracy.formats {
+        let _ = writeln!(
+            text,
+            "{}: {:.1} % of the computed outputs subnormal, {:.1} % overflowed",
+            format.format,
+            100.0 * format.subnormal,
+            100.0 * format.overflowed,
+        );
+        push(&arrays(view, format), &mut text);
+        text.push('\n');
+        push(&elements(view, format, most), &mut text);
+        text.push('\n');
+    }
+    text
+}
+
+fn push(table: &str, text: &mut String) {
+    for line in table.lines() {
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+}
+
+fn arrays(view: View<'_>, format: &FormatAccuracy) -> String {
+    let spread = |spread: &Spread| {
+        [spread.median, spread.percentile_99, spread.worst]
+            .map(number)
+            .into_iter()
+            .chain([spread.worst_state.to_string()])
+    };
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for array in &format.arrays {
+        let mut row = vec![array_name(view, array.array)];
+        for measure in [&array.normwise, &array.componentwise, &array.mixed] {
+            row.extend(spread(measure));
+        }
+        rows.push(row);
+    }
+    let mut row = vec!["(all outputs)".to_owned()];
+    row.extend([const { String::new() }; 4]);
+    row.extend(spread(&format.relative));
+    row.extend(spread(&format.mixed));
+    rows.push(row);
+    let head = [
+        "array",
+        "normwise: median",
+        "99 %",
+        "worst",
+        "state",
+        "relative: median",
+        "99 %",
+        "worst",
+        "state",
+        "mixed: median",
+        "99 %",
+        "worst",
+        "state",
+    ];
+    let right: Vec<usize> = (1..head.len()).collect();
+    report::table(&head, &rows, &right)
+}
+
+fn elements(view: View<'_>, format: &FormatAccuracy, most: usize) -> String {
+    let mut shown: Vec<&ElementError> = format.elements.iter().collect();
+    let size = |element: &ElementError| match element.mixed.worst.is_nan() {
+        true => -1.0,
+        false => element.mixed.worst,
+    };
+    shown.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    shown.truncate(most);
+    shown.sort_by_key(|element| element.output);
+    let rows: Vec<Vec<String>> = shown
+        .iter()
+        .map(|element| {
+            let optional = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
+            let conditioned = element.conditioned;
+            vec![
+                print_output(view, element.output),
+                number(element.relative.median),
+                number(element.relative.percentile_99),
+                number(element.relative.worst),
+                element.relative.worst_state.to_string(),
+                number(element.ulps.worst),
+                format!("{:.1}", element.ulps.bits().worst),
+                number(element.mixed.worst),
+                optional(conditioned.map(|found| found.condition)),
+                optional(conditioned.map(|found| found.backward)),
+                conditioned
+                    .map_or("-", |found| found.judgement.name())
+                    .to_owned(),
+            ]
+        })
+        .collect();
+    let head = [
+        "output",
+        "relative: median",
+        "99 %",
+        "worst",
+        "state",
+        "ulps",
+        "bits",
+        "mixed",
+        "condition",
+        "backward",
+        "judgement",
+    ];
+    report::table(&head, &rows, &[1, 2, 3, 4, 5, 6, 7, 8, 9])
+}
+
+fn array_name(view: View<'_>, array: usize) -> String {
+    let name = view.function.outputs()[array].name;
+    view.tables.symbols.text(name).to_owned()
+}
+
+/// Two digits, and nothing for what no state says anything about.
+fn number(number: f64) -> String {
+    match number {
+        number if number.is_nan() => "-".to_owned(),
+        0.0 => "0".to_owned(),
+        number if (0.1..1000.0).contains(&number) => format!("{number:.2}"),
+        number => format!("{number:.1e}"),
+    }
+}

@@ -1,0 +1,182 @@
+//! `robovec accuracy --outputs`: the errors of every output.
+
+use super::accuracy::AccuracyArguments;
+use super::{Failure, input, output};
+use crate::accuracy::outputs;
+use crate::hexadecimal;
+use crate::scene::SceneFile;
+use clap::Args;
+use robovec_ir::states::States;
+use robovec_ir::{Format, Input, Module, View};
+use robovec_passes::analysis::accuracy::{Measurement, measure};
+use robovec_passes::analysis::reference::Effort;
+use robovec_passes::analysis::rounding::usual_states;
+use robovec_passes::manager::{self, Config};
+use std::fmt::Write;
+use std::io;
+use std::path::PathBuf;
+
+/// What is measured of every output.
+#[derive(Args, Debug)]
+pub(super) struct OutputArguments {
+    /// Measure every output, in all measures, instead of comparing passes
+    #[arg(long)]
+    pub(super) outputs: bool,
+    /// Number formats to measure
+    #[arg(long, value_name = "FORMATS", requires = "outputs",
+          default_value = "f32,f64", value_parser = formats)]
+    formats: Formats,
+    /// What the outputs are compared with: double-double, certified (proved to
+    /// the last bit of binary64), audit (all in arbitrary precision)
+    #[arg(long, value_name = "EFFORT", requires = "outputs",
+          default_value_t = Effort::Certified)]
+    reference: Effort,
+    /// Ranges of the inputs, from a scene
+    #[arg(long, value_name = "FILE", requires = "outputs")]
+    scene: Option<PathBuf>,
+    /// Outputs shown for each format: those with the largest mixed errors
+    #[arg(long, value_name = "N", requires = "outputs", default_value_t = 20)]
+    most: usize,
+    /// Print the inputs of one state, as `robovec eval --states` reads them
+    #[arg(long, value_name = "N", requires = "outputs")]
+    print_state: Option<u32>,
+}
+
+/// Formats in the order they were asked for.
+#[derive(Clone, Debug)]
+struct Formats(Vec<Format>);
+
+/// Reads formats separated by commas; those inside parentheses belong to a
+/// format.
+fn formats(text: &str) -> Result<Formats, String> {
+    let mut depth = 0u32;
+    let separates = |character: char| {
+        match character {
+            '(' => depth += 1,
+            ')' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        character == ',' && depth == 0
+    };
+    let parsed = text.split(separates).map(|name| {
+        let format = name.parse::<Format>();
+        format.map_err(|error| format!("'{}': {error}", name.trim()))
+    });
+    parsed.collect::<Result<_, _>>().map(Formats)
+}
+
+/// Steps of reverse sweeps for condition numbers: a few seconds.
+const CONDITION_WORK: u64 = 2_000_000_000;
+
+/// Runs the command.
+pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
+    let options = &arguments.of_outputs;
+    let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
+    let machine = input::machine(&arguments.machine)?;
+    let scene = options.scene.as_deref().map(SceneFile::load);
+    let scene = scene.transpose().map_err(Failure)?;
+    let states = match &scene {
+        Some(file) => file.scene.states(arguments.seed),
+        None => States::new(arguments.seed),
+    };
+    let mut text = String::new();
+    let mut lines = Vec::new();
+    for path in &arguments.files {
+        let function = arguments.function.as_deref();
+        let mut read = input::equations_or_model(path, None, function)?;
+        if let Some(wanted) = function {
+            super::opt::select(&mut read.module, wanted)?;
+        }
+        let module = &mut read.module;
+        let mut log = io::sink();
+        manager::run(module, &pipeline, Config::new(&machine, &mut log))
+            .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+        if let Some(state) = options.print_state {
+            text += &state_text(module, &states, state);
+            continue;
+        }
+        let stem = path.file_stem().unwrap_or(path.as_os_str());
+        let measurement = Measurement {
+            effort: options.reference,
+            sensitivities: true,
+            condition_work: CONDITION_WORK,
+        };
+        for function in &module.functions {
+            let name = match module.functions.len() {
+                1 => stem.to_string_lossy().into_owned(),
+                _ => format!("{} {}", stem.to_string_lossy(), function.name),
+            };
+            let view = View {
+                tables: &module.tables,
+                function,
+            };
+            let count = match arguments.states {
+                0 => usual_states(function.nodes().len()),
+                count => count,
+            };
+            let accuracy = measure(view, &states, count, &options.formats.0, measurement);
+            text += &outputs::text(&name, view, &accuracy, options.most);
+            lines.extend(outputs::lines(&name, view, &accuracy));
+        }
+    }
+    if let Some(folder) = &arguments.output {
+        output::make_folder(folder)?;
+        // Strings and numbers: nothing that JSON cannot hold.
+        let json = serde_json::to_string_pretty(&lines).expect("a line is plain data");
+        for (name, content) in [
+            ("outputs.csv", outputs::csv(&lines)),
+            ("outputs.json", json + "\n"),
+        ] {
+            output::write_file(&folder.join(name), |writer| {
+                writer.write_all(content.as_bytes())
+            })?;
+        }
+    }
+    Ok(text)
+}
+
+/// The inputs of all functions in a state. Elements that several functions
+/// take are the same in all of them.
+fn state_text(module: &Module, states: &States, state: u32) -> String {
+    let mut text = format!("# state {state} of seed {}\nstate\n", states.seed());
+    let mut seen: Vec<String> = Vec::new();
+    for function in &module.functions {
+        let view = View {
+            tables: &module.tables,
+            function,
+        };
+        let numbers = states.draw(view, state);
+        let first = seen.len();
+        for (place, number) in numbers.into_iter().enumerate() {
+            let (array, indices, rank) = function.input_element(Input(place as u32));
+            let mut name = module.tables.symbols.text(array.name).to_owned();
+            if rank > 0 {
+                let indices: Vec<String> =
+                    indices[..rank].iter().map(ToString::to_string).collect();
+                // Writing to a string cannot fail.
+                let _ = write!(name, "[{}]", indices.join(","));
+            }
+            if seen[..first].binary_search(&name).is_err() {
+                let _ = writeln!(text, "{name} {}", hexadecimal::format(number));
+                seen.push(name);
+            }
+        }
+        seen.sort_unstable();
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_with_commas_of_their_own_are_read() {
+        let Formats(found) = formats("f32, float(8,17) ,fixed(12,19)").expect("they are formats");
+        let names: Vec<String> = found.iter().map(ToString::to_string).collect();
+        assert_eq!(names, ["f32", "float(8,17)", "fixed(12,19)"]);
+        for text in ["", "f32,,f64", "float(8", "f32)"] {
+            assert!(formats(text).is_err(), "{text}");
+        }
+    }
+}
