@@ -18,3 +18,4 @@ pub mod simulate;
 pub mod stale;
 pub mod stress;
 pub mod study;
+pub mod trigonometry;

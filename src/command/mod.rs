@@ -32,6 +32,7 @@ mod study;
 mod subjects;
 mod tables;
 pub mod tool;
+mod trig;
 mod write;
 
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};

@@ -66,6 +66,8 @@ enum Command {
     Rules(super::rules::RulesArguments),
     Stress(super::stress::StressArguments),
     Study(super::study::Arguments),
+    /// Measure what series for sines and cosines do to the outputs
+    Trig(super::trig::TrigArguments),
     /// Write equations as Robotran's C, Matlab or Python files
     Write(write::WriteArguments),
 }
@@ -92,6 +94,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         Command::Rules(arguments) => super::rules::run(arguments),
         Command::Stress(arguments) => super::stress::run(arguments),
         Command::Study(arguments) => super::study::study(arguments),
+        Command::Trig(arguments) => super::trig::run(arguments),
         Command::Write(arguments) => write::run(arguments),
     };
     match result.and_then(|text| output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))) {

@@ -5,6 +5,7 @@ use super::error::LoadError;
 use super::mif::Image;
 use super::program::{ElementUnit, HostStep, MemoryUnit, OutputPlace, OutputUnit, Program};
 use robovec_ir::soft_float::FormatArithmetic;
+use robovec_ir::trigonometry::host::Unit;
 use robovec_ir::{Machine, Operation};
 use robovec_passes::codegen::manifest::{self, Manifest, OutputValue, Reference, WordAddress};
 use std::collections::BTreeMap;
@@ -163,6 +164,14 @@ impl<'a> Loader<'a> {
             let words = self.initial_words(&value.name, &value.words, &mut initial)?;
             host.push(self.host_step(place, value, words)?);
         }
+        let unit = manifest.trigonometry.as_deref().map(|name| {
+            let unit = name.parse().and_then(Unit::new);
+            unit.map_err(|error| LoadError::Dangling {
+                user: "the manifest's 'trigonometry'".to_owned(),
+                what: format!("'{name}': {error}"),
+            })
+        });
+        let unit = unit.transpose()?;
         Ok(Program {
             function: manifest.function.clone(),
             cycles: manifest.cycles,
@@ -176,6 +185,7 @@ impl<'a> Loader<'a> {
             inputs,
             constants,
             host,
+            unit,
             outputs: self.outputs()?,
             steps,
         })

@@ -3,6 +3,7 @@
 use super::decode::Steps;
 use robovec_ir::Operation;
 use robovec_ir::soft_float::FormatArithmetic;
+use robovec_ir::trigonometry::host::Unit;
 use robovec_passes::codegen::manifest::Reference;
 
 /// A program in the simulator's memories, ready to be run any number of times.
@@ -26,6 +27,8 @@ pub struct Program {
     pub(super) inputs: Vec<Vec<u32>>,
     pub(super) constants: Vec<f64>,
     pub(super) host: Vec<HostStep>,
+    /// What computes the host's sines and cosines, when it is said.
+    pub(super) unit: Option<Unit>,
     pub(super) outputs: Vec<OutputUnit>,
     pub(super) steps: Steps,
 }

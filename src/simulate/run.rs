@@ -129,7 +129,10 @@ impl<'p> Runner<'p> {
         }
         for step in &program.host {
             let operands = step.operands.map(|operand| known.get(operand));
-            let number = arithmetic.apply(step.operation, operands);
+            let number = match &program.unit {
+                Some(unit) => unit.within(*arithmetic).apply(step.operation, operands),
+                None => arithmetic.apply(step.operation, operands),
+            };
             known.host.push(number);
             step.words.iter().for_each(|&word| self.put(word, number));
         }

@@ -13,6 +13,7 @@ use crate::format::Format;
 use crate::formats::Formats;
 use crate::function::Function;
 use crate::soft_float::FormatArithmetic;
+use crate::trigonometry::host::Unit;
 
 /// The arithmetic of every value of a function.
 #[derive(Clone, Debug)]
@@ -53,7 +54,8 @@ impl<'a> MixedArithmetic<'a> {
 
 /// The value of every node, in program order, for the given flattened inputs,
 /// each value in its format or in `default`. Inputs are converted into
-/// `default`.
+/// `default`; sines and cosines are those of the unit that the function names
+/// ([`crate::trigonometry::host`]), rounded once.
 ///
 /// # Panics
 ///
@@ -79,8 +81,14 @@ pub fn evaluate_nodes_in(
         .iter()
         .map(|&number| mixed.default().convert(number))
         .collect();
-    if formats.is_none() {
-        return evaluate_nodes(function, mixed.default(), &inputs);
+    // The verifier accepts only names of units.
+    let unit = Unit::of(function).and_then(Result::ok);
+    match (formats, &unit) {
+        (None, None) => return evaluate_nodes(function, mixed.default(), &inputs),
+        (None, Some(unit)) => {
+            return evaluate_nodes(function, &unit.within(*mixed.default()), &inputs);
+        }
+        (Some(_), _) => {}
     }
     let mut values: Vec<f64> = Vec::with_capacity(function.nodes().len());
     for (value, node) in function.values() {
@@ -93,7 +101,11 @@ pub fn evaluate_nodes_in(
             }
             OperandKind::None => 0.0,
         };
-        let result = arithmetic.apply(node.operation, node.operands.map(fetch));
+        let operands = node.operands.map(fetch);
+        let result = match &unit {
+            Some(unit) => unit.within(*arithmetic).apply(node.operation, operands),
+            None => arithmetic.apply(node.operation, operands),
+        };
         values.push(result);
     }
     values

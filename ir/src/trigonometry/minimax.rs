@@ -12,10 +12,11 @@
 //! the other, the lowest power first, and the others fitted anew each time:
 //! they make up for most of what the rounding spoiled.
 
-use super::polynomial::{Circular, LARGEST_RANGE, Polynomial, round_to};
+use super::polynomial::{Circular, LARGEST_RANGE, Polynomial};
 use crate::arithmetic::Arithmetic;
 use crate::double_double::{Double, DoubleDouble};
 use crate::format::Format;
+use crate::soft_float::FormatArithmetic;
 
 /// Grid points between two extrema, as many as leave the largest error found
 /// within a thousandth of the true one.
@@ -38,6 +39,7 @@ impl Polynomial {
         if !(f64::MIN_POSITIVE..=LARGEST_RANGE).contains(&range) {
             return taylor();
         }
+        let arithmetic = FormatArithmetic::new(format);
         let mut fixed: Vec<f64> = Vec::with_capacity(terms);
         while fixed.len() < terms {
             let Some(rest) = fit(of, &fixed, terms - fixed.len(), range) else {
@@ -46,7 +48,7 @@ impl Polynomial {
             // Nothing is gained from fitting again behind binary64.
             let rounded = rest
                 .iter()
-                .map(|coefficient| round_to(coefficient.high, format));
+                .map(|coefficient| arithmetic.convert(coefficient.high));
             match format {
                 Format::BINARY64 => fixed.extend(rounded),
                 _ => fixed.extend(rounded.take(1)),

@@ -13,6 +13,7 @@
 pub mod bound;
 pub mod enclosure;
 pub mod halving;
+pub mod host;
 pub mod interval;
 pub mod minimax;
 pub mod polynomial;

@@ -2,6 +2,7 @@
 
 use crate::double_double::Double;
 use crate::format::Format;
+use crate::soft_float::FormatArithmetic;
 
 /// One of the two circular functions.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -94,11 +95,12 @@ impl Polynomial {
     /// The polynomial with its coefficients rounded to a format.
     #[must_use]
     pub fn rounded(&self, format: Format) -> Polynomial {
+        let arithmetic = FormatArithmetic::new(format);
         let coefficients = self.coefficients.iter();
         Polynomial {
             of: self.of,
             coefficients: coefficients
-                .map(|&number| round_to(number, format))
+                .map(|&number| arithmetic.convert(number))
                 .collect(),
         }
     }
@@ -128,38 +130,6 @@ impl Polynomial {
     }
 }
 
-/// A number rounded to the nearest of a format, ties to even; what a format
-/// cannot hold becomes its largest number, and what is too small its nearest
-/// one or zero.
-pub fn round_to(number: f64, format: Format) -> f64 {
-    let step = match format {
-        Format::Fixed(fixed) => 2f64.powi(-(fixed.fraction as i32)),
-        Format::Float(float) => {
-            let exponent = match number.abs().to_bits() >> 52 {
-                0 => -1022,
-                biased => biased as i32 - 1023,
-            };
-            if exponent < float.smallest_exponent() && !float.subnormals {
-                return 0.0;
-            }
-            let exponent = exponent.max(float.smallest_exponent());
-            2f64.powi(exponent - float.mantissa as i32)
-        }
-    };
-    let largest = match format {
-        Format::Fixed(fixed) => 2f64.powi(fixed.integer as i32) - step,
-        Format::Float(float) => {
-            let ulps = 2.0 - 2f64.powi(-(float.mantissa as i32));
-            2f64.powi(float.largest_exponent()) * ulps
-        }
-    };
-    let scaled = number / step;
-    if !scaled.is_finite() {
-        return number;
-    }
-    (scaled.round_ties_even() * step).clamp(-largest, largest)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -181,15 +151,13 @@ mod tests {
 
     #[test]
     fn coefficients_round_to_the_nearest_of_a_format() {
-        let round = |number, format: &str| round_to(number, format.parse().expect("it is one"));
-        assert_eq!(round(1.0 / 6.0, "f32"), f64::from(1.0f32 / 6.0));
-        assert_eq!(round(-1.0 / 3.0, "f64"), -1.0 / 3.0);
-        assert_eq!(round(0.3, "fixed(3,2)"), 0.25);
-        assert_eq!(round(99.0, "fixed(3,2)"), 7.75);
-        assert_eq!(round(1e-50, "f32"), 0.0);
-        assert_eq!(round(1e9, "f16"), 65504.0);
-        assert_eq!(round(3e-7, "f16"), 5.0 * 2f64.powi(-24));
-        assert_eq!(round(3e-7, "float(5,10,flush)"), 0.0);
-        assert_eq!(round(1e-40, "f32"), f64::from(1e-40f32));
+        let sine = Polynomial::taylor(Circular::Sine, 3);
+        let rounded = |format: &str| {
+            sine.rounded(format.parse().expect("it is one"))
+                .coefficients
+        };
+        assert_eq!(rounded("f32"), [1.0, f64::from(-1.0f32 / 6.0)]);
+        assert_eq!(rounded("f64"), [1.0, -1.0 / 6.0]);
+        assert_eq!(rounded("fixed(3,2)"), [1.0, -0.25]);
     }
 }

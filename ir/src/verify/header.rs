@@ -3,6 +3,7 @@
 use super::{Collector, Subject, is_word};
 use crate::entity::Constant;
 use crate::function::Array;
+use crate::trigonometry::host;
 use hashbrown::HashSet;
 use rustc_hash::FxBuildHasher;
 
@@ -12,6 +13,12 @@ pub(super) fn check(collector: &mut Collector<'_>) {
     let function = collector.view.function;
     if !is_word(&function.name) {
         let message = || format!("the name '{}' of the function is not a word", function.name);
+        collector.add(Subject::Function, message);
+    }
+    if let Some(text) = function.metadata(host::KEY)
+        && let Err(error) = text.parse::<host::Implementation>()
+    {
+        let message = || format!("the metadata entry '{}' is '{text}': {error}", host::KEY);
         collector.add(Subject::Function, message);
     }
     for (key, _) in &function.metadata {

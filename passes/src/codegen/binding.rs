@@ -11,6 +11,7 @@ use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::placement::{Preload, Word};
 use robovec_ir::print::{print_operand, print_output};
 use robovec_ir::soft_float::FormatArithmetic;
+use robovec_ir::trigonometry::host::Unit;
 use robovec_ir::{Constant, Input, Operand, OperandKind, Value};
 
 /// Input elements a manifest can list.
@@ -232,6 +233,8 @@ impl<'a> Binding<'a> {
                 given: given.len(),
             });
         }
+        // The verifier accepts only names of units.
+        let unit = Unit::of(function).and_then(Result::ok);
         let mut host: Vec<Option<f64>> = Vec::with_capacity(self.host.len());
         for &value in &self.host {
             let node = function.node(value);
@@ -243,7 +246,10 @@ impl<'a> Binding<'a> {
                     known
                 });
             }
-            let result = operands.map(|operands| arithmetic.apply(node.operation, operands));
+            let result = operands.map(|operands| match &unit {
+                Some(unit) => unit.within(*arithmetic).apply(node.operation, operands),
+                None => arithmetic.apply(node.operation, operands),
+            });
             host.push(result);
         }
         let mut loads = self.traffic.placement.preloads.clone();

@@ -9,6 +9,7 @@ use super::traffic::Traffic;
 use super::words::Words;
 use robovec_ir::placement::{Bank, Preload};
 use robovec_ir::soft_float::FormatArithmetic;
+use robovec_ir::trigonometry::host::KEY;
 use robovec_ir::{Format, Machine, View};
 use serde::Serialize;
 use std::io;
@@ -113,6 +114,7 @@ pub fn write_images(
         inputs: binding.inputs(),
         constants: binding.constants(),
         host: binding.host()?,
+        trigonometry: view.function.metadata(KEY).map(str::to_owned),
         outputs: binding.outputs()?,
     };
     artifacts.file(&writer.file_name("manifest.json"), &mut |target| {
@@ -201,6 +203,9 @@ fn write_manifest(target: &mut dyn io::Write, manifest: &Manifest) -> io::Result
     list(target, "inputs", &manifest.inputs, false)?;
     list(target, "constants", &manifest.constants, false)?;
     list(target, "host", &manifest.host, false)?;
+    if let Some(name) = &manifest.trigonometry {
+        scalar(target, "trigonometry", name)?;
+    }
     list(target, "outputs", &manifest.outputs, true)?;
     writeln!(target, "}}")
 }

@@ -7,6 +7,7 @@
 
 mod choose;
 mod emit;
+mod host;
 mod options;
 mod ranges;
 mod recipe;
@@ -16,17 +17,18 @@ mod scheme;
 
 use crate::class::NumericClass;
 use crate::declare_pass;
+use crate::options::OptionValue;
 use crate::pass::{Context, Gives, Pass, PassError};
 use choose::{Choice, Wish};
 use emit::{Emitter, Treatment, circular};
-pub use options::{Angle, Method, Scheme, Tolerance};
+pub use options::{Angle, Method, Place, Scheme, Tolerance};
 use ranges::Angles;
 pub use recipe::Recipe;
 use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::trigonometry::halving::MOST_HALVINGS;
-use robovec_ir::trigonometry::{Interval, LARGEST_RANGE, MOST_ORDER};
-use robovec_ir::{Function, Input, SourceSet};
+use robovec_ir::trigonometry::{Halved, Interval, LARGEST_RANGE, MOST_ORDER};
+use robovec_ir::{Function, Input, Machine, SourceSet};
 use std::collections::BTreeMap;
 
 declare_pass! {
@@ -52,6 +54,15 @@ declare_pass! {
     /// rounding in the machine's format adds at most. Angles without a known
     /// range stay with the host. Equal angles share their square. Follow it by
     /// `fold` to get rid of the cosines that are 1.
+    ///
+    /// With `on=host` sines and cosines are computed before the run, where
+    /// there are comparisons, shifts and tables, for angles of any size:
+    /// `method=polynomial` on an eighth of a turn, `method=table` with a table
+    /// of `entries` and polynomials of `degree`, `method=cordic` with
+    /// `iterations` rotations, all in integers with `bits` behind the point.
+    /// The function keeps its sines and cosines; what computes them is
+    /// recorded in its metadata, and evaluation in a format, memory images and
+    /// the simulator compute them so, bit by bit.
     pub struct Trigonometry("trigonometry") {
         /// How sines and cosines are computed.
         pub method: Method = Method::Minimax,
@@ -68,6 +79,16 @@ declare_pass! {
         pub scheme: Scheme = Scheme::Shortest,
         /// Coefficients are numbers of the machine's format.
         pub round: bool = true,
+        /// By processing elements or before the run.
+        pub on: Place = Place::Elements,
+        /// Of a table: entries for an eighth of a turn, a power of two.
+        pub entries: u32 = 64,
+        /// Of a table: the largest power of the rest of the angle.
+        pub degree: u32 = 3,
+        /// Of `cordic`: rotations.
+        pub iterations: u32 = 24,
+        /// On the host: bits behind the point.
+        pub bits: u32 = 32,
     }
     takes: [Equations, Atomic],
     gives: Gives::Same,
@@ -83,6 +104,9 @@ impl Pass for Trigonometry {
             return Ok(());
         }
         self.check()?;
+        if self.on == Place::Host {
+            return self.record(function, context);
+        }
         let input = |_: Input| Interval::within(self.range.0);
         let angles = Angles::new(function, &input);
         let occurrences = occurrences(function, &angles, &input);
@@ -110,7 +134,7 @@ impl Pass for Trigonometry {
     fn class(&self, declared: NumericClass) -> NumericClass {
         match self.method {
             Method::True => NumericClass::Exact,
-            Method::Taylor | Method::Minimax => declared,
+            _ => declared,
         }
     }
 }
@@ -162,13 +186,27 @@ impl Trigonometry {
     /// The rule noted for values.
     fn rule(&self) -> &'static str {
         match self.method {
-            Method::True => "true",
             Method::Taylor => "taylor",
-            Method::Minimax => "minimax",
+            _ => "minimax",
         }
     }
 
     fn check(&self) -> Result<(), PassError> {
+        let (method, place) = (self.method.print(), self.on.print());
+        let elsewhere = match self.method {
+            Method::Taylor | Method::Minimax => Place::Elements,
+            _ => Place::Host,
+        };
+        if self.on != elsewhere {
+            let help = match elsewhere {
+                Place::Elements => "on the host: polynomial, table or cordic",
+                Place::Host => {
+                    "the elements neither compare nor shift: say on=host, or take taylor or minimax"
+                }
+            };
+            let message = format!("method={method} is not for on={place}");
+            return Err(PassError::new(message).help(help));
+        }
         if self.order > MOST_ORDER {
             return Err(PassError::new(format!(
                 "order={} is beyond the largest order, {MOST_ORDER}",
@@ -185,19 +223,31 @@ impl Trigonometry {
         Ok(())
     }
 
-    fn decide(
-        &self,
-        occurrences: &BTreeMap<u64, Occurrence>,
-        context: &Context<'_>,
-    ) -> Result<Decided, PassError> {
-        let format = context.machine.number;
-        let wish = Wish {
+    fn wish(&self, machine: &Machine) -> Wish {
+        let format = machine.number;
+        Wish {
             method: self.method,
             order: self.order,
             error: self.error.0.unwrap_or(format.unit_roundoff()),
             halvings: self.halvings,
             format: self.round.then_some(format),
-        };
+        }
+    }
+
+    /// The polynomials that angles of at most `range` radians get on a
+    /// machine, and the proved absolute errors of the sine and the cosine
+    /// they give; `None` when no order keeps the error that is asked for.
+    pub fn polynomials(&self, machine: &Machine, range: f64) -> Option<(Halved, [f64; 2])> {
+        let choice = self.wish(machine).choose(range, [true; 2])?;
+        Some((choice.halved, choice.errors))
+    }
+
+    fn decide(
+        &self,
+        occurrences: &BTreeMap<u64, Occurrence>,
+        context: &Context<'_>,
+    ) -> Result<Decided, PassError> {
+        let wish = self.wish(context.machine);
         let mut decided = Decided {
             treatments: BTreeMap::new(),
             choices: Vec::new(),

@@ -13,6 +13,22 @@ option_words! {
         Taylor = "taylor",
         /// Polynomials of the smallest error on the range.
         Minimax = "minimax",
+        /// On the host: range reduction and a polynomial.
+        Polynomial = "polynomial",
+        /// On the host: range reduction, a table and a polynomial.
+        Table = "table",
+        /// On the host: range reduction and rotations.
+        Cordic = "cordic",
+    }
+}
+
+option_words! {
+    /// Where sines and cosines are computed.
+    pub enum Place {
+        /// By the processing elements, as part of the program.
+        Elements = "elements",
+        /// Before the run, by the host or an input unit.
+        Host = "host",
     }
 }
 

@@ -8,8 +8,8 @@
 //! does not hold count as rounded.
 
 use super::recipe::Recipe;
+use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::trigonometry::Interval;
-use robovec_ir::trigonometry::polynomial::round_to;
 use robovec_ir::{Format, Function, Node, Operand, OperandKind, Operation};
 
 /// Parts the range is cut into.
@@ -76,7 +76,7 @@ fn fetch(
             Computed {
                 exact: Interval::point(number),
                 // Neighbours subtract exactly.
-                error: (round_to(number, format) - number).abs(),
+                error: (FormatArithmetic::new(format).convert(number) - number).abs(),
             }
         }
         OperandKind::None => Computed {

@@ -1,0 +1,92 @@
+//! Arithmetics whose sines and cosines are those of a unit.
+
+use super::Unit;
+use crate::arithmetic::Arithmetic;
+
+/// An arithmetic that takes sines and cosines from a unit, rounded to its own
+/// numbers; everything else is as it was.
+#[derive(Clone, Copy, Debug)]
+pub struct WithTrigonometry<'a, A> {
+    /// Computes everything else.
+    pub arithmetic: A,
+    /// Computes sines and cosines.
+    pub unit: &'a Unit,
+}
+
+impl<A> Arithmetic for WithTrigonometry<'_, A>
+where
+    A: Arithmetic<Number: Into<f64>>,
+{
+    type Number = A::Number;
+
+    fn literal(&self, number: f64) -> A::Number {
+        self.arithmetic.literal(number)
+    }
+    fn neg(&self, a: A::Number) -> A::Number {
+        self.arithmetic.neg(a)
+    }
+    fn add(&self, a: A::Number, b: A::Number) -> A::Number {
+        self.arithmetic.add(a, b)
+    }
+    fn sub(&self, a: A::Number, b: A::Number) -> A::Number {
+        self.arithmetic.sub(a, b)
+    }
+    fn mul(&self, a: A::Number, b: A::Number) -> A::Number {
+        self.arithmetic.mul(a, b)
+    }
+    fn div(&self, a: A::Number, b: A::Number) -> A::Number {
+        self.arithmetic.div(a, b)
+    }
+    fn sin(&self, a: A::Number) -> A::Number {
+        let [sine, _] = self.unit.sine_and_cosine(a.into());
+        self.arithmetic.literal(sine)
+    }
+    fn cos(&self, a: A::Number) -> A::Number {
+        let [_, cosine] = self.unit.sine_and_cosine(a.into());
+        self.arithmetic.literal(cosine)
+    }
+    fn sqrt(&self, a: A::Number) -> A::Number {
+        self.arithmetic.sqrt(a)
+    }
+    fn fma(&self, a: A::Number, b: A::Number, c: A::Number) -> A::Number {
+        self.arithmetic.fma(a, b, c)
+    }
+    fn fms(&self, a: A::Number, b: A::Number, c: A::Number) -> A::Number {
+        self.arithmetic.fms(a, b, c)
+    }
+    fn fnma(&self, a: A::Number, b: A::Number, c: A::Number) -> A::Number {
+        self.arithmetic.fnma(a, b, c)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::Binary32;
+    use crate::evaluate::evaluate;
+    use crate::parse::parse_module;
+
+    #[test]
+    fn sines_come_from_the_unit_and_the_rest_does_not() {
+        let text = "function f equations {
+          meta trigonometry \"cordic(iterations=8 bits=12)\"
+          in q
+          out o[1..3]
+          o[1] = sin(q)
+          o[2] = cos(q)
+          o[3] = q*q
+        }";
+        let module = parse_module("f", text).expect("it is well formed");
+        let function = &module.functions[0];
+        let unit = Unit::of(function).expect("it is named").expect("it is one");
+        let arithmetic = WithTrigonometry {
+            arithmetic: Binary32,
+            unit: &unit,
+        };
+        let found = evaluate(function, &arithmetic, &[0.7f32]);
+        let expected = unit.sine_and_cosine(f64::from(0.7f32));
+        assert_eq!(found[..2], expected.map(|number| number as f32));
+        assert_eq!(found[2], 0.7f32 * 0.7f32);
+        assert_ne!(found[0], 0.7f32.sin());
+    }
+}

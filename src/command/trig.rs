@@ -1,0 +1,138 @@
+//! `robovec trig`: what series for sines and cosines do to the outputs.
+
+use super::{Failure, input, output};
+use crate::study::plot;
+use crate::trigonometry::{self, Effect, Setting};
+use clap::{Args, ValueEnum};
+use robovec_ir::trigonometry::{LARGEST_RANGE, MOST_ORDER};
+use robovec_ir::{Format, Module};
+use robovec_passes::trigonometry::Method;
+use std::path::{Path, PathBuf};
+
+/// Which polynomials.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
+enum Series {
+    /// The series of Taylor, cut off
+    Taylor,
+    /// Fitted to the range
+    Minimax,
+}
+
+/// What is measured.
+#[derive(Args, Debug)]
+pub(super) struct TrigArguments {
+    /// Files of equations, or models (.mbs)
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Orders of the polynomials: the largest power of the angle
+    #[arg(long, value_name = "ORDERS", value_delimiter = ',', default_value = "1,3,5,7",
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_ORDER)))]
+    orders: Vec<u32>,
+    /// Ranges of the joints: they move between minus and plus each, rad
+    #[arg(long, value_name = "ANGLES", value_delimiter = ',',
+          default_value = "0.01,0.1,0.5,1", value_parser = angle)]
+    angles: Vec<f64>,
+    /// Polynomials
+    #[arg(long, value_enum, default_value_t = Series::Taylor)]
+    method: Series,
+    /// How often angles are halved before the polynomials
+    #[arg(long, value_name = "N", default_value_t = 0,
+          value_parser = clap::value_parser!(u32).range(0..=16))]
+    halvings: u32,
+    /// Format the outputs are computed in: f32, f64, float(8,17) ...
+    #[arg(long, value_name = "FORMAT", default_value = "f32")]
+    number: Format,
+    /// Machine whose cycles the longest path is counted in
+    #[arg(long, default_value = "thesis")]
+    machine: String,
+    /// Only this function; of a model, the one to generate
+    #[arg(long, value_name = "NAME")]
+    function: Option<String>,
+    /// Random states of every range
+    #[arg(long, default_value_t = 100,
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    states: u32,
+    /// Seed of the states
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Folder for trig.csv, trig.json and trig.svg
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number <= LARGEST_RANGE => Ok(number),
+        _ => Err(format!(
+            "expected a number above 0 and up to {LARGEST_RANGE}"
+        )),
+    }
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &TrigArguments) -> Result<String, Failure> {
+    let machine = input::machine(&arguments.machine)?;
+    let setting = Setting {
+        method: match arguments.method {
+            Series::Taylor => Method::Taylor,
+            Series::Minimax => Method::Minimax,
+        },
+        orders: arguments.orders.clone(),
+        angles: arguments.angles.clone(),
+        halvings: arguments.halvings,
+        format: arguments.number,
+        states: arguments.states,
+        seed: arguments.seed,
+    };
+    let mut effects: Vec<Effect> = Vec::new();
+    let mut text = format!(
+        "Errors in {} over {} random states, seed {}: the largest of an array over its largest \
+         element; those of sin and cos are proved bounds.\n",
+        setting.format, setting.states, setting.seed
+    );
+    for path in &arguments.files {
+        let function = arguments.function.as_deref();
+        let mut module: Module = input::equations_or_model(path, None, function)?.module;
+        if let Some(wanted) = function {
+            super::opt::select(&mut module, wanted)?;
+        }
+        let model = match path.extension().is_some_and(|extension| extension == "mbs") {
+            true => Some(input::model(path)?.model),
+            false => None,
+        };
+        let measured =
+            trigonometry::measure(&stem(path), &module, model.as_ref(), &machine, &setting)
+                .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+        for effect in &measured {
+            text.push('\n');
+            text += &trigonometry::text(effect);
+        }
+        effects.extend(measured);
+    }
+    if let Some(folder) = &arguments.output {
+        write(folder, &effects)?;
+    }
+    Ok(text)
+}
+
+fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or(path.as_os_str());
+    stem.to_string_lossy().into_owned()
+}
+
+fn write(folder: &Path, effects: &[Effect]) -> Result<(), Failure> {
+    output::make_folder(folder)?;
+    let table = trigonometry::table(effects);
+    // A table is strings and numbers: nothing JSON cannot hold.
+    let json = serde_json::to_string_pretty(&table).expect("a table is plain data");
+    for (name, content) in [
+        ("trig.csv", table.to_csv()),
+        ("trig.json", json + "\n"),
+        ("trig.svg", plot::draw(&trigonometry::figure(effects))),
+    ] {
+        output::write_file(&folder.join(name), |writer| {
+            writer.write_all(content.as_bytes())
+        })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,286 @@
+//! What series for sines and cosines do to the results of a model.
+//!
+//! [`measure`] replaces the sines and cosines of a function by polynomials,
+//! for several orders and ranges of the joints, and compares the outputs with
+//! those of true sines and cosines at random states. The error of a series is
+//! a modelling error that reaches every output, and mostly far above rounding
+//! (thesis 1.2.2, remark); beside each other in one table it is seen where
+//! one takes over from the other. [`view`] shows the result.
+
+mod view;
+
+pub use view::{figure, table, text};
+
+use crate::model::Model;
+use crate::motion::{Inputs, State};
+use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::soft_float::FormatArithmetic;
+use robovec_ir::states::{Ranges, States};
+use robovec_ir::{Format, Input, Machine, Module, View};
+use robovec_passes::analysis::accuracy::evaluate_at;
+use robovec_passes::analysis::critical_path::critical_path;
+use robovec_passes::manager::{self, Config, RunError};
+use robovec_passes::options::OptionValue;
+use robovec_passes::pipeline;
+use robovec_passes::trigonometry::{Angle, Method, Trigonometry};
+use std::io;
+use std::sync::Arc;
+
+/// What is measured.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    /// How sines and cosines are computed.
+    pub method: Method,
+    /// Orders of the polynomials.
+    pub orders: Vec<u32>,
+    /// Ranges of the joints, of either sign, rad (and m, where they slide).
+    pub angles: Vec<f64>,
+    /// How often angles are halved.
+    pub halvings: u32,
+    /// The format the outputs are computed in.
+    pub format: Format,
+    /// Random states of each range.
+    pub states: u32,
+    /// Where they come from.
+    pub seed: u64,
+}
+
+/// The outputs of one function for one range and one way to compute sines.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Row {
+    /// The range of the joints.
+    pub angle: f64,
+    /// The order; `None` for true sines and cosines.
+    pub order: Option<u32>,
+    /// Proved largest errors of sine and cosine on the range.
+    pub proved: [f64; 2],
+    /// Operations of the function, and its longest path in cycles.
+    pub size: [u32; 2],
+    /// For each output array the errors.
+    pub errors: Vec<Normwise>,
+}
+
+/// The errors of an array: the largest error of an element in a state over
+/// the largest element in that state.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Normwise {
+    /// In the median state (the lower one of an even number).
+    pub median: f64,
+    /// In the worst state.
+    pub worst: f64,
+}
+
+/// All rows of one function.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Effect {
+    /// The function, or the model and the function.
+    pub name: String,
+    /// Names of its output arrays.
+    pub arrays: Vec<String>,
+    /// One row for every range and order.
+    pub rows: Vec<Row>,
+}
+
+/// Why nothing was measured.
+#[derive(Debug, thiserror::Error)]
+pub enum MeasureError {
+    /// A pass failed.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The model does not have an input of the equations.
+    #[error("the model has no {0}")]
+    Input(String),
+}
+
+/// Measures every function of a module. Parameters are those of the model
+/// when there is one, else random ones; so are velocities and forces.
+///
+/// # Errors
+///
+/// When a pass fails, or the equations are not the model's.
+pub fn measure(
+    name: &str,
+    module: &Module,
+    model: Option<&Model>,
+    machine: &Machine,
+    setting: &Setting,
+) -> Result<Vec<Effect>, MeasureError> {
+    let mut machine = machine.clone();
+    machine.number = setting.format;
+    let mut effects: Vec<Effect> = Vec::new();
+    for function in &module.functions {
+        let arrays = function.outputs().iter();
+        effects.push(Effect {
+            name: match module.functions.len() {
+                1 => name.to_owned(),
+                _ => format!("{name} {}", function.name),
+            },
+            arrays: arrays
+                .map(|array| module.tables.symbols.text(array.name).to_owned())
+                .collect(),
+            rows: Vec::new(),
+        });
+    }
+    for &angle in &setting.angles {
+        let exact = module
+            .functions
+            .iter()
+            .map(|function| {
+                let tables = &module.tables;
+                Samples::new(View { tables, function }, model, angle, setting)
+            })
+            .collect::<Result<Vec<Samples>, MeasureError>>()?;
+        let orders = std::iter::once(None).chain(setting.orders.iter().copied().map(Some));
+        for order in orders {
+            let replaced = match order {
+                None => module.clone(),
+                Some(order) => replaced(module, &machine, setting, order, angle)?,
+            };
+            let proved = match order {
+                None => [0.0; 2],
+                Some(order) => proved(&machine, setting, order, angle),
+            };
+            for ((effect, function), exact) in
+                effects.iter_mut().zip(&replaced.functions).zip(&exact)
+            {
+                let view = View {
+                    tables: &replaced.tables,
+                    function,
+                };
+                let path = critical_path(function, &machine).asap_cycle;
+                let counts = robovec_ir::count::Counts::of(function);
+                effect.rows.push(Row {
+                    angle,
+                    order,
+                    proved,
+                    size: [counts.operations as u32, path],
+                    errors: exact.errors(view, setting.format),
+                });
+            }
+        }
+    }
+    Ok(effects)
+}
+
+fn replaced(
+    module: &Module,
+    machine: &Machine,
+    setting: &Setting,
+    order: u32,
+    angle: f64,
+) -> Result<Module, RunError> {
+    let (method, range) = (setting.method.print(), Angle(angle).print());
+    let halvings = setting.halvings;
+    let text = format!(
+        "trigonometry{{method={method} order={order} range={range} halvings={halvings}}},\
+         atomise,fold,cse,dce"
+    );
+    let pipeline = pipeline::parse(&text).expect("made of known passes and options");
+    let mut module = module.clone();
+    // Remarks of the passes are for who compiles.
+    let mut log = io::sink();
+    manager::run(&mut module, &pipeline, Config::new(machine, &mut log))?;
+    Ok(module)
+}
+
+/// The proved errors of sine and cosine; an order that is given always gives
+/// polynomials.
+fn proved(machine: &Machine, setting: &Setting, order: u32, angle: f64) -> [f64; 2] {
+    let pass = Trigonometry {
+        method: setting.method,
+        order,
+        halvings: setting.halvings,
+        ..Trigonometry::default()
+    };
+    let found = pass.polynomials(machine, angle);
+    found.map_or([f64::INFINITY; 2], |(_, errors)| errors)
+}
+
+/// States with their exact outputs.
+struct Samples {
+    inputs: Vec<Vec<f64>>,
+    exact: Vec<Vec<Double>>,
+}
+
+impl Samples {
+    fn new(
+        view: View<'_>,
+        model: Option<&Model>,
+        angle: f64,
+        setting: &Setting,
+    ) -> Result<Samples, MeasureError> {
+        let ranges = ranges(view, model, angle)?;
+        let states = States::new(setting.seed).within(Arc::new(ranges));
+        let arithmetic = FormatArithmetic::new(setting.format);
+        let inputs: Vec<Vec<f64>> = (0..setting.states.max(1))
+            .map(|state| {
+                let state = states.draw(view, state);
+                // The exact function starts from the numbers the format has.
+                state.iter().map(|&x| arithmetic.convert(x)).collect()
+            })
+            .collect();
+        let exact = inputs
+            .iter()
+            .map(|inputs| evaluate_at(view, &DoubleDouble, inputs))
+            .collect();
+        Ok(Samples { inputs, exact })
+    }
+
+    /// The errors of another version of the function in a format.
+    fn errors(&self, view: View<'_>, format: Format) -> Vec<Normwise> {
+        let arithmetic = FormatArithmetic::new(format);
+        let outputs = view.function.outputs();
+        let mut errors: Vec<Vec<f64>> = vec![Vec::new(); outputs.len()];
+        for (inputs, exact) in self.inputs.iter().zip(&self.exact) {
+            let computed = evaluate_at(view, &arithmetic, inputs);
+            let mut norms = vec![(0.0f64, 0.0f64); outputs.len()];
+            for ((assignment, exact), computed) in
+                view.function.assignments.iter().zip(exact).zip(computed)
+            {
+                let output = assignment.output.0;
+                let array = outputs.partition_point(|array| array.offset <= output) - 1;
+                let norm = &mut norms[array];
+                *norm = (
+                    norm.0.max(exact.distance(computed)),
+                    norm.1.max(exact.high.abs()),
+                );
+            }
+            for (errors, (error, size)) in errors.iter_mut().zip(norms) {
+                errors.push(if error == 0.0 { 0.0 } else { error / size });
+            }
+        }
+        errors.into_iter().map(normwise).collect()
+    }
+}
+
+fn normwise(mut errors: Vec<f64>) -> Normwise {
+    errors.sort_unstable_by(f64::total_cmp);
+    Normwise {
+        median: errors[(errors.len() - 1) / 2],
+        worst: errors[errors.len() - 1],
+    }
+}
+
+/// Joints within the range, parameters as the model has them.
+fn ranges(view: View<'_>, model: Option<&Model>, angle: f64) -> Result<Ranges, MeasureError> {
+    let mut ranges = Ranges::default();
+    let parameters = match model {
+        None => None,
+        Some(model) => {
+            let inputs = Inputs::new(model, view).map_err(MeasureError::Input)?;
+            Some(inputs.gather(&State::initial(model)))
+        }
+    };
+    for index in 0..view.function.input_len() {
+        let (array, indices, _) = view.function.input_element(Input(index as u32));
+        let name = view.tables.symbols.text(array.name);
+        match (name, &parameters) {
+            ("q", _) => ranges.set(name, indices, -angle, angle),
+            ("dpt" | "l" | "m" | "In" | "g" | "lrod", Some(parameters)) => {
+                ranges.set(name, indices, parameters[index], parameters[index]);
+            }
+            _ => {}
+        }
+    }
+    Ok(ranges)
+}
