@@ -30,12 +30,10 @@ fn verdicts_are_those_expected() {
             continue;
         }
         let found = judge(&case).expect("it can be measured");
-        // Binary64 is never worse, but for what no format changes.
-        assert!(
-            found.long.error <= found.short.error * 1.001,
-            "{}",
-            case.name
-        );
+        // Binary64 is never worse, but for what no format changes. In
+        // binary32 there may be no result at all.
+        let worse = found.long.error > found.short.error * 1.001;
+        assert!(!worse && found.long.error.is_finite(), "{}", case.name);
         if found.verdict != case.expected {
             wrong.push(format!(
                 "{} is {}: {:e} in f32, {:e} in f64, {:e} attainable",
