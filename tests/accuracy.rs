@@ -69,7 +69,11 @@ fn arithmetic_part(preset: &str) -> Pipeline {
 }
 
 fn measured(preset: &str) -> Vec<Subject> {
-    let machine = Machine::built_in("thesis").expect("it ships");
+    measured_on(preset, "thesis")
+}
+
+fn measured_on(preset: &str, machine: &str) -> Vec<Subject> {
+    let machine = Machine::built_in(machine).expect("it ships");
     let pipeline = arithmetic_part(preset);
     let options = Options { states: 0, seed: 1 };
     let mut subjects = Vec::new();
@@ -115,6 +119,29 @@ fn no_pass_of_a_default_pipeline_worsens_the_median() {
             }
         }
         assert!(compared > 2 * MODELS.len(), "passes were compared");
+    }
+}
+
+#[test]
+fn the_more_accurate_form_never_worsens_the_median_and_often_improves_it() {
+    let before = "atomise,zero-removal,balance,cse,dce";
+    for (options, machine, fewest) in [
+        ("", "thesis", 0),
+        ("", "fused", 7),
+        ("{growth=50 slack=50}", "fused", 7),
+    ] {
+        let pipeline = format!("{before},accurate{options}");
+        let mut better = 0;
+        for subject in measured_on(&pipeline, machine) {
+            let last = subject.steps.last().expect("there are passes");
+            for change in last.changes.iter().flatten() {
+                let name = &subject.name;
+                let worse = change.trend == Trend::Worse;
+                assert!(!worse, "{name}, accurate{options} on {machine}: {change}");
+                better += u32::from(change.trend == Trend::Better);
+            }
+        }
+        assert!(better >= fewest, "{options} on {machine}: {better} better");
     }
 }
 

@@ -159,7 +159,7 @@ pub(super) fn plan(setting: &Setting, terms: &[Term], factoring: bool) -> Option
         return None;
     };
     let met = last.arrival <= setting.deadline && !last.negative;
-    met.then(|| Plan {
+    met.then_some(Plan {
         steps: draft.steps,
         result: last.source,
         #[cfg(test)]

@@ -195,7 +195,7 @@ impl Search<'_> {
     /// alone does not meet it.
     fn run(&mut self) -> Result<(Choices, i32), f64> {
         let widest = self.choosing.worst(self.view.function, &self.widest());
-        if !(widest <= 1.0) {
+        if widest > 1.0 {
             return Err(widest);
         }
         let mut best: Option<(f64, Choices, i32)> = None;
