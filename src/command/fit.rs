@@ -24,6 +24,9 @@ pub(super) struct FitArguments {
     /// Machine whose elements, memories and clock are used; by default the scene's, or thesis
     #[arg(long)]
     machine: Option<String>,
+    /// Only these formulations; by default the scene's, or all that may be the best
+    #[arg(long, value_delimiter = ',', value_parser = super::generation::formulations())]
+    formulation: Vec<String>,
     /// Where sines and cosines are computed; by default as the scene says, or on the host
     #[arg(long, value_enum)]
     trigonometry: Option<Where>,
@@ -65,7 +68,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
     let task = Task {
         scene: &file.scene,
         general: &general,
-        formulations: formulations(&file, &general),
+        formulations: formulations(arguments, &file, &general),
         machine: &machine,
         trigonometry: place(arguments, &file),
         states,
@@ -117,19 +120,31 @@ fn machine(arguments: &FitArguments, file: &SceneFile) -> Result<Machine, Failur
     input::machine(asked.map_or("thesis", String::as_str))
 }
 
-/// The formulations that are tried: the one the scene wishes for, else all
-/// that give the function. Those the generator refuses are left out.
-fn formulations(file: &SceneFile, general: &Module) -> Vec<(Formulation, Module)> {
+/// The formulations that are tried: those asked for, else the one the scene
+/// wishes for, else all that can be the best. Those the generator refuses are
+/// left out.
+fn formulations(
+    arguments: &FitArguments,
+    file: &SceneFile,
+    general: &Module,
+) -> Vec<(Formulation, Module)> {
     let own = (file.formulation(), general.clone());
     let Subject::Model(subject) = &file.subject else {
         return vec![own];
     };
-    if file.scene.formulation.is_some() {
+    let asked = arguments.formulation.iter();
+    let mut wanted: Vec<Formulation> = asked
+        .filter_map(|name| Formulation::from_name(name))
+        .collect();
+    if wanted.is_empty() && file.scene.formulation.is_some() {
         return vec![own];
     }
-    let others = TRIED.into_iter().filter(|&other| other != own.0);
-    let others = others.filter_map(|other| Some((other, subject.equations(other).ok()?)));
-    std::iter::once(own.clone()).chain(others).collect()
+    if wanted.is_empty() {
+        wanted = TRIED.to_vec();
+    }
+    let made = wanted.into_iter();
+    made.filter_map(|one| Some((one, subject.equations(one).ok()?)))
+        .collect()
 }
 
 /// Formulations that can be the best of a scene.

@@ -30,6 +30,8 @@ const BALANCED: &str = "atomise,zero-removal,balance,cse,dce";
 const ORDER_1: &str = "trigonometry{method=taylor order=1}";
 /// Composite bodies and common factors, found in the equations.
 const COMPOSITE: &str = "atomise,zero-removal,composite,factor-trig,balance,cse,dce";
+/// The form that rounds least, with neither more cycles nor more operations.
+const ACCURATE: &str = "accurate";
 
 /// Functions with more operations get fewer variants: look-ahead takes a
 /// quarter of a millisecond per operation.
@@ -101,6 +103,20 @@ pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<
             );
             add(name, None, &[start, &ahead(growth)]);
         }
+    }
+    // In the form that rounds least, at no cost.
+    add("balanced, accurate".to_owned(), None, &[BALANCED, ACCURATE]);
+    if operations <= LARGE {
+        add(
+            "look-ahead 120 %, accurate".to_owned(),
+            None,
+            &[BALANCED, &ahead(120), ACCURATE],
+        );
+        add(
+            "composite, look-ahead 120 %, accurate".to_owned(),
+            None,
+            &[COMPOSITE, &ahead(120), ACCURATE],
+        );
     }
     // Without a host: the elements compute the sines and cosines as well.
     let series = format!("atomise,trigonometry{{method=minimax order=7 range={angle}}}");
