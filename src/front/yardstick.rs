@@ -9,12 +9,13 @@
 
 use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_ir::batch::Batch;
-use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::double_double::Double;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::print::{print_operand, print_output};
 use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Input, View};
+use robovec_passes::analysis::reference::{Effort, Exact, Reference};
 use std::array;
 use std::collections::BTreeMap;
 
@@ -105,7 +106,7 @@ impl Yardstick {
                 .enumerate()
                 .map(|(i, name)| (name, i))
                 .collect(),
-            exact: in_lanes(view, DoubleDouble, &states),
+            exact: exact(view, &states),
             states,
             outputs: assignments
                 .map(|(index, assignment)| (print_output(view, assignment.output), index))
@@ -299,6 +300,14 @@ pub fn results(view: View<'_>, format: Format, states: &[Vec<f64>]) -> Vec<Vec<f
         }
         other => in_lanes(view, FormatArithmetic::new(other), states),
     }
+}
+
+/// The exact outputs of a function at states.
+fn exact(view: View<'_>, states: &[Vec<f64>]) -> Vec<Vec<Double>> {
+    let mut reference = Reference::new(view.function, Effort::DoubleDouble);
+    let results = reference.evaluate(states).into_iter();
+    let values = |row: Vec<Exact>| row.into_iter().map(|exact| exact.value).collect();
+    results.map(values).collect()
 }
 
 /// The outputs of a function at states, a few at a time.
