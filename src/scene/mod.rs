@@ -84,7 +84,7 @@ impl SceneFile {
     /// Those of the generator.
     pub fn module(&self) -> Result<Module, GenerateError> {
         match &self.subject {
-            Subject::Equations(module) => Ok(module.clone()),
+            Subject::Equations(module) => Ok((**module).clone()),
             Subject::Model(subject) => subject.equations(self.formulation()),
         }
     }
@@ -97,7 +97,7 @@ impl SceneFile {
     /// Those of the generator.
     pub fn general(&self) -> Result<Module, GenerateError> {
         match &self.subject {
-            Subject::Equations(module) => Ok(module.clone()),
+            Subject::Equations(module) => Ok((**module).clone()),
             Subject::Model(subject) => subject.general_equations(self.formulation()),
         }
     }

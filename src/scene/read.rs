@@ -212,7 +212,7 @@ fn subject(
         }
         None => {}
     }
-    Ok(Some((Subject::Equations(module), input.warnings)))
+    Ok(Some((Subject::Equations(Box::new(module)), input.warnings)))
 }
 
 fn model_subject(

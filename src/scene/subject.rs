@@ -13,7 +13,7 @@ pub enum Subject {
     /// A model and a function of it.
     Model(Box<ModelSubject>),
     /// Equations as they were read: the one function of the scene.
-    Equations(Module),
+    Equations(Box<Module>),
 }
 
 /// A model and a function of it.

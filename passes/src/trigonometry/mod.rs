@@ -19,6 +19,7 @@ use crate::class::NumericClass;
 use crate::declare_pass;
 use crate::options::OptionValue;
 use crate::pass::{Context, Gives, Pass, PassError};
+use crate::scene::Scene;
 use choose::{Choice, Wish};
 use emit::{Emitter, Treatment, circular};
 pub use options::{Angle, Method, Place, Scheme, Tolerance};
@@ -41,8 +42,8 @@ declare_pass! {
     /// error on the range of the angle is smallest: 2^order times smaller.
     /// `method=true` leaves sines and cosines to the host.
     ///
-    /// The range of an angle follows from the ranges of its inputs, `range`
-    /// for each of them, by interval arithmetic: the sum of two joints has
+    /// The range of an angle follows from the ranges of its inputs (those of
+    /// the scene, else `range` for each of them) by interval arithmetic: the sum of two joints has
     /// twice the range of one. Without an order the least one is taken whose
     /// proved error on that range is at most `error`. `halvings` divides
     /// angles by a power of two first and doubles them back with
@@ -107,7 +108,8 @@ impl Pass for Trigonometry {
         if self.on == Place::Host {
             return self.record(function, context);
         }
-        let input = |_: Input| Interval::within(self.range.0);
+        let bounds = self.input_bounds(function, context);
+        let input = |input: Input| bounds[input.index()];
         let angles = Angles::new(function, &input);
         let occurrences = occurrences(function, &angles, &input);
         let decided = self.decide(&occurrences, context)?;
@@ -221,6 +223,22 @@ impl Trigonometry {
             )));
         }
         Ok(())
+    }
+
+    /// The bounds of every input element: those of the scene, when it says,
+    /// else `range`.
+    fn input_bounds(&self, function: &Function, context: &Context<'_>) -> Vec<Interval> {
+        let known = context.scene.map(Scene::known_inputs);
+        let bounds = |index: usize| {
+            let (array, indices, _) = function.input_element(Input(index as u32));
+            let name = context.tables.symbols.text(array.name);
+            let range = known.as_ref().and_then(|known| known.get(name, indices));
+            range.map_or(Interval::within(self.range.0), |[low, high]| Interval {
+                low,
+                high,
+            })
+        };
+        (0..function.input_len()).map(bounds).collect()
     }
 
     fn wish(&self, machine: &Machine) -> Wish {

@@ -498,11 +498,13 @@ fn add_conditions(
 /// Matrices beyond this order are left out: the work grows with its cube.
 const LARGEST_ORDER: u32 = 256;
 
+/// A symmetric matrix among the outputs: array, order, offset of its first
+/// element, and the condition numbers found.
+type Matrix = (usize, usize, u32, Vec<(u32, f64)>);
+
 /// The condition numbers of output arrays that are symmetric matrices.
 struct Matrices {
-    /// Array, order, offset of its first element, and the condition numbers
-    /// found.
-    found: Vec<(usize, usize, u32, Vec<(u32, f64)>)>,
+    found: Vec<Matrix>,
 }
 
 impl Matrices {
