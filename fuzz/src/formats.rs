@@ -233,6 +233,6 @@ mod tests {
 
     #[test]
     fn formats_agree_on_random_programs() {
-        arbtest::arbtest(|bytes| compare(bytes));
+        arbtest::arbtest(compare);
     }
 }
