@@ -44,6 +44,7 @@ use robovec_ir::format::Format;
 use robovec_ir::plan::Plan;
 use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::states::States;
+use robovec_ir::trigonometry::host;
 use robovec_ir::{Function, Output, Shape, View};
 pub(super) use samples::Samples;
 pub use spread::Spread;
@@ -382,13 +383,19 @@ enum Memory {
     Mixed(Format),
 }
 
+/// True when a function says how its values are computed: in formats of their
+/// own, or with the sines and cosines of a host of its own.
+fn needs_mixed(view: View<'_>) -> bool {
+    view.function.formats.is_some() || view.function.metadata(host::KEY).is_some()
+}
+
 impl<'a> Evaluator<'a> {
     fn new(view: View<'a>, format: Format) -> Evaluator<'a> {
         Evaluator {
             function: view.function,
             plan: Plan::new(view.function),
             memory: match format {
-                format if view.function.formats.is_some() => Memory::Mixed(format),
+                format if needs_mixed(view) => Memory::Mixed(format),
                 Format::BINARY32 => Memory::Binary32(Vec::new()),
                 Format::BINARY64 => Memory::Binary64(Vec::new()),
                 format => Memory::Soft(FormatArithmetic::new(format), Vec::new()),

@@ -14,7 +14,7 @@
 //! - [`Effort::Audit`]: everything in arbitrary precision, which shares no
 //!   arithmetic with double-double.
 //!
-//! With the feature `mpfr`, [`mpfr`] evaluates a third time with another
+//! With the feature `mpfr`, `mpfr` evaluates a third time with another
 //! library; the tests compare.
 //!
 //! **Invariant.** A function is taken as what it means over the real numbers:
