@@ -11,8 +11,8 @@ use crate::study::plot::Escaped;
 pub fn page(task: &Task<'_>, outcome: &Outcome, confirmation: Option<&Confirmation>) -> String {
     let title = format!("Scene {}", task.scene.name);
     let subtitle = format!(
-        "{} Machine {}: {}, {} MHz. Computed by robovec {}.",
-        task.scene.description,
+        "{}. Machine {}: {}, {} MHz. Computed by robovec {}.",
+        task.scene.description.trim_end_matches('.'),
         task.machine.name,
         task.machine.description,
         task.machine.clock_mhz,
@@ -21,9 +21,11 @@ pub fn page(task: &Task<'_>, outcome: &Outcome, confirmation: Option<&Confirmati
     let told = text(task, outcome, confirmation);
     // Candidates are plain data; numbers that are not finite become null.
     let data = serde_json::to_string(&outcome.candidates).unwrap_or_default();
+    // Escaping is for one line at a time.
+    let lines: Vec<String> = told.lines().map(|line| Escaped(line).to_string()).collect();
     let figures = format!(
-        "<pre>{}</pre>\n{}",
-        Escaped(&told),
+        "<div class=\"scroll\"><pre>{}</pre></div>\n{}",
+        lines.join("\n"),
         drawn(&figure(task, outcome))
     );
     let parts = [

@@ -124,13 +124,15 @@ pub(crate) fn table(table: &Table) -> String {
     let mut text = String::new();
     let name = &table.name;
     // Data of the thesis and long lists are there for whoever looks for them.
-    let open = if name.starts_with("table-1.") || table.rows.len() > 50 {
+    let asked_for = name == "verdicts";
+    let open = if name.starts_with("table-1.") || table.rows.len() > 50 && !asked_for {
         ""
     } else {
         " open"
     };
     let file = match name.as_str() {
-        "cpu" => String::new(),
+        "cpu" | "verdicts" => String::new(),
+        "front" | "fit" => format!("File: {name}.csv."),
         name => format!("File: tables/{name}.csv."),
     };
     // Writing to a string cannot fail.
