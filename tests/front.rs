@@ -1,5 +1,5 @@
 //! Speed against error: what the thesis could choose is dominated by what we
-//! choose.
+//! choose, and what a scene is given holds in simulation.
 
 use serde_json::Value;
 use std::path::Path;
@@ -69,4 +69,73 @@ fn every_choice_of_the_thesis_is_dominated() {
     ] {
         assert!(read(folder.path(), name).contains(word), "{name}");
     }
+}
+
+/// A search for a scene: what was chosen, and its confirmation.
+fn fit(scene: &str) -> (Value, Value) {
+    let folder = tempfile::tempdir().expect("there is room for a folder");
+    let path = folder.path().to_string_lossy().into_owned();
+    let text = robovec(&[
+        "fit",
+        scene,
+        "--formulation=composite",
+        "--states=12",
+        "-o",
+        &path,
+    ]);
+    assert!(text.contains("Confirmed"), "{text}");
+    let result: Value = serde_json::from_str(&read(folder.path(), "fit.json")).expect("JSON");
+    let chosen = result["chosen"]
+        .as_u64()
+        .expect("something meets the scene") as usize;
+    let mut candidate = result["candidates"][chosen].clone();
+    let program = candidate["program"].as_u64().expect("an index") as usize;
+    candidate["trigonometry"] = result["programs"][program]["trigonometry"].clone();
+    // What was chosen compiles again from its text.
+    let program = folder.path().join("program.rvir");
+    let machine = folder.path().join("machine.toml");
+    let output = Command::new(env!("CARGO_BIN_EXE_robovec-opt"))
+        .arg(program)
+        .arg("--machine")
+        .arg(machine)
+        .args(["--simulate=2", "-o", "/dev/null"])
+        .output()
+        .expect("the program starts");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    (candidate, result["confirmation"].clone())
+}
+
+#[test]
+fn a_scene_gets_the_order_and_the_format_that_its_tolerance_needs() {
+    let mut mantissas = Vec::new();
+    for (scene, tolerance) in [
+        ("examples/scenes/bogie-1e-4.scene.toml", 1e-4),
+        ("examples/scenes/bogie-1e-6.scene.toml", 1e-6),
+    ] {
+        let (candidate, confirmation) = fit(scene);
+        let worst = candidate["normwise"]["worst"].as_f64().expect("a number");
+        assert!(worst <= tolerance, "{scene}: {worst}");
+        assert_eq!(candidate["meets"], true);
+        assert_eq!(confirmation["equal"], true);
+        assert!(confirmation["simulated_used"].as_f64().expect("a number") <= 1.0);
+        let order = candidate["trigonometry"].as_str().expect("a text");
+        assert!(
+            !order.contains("true"),
+            "the elements compute them: {order}"
+        );
+        let format: robovec_ir::Format = (candidate["format"].as_str())
+            .and_then(|text| text.parse().ok())
+            .expect("a format");
+        mantissas.push((order.to_owned(), format.significand()));
+    }
+    // A hundred times less error takes about seven bits more.
+    let [(_, loose), (_, tight)] = &mantissas[..] else {
+        panic!("two scenes");
+    };
+    assert!((4..=10).contains(&(tight - loose)), "{mantissas:?}");
+    assert!(*loose < 24, "{mantissas:?}");
 }
