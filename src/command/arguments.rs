@@ -41,9 +41,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME")]
     pub(crate) function: Option<String>,
 
-    /// Machine compiled for: a name of '--list-machines' or a .toml file
-    #[arg(long, default_value = "thesis", add = ArgValueCandidates::new(machine_candidates))]
-    pub(crate) machine: String,
+    /// Machine compiled for: a name of '--list-machines' or a .toml file; by default the scene's,
+    /// or thesis
+    #[arg(long, add = ArgValueCandidates::new(machine_candidates))]
+    pub(crate) machine: Option<String>,
 
     /// What the functions are needed for (.scene.toml): what it binds, ranges and needs is used by
     /// passes and by measurements
@@ -164,6 +165,9 @@ pub(crate) struct Arguments {
           value_parser = PossibleValuesParser::new(["bash", "elvish", "fish", "powershell", "zsh"]))]
     pub(crate) completion: Option<String>,
 }
+
+/// The machine compiled for when nobody says.
+pub(crate) const USUAL_MACHINE: &str = "thesis";
 
 /// A language robovec reads.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]

@@ -1,6 +1,6 @@
 //! `robovec-opt`.
 
-use super::arguments::{self, Arguments};
+use super::arguments::{self, Arguments, USUAL_MACHINE};
 use super::dump::DumpFolder;
 use super::explain;
 use super::input::{self, Input};
@@ -75,7 +75,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     // Everything the user wrote is read before any work is done.
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
-    let machine = input::machine(&arguments.machine)?;
+    let asked = arguments.machine.as_deref();
+    let asked = asked.map(input::machine).transpose()?;
     let rules = rules::sound(&arguments.rules, !arguments.no_default_rules)?;
     let Some(path) = &arguments.input else {
         return Err(Failure::plain("no input file"));
@@ -87,6 +88,13 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let start = usage().0;
     let (scene, mut input) = scene_and_input(arguments, path)?;
     let scene = scene.as_ref();
+    let machine = match asked {
+        Some(machine) => machine,
+        None => {
+            let wished = scene.and_then(|scene| scene.machine.as_deref());
+            input::machine(wished.unwrap_or(USUAL_MACHINE))?
+        }
+    };
     let (now, peak_mb) = usage();
     let mut stages = vec![Stage {
         name: "(read)",

@@ -6,7 +6,7 @@
 //! obeys.
 
 use super::Failure;
-use super::arguments::Arguments;
+use super::arguments::{Arguments, USUAL_MACHINE};
 use robovec_ir::{Machine, Module, print};
 use robovec_passes::pipeline::Pipeline;
 use std::fmt::Write;
@@ -25,19 +25,22 @@ pub(super) fn text(
     arguments: &Arguments,
     about: &str,
 ) -> String {
-    let machine = &arguments.machine;
+    let machine = arguments.machine.as_deref().unwrap_or(USUAL_MACHINE);
     let shipped = match Machine::built_in(machine) {
-        Some(_) if machine != "thesis" => format!(" {machine}"),
+        Some(_) if machine != USUAL_MACHINE => format!(" {machine}"),
         Some(_) | None => String::new(),
     };
     let mut text = format!("// RUN: {pipeline}{shipped}\n{COMMAND}");
     let points = arguments.check_each.unwrap_or(POINTS);
     let mut words = vec![
         format!("--passes={pipeline}"),
-        format!("--machine={machine}"),
         format!("--check-each={points}"),
         format!("--seed={}", arguments.seed),
     ];
+    // Without either the machine is the scene's.
+    if arguments.machine.is_some() || arguments.scene.is_none() {
+        words.insert(1, format!("--machine={machine}"));
+    }
     words.extend(arguments.rules.iter().map(|name| format!("--rules={name}")));
     if let Some(scene) = &arguments.scene {
         words.push(format!("--scene={}", scene.display()));
