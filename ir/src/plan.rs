@@ -148,21 +148,8 @@ impl Plan {
         memory.extend(literals.map(|&number| arithmetic.literal(number)));
         memory.resize(self.places, arithmetic.literal(0.0));
         for step in &self.steps {
-            let [a, b, c] = step.operands.map(|place| memory[place as usize]);
-            memory[step.result as usize] = match step.operation {
-                Operation::Copy => a,
-                Operation::Neg => arithmetic.neg(a),
-                Operation::Add => arithmetic.add(a, b),
-                Operation::Sub => arithmetic.sub(a, b),
-                Operation::Mul => arithmetic.mul(a, b),
-                Operation::Div => arithmetic.div(a, b),
-                Operation::Sin => arithmetic.sin(a),
-                Operation::Cos => arithmetic.cos(a),
-                Operation::Sqrt => arithmetic.sqrt(a),
-                Operation::Fma => arithmetic.fma(a, b, c),
-                Operation::Fms => arithmetic.fms(a, b, c),
-                Operation::Fnma => arithmetic.fnma(a, b, c),
-            };
+            let operands = step.operands.map(|place| memory[place as usize]);
+            memory[step.result as usize] = arithmetic.apply(step.operation, operands);
         }
         let outputs = self.outputs.iter();
         outputs.map(|&place| memory[place as usize]).collect()

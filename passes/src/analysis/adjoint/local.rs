@@ -1,7 +1,8 @@
 //! What one operation can lose, and what it did lose.
 
 use super::only_moves;
-use super::tape::{Tape, apply};
+use super::tape::Tape;
+use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::{Format, Operation};
 
@@ -109,7 +110,7 @@ pub(super) fn errors(tape: &Tape, exact: &[f64], computed: &[f64]) -> Vec<f64> {
     for node in 0..nodes {
         let operation = tape.operation(node);
         let operands = tape.operands(node).map(|slot| Double::from(computed[slot]));
-        let result = apply(&DoubleDouble, operation, operands);
+        let result = DoubleDouble.apply(operation, operands);
         errors.push((Double::from(computed[node]) - result).high);
     }
     let leaves = exact[nodes..].iter().zip(&computed[nodes..]);

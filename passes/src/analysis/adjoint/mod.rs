@@ -33,7 +33,6 @@ mod tests;
 pub use blame::{Blame, EquationBlame, output_weights};
 pub use local::half_ulp;
 pub use run::{OutputError, Run};
-pub(crate) use tape::apply;
 pub use tape::{Slot, Tape};
 
 use partials::{Pair, secant, tangent, third};

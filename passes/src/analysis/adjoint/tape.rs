@@ -156,31 +156,8 @@ impl Tape {
         for (node, (&operation, operands)) in self.operations.iter().zip(&self.operands).enumerate()
         {
             let operands = operands.map(|operand| slots[operand as usize]);
-            slots[node] = apply(arithmetic, operation, operands);
+            slots[node] = arithmetic.apply(operation, operands);
         }
         slots
-    }
-}
-
-/// One operation in an arithmetic.
-#[inline]
-pub(crate) fn apply<A: Arithmetic>(
-    arithmetic: &A,
-    operation: Operation,
-    [a, b, c]: [A::Number; 3],
-) -> A::Number {
-    match operation {
-        Operation::Copy => a,
-        Operation::Neg => arithmetic.neg(a),
-        Operation::Add => arithmetic.add(a, b),
-        Operation::Sub => arithmetic.sub(a, b),
-        Operation::Mul => arithmetic.mul(a, b),
-        Operation::Div => arithmetic.div(a, b),
-        Operation::Sin => arithmetic.sin(a),
-        Operation::Cos => arithmetic.cos(a),
-        Operation::Sqrt => arithmetic.sqrt(a),
-        Operation::Fma => arithmetic.fma(a, b, c),
-        Operation::Fms => arithmetic.fms(a, b, c),
-        Operation::Fnma => arithmetic.fnma(a, b, c),
     }
 }

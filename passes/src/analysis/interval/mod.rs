@@ -27,7 +27,8 @@ pub use assumed::{Knowledge, Leaf, Leaves, MARGIN};
 pub use number::{Enclosing, Interval};
 pub use window::Window;
 
-use super::adjoint::{Tape, apply, half_ulp};
+use super::adjoint::{Tape, half_ulp};
+use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::{Format, Operation};
 
@@ -151,7 +152,7 @@ fn operate(operation: Operation, places: &[usize; 3], values: &[Interval]) -> In
     if operation == Operation::Mul && places[0] == places[1] {
         return values[places[0]].square();
     }
-    apply(&Enclosing, operation, places.map(|place| values[place]))
+    Enclosing.apply(operation, places.map(|place| values[place]))
 }
 
 /// What rounding makes of a range, and how far it moves a number at most.
@@ -227,10 +228,10 @@ fn secant(
             let inverse = one / computed(1);
             [inverse, -(enclosure.exact[result] * inverse), one]
         }
-        Operation::Sin => [apply(&Enclosing, Operation::Cos, [both(); 3]), one, one],
-        Operation::Cos => [-apply(&Enclosing, Operation::Sin, [both(); 3]), one, one],
+        Operation::Sin => [Enclosing.apply(Operation::Cos, [both(); 3]), one, one],
+        Operation::Cos => [-Enclosing.apply(Operation::Sin, [both(); 3]), one, one],
         Operation::Sqrt => {
-            let root = |argument| apply(&Enclosing, Operation::Sqrt, [argument; 3]);
+            let root = |argument| Enclosing.apply(Operation::Sqrt, [argument; 3]);
             [one / (root(computed(0)) + root(exact(0))), one, one]
         }
     }
