@@ -1,0 +1,157 @@
+/* MuJoCo: the stages of mj_forward that give the mass matrix and the forces
+   of gravity and velocities, on a model that peer.h's text is turned into.
+
+   Joints without mass between two bodies become joints of one body, since
+   MuJoCo wants every moving body to have a mass. */
+#include "peer.h"
+#include <mujoco/mujoco.h>
+
+static mjModel *model;
+static mjData *data;
+static double *dense;
+
+static int massless(const peer_joint *j)
+{
+    return j->mass == 0.0;
+}
+
+static void text_of_joint(FILE *out, int i, const double *place)
+{
+    const peer_joint *j = &peer_joint_list[i];
+    fprintf(out, "<joint name='j%d' type='%s' axis='%d %d %d' pos='%.17g %.17g %.17g'/>\n", i,
+            j->revolute ? "hinge" : "slide", j->axis == 0, j->axis == 1, j->axis == 2, place[0],
+            place[1], place[2]);
+}
+
+/* The last joint of the body that joint i begins: over massless joints that
+   carry one joint only, and sit where their parent does. */
+static int last_of_body(int i)
+{
+    for (;;) {
+        int child = -1, children = 0;
+        if (!massless(&peer_joint_list[i])) return i;
+        for (int k = i + 1; k < peer_joints; k++)
+            if (peer_joint_list[k].parent == i) child = k, children++;
+        if (children != 1) return i;
+        i = child;
+    }
+}
+
+/* Writes the body that begins with joint i, and closes it. Bodies are written
+   depth first with a stack of what is still to be written. */
+static void text_of_body(FILE *out, int first, int last)
+{
+    const double *d = peer_joint_list[first].anchor;
+    double place[PEER_MOST_JOINTS][3];
+    int chain[PEER_MOST_JOINTS], length = 0;
+    for (int i = last;; i = peer_joint_list[i].parent) {
+        chain[length++] = i;
+        if (i == first) break;
+    }
+    /* The body's frame is that of its last joint at rest. */
+    double whole[3] = {0, 0, 0};
+    for (int k = length - 1; k >= 0; k--)
+        for (int x = 0; x < 3; x++) {
+            if (chain[k] != first) whole[x] += peer_joint_list[chain[k]].anchor[x];
+            place[k][x] = whole[x];
+        }
+    fprintf(out, "<body pos='%.17g %.17g %.17g'>\n", d[0] + whole[0], d[1] + whole[1],
+            d[2] + whole[2]);
+    const peer_joint *j = &peer_joint_list[last];
+    const double *c = j->center, *I = j->inertia;
+    if (!massless(j))
+        fprintf(out,
+                "<inertial mass='%.17g' pos='%.17g %.17g %.17g' "
+                "fullinertia='%.17g %.17g %.17g %.17g %.17g %.17g'/>\n",
+                j->mass, c[0], c[1], c[2], I[0], I[3], I[5], I[1], I[2], I[4]);
+    for (int k = length - 1; k >= 0; k--) {
+        const double back[3] = {place[k][0] - whole[0], place[k][1] - whole[1],
+                                place[k][2] - whole[2]};
+        text_of_joint(out, chain[k], back);
+    }
+}
+
+static char *text_of_model(void)
+{
+    char *text;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    fprintf(out,
+            "<mujoco><compiler angle='radian' inertiafromgeom='false' autolimits='false'/>"
+            "<option gravity='%.17g %.17g %.17g'><flag contact='disable'/></option><worldbody>\n",
+            peer_gravity[0], peer_gravity[1], peer_gravity[2]);
+    int stack[2 * PEER_MOST_JOINTS], height = 0;
+    for (int i = peer_joints - 1; i >= 0; i--)
+        if (peer_joint_list[i].parent < 0) stack[height++] = i;
+    while (height) {
+        const int first = stack[--height];
+        if (first < 0) {
+            fprintf(out, "</body>\n");
+            continue;
+        }
+        const int last = last_of_body(first);
+        text_of_body(out, first, last);
+        stack[height++] = -1;
+        for (int k = peer_joints - 1; k > last; k--)
+            if (peer_joint_list[k].parent == last) stack[height++] = k;
+    }
+    fprintf(out, "</worldbody></mujoco>\n");
+    fclose(out);
+    return text;
+}
+
+static int address[PEER_MOST_JOINTS];
+
+static void build(const char *folder)
+{
+    char name[4096], message[1024] = "";
+    snprintf(name, sizeof name, "%s.mujoco.xml", folder);
+    char *text = text_of_model();
+    FILE *file = fopen(name, "w");
+    if (!file) bench_fail("the MuJoCo model cannot be written");
+    fputs(text, file);
+    fclose(file);
+    free(text);
+    model = mj_loadXML(name, 0, message, sizeof message);
+    if (!model) bench_fail(message);
+    data = mj_makeData(model);
+    if (model->nv != peer_joints) bench_fail("MuJoCo sees another number of joints");
+    dense = (double *)calloc((size_t)peer_joints * (size_t)peer_joints, sizeof(double));
+    for (int i = 0; i < peer_joints; i++) {
+        char joint[32];
+        snprintf(joint, sizeof joint, "j%d", i);
+        address[i] = model->jnt_dofadr[mj_name2id(model, mjOBJ_JOINT, joint)];
+    }
+}
+
+static void peer_evaluate(int s)
+{
+    const double *q = peer_q + (size_t)s * (size_t)peer_joints;
+    const double *qd = peer_qd + (size_t)s * (size_t)peer_joints;
+    for (int i = 0; i < peer_joints; i++) {
+        data->qpos[address[i]] = q[i];
+        data->qvel[address[i]] = qd[i];
+    }
+    mj_kinematics(model, data);
+    mj_comPos(model, data);
+    mj_makeM(model, data);
+    mj_comVel(model, data);
+    mj_rne(model, data, 0, data->qfrc_bias);
+}
+
+static void peer_result(double *M, double *c)
+{
+    const int n = peer_joints;
+    mj_fullM(model, data, dense);
+    for (int i = 0; i < n; i++) {
+        c[i] = data->qfrc_bias[address[i]];
+        for (int j = 0; j < n; j++) M[i * n + j] = dense[address[i] * n + address[j]];
+    }
+}
+
+int main(int count, char **words)
+{
+    peer_read(count, words);
+    build(words[3]);
+    return peer_main(count, words);
+}
