@@ -119,12 +119,12 @@ impl Chosen {
         let odd = Quad::from_bits(result.value.to_bits() | inexact);
         let least = quad(2f64.powi(self.number.smallest_exponent()));
         let size = if odd.is_negative() { -odd } else { odd };
-        // Products are judged before they are rounded.
+        // Results are judged before they are rounded.
         let tiny = size.partial_cmp(&least) == Some(Ordering::Less);
-        if operation == Operation::Mul && !self.number.subnormals && tiny {
+        if !self.number.subnormals && tiny {
             return if odd.is_negative() { -0.0 } else { 0.0 };
         }
-        self.flushed((self.round)(odd))
+        (self.round)(odd)
     }
 }
 

@@ -22,10 +22,9 @@
 //! prepares inputs would compute them.
 //!
 //! **Flushing** (`subnormals = false`): a number below the least normal one
-//! becomes a zero with its sign. Products are judged before they are rounded,
-//! which is the cheaper test in hardware; everything else, conversions
-//! included, after it. Sums that small are exact, so there is only one test
-//! for them.
+//! becomes a zero with its sign. Results are judged before they are rounded,
+//! which is the cheaper test in hardware; conversions after it. Sums that small
+//! are exact, so only products and quotients can tell the difference.
 //!
 //! **Fixed point** knows neither infinities nor NaN, and only one zero.
 //! Results beyond the range saturate. What would be an infinity saturates
@@ -131,7 +130,9 @@ impl FormatArithmetic {
         match self.method {
             Method::Binary32 => f64::from(binary32(operands.map(|number| number as f32))),
             Method::Binary64 => binary64(operands),
-            Method::Binary64Flushed | Method::Twice => self.rounding.round(binary64(operands)),
+            Method::Binary64Flushed | Method::Twice => {
+                self.rounding.round_result(binary64(operands))
+            }
             Method::Once => general(operands, &self.rounding),
         }
     }
@@ -175,14 +176,19 @@ impl Arithmetic for FormatArithmetic {
     #[inline]
     fn mul(&self, a: f64, b: f64) -> f64 {
         match self.method {
-            Method::Twice => self.rounding.round_product(a * b),
+            Method::Twice => self.rounding.round_result(a * b),
             Method::Binary64Flushed => odd::flushed_product(a, b, &self.rounding),
             _ => self.choose([a, b], |[a, b]| a * b, |[a, b]| a * b, odd::product),
         }
     }
     #[inline]
     fn div(&self, a: f64, b: f64) -> f64 {
-        self.choose([a, b], |[a, b]| a / b, |[a, b]| a / b, odd::quotient)
+        match self.method {
+            // Binary64's own result may have been rounded up to the least
+            // normal number.
+            Method::Binary64Flushed => odd::quotient([a, b], &self.rounding),
+            _ => self.choose([a, b], |[a, b]| a / b, |[a, b]| a / b, odd::quotient),
+        }
     }
     fn sin(&self, a: f64) -> f64 {
         self.convert(a.sin())
@@ -199,6 +205,9 @@ impl Arithmetic for FormatArithmetic {
         match self.method {
             // The product is exact, so this is a sum of two numbers.
             Method::Twice => odd::sum([a * b, c], &self.rounding),
+            // Binary64's own result may have been rounded up to the least
+            // normal number.
+            Method::Binary64Flushed => odd::fused([a, b, c], &self.rounding),
             _ => self.choose(
                 [a, b, c],
                 |[a, b, c]| a.mul_add(b, c),

@@ -56,11 +56,11 @@ pub(super) fn sum([a, b]: [f64; 2], rounding: &Rounding) -> f64 {
     // Sums do not underflow, and far below the largest number nothing
     // overflows on the way; a sum that is no number fails the comparison.
     if rounding.is_narrow() && nearest.abs() <= MOST {
-        return rounding.round(odd(nearest, error));
+        return rounding.round_result(odd(nearest, error));
     }
     match exact::sum(a, b) {
         Some(sum) => rounding.round_exact(sum),
-        None => rounding.round(nearest),
+        None => rounding.round_result(nearest),
     }
 }
 
@@ -69,7 +69,7 @@ pub(super) fn sum([a, b]: [f64; 2], rounding: &Rounding) -> f64 {
 pub(super) fn product([a, b]: [f64; 2], rounding: &Rounding) -> f64 {
     let nearest = a * b;
     if rounding.is_narrow() && is_tame(nearest) {
-        return rounding.round_product(odd(nearest, a.mul_add(b, -nearest)));
+        return rounding.round_result(odd(nearest, a.mul_add(b, -nearest)));
     }
     exact_product(a, b, nearest, rounding)
 }
@@ -86,8 +86,8 @@ pub(super) fn flushed_product(a: f64, b: f64, rounding: &Rounding) -> f64 {
 
 fn exact_product(a: f64, b: f64, nearest: f64, rounding: &Rounding) -> f64 {
     match exact::product(a, b) {
-        Some(product) => rounding.round_exact_product(product),
-        None => rounding.round(nearest),
+        Some(product) => rounding.round_exact(product),
+        None => rounding.round_result(nearest),
     }
 }
 
@@ -103,11 +103,11 @@ pub(super) fn quotient([a, b]: [f64; 2], rounding: &Rounding) -> f64 {
         } else {
             rest.copysign(f64::from_bits(rest.to_bits() ^ b.to_bits()))
         };
-        return rounding.round(odd(nearest, error));
+        return rounding.round_result(odd(nearest, error));
     }
     match exact::quotient(a, b) {
         Some(quotient) => rounding.round_exact(quotient),
-        None => rounding.round(nearest),
+        None => rounding.round_result(nearest),
     }
 }
 
@@ -116,11 +116,11 @@ pub(super) fn quotient([a, b]: [f64; 2], rounding: &Rounding) -> f64 {
 pub(super) fn root([a]: [f64; 1], rounding: &Rounding) -> f64 {
     let nearest = a.sqrt();
     if rounding.is_narrow() && is_tame(a) && nearest > 0.0 {
-        return rounding.round(odd(nearest, (-nearest).mul_add(nearest, a)));
+        return rounding.round_result(odd(nearest, (-nearest).mul_add(nearest, a)));
     }
     match exact::root(a) {
         Some(root) => rounding.round_exact(root),
-        None => rounding.round(nearest),
+        None => rounding.round_result(nearest),
     }
 }
 
@@ -133,10 +133,10 @@ pub(super) fn fused([a, b, c]: [f64; 3], rounding: &Rounding) -> f64 {
         let rest = a.mul_add(b, -product);
         let (low, lowest) = two_sum(c, rest);
         let (high, middle) = two_sum(product, low);
-        return rounding.round(odd_sum(high, odd_sum(middle, lowest)));
+        return rounding.round_result(odd_sum(high, odd_sum(middle, lowest)));
     }
     match exact::fused(a, b, c) {
         Some(sum) => rounding.round_exact(sum),
-        None => rounding.round(a.mul_add(b, c)),
+        None => rounding.round_result(a.mul_add(b, c)),
     }
 }

@@ -41,10 +41,12 @@ impl Rounding {
         }
     }
 
-    /// As [`Rounding::round`], for a product: without subnormal numbers it is
-    /// judged before it is rounded.
+    /// As [`Rounding::round`], for the result of an operation: without
+    /// subnormal numbers it is judged before it is rounded. The number is the
+    /// exact result, or rounded to odd, which never crosses the least normal
+    /// number.
     #[inline]
-    pub(super) fn round_product(&self, number: f64) -> f64 {
+    pub(super) fn round_result(&self, number: f64) -> f64 {
         match self {
             Rounding::Float(float) if float.flush && number.abs() < float.least => {
                 0f64.copysign(number)
@@ -53,21 +55,11 @@ impl Rounding {
         }
     }
 
-    /// The nearest number of the format to an exact result.
+    /// The nearest number of the format to the exact result of an operation.
     pub(super) fn round_exact(&self, number: Exact) -> f64 {
         match self {
             Rounding::Float(float) => float.round_exact(number),
             Rounding::Fixed(fixed) => fixed.round_exact(number),
-        }
-    }
-
-    /// As [`Rounding::round_exact`], for a product.
-    pub(super) fn round_exact_product(&self, number: Exact) -> f64 {
-        match self {
-            Rounding::Float(float) if float.flush && number.leading() < float.smallest => {
-                signed(0.0, number.negative)
-            }
-            _ => self.round_exact(number),
         }
     }
 }
@@ -154,13 +146,15 @@ impl FloatRounding {
         let leading = number.leading();
         let size = if leading > self.largest_exponent {
             f64::INFINITY
+        } else if self.flush && leading < self.smallest {
+            0.0
         } else {
             let unit = (leading - self.mantissa).max(self.smallest - self.mantissa);
             let size = multiples(number.significand, number.exponent, unit) as f64 * power(unit);
             if size > self.largest {
                 f64::INFINITY
             } else {
-                self.flushed(size)
+                size
             }
         };
         signed(size, number.negative)

@@ -2,7 +2,7 @@
 
 use super::operands::{Random, any, near, special};
 use super::reference::{
-    Other, converted, flushed, flushed_product, is_root, is_small, read, widened, written,
+    Other, converted, flushed, flushed_result, is_root, is_small, read, widened, written,
 };
 use crate::arithmetic::Arithmetic;
 use crate::format::Format;
@@ -89,14 +89,20 @@ impl<const E: usize, const M: usize> Pair<E, M> {
                 if !flush {
                     return product;
                 }
-                flushed_product(a.mul_r(b, Round::TowardZero).value, product)
+                flushed_result(a.mul_r(b, Round::TowardZero).value, product)
             },
         );
         self.compare(
             "div",
             words,
             |x, [a, b]| x.div(a, b),
-            |[a, b], _| written((a / b).value),
+            |[a, b], flush| {
+                let quotient = written((a / b).value);
+                if !flush {
+                    return quotient;
+                }
+                flushed_result(a.div_r(b, Round::TowardZero).value, quotient)
+            },
         );
     }
 
@@ -105,7 +111,15 @@ impl<const E: usize, const M: usize> Pair<E, M> {
             "fma",
             words,
             |x, [a, b, c]| x.fma(a, b, c),
-            |[a, b, c], _| written(a.mul_add(b, c).value),
+            |[a, b, c], flush| {
+                let sum = written(a.mul_add(b, c).value);
+                let truncated = a.mul_add_r(b, c, Round::TowardZero).value;
+                // Zeros are exact, but for their sign.
+                if !flush || truncated.is_zero() && is_small::<E, M>(sum) {
+                    return sum;
+                }
+                flushed_result(truncated, sum)
+            },
         );
     }
 

@@ -112,3 +112,15 @@ fn flushing_judges_products_before_rounding() {
     );
     assert_eq!(arithmetic.div(least, 2.0), 0.0);
 }
+
+#[test]
+fn flushing_judges_quotients_before_rounding() {
+    let format: Format = "float(11,52,flush)".parse().expect("a format");
+    let arithmetic = FormatArithmetic::new(format);
+    // Half a unit below the least normal number, to which it would round.
+    let below = 1.0 - f64::EPSILON / 2.0;
+    let quotient = arithmetic.div(-below, 2f64.powi(1022));
+    assert_eq!(quotient.to_bits(), (-0.0f64).to_bits());
+    let fused = arithmetic.fma(below, f64::MIN_POSITIVE, 0.0);
+    assert_eq!(fused.to_bits(), 0.0f64.to_bits());
+}

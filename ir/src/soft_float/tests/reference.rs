@@ -43,9 +43,9 @@ pub(super) fn flushed<const E: usize, const M: usize>(word: u64) -> u64 {
     }
 }
 
-/// A product where there are no subnormal numbers: judged before rounding,
-/// for which rounding towards zero serves.
-pub(super) fn flushed_product<const E: usize, const M: usize>(
+/// A result where there are no subnormal numbers: judged before rounding, for
+/// which rounding towards zero serves.
+pub(super) fn flushed_result<const E: usize, const M: usize>(
     truncated: Other<E, M>,
     rounded: u64,
 ) -> u64 {
