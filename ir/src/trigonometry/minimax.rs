@@ -66,6 +66,36 @@ impl Polynomial {
             series
         }
     }
+
+    /// The polynomial that begins with given coefficients and whose further
+    /// ones, up to an order, make the largest absolute error smallest; each
+    /// is a number of `format`. Kernels begin with the series' own `1` and
+    /// `-1/2`, whose products are exact, to lose nothing for small angles.
+    ///
+    /// `None` where nothing can be fitted: no room behind the leading
+    /// coefficients, a range of zero or beyond [`LARGEST_RANGE`].
+    pub fn minimax_behind(
+        of: Circular,
+        leading: &[f64],
+        order: u32,
+        range: f64,
+        format: Format,
+    ) -> Option<Polynomial> {
+        let terms = of.terms(order);
+        if terms <= leading.len() || !(f64::MIN_POSITIVE..=LARGEST_RANGE).contains(&range) {
+            return None;
+        }
+        let arithmetic = FormatArithmetic::new(format);
+        let mut fixed = leading.to_vec();
+        while fixed.len() < terms {
+            let rest = fit(of, &fixed, terms - fixed.len(), range)?;
+            fixed.push(arithmetic.convert(rest[0].high));
+        }
+        Some(Polynomial {
+            of,
+            coefficients: fixed,
+        })
+    }
 }
 
 /// A grid on the range with what is to be approximated there.
@@ -278,6 +308,20 @@ mod tests {
             let found = fitted.proved_error(1.0);
             assert!(found <= rounded, "{}: {found} over {rounded}", of.name());
         }
+    }
+
+    #[test]
+    fn leading_coefficients_are_kept_and_made_up_for() {
+        let leading = [1.0, -0.5];
+        let kept = |order| {
+            Polynomial::minimax_behind(Circular::Cosine, &leading, order, 0.8, Format::BINARY64)
+        };
+        let fitted = kept(14).expect("room for more coefficients");
+        assert_eq!(fitted.coefficients[..2], leading);
+        assert_eq!(fitted.degree(), 14);
+        let taylor = Polynomial::taylor(Circular::Cosine, 14).proved_error(0.8);
+        assert!(fitted.proved_error(0.8) < taylor / 20.0);
+        assert_eq!(kept(2), None);
     }
 
     #[test]
