@@ -6,6 +6,10 @@
 //! (thesis 1.1 to 1.3). Nothing about a machine is a constant in code: all of
 //! it comes from a TOML file (`machines/`), described field by field below.
 
+pub mod interconnect;
+
+pub use interconnect::{Interconnect, Network, Topology};
+
 use crate::format::{Format, FormatError};
 use crate::operation::Operation;
 use serde::{Deserialize, Serialize};
@@ -36,6 +40,9 @@ pub struct Machine {
     /// How results travel.
     #[serde(default)]
     pub interconnect: Interconnect,
+    /// The instruction memories, which only generated hardware bounds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instructions: Option<InstructionDescription>,
     /// What is known about the size of its parts.
     #[serde(default)]
     pub resources: Option<Resources>,
@@ -104,6 +111,21 @@ pub enum MemoryStyle {
     /// One memory per operand side, each with one read and one write port, on
     /// one clock: an operand must lie in the memory of its side.
     SideSplit,
+    /// One memory per element with two read and two write ports on one clock,
+    /// as larger devices have (thesis, conclusion): the schedule is that of
+    /// [`MemoryStyle::Unified`], without the doubled clock. A third operand
+    /// comes from a second copy as there.
+    FourPort,
+}
+
+impl MemoryStyle {
+    /// Memories of one element: one, or one per operand side.
+    pub fn banks(self) -> usize {
+        match self {
+            MemoryStyle::Unified | MemoryStyle::FourPort => 1,
+            MemoryStyle::SideSplit => 2,
+        }
+    }
 }
 
 /// The operand memory of one processing element.
@@ -134,14 +156,15 @@ pub struct BufferDescription {
     pub reads: Option<u32>,
 }
 
-/// How results travel from element to element.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Interconnect {
-    /// Every result and every buffer output reaches every write port, any
-    /// number of them in the same cycle.
-    #[default]
-    Crossbar,
+/// The instruction memory of one processing element.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InstructionDescription {
+    /// Words, and so cycles of the longest program; absent means as many as
+    /// the program that hardware is generated for takes, rounded up to a
+    /// power of two.
+    #[serde(default)]
+    pub words: Option<u32>,
 }
 
 /// Sizes of the parts on a real device.
@@ -175,7 +198,7 @@ pub enum MachineError {
 }
 
 /// The machine files that ship with robovec, by name.
-pub const BUILT_IN: [(&str, &str); 9] = [
+pub const BUILT_IN: [(&str, &str); 17] = [
     ("ideal", include_str!("../../machines/ideal.toml")),
     ("thesis", include_str!("../../machines/thesis.toml")),
     ("side-split", include_str!("../../machines/side-split.toml")),
@@ -194,6 +217,17 @@ pub const BUILT_IN: [(&str, &str); 9] = [
     ("fused", include_str!("../../machines/fused.toml")),
     ("solver", include_str!("../../machines/solver.toml")),
     ("de10-nano", include_str!("../../machines/de10-nano.toml")),
+    ("bufferless", include_str!("../../machines/bufferless.toml")),
+    (
+        "bufferless-split",
+        include_str!("../../machines/bufferless-split.toml"),
+    ),
+    ("four-port", include_str!("../../machines/four-port.toml")),
+    ("bus", include_str!("../../machines/bus.toml")),
+    ("mesh", include_str!("../../machines/mesh.toml")),
+    ("torus", include_str!("../../machines/torus.toml")),
+    ("omega", include_str!("../../machines/omega.toml")),
+    ("hypercube", include_str!("../../machines/hypercube.toml")),
 ];
 
 impl Machine {
@@ -220,7 +254,13 @@ impl Machine {
         Ok(machine)
     }
 
-    fn validate(&self) -> Result<(), MachineError> {
+    /// Checks what a machine file must satisfy beyond its syntax; for a
+    /// machine that came another way.
+    ///
+    /// # Errors
+    ///
+    /// As [`Machine::parse`], but for the syntax.
+    pub fn validate(&self) -> Result<(), MachineError> {
         let fail = |message: String| Err(MachineError::Meaning(message));
         if self.elements.is_empty() {
             return fail("a machine needs at least one kind of processing element".to_owned());
@@ -237,6 +277,19 @@ impl Machine {
                 self.number,
                 FormatError::Width
             ));
+        }
+        if let Interconnect::Network(network) = &self.interconnect
+            && let Some(fault) = network.fault()
+        {
+            return fail(fault);
+        }
+        if self.memory.style == MemoryStyle::FourPort
+            && self.memory.writes.is_none_or(|writes| writes > 2)
+        {
+            return fail(
+                "a memory of four ports takes at most 2 words in a cycle; say so by 'writes = 2'"
+                    .to_owned(),
+            );
         }
         for (index, element) in self.elements.iter().enumerate() {
             let kind = &element.kind;

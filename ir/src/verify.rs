@@ -78,6 +78,7 @@ mod formats;
 mod header;
 mod history;
 mod names;
+mod network;
 mod placed;
 mod placement;
 mod replay;

@@ -20,6 +20,8 @@ pub mod factor;
 pub mod fma;
 pub mod fold;
 pub mod inline;
+pub mod instances;
+pub mod interleave;
 pub mod lookahead;
 pub mod manager;
 pub mod manual;

@@ -6,6 +6,7 @@
 //! of the pass.
 
 use crate::class::NumericClass;
+use crate::instances::Instances;
 use crate::options::{OptionError, OptionInfo};
 use crate::rewrites::Rewrites;
 use crate::rules::RuleSet;
@@ -29,6 +30,12 @@ pub trait Pass {
     /// no more.
     fn class(&self, declared: NumericClass) -> NumericClass {
         declared
+    }
+
+    /// The instances the pass makes of the function, if it makes several; the
+    /// check then compares each of them with the function before.
+    fn instances(&self) -> Option<Instances> {
+        None
     }
 }
 
@@ -116,7 +123,7 @@ impl Context<'_> {
 /// A file produced by code generation.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Artifact {
-    /// File name, without directory.
+    /// File name; folders in it, divided by `/`, lie below that of the output.
     pub name: String,
     /// Content.
     pub text: String,

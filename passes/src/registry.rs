@@ -4,8 +4,8 @@
 use crate::pass::PassInfo;
 use crate::{
     accurate, asap_alap, atomise, balance, codegen, composite, cse, dce, eqsat, factor, fma, fold,
-    inline, lookahead, mixed, optimise, place, recurrence, specialise, swap, trigonometry,
-    zero_removal,
+    inline, interleave, lookahead, mixed, optimise, place, recurrence, specialise, swap,
+    trigonometry, zero_removal,
 };
 
 /// All passes, in the order a function usually meets them.
@@ -29,6 +29,7 @@ pub const PASSES: &[PassInfo] = &[
     lookahead::Lookahead::INFO,
     recurrence::Recurrence::INFO,
     mixed::Mixed::INFO,
+    interleave::Interleave::INFO,
     asap_alap::AsapAlap::INFO,
     optimise::Optimise::INFO,
     place::Place::INFO,
@@ -57,6 +58,11 @@ pub const PRESETS: &[Preset] = &[
         name: "ahead",
         summary: "the shortest path that look-ahead reaches with no more operations than balanced",
         pipeline: "atomise,zero-removal,balance,cse,dce,lookahead,balance,cse,dce,asap-alap",
+    },
+    Preset {
+        name: "cpu",
+        summary: "the fewest operations, for a processor; codegen{target=c} may follow",
+        pipeline: "atomise,fold,cse,composite,factor-trig{path=free},cse,dce",
     },
     Preset {
         name: "fpga",

@@ -2,7 +2,6 @@
 
 use super::error::LoadError;
 use super::load::Loader;
-use robovec_ir::machine::MemoryStyle;
 use robovec_passes::codegen::manifest;
 
 /// Most elements.
@@ -45,10 +44,7 @@ impl Loader<'_> {
         if let Some(name) = element.operations.iter().find(foreign) {
             return fail(format!("its '{}' does not perform '{name}'", element.kind));
         }
-        let sides = match machine.memory.style {
-            MemoryStyle::Unified => 1,
-            MemoryStyle::SideSplit => 2,
-        };
+        let sides = machine.memory.style.banks();
         if element.memories.len() != sides {
             return fail(format!(
                 "it has {sides} memories per element, {} has {}",

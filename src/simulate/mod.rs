@@ -23,8 +23,10 @@ pub mod mif;
 mod occupation;
 mod program;
 mod run;
+mod trace;
 
 pub use error::{Hazard, LoadError};
 pub use occupation::{ElementOccupation, Occupation};
 pub use program::Program;
 pub use run::Outputs;
+pub use trace::{LoadedWord, Trace, TracedResult};

@@ -8,6 +8,7 @@
 use super::decode::{BufferWrite, Issue, Write};
 use super::error::Hazard;
 use super::program::{OutputPlace, Program};
+use super::trace::{Observer, Silent};
 use robovec_ir::arithmetic::Arithmetic;
 use robovec_passes::codegen::manifest::Reference;
 
@@ -31,13 +32,22 @@ impl Program {
     ///
     /// The first hazard, by cycle.
     pub fn run(&self, inputs: &[f64]) -> Result<Outputs, Hazard> {
+        self.run_observed(inputs, &mut Silent)
+    }
+
+    /// A run that tells an observer what happens in it.
+    pub(super) fn run_observed<O: Observer>(
+        &self,
+        inputs: &[f64],
+        observer: &mut O,
+    ) -> Result<Outputs, Hazard> {
         if inputs.len() != self.inputs.len() {
             return Err(Hazard::InputCount {
                 expected: self.inputs.len(),
                 given: inputs.len(),
             });
         }
-        Runner::new(self).run(inputs)
+        Runner::new(self).run(inputs, observer)
     }
 }
 
@@ -92,11 +102,15 @@ impl<'p> Runner<'p> {
         }
     }
 
-    fn run(mut self, inputs: &[f64]) -> Result<Outputs, Hazard> {
+    fn run<O: Observer>(mut self, inputs: &[f64], observer: &mut O) -> Result<Outputs, Hazard> {
         let program = self.program;
         let known = self.load(inputs);
+        let cells = self.memory.iter().zip(0..);
+        cells
+            .filter(|(cell, _)| cell.written == LOADED)
+            .for_each(|(cell, word)| observer.loaded(word, cell.number));
         for cycle in 0..program.cycles {
-            self.advance();
+            self.advance(cycle, observer);
             for issue in program.steps.issues(cycle) {
                 self.issue(cycle, issue)?;
             }
@@ -108,6 +122,10 @@ impl<'p> Runner<'p> {
             }
         }
         self.check_pipelines()?;
+        let cells = self.memory.iter().zip(0..);
+        cells
+            .filter(|(cell, _)| cell.written < LOADED)
+            .for_each(|(_, word)| observer.overwritten(word));
         self.collect(&known)
     }
 
@@ -148,14 +166,17 @@ impl<'p> Runner<'p> {
     }
 
     /// Moves every pipeline one cycle on.
-    fn advance(&mut self) {
-        let elements = self.program.elements.iter();
-        for ((element, slot), bus) in elements.zip(&mut self.slots).zip(&mut self.bus) {
+    fn advance<O: Observer>(&mut self, cycle: u32, observer: &mut O) {
+        let elements = self.program.elements.iter().zip(0..);
+        for (((element, place), slot), bus) in elements.zip(&mut self.slots).zip(&mut self.bus) {
             slot.1 += 1;
             if slot.1 == element.latency {
                 slot.1 = 0;
             }
             *bus = self.pipelines[(slot.0 + slot.1) as usize].take();
+            if let Some(number) = *bus {
+                observer.result(cycle, place, number);
+            }
         }
     }
 

@@ -182,7 +182,7 @@ impl Naive {
         self.issued += 1;
         self.schedule.slots.push(Slot { cycle, element });
         let banks = match machine.memory.style {
-            MemoryStyle::Unified => [Bank::Unified; Operand::MOST],
+            MemoryStyle::Unified | MemoryStyle::FourPort => [Bank::Unified; Operand::MOST],
             MemoryStyle::SideSplit => [Bank::Left, Bank::Right, Bank::Left],
         };
         for (side, &operand) in node.operands().iter().enumerate() {
@@ -250,7 +250,7 @@ impl Naive {
             homes.push(home.map(|value| {
                 let element = self.schedule.slots[value.index()].element;
                 let bank = match machine.memory.style {
-                    MemoryStyle::Unified => Bank::Unified,
+                    MemoryStyle::Unified | MemoryStyle::FourPort => Bank::Unified,
                     MemoryStyle::SideSplit => Bank::Right,
                 };
                 self.bring(machine, value.into(), element, bank, &mut Random(1))

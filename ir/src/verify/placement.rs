@@ -6,27 +6,30 @@
 //! `t + L + 1`; a word written in cycle `w` can be read from `w + 1` on; a
 //! write later than the result comes from the buffer of the element.
 
+use super::network::{self, Routes};
 use super::{Collector, Subject, Violation, replay, verify};
 use crate::entity::Value;
 use crate::machine::{Machine, MemoryStyle};
 use crate::module::View;
-use crate::placement::{Bank, Placement, Schedule, Slot, Word};
+use crate::placement::{Bank, Placement, Schedule, Slot, Word, Write};
 
 /// Checks a placed function against its machine, after [`verify`] finds
 /// nothing; the form of the result is the same.
 ///
 /// 1. Every operation is on a kind of element that performs it, of the
 ///    machine's stages; memories have the machine's style.
-/// 2. A result is written in its write-back cycle (`issue + stages + 1`) or,
-///    if it is in a buffer, later; it is in a buffer only if one of its
-///    writes is later.
+/// 2. A result departs in its write-back cycle (`issue + stages + 1`) or,
+///    if it is in a buffer, later, and is written as long after that as it
+///    takes to the memory, over a crossbar at once; it is in a buffer only if
+///    it departs later for one of its writes.
 /// 3. Every operand is read from a word that holds it when the operation
 ///    starts, and every output stays in a word that holds it at the end.
 /// 4. No memory takes more words in a cycle than the machine writes, and no
 ///    word is written twice in a cycle.
 /// 5. A buffer word is not taken anew before the cycle after its last read,
 ///    and a buffer hands out no more words in a cycle than the machine reads.
-/// 6. Addresses and buffer words lie within the memories and buffers.
+/// 6. No link of a network carries more words in a cycle than it can.
+/// 7. Addresses and buffer words lie within the memories and buffers.
 pub fn verify_placement(view: View<'_>, machine: &Machine) -> Vec<Violation> {
     let violations = verify(view);
     if !violations.is_empty() {
@@ -42,17 +45,22 @@ pub fn verify_placement(view: View<'_>, machine: &Machine) -> Vec<Violation> {
     let Some(stages) = stages(&mut collector, schedule, machine) else {
         return collector.finish();
     };
+    let counts: Vec<u32> = schedule.kinds.iter().map(|kind| kind.count).collect();
     let check = Check {
         view,
         machine,
         schedule,
         placement,
         stages,
+        routes: Routes::new(machine.interconnect, &counts),
     };
     check.performers(&mut collector);
     check.words(&mut collector);
     check.write_cycles(&mut collector);
     replay::check(&check, &mut collector);
+    if let Some(routes) = &check.routes {
+        network::check(&check, routes, &mut collector);
+    }
     collector.finish()
 }
 
@@ -90,6 +98,8 @@ pub(super) struct Check<'a> {
     pub(super) schedule: &'a Schedule,
     pub(super) placement: &'a Placement,
     stages: Vec<u32>,
+    /// How words travel, unless there is a crossbar.
+    pub(super) routes: Option<Routes>,
 }
 
 impl Check<'_> {
@@ -101,6 +111,16 @@ impl Check<'_> {
     pub(super) fn write_back(&self, value: Value) -> u64 {
         let slot = self.slot(value);
         u64::from(slot.cycle) + u64::from(self.stages[slot.element as usize]) + 1
+    }
+
+    /// The cycle in which the word of a write left its producer or the
+    /// producer's buffer.
+    pub(super) fn departs(&self, value: Value, write: &Write) -> u64 {
+        let from = self.slot(value).element;
+        let routes = self.routes.as_ref();
+        let latency = routes.map_or(0, |routes| routes.latency(from, write.word.element));
+        // A write before its word can have arrived has left too early, too.
+        u64::from(write.cycle).saturating_sub(latency)
     }
 
     pub(super) fn placed_values(&self) -> impl Iterator<Item = Value> + '_ {
@@ -137,17 +157,15 @@ impl Check<'_> {
 
     fn fits(&self, word: Word) -> bool {
         let memory = &self.machine.memory;
-        let style = match word.bank {
-            Bank::Unified => MemoryStyle::Unified,
-            Bank::Left | Bank::Right => MemoryStyle::SideSplit,
-        };
-        style == memory.style && memory.words.is_none_or(|words| word.address < words)
+        let split = word.bank != Bank::Unified;
+        split == (memory.style == MemoryStyle::SideSplit)
+            && memory.words.is_none_or(|words| word.address < words)
     }
 
     /// The word an operand is read from.
     pub(super) fn read_word(&self, value: Value, side: usize) -> Word {
         let bank = match (self.machine.memory.style, side) {
-            (MemoryStyle::Unified, _) => Bank::Unified,
+            (MemoryStyle::Unified | MemoryStyle::FourPort, _) => Bank::Unified,
             (MemoryStyle::SideSplit, 0) => Bank::Left,
             (MemoryStyle::SideSplit, _) => Bank::Right,
         };
@@ -184,14 +202,15 @@ impl Check<'_> {
             let writes = self.placement.writes_of(value);
             let buffered = self.placement.buffers[value.index()] != Placement::NONE;
             for write in writes {
-                if u64::from(write.cycle) < back {
+                let departs = self.departs(value, write);
+                if departs < back {
                     collector.value(value, || {
                         format!(
                             "is written at cycle {}, before its result is there at {back}",
                             write.cycle
                         )
                     });
-                } else if u64::from(write.cycle) > back && !buffered {
+                } else if departs > back && !buffered {
                     collector.value(value, || {
                         format!(
                             "is written at cycle {}, after {back}, but is in no buffer",
@@ -201,7 +220,11 @@ impl Check<'_> {
                 }
             }
             self.buffer_word(collector, value);
-            if buffered && writes.iter().all(|write| u64::from(write.cycle) <= back) {
+            if buffered
+                && writes
+                    .iter()
+                    .all(|write| self.departs(value, write) <= back)
+            {
                 collector.value(value, || {
                     "is in a buffer that nothing reads it from".to_owned()
                 });

@@ -6,6 +6,7 @@ pub mod adjoint;
 pub mod condition;
 pub mod critical_path;
 pub mod error_bound;
+pub mod hardware;
 pub mod interval;
 pub mod reference;
 pub mod rounding;

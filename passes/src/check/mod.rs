@@ -34,6 +34,7 @@ mod pairing;
 
 use crate::analysis::accuracy::{Measurement, Summary, measure};
 use crate::class::NumericClass;
+use crate::instances::Instances;
 use crate::scene::Scene;
 use failure::explain;
 pub use failure::{Failure, FailureKind};
@@ -107,6 +108,31 @@ pub fn check(
     if verdict.failure.is_none() {
         verdict.errors = Some(error_changes([before, after], states, verdict.points));
     }
+    verdict
+}
+
+/// Checks a pass of a class that makes several instances of a function: each
+/// of them must be the function before, whatever the inputs of the others.
+/// The first instance that is not ends the check.
+pub fn check_instances(
+    before: View<'_>,
+    after: View<'_>,
+    instances: &Instances,
+    class: NumericClass,
+    states: &States,
+    points: u32,
+) -> Verdict {
+    let mut verdict = Verdict::new(class, states, points);
+    for instance in 1..=instances.count {
+        match Pairs::instance(before, after, instances, instance) {
+            Ok(pairs) => judge(&pairs, states, &mut verdict),
+            Err(unpaired) => verdict.failure = Some(unpaired.failure(before, after)),
+        }
+        if verdict.failure.is_some() {
+            return verdict;
+        }
+    }
+    verdict.errors = Some(error_changes([before, after], states, verdict.points));
     verdict
 }
 

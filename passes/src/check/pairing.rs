@@ -1,6 +1,7 @@
 //! Which output of one version belongs to which of the other.
 
 use super::failure::{Failure, FailureKind};
+use crate::instances::Instances;
 use crate::scene::Scene;
 use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::field::PrimeField;
@@ -24,8 +25,28 @@ pub(super) struct Pairs<'a> {
     pub(super) after: View<'a>,
     /// In order of the output elements.
     pub(super) list: Vec<Pair>,
-    /// How the inputs differ, if they do.
-    scene: Option<SceneInputs>,
+    inputs: Inputs,
+}
+
+/// How the inputs of the versions belong together.
+enum Inputs {
+    /// They are the same.
+    Same,
+    /// The version after is made for a scene.
+    Scene(SceneInputs),
+    /// The version after holds several instances, of which one is looked at.
+    Instance(InstanceInputs),
+}
+
+/// Inputs of several instances of a function.
+struct InstanceInputs {
+    /// The instance looked at, from 1.
+    instance: u32,
+    /// How many there are.
+    count: u32,
+    /// For every input after its instance, or 0 where it is shared, and the
+    /// input before.
+    places: Vec<(u32, usize)>,
 }
 
 /// Inputs of a function made for a scene.
@@ -80,7 +101,7 @@ impl<'a> Pairs<'a> {
             before,
             after,
             list,
-            scene: None,
+            inputs: Inputs::Same,
         })
     }
 
@@ -137,35 +158,151 @@ impl<'a> Pairs<'a> {
             before,
             after,
             list,
-            scene: Some(SceneInputs {
+            inputs: Inputs::Scene(SceneInputs {
                 bound: scene.bound.of(before),
                 places,
             }),
         })
     }
 
+    /// The version before, and one of several instances in the version
+    /// after, by the names of its arrays: there must be an array of every
+    /// instance for each array before, of the same shape, and no other.
+    pub(super) fn instance(
+        before: View<'a>,
+        after: View<'a>,
+        instances: &Instances,
+        instance: u32,
+    ) -> Result<Pairs<'a>, Unpaired> {
+        let inputs = owners(before, after, instances, true)?;
+        let outputs = owners(before, after, instances, false)?;
+        let mut list = Vec::with_capacity(before.function.assignments.len());
+        let (first, second) = (by_output(before)?, by_output(after)?);
+        for (&(owner, output), &set) in outputs.iter().zip(&second) {
+            if owner != instance {
+                continue;
+            }
+            let element = Output(output as u32);
+            match (first[output], set) {
+                (Some(before), Some(after)) => list.push(Pair {
+                    output: element,
+                    before,
+                    after,
+                }),
+                (None, None) => {}
+                (Some(_), None) => return Err(one_sided(before, element, "no longer set")),
+                (None, Some(_)) => {
+                    return Err(one_sided(before, element, "set, and was not before"));
+                }
+            }
+        }
+        list.sort_by_key(|pair| pair.output);
+        Ok(Pairs {
+            before,
+            after,
+            list,
+            inputs: Inputs::Instance(InstanceInputs {
+                instance,
+                count: instances.count,
+                places: inputs,
+            }),
+        })
+    }
+
     /// The inputs of both versions at a point of the field.
     pub(super) fn point(&self, field: &PrimeField) -> [Vec<u64>; 2] {
-        let inputs = field.point(self.before.function.input_len());
-        self.both(inputs, |number| field.literal(number))
+        let count = self.before.function.input_len();
+        let other = |instance: u32| {
+            let seed = field.seed ^ u64::from(instance).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            PrimeField { seed, ..*field }.point(count)
+        };
+        self.both(field.point(count), |number| field.literal(number), other)
     }
 
     /// The inputs of both versions in a random state.
     pub(super) fn state(&self, source: &States, state: u32) -> [Vec<f64>; 2] {
-        self.both(source.draw(self.before, state), |number| number)
+        let other = |instance: u32| {
+            source.draw(
+                self.before,
+                state.wrapping_add(instance.wrapping_mul(0x9e37_79b9)),
+            )
+        };
+        self.both(source.draw(self.before, state), |number| number, other)
     }
 
-    fn both<T: Copy>(&self, mut before: Vec<T>, number: impl Fn(f64) -> T) -> [Vec<T>; 2] {
-        let Some(scene) = &self.scene else {
-            return [before.clone(), before];
-        };
-        for (input, bound) in before.iter_mut().zip(&scene.bound) {
-            if let Some(bound) = *bound {
-                *input = number(bound);
+    fn both<T: Copy>(
+        &self,
+        mut before: Vec<T>,
+        number: impl Fn(f64) -> T,
+        other: impl Fn(u32) -> Vec<T>,
+    ) -> [Vec<T>; 2] {
+        match &self.inputs {
+            Inputs::Same => [before.clone(), before],
+            Inputs::Scene(scene) => {
+                for (input, bound) in before.iter_mut().zip(&scene.bound) {
+                    if let Some(bound) = *bound {
+                        *input = number(bound);
+                    }
+                }
+                let after = scene.places.iter().map(|&place| before[place]).collect();
+                [before, after]
+            }
+            Inputs::Instance(inputs) => {
+                let others: Vec<Vec<T>> = (1..=inputs.count).map(other).collect();
+                let after = inputs.places.iter().map(|&(owner, place)| match owner {
+                    0 => before[place],
+                    owner if owner == inputs.instance => before[place],
+                    owner => others[owner as usize - 1][place],
+                });
+                let after = after.collect();
+                [before, after]
             }
         }
-        let after = scene.places.iter().map(|&place| before[place]).collect();
-        [before, after]
+    }
+}
+
+/// For every element of the inputs (or outputs) after, the instance it
+/// belongs to, or 0 where it is shared, and the element before.
+fn owners<'b>(
+    before: View<'b>,
+    after: View<'b>,
+    instances: &Instances,
+    is_input: bool,
+) -> Result<Vec<(u32, usize)>, Unpaired> {
+    let arrays = |view: View<'b>| match is_input {
+        true => view.function.inputs(),
+        false => view.function.outputs(),
+    };
+    let fail = |reason: String| {
+        Err(Unpaired {
+            output: None,
+            reason,
+        })
+    };
+    let mut expected: BTreeMap<String, (u32, &Array)> = BTreeMap::new();
+    for array in arrays(before) {
+        let name = before.tables.symbols.text(array.name);
+        for instance in 1..=instances.count {
+            let own = instances.array(name, instance, is_input);
+            let owner = if own == name { 0 } else { instance };
+            expected.insert(own, (owner, array));
+        }
+    }
+    let mut owners = Vec::new();
+    for array in arrays(after) {
+        let name = after.tables.symbols.text(array.name);
+        match expected.remove(name) {
+            Some((owner, old)) if old.shape == array.shape => {
+                let first = old.offset as usize;
+                owners.extend((first..first + old.shape.len()).map(|element| (owner, element)));
+            }
+            Some(_) => return fail(format!("the array {name} has another extent than before")),
+            None => return fail(format!("the array {name} belongs to no instance")),
+        }
+    }
+    match expected.first_key_value() {
+        Some((name, _)) => fail(format!("there is no array {name}")),
+        None => Ok(owners),
     }
 }
 

@@ -32,6 +32,18 @@ pub enum ImageError {
         /// The machine given.
         asked: String,
     },
+    /// Instruction words select among the sources of a crossbar; the switches
+    /// of a network have none.
+    #[error(
+        "memory images and hardware are for machines with a crossbar, and '{machine}' has a \
+         {interconnect}"
+    )]
+    Interconnect {
+        /// The machine.
+        machine: String,
+        /// Its interconnect.
+        interconnect: &'static str,
+    },
     /// The schedule names a kind of element the machine lacks.
     #[error("the machine has no processing elements of kind '{kind}'")]
     UnknownKind {

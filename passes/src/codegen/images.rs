@@ -2,9 +2,11 @@
 
 use super::ImageError;
 use super::binding::Binding;
+use super::hex::HexWriter;
 use super::layout::{Layout, Sizes};
 use super::manifest::{self, Fnv, Manifest};
 use super::mif::MifWriter;
+use super::rtl::Hardware;
 use super::traffic::Traffic;
 use super::words::Words;
 use robovec_ir::placement::{Bank, Preload};
@@ -76,6 +78,20 @@ pub fn write_images(
     artifacts: &mut dyn Artifacts,
 ) -> Result<(), ImageError> {
     let traffic = Traffic::new(view, machine)?;
+    write_traffic(&traffic, inputs, None, artifacts)
+}
+
+/// The images of a program whose traffic is sorted; with hardware, those
+/// that this hardware takes: its sizes instead of the program's, a `.hex`
+/// file beside every `.mif` file, and the addresses of the host's window in
+/// the manifest. The hardware must have room for the program.
+pub(super) fn write_traffic(
+    traffic: &Traffic<'_>,
+    inputs: Option<&[f64]>,
+    hardware: Option<&Hardware>,
+    artifacts: &mut dyn Artifacts,
+) -> Result<(), ImageError> {
+    let (view, machine) = (traffic.view, traffic.machine);
     check_formats(view, machine)?;
     let format = machine.number;
     if !format.is_possible() {
@@ -83,12 +99,16 @@ pub fn write_images(
         return Err(ImageError::Number(message));
     }
     let arithmetic = FormatArithmetic::new(format);
-    let binding = Binding::new(&traffic)?;
+    let binding = Binding::new(traffic)?;
     let loaded = binding.loaded(&arithmetic, inputs)?;
     let writer = ImageWriter {
-        sizes: Sizes::new(machine, &traffic.usage),
-        traffic: &traffic,
+        sizes: match hardware {
+            Some(hardware) => hardware.sizes(),
+            None => Sizes::new(machine, &traffic.usage),
+        },
+        traffic,
         width: format.width(),
+        hardware,
     };
     let mut hash = Fnv::new();
     let mut elements = Vec::new();
@@ -116,6 +136,7 @@ pub fn write_images(
         host: binding.host()?,
         trigonometry: view.function.metadata(KEY).map(str::to_owned),
         outputs: binding.outputs()?,
+        window: hardware.map(|hardware| hardware.window().manifest(hardware)),
     };
     artifacts.file(&writer.file_name("manifest.json"), &mut |target| {
         write_manifest(target, &manifest)
@@ -146,6 +167,11 @@ pub(super) fn foreign_format(view: View<'_>, own: Format) -> Option<(String, For
         let name = node.name.display(&view.tables.symbols).to_string();
         Some((name, format))
     })
+}
+
+/// The `.hex` file beside a `.mif` file.
+fn hex_name(mif: &str) -> String {
+    mif.strip_suffix("mif").unwrap_or(mif).to_owned() + "hex"
 }
 
 /// The hash of what a program depends on; see
@@ -206,8 +232,41 @@ fn write_manifest(target: &mut dyn io::Write, manifest: &Manifest) -> io::Result
     if let Some(name) = &manifest.trigonometry {
         scalar(target, "trigonometry", name)?;
     }
+    if let Some(window) = &manifest.window {
+        write_window(target, window)?;
+    }
     list(target, "outputs", &manifest.outputs, true)?;
     writeln!(target, "}}")
+}
+
+/// The crossbar's code for a value in a cycle: its producer's result, or the
+/// read port of the producer's buffer that shows it.
+pub(super) fn select(traffic: &Traffic<'_>, value: u32, cycle: u32) -> u32 {
+    let element = traffic.schedule.slots[value as usize].element;
+    if u64::from(cycle) == traffic.ready(value) {
+        return element;
+    }
+    let reads = &traffic.buffer_reads;
+    let word = traffic.placement.buffers[value as usize];
+    let first = reads.partition_point(|&(e, c, _)| (e, c) < (element, cycle));
+    let port = reads.partition_point(|&read| read < (element, cycle, word)) - first;
+    traffic.usage.elements * (1 + port as u32) + element
+}
+
+/// The window, one memory per line.
+fn write_window(target: &mut dyn io::Write, window: &manifest::Window) -> io::Result<()> {
+    let head = serde_json::to_string(&manifest::Window {
+        units: Vec::new(),
+        ..window.clone()
+    })?;
+    // The list of units is empty and comes last.
+    let head = head.strip_suffix("]}").unwrap_or(&head);
+    write!(target, "  \"window\": {head}")?;
+    for (index, unit) in window.units.iter().enumerate() {
+        let comma = if index == 0 { "" } else { "," };
+        write!(target, "{comma}\n    {}", serde_json::to_string(unit)?)?;
+    }
+    writeln!(target, "\n  ]}},")
 }
 
 pub(super) struct ImageWriter<'a> {
@@ -215,6 +274,9 @@ pub(super) struct ImageWriter<'a> {
     pub(super) sizes: Sizes,
     /// Bits of a data word.
     width: u32,
+    /// What the images are made for; absent when the machine file alone
+    /// says it.
+    hardware: Option<&'a Hardware>,
 }
 
 impl ImageWriter<'_> {
@@ -270,20 +332,6 @@ impl ImageWriter<'_> {
             .collect()
     }
 
-    /// The crossbar's code for a value in a cycle: its producer's result, or
-    /// the read port of the producer's buffer that shows it.
-    pub(super) fn select(&self, value: u32, cycle: u32) -> u32 {
-        let element = self.traffic.schedule.slots[value as usize].element;
-        if u64::from(cycle) == self.traffic.ready(value) {
-            return element;
-        }
-        let reads = &self.traffic.buffer_reads;
-        let word = self.traffic.placement.buffers[value as usize];
-        let first = reads.partition_point(|&(e, c, _)| (e, c) < (element, cycle));
-        let port = reads.partition_point(|&read| read < (element, cycle, word)) - first;
-        self.sizes.elements * (1 + port as u32) + element
-    }
-
     fn instruction_image(
         &self,
         element: u32,
@@ -312,7 +360,36 @@ impl ImageWriter<'_> {
             after = mif.finish()?;
             Ok(())
         })?;
+        if let Some(hardware) = self.hardware {
+            self.instruction_hex(element, layout, hardware, artifacts)?;
+        }
         Ok(after)
+    }
+
+    /// The same words for simulators and synthesis, over the whole memory.
+    fn instruction_hex(
+        &self,
+        element: u32,
+        layout: &Layout,
+        hardware: &Hardware,
+        artifacts: &mut dyn Artifacts,
+    ) -> Result<(), ImageError> {
+        let name = self.traffic.element_name(element);
+        let title = self.title(&format!("instructions of {name}"));
+        let file = hex_name(&self.instruction_file(&name));
+        artifacts.file(&file, &mut |target| {
+            let mut hex = HexWriter::new(target, &title, layout.width())?;
+            let mut words = Words::new(self, element, layout);
+            let mut next = 0;
+            while let Some(cycle) = words.advance() {
+                hex.zeros(cycle - next)?;
+                hex.word(words.word())?;
+                next = cycle + 1;
+            }
+            hex.zeros(hardware.instruction_depth() - next)?;
+            hex.finish()
+        })?;
+        Ok(())
     }
 
     fn data_images(
@@ -342,6 +419,20 @@ impl ImageWriter<'_> {
                 }
                 mif.finish().map(|_| ())
             })?;
+            if self.hardware.is_some() {
+                artifacts.file(&hex_name(&file), &mut |target| {
+                    let mut hex = HexWriter::new(target, &title, self.width)?;
+                    let known = own.iter().filter_map(|(load, word)| Some((load, (*word)?)));
+                    for (load, word) in known.clone() {
+                        hex.word_at(load.word.address, &[word])?;
+                    }
+                    // Readers complain of a file without any word.
+                    if known.count() == 0 {
+                        hex.unknown_at(0)?;
+                    }
+                    hex.finish()
+                })?;
+            }
         }
         Ok(())
     }

@@ -9,7 +9,6 @@
 use super::manifest;
 use super::traffic::Usage;
 use robovec_ir::Machine;
-use robovec_ir::machine::MemoryStyle;
 
 /// Sizes that all elements share.
 #[derive(Clone, Debug)]
@@ -33,10 +32,7 @@ impl Sizes {
         Sizes {
             words: memory.words.unwrap_or(usage.words).max(1),
             write_ports: memory.writes.unwrap_or(usage.write_ports),
-            memories: match memory.style {
-                MemoryStyle::Unified => 1,
-                MemoryStyle::SideSplit => 2,
-            },
+            memories: memory.style.banks() as u32,
             buffer: machine.buffer.map(|buffer| {
                 (
                     buffer.words.unwrap_or(usage.buffer_words).max(1),
@@ -54,7 +50,7 @@ impl Sizes {
 }
 
 /// Bits that tell `count` things apart, at least one.
-fn bits(count: u32) -> u32 {
+pub(super) fn bits(count: u32) -> u32 {
     (u32::BITS - count.saturating_sub(1).leading_zeros()).max(1)
 }
 

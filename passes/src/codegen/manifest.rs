@@ -47,6 +47,57 @@ pub struct Manifest {
     pub trigonometry: Option<String>,
     /// Every output element that is set, in order.
     pub outputs: Vec<OutputElement>,
+    /// Where the host finds the memories of the hardware the images were
+    /// made for; absent when they were made from the machine file alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub window: Option<Window>,
+}
+
+/// The host's window into the hardware: addresses count 32-bit words.
+///
+/// Word `i` of a unit has its limbs, the lowest first, at `address + i *
+/// stride` and after it; writing the last one writes the word.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Window {
+    /// Version of the map, as the register `version` says it.
+    pub version: u32,
+    /// Bits of the host's address.
+    pub address_bits: u32,
+    /// What the register `machine hash` says: the images fit hardware with
+    /// this hash.
+    pub machine_hash: String,
+    /// Address of the control register: bit 0 starts, bit 1 clears `done`.
+    pub control: u32,
+    /// Address of the status: bit 0 running, bit 1 done.
+    pub status: u32,
+    /// Address of the length of the program, to be set to
+    /// [`Manifest::cycles`].
+    pub cycles: u32,
+    /// Address of the low half of the schedule's hash; the high half follows.
+    pub schedule: u32,
+    /// Address of the low half of the machine's hash; the high half follows.
+    pub machine: u32,
+    /// Every memory: those of instructions and those of operands.
+    pub units: Vec<Unit>,
+}
+
+/// A memory in the host's window.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unit {
+    /// `add0.instructions`, or the name of an operand memory.
+    pub name: String,
+    /// Address of its first limb.
+    pub address: u32,
+    /// Words it has in hardware.
+    pub words: u32,
+    /// 32-bit limbs of a word.
+    pub limbs: u32,
+    /// Addresses from one word to the next: the next power of two.
+    pub stride: u32,
+    /// Whether the host can read it back.
+    pub readable: bool,
 }
 
 /// Which machine the images are for.

@@ -1,10 +1,12 @@
 //! Code generation: what leaves the compiler.
 //!
-//! Two targets. [`images`] turns a placed function into the memory images of
+//! [`images`] turns a placed function into the memory images of
 //! the machine: one instruction word per element and cycle, one data image
 //! per memory, and a manifest that says where every input goes and every
 //! output is found (`docs/images.md` is the contract with simulator and
-//! hardware). [`c`] writes a C99 function for a processor.
+//! hardware). [`c`] writes a C99 function for a processor, [`batch`] one that
+//! evaluates many states at once, [`rolled`] one with loops; [`order`] and
+//! [`sincos`] serve any of them.
 //!
 //! Image generation decides nothing: it transcribes the placement, and
 //! refuses only what the words cannot express (more writes than ports, two
@@ -12,16 +14,24 @@
 //! program is *right* is for the simulator to find out, which sees the images
 //! alone.
 
+pub mod batch;
 mod binding;
 pub mod c;
 mod error;
+mod hex;
 mod images;
+pub mod kind;
 mod layout;
 pub mod manifest;
 mod mif;
+pub mod order;
 mod pass;
 mod ports;
+pub mod quartus;
+pub mod rolled;
+pub mod rtl;
 mod shape;
+pub mod sincos;
 mod traffic;
 mod words;
 

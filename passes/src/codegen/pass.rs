@@ -1,7 +1,10 @@
 //! Code generation as a pass.
 
-use super::c::{Real, c_files};
+use super::batch::{self, batch_files};
+use super::c::{self, Options, Order, Real, Signature, SignatureError, Sines};
 use super::images::foreign_format;
+use super::rolled::{self, Circular, rolled_files};
+use super::rtl::{self, CrossbarChoice, RtlError, write_rtl};
 use super::{Artifacts, ImageError, write_images};
 use crate::options::OptionValue;
 use crate::pass::{Artifact, Context, Gives, Pass, PassError};
@@ -14,8 +17,43 @@ option_words! {
     pub enum Target {
         /// Memory images and their manifest, for the machine of elements.
         Mif = "mif",
+        /// The machine of elements in Verilog, with its images.
+        Rtl = "rtl",
         /// C99, for a processor.
         C = "c",
+        /// C99 with loops where the function repeats itself.
+        Rolled = "rolled",
+        /// C that evaluates many states at once.
+        Batch = "batch",
+    }
+}
+
+option_words! {
+    /// Whose the parameters of a model are in batch code.
+    pub enum Parameters {
+        /// One set for all states.
+        Shared = "shared",
+        /// Every state has its own.
+        Own = "own",
+    }
+}
+
+impl OptionValue for Circular {
+    fn type_name() -> String {
+        "vector | library".to_owned()
+    }
+    fn parse(text: &str) -> Result<Circular, String> {
+        match text {
+            "vector" => Ok(Circular::Vector),
+            "library" => Ok(Circular::Library),
+            _ => Err(format!("'{text}' is not one of {}", Circular::type_name())),
+        }
+    }
+    fn print(&self) -> String {
+        match self {
+            Circular::Vector => "vector".to_owned(),
+            Circular::Library => "library".to_owned(),
+        }
     }
 }
 
@@ -34,6 +72,42 @@ impl OptionValue for Real {
     }
 }
 
+impl OptionValue for CrossbarChoice {
+    fn type_name() -> String {
+        "full | pruned".to_owned()
+    }
+    fn parse(text: &str) -> Result<CrossbarChoice, String> {
+        match text {
+            "full" => Ok(CrossbarChoice::Full),
+            "pruned" => Ok(CrossbarChoice::Pruned),
+            _ => Err(format!("'{text}' is not one of {}", Self::type_name())),
+        }
+    }
+    fn print(&self) -> String {
+        match self {
+            CrossbarChoice::Full => "full".to_owned(),
+            CrossbarChoice::Pruned => "pruned".to_owned(),
+        }
+    }
+}
+
+/// Puts files into a folder that bears the function's name.
+struct Folder<'a> {
+    name: &'a str,
+    artifacts: &'a mut Vec<Artifact>,
+}
+
+impl Artifacts for Folder<'_> {
+    fn file(
+        &mut self,
+        name: &str,
+        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        self.artifacts
+            .file(&format!("{}/{name}", self.name), content)
+    }
+}
+
 declare_pass! {
     /// Writes the function out for the machine or for a processor.
     ///
@@ -45,16 +119,55 @@ declare_pass! {
     /// and simulator. The images decide nothing that the placed text does not
     /// say, and are refused where the machine's words cannot say it.
     ///
+    /// `target=rtl` writes the machine itself beside them, for a function F
+    /// into `F/rtl` (Verilog) and `F/img` (images as `.mif` and `.hex`);
+    /// `docs/rtl.md` describes it. With `crossbar=pruned` only the pairs of
+    /// source and write port are built that the schedule uses.
+    ///
     /// `target=c` writes a C99 function and its header from any level; arrays
-    /// count from 1, as in Robotran. Compiled with `-ffp-contract=off` it
+    /// count from 1. With `signature=robotran` its names, types and parameters
+    /// are those of Robotran's function (`docs/c.md`), so that the file takes
+    /// the place of Robotran's in a project of MBsysC; with
+    /// `signature=plain` the arrays are the parameters. The body is cut into
+    /// functions of about `part` operations, for whose length compilers are
+    /// fast, in an `order` that reads values soon after they are made. With
+    /// `sines=library order=program`, compiled with `-ffp-contract=off`, it
     /// gives the evaluator's results bit for bit.
+    ///
+    /// `target=rolled` writes the same function with loops where it repeats
+    /// itself, as unrolled recursions do: the code of long chains then fits
+    /// the instruction cache (`docs/c-rolled.md`). It has the plain signature,
+    /// and results equal to those of plain C bit for bit; arrays must not
+    /// overlap.
+    ///
+    /// `target=batch` writes C in which every operation computes `lanes`
+    /// states (1, 4, 8 or 16) as one vector, with its own sines and cosines and
+    /// drivers for any number of states (`docs/c-batch.md`). With
+    /// `parameters=shared` the arrays `dpt`, `l`, `m`, `In` and `g` are the same
+    /// for all states, and what depends on nothing else is computed once.
     ///
     /// The function itself stays as it is.
     pub struct Codegen("codegen") {
         /// What code is generated for.
         pub target: Target = Target::Mif,
+        /// How much of the crossbar is built in Verilog.
+        pub crossbar: CrossbarChoice = CrossbarChoice::Full,
         /// The type C code computes in; images follow the machine file.
         pub number: Real = Real::Double,
+        /// States of a vector of batch code.
+        pub lanes: u32 = 8,
+        /// Whose the parameters of a model are in batch code.
+        pub parameters: Parameters = Parameters::Shared,
+        /// How the C function is called.
+        pub signature: Signature = Signature::Robotran,
+        /// Who computes sines and cosines in C.
+        pub sines: Sines = Sines::Inline,
+        /// The order of statements in C.
+        pub order: Order = Order::Depth,
+        /// Operations per function in C.
+        pub part: u32 = 500,
+        /// How rolled code computes sines and cosines of inputs.
+        pub circular: Circular = Circular::Vector,
     }
     takes: [Equations, Atomic, Scheduled, Placed],
     gives: Gives::Same,
@@ -92,7 +205,15 @@ impl Pass for Codegen {
             Target::Mif => {
                 write_images(view, context.machine, None, context.artifacts).map_err(explain)?;
             }
-            Target::C => {
+            Target::Rtl => {
+                let mut folder = Folder {
+                    name: &view.function.name,
+                    artifacts: context.artifacts,
+                };
+                write_rtl(view, context.machine, self.crossbar, &mut folder)
+                    .map_err(|error| explain_rtl(&error))?;
+            }
+            Target::C | Target::Rolled | Target::Batch => {
                 let own = match self.number {
                     Real::Double => Format::BINARY64,
                     Real::Float => Format::BINARY32,
@@ -105,7 +226,20 @@ impl Pass for Codegen {
                     let help = "give values their formats for a machine only";
                     return Err(PassError::new(message).help(help));
                 }
-                let files = c_files(view, self.number);
+                let files = match self.target {
+                    Target::Rolled => {
+                        let options = rolled::Options {
+                            real: self.number,
+                            circular: self.circular,
+                        };
+                        let rolled = rolled_files(view, options)
+                            .map_err(|error| PassError::new(error.to_string()))?;
+                        context.statistics.extend(rolled.summary.statistics());
+                        rolled.files
+                    }
+                    Target::Batch => batch_files(view, &self.batch_options()?),
+                    _ => c::files(view, &self.options()).map_err(refuse)?,
+                };
                 context.artifacts.extend(
                     files
                         .into_iter()
@@ -119,6 +253,57 @@ impl Pass for Codegen {
         context.statistics.push(("bytes", bytes));
         Ok(())
     }
+}
+
+fn explain_rtl(error: &RtlError) -> PassError {
+    let explained = PassError::new(error.to_string());
+    match rtl::advice(error) {
+        Some(help) => explained.help(help),
+        None => explained,
+    }
+}
+
+impl Codegen {
+    /// How batch code is written.
+    fn batch_options(&self) -> Result<batch::Options, PassError> {
+        if !batch::LANES.contains(&self.lanes) {
+            let message = format!("vectors of {} lanes do not exist", self.lanes);
+            return Err(PassError::new(message).help("choose 1, 4, 8 or 16"));
+        }
+        let defaults = batch::Options::default();
+        Ok(batch::Options {
+            real: self.number,
+            lanes: self.lanes,
+            shared: match self.parameters {
+                Parameters::Shared => defaults.shared,
+                Parameters::Own => Vec::new(),
+            },
+            ..defaults
+        })
+    }
+}
+
+impl Codegen {
+    /// How C is written.
+    fn options(&self) -> Options {
+        Options {
+            signature: self.signature,
+            real: self.number,
+            sines: self.sines,
+            order: self.order,
+            part: self.part,
+        }
+    }
+}
+
+fn refuse(error: SignatureError) -> PassError {
+    let help = match &error {
+        SignatureError::Sensor(_) | SignatureError::Call { .. } => {
+            "'robovec write --language c' writes such files in one piece"
+        }
+        _ => "with signature=plain the arrays are the parameters",
+    };
+    PassError::new(error.to_string()).help(help)
 }
 
 fn explain(error: ImageError) -> PassError {

@@ -8,6 +8,7 @@
 
 use super::ImageError;
 use super::shape::{check_shape, element_kinds, value_name};
+use robovec_ir::machine::Interconnect;
 use robovec_ir::placement::{Bank, Placement, Schedule, Slot, Word, Write};
 use robovec_ir::{Machine, Value, View};
 
@@ -100,6 +101,12 @@ impl<'a> Traffic<'a> {
             return Err(ImageError::OtherMachine {
                 placed: schedule.machine.clone(),
                 asked: machine.name.clone(),
+            });
+        }
+        if machine.interconnect != Interconnect::Crossbar {
+            return Err(ImageError::Interconnect {
+                machine: machine.name.clone(),
+                interconnect: machine.interconnect.name(),
             });
         }
         let kinds = element_kinds(schedule, machine)?;

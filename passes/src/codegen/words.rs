@@ -3,7 +3,7 @@
 //! Issues, buffer writes, memory writes and buffer reads each come in order
 //! of cycle; the words are their merge, made one at a time.
 
-use super::images::ImageWriter;
+use super::images::{ImageWriter, select};
 use super::layout::{ISSUE, Layout, OPERATION, READ};
 use super::manifest::Field;
 use super::traffic::BufferRead;
@@ -130,7 +130,7 @@ impl<'a> Words<'a> {
                 let value = traffic.owners[index as usize];
                 self.set(field, 1);
                 self.set(field + 1, word.address);
-                self.set(field + 2, self.writer.select(value, cycle));
+                self.set(field + 2, select(traffic, value, cycle));
             }
         }
     }

@@ -22,6 +22,7 @@ pub use walk::apply;
 use crate::NumericClass;
 use crate::analysis::rounding::{Rounding, rounding, usual_states};
 use crate::check::{self, Verdict};
+use crate::instances::Instances;
 use crate::pass::{Artifact, Context, PassError, PassInfo};
 use crate::pipeline::{PassStep, Pipeline};
 use crate::rewrites::Rewrites;
@@ -383,7 +384,8 @@ impl Run<'_> {
         if let (Some(points), Some(before)) = (self.instruments.config.check_each, &before) {
             let class = pass.class(step.info.class);
             let versions = [before, witness.as_ref().unwrap_or(function), function];
-            record.check = Some(self.check(class, &name, points, tables, versions)?);
+            let instances = pass.instances();
+            record.check = Some(self.check((class, instances), &name, points, tables, versions)?);
         }
         record.rounding = self.measure_rounding(tables, function);
         self.instruments
@@ -476,7 +478,7 @@ impl Run<'_> {
 
     fn check(
         &self,
-        class: NumericClass,
+        (class, instances): (NumericClass, Option<Instances>),
         name: &str,
         points: u32,
         tables: &Tables,
@@ -484,7 +486,10 @@ impl Run<'_> {
     ) -> Result<Verdict, RunError> {
         let [before, witness, after] = versions.map(|function| View { tables, function });
         let config = &self.instruments.config;
-        let verdict = if std::ptr::eq(witness.function, after.function) {
+        let verdict = if let Some(instances) = instances {
+            let states = &config.states;
+            check::check_instances(before, after, &instances, class, states, points)
+        } else if std::ptr::eq(witness.function, after.function) {
             check::check(before, after, class, &config.states, points)
         } else {
             let subject = check::Specialised {

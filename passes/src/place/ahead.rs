@@ -1,20 +1,31 @@
-//! Placement without buffers: readers are bound to elements before their
-//! operands appear.
+//! Placement without buffers: operations have a seat before their operands
+//! appear.
 //!
-//! Choosing a reader's element when it is issued, as the sweep does, can find
-//! every direct way into every memory taken long ago; with buffers there is
-//! another way, without (or with full ones) the program is stuck. Here the
-//! first operand of a reader to be issued binds the reader to an element and
-//! reserves the write port it will need there, and an operation whose result
-//! finds a port taken is not issued yet. Ports of later cycles are always
-//! free, so this never gets stuck, whatever the machine; the price is a
-//! slightly longer schedule.
+//! Choosing an operation's element when it is issued, as the sweep does, can
+//! find every direct way into every memory taken long ago; with buffers there
+//! is another way, without (or with full ones) the program is stuck. So here
+//! an operation gets a *seat*, an element and the sides of its operands, when
+//! its first operand is issued, and a *claim* on the word of every operand
+//! there: write ports are reserved in the cycle in which the operand appears.
+//!
+//! A seat is a promise, not a decision. An operation that finds its element
+//! taken goes to any other one whose ports were free at the right time, and
+//! one whose next operand finds no port at its seat moves to a seat where all
+//! of its operands find one. What nobody claims any more is given up, and its
+//! ports are free again, though the cycle may be past: the word is then not
+//! written at all.
+//!
+//! Invariant: the words of all issued operands of an operation that is not
+//! issued are reserved at its seat. An operation whose readers find no seats
+//! is not issued yet; ports of later cycles are always free, so this never
+//! gets stuck, whatever the machine.
 
-use super::graph::Graph;
-use super::plan::Verdict;
-use super::ports::Ports;
-use super::sweep::{Outcome, Sweep};
-use robovec_ir::{Function, Operand, Value};
+use super::graph::{Graph, NO_DATUM};
+use super::locations::{NOT_COMPUTED, Travel};
+use super::plan::{Plan, Verdict};
+use super::ports::{PLANNED, Word};
+use super::sweep::{Manner, Outcome, Sweep};
+use robovec_ir::Operand;
 
 const UNBOUND: u32 = u32::MAX;
 
@@ -25,6 +36,8 @@ pub(super) struct Ahead {
     bound: Vec<u32>,
     /// Operations bound to each element and not issued yet.
     load: Vec<u32>,
+    /// For each entry, the operations that have a claim on it.
+    claims: Vec<u32>,
     banks: usize,
 }
 
@@ -35,13 +48,24 @@ pub(super) struct Seat {
     pub(super) swapped: bool,
 }
 
-/// What the issue of one operation entails for its readers.
-#[derive(Clone, Default, Debug)]
-pub(super) struct Booking {
-    /// The memories its result is written to.
-    pub(super) memories: Vec<usize>,
-    /// Readers that get an element by it.
-    seats: Vec<(u32, Seat)>,
+/// A word that must be written for a seat.
+#[derive(Clone, Copy, Debug)]
+struct Need {
+    word: Word,
+    memory: usize,
+    arrives: u32,
+}
+
+/// What is needed for a seat, one word per operand at most.
+type Needs = [Option<Need>; Operand::MOST];
+
+/// What the issue of an operation entails for its readers.
+#[derive(Default, Debug)]
+struct Booking {
+    /// The words reserved by it, in this order.
+    needs: Vec<Need>,
+    /// Readers with the seat they had.
+    seats: Vec<(u32, Option<Seat>)>,
 }
 
 impl Ahead {
@@ -50,12 +74,13 @@ impl Ahead {
         Ahead {
             bound: vec![UNBOUND; nodes],
             load: vec![0; elements],
+            claims: Vec::new(),
             banks,
         }
     }
 
     /// Where a node is bound to.
-    pub(super) fn seat(&self, node: usize) -> Option<Seat> {
+    fn seat(&self, node: usize) -> Option<Seat> {
         let bound = self.bound[node];
         (bound != UNBOUND).then_some(Seat {
             element: (bound >> 1) as usize,
@@ -63,168 +88,59 @@ impl Ahead {
         })
     }
 
-    /// The node is issued.
-    pub(super) fn issued(&mut self, node: usize) {
-        if let Some(seat) = self.seat(node) {
-            self.load[seat.element] -= 1;
+    /// Binds a node, or unbinds it.
+    fn bind(&mut self, node: usize, seat: Option<Seat>) {
+        if let Some(old) = self.seat(node) {
+            self.load[old.element] -= 1;
         }
-    }
-
-    /// Finds ports for the result of a node in its write-back cycle: at the
-    /// elements its readers are bound to, at the least loaded one with a free
-    /// port for those that are not. Where a port is taken, `None`, or, when
-    /// `partial`, what there is without it.
-    pub(super) fn book(
-        &self,
-        function: &Function,
-        graph: &Graph,
-        ports: &Ports,
-        node: usize,
-        back: u32,
-        partial: bool,
-    ) -> Option<Booking> {
-        let mut booking = Booking::default();
-        let users = graph.users_of(node);
-        for (index, &user) in users.iter().enumerate() {
-            // A node that reads the result twice stands there twice in a row.
-            if index > 0 && users[index - 1] == user {
-                continue;
-            }
-            let known = self.seat(user as usize);
-            let seat = known
-                .or_else(|| self.find_seat(function, graph, ports, node, user, back, &booking));
-            let Some(seat) = seat else {
-                if partial {
-                    continue;
-                }
-                return None;
-            };
-            if known.is_none() {
-                booking.seats.push((user, seat));
-            }
-            for memory in self.memories(graph, node, user, seat) {
-                if booking.memories.contains(&memory) {
-                    continue;
-                }
-                if ports.can_write(back, memory, 1) {
-                    booking.memories.push(memory);
-                } else if !partial {
-                    return None;
-                }
-            }
-        }
-        Some(booking)
-    }
-
-    /// Any memory that can take the result of an output nobody reads.
-    fn book_home(&self, ports: &Ports, back: u32) -> Option<usize> {
-        (0..self.load.len() * self.banks).find(|&memory| ports.can_write(back, memory, 1))
-    }
-
-    /// Binds the readers of a booking.
-    pub(super) fn confirm(&mut self, booking: &Booking) {
-        for &(user, seat) in &booking.seats {
-            self.bound[user as usize] = (seat.element as u32) << 1 | u32::from(seat.swapped);
+        self.bound[node] = seat.map_or(UNBOUND, |seat| {
             self.load[seat.element] += 1;
+            (seat.element as u32) << 1 | u32::from(seat.swapped)
+        });
+    }
+
+    /// The memory in which a node at a seat reads an operand.
+    fn memory(&self, seat: Seat, operand: usize) -> usize {
+        let side = match operand {
+            2 => 2,
+            _ => operand ^ usize::from(seat.swapped),
+        };
+        // Machines with a memory per side have no third operand.
+        seat.element * self.banks + side.min(self.banks - 1)
+    }
+
+    fn claim(&mut self, entry: u32, more: bool) -> u32 {
+        let index = entry as usize;
+        if self.claims.len() <= index {
+            self.claims.resize(index + 1, 0);
         }
-    }
-
-    /// The least loaded seat of a reader whose ports are free; a memory that
-    /// gets the result anyway is preferred among equals.
-    #[allow(clippy::too_many_arguments)]
-    fn find_seat(
-        &self,
-        function: &Function,
-        graph: &Graph,
-        ports: &Ports,
-        node: usize,
-        user: u32,
-        back: u32,
-        booking: &Booking,
-    ) -> Option<Seat> {
-        let kind = graph.kinds[graph.kind[user as usize] as usize];
-        let commutes = function.node(Value(user)).operation.is_commutative();
-        let sides = if self.banks > 1 && commutes { 2 } else { 1 };
-        (kind.first as usize..(kind.first + kind.count) as usize)
-            .flat_map(|element| {
-                (0..sides).map(move |side| Seat {
-                    element,
-                    swapped: side == 1,
-                })
-            })
-            .filter(|&seat| {
-                self.memories(graph, node, user, seat)
-                    .all(|memory| ports.can_write(back, memory, 1))
-            })
-            .min_by_key(|&seat| {
-                let new = self
-                    .memories(graph, node, user, seat)
-                    .filter(|memory| !booking.memories.contains(memory))
-                    .count();
-                let more = booking
-                    .seats
-                    .iter()
-                    .filter(|(_, other)| other.element == seat.element)
-                    .count();
-                (self.load[seat.element] as usize + more, new)
-            })
-    }
-
-    /// The memories in which a reader at a seat wants a datum.
-    fn memories(
-        &self,
-        graph: &Graph,
-        node: usize,
-        user: u32,
-        seat: Seat,
-    ) -> impl Iterator<Item = usize> + use<> {
-        let banks = self.banks;
-        let data = graph.data[user as usize];
-        (0..Operand::MOST)
-            .filter(move |&operand| data[operand] == node as u32)
-            .map(move |operand| {
-                let side = operand ^ usize::from(seat.swapped);
-                seat.element * banks + side.min(banks - 1)
-            })
+        let claims = &mut self.claims[index];
+        *claims = if more {
+            *claims + 1
+        } else {
+            claims.saturating_sub(1)
+        };
+        *claims
     }
 }
 
 impl Sweep<'_> {
-    /// Issues a node if its element is free and its result finds ports.
+    /// Issues a node if an element can take it and its result finds ports.
     pub(super) fn issue_ahead(&mut self, node: usize, cycle: u32) -> Outcome {
         let back = cycle + self.graph.weight(node) - 1;
         self.draft.ports.reach(back);
-        let Some(ahead) = &self.ahead else {
+        let Some(first) = self.plan_ahead(node, cycle, None) else {
             return Outcome::Failed;
         };
-        let seat = ahead.seat(node);
-        if seat.is_some_and(|seat| self.busy[seat.element] == cycle + 1) {
-            return Outcome::Failed;
-        }
-        let (function, graph, ports) = (self.function, self.graph, &self.draft.ports);
-        let Some(mut booking) = ahead.book(function, graph, ports, node, back, false) else {
+        let Some(booking) = self.book(node, back, first.element, false) else {
             return Outcome::Failed;
         };
-        if self.is_output[node] && booking.memories.is_empty() {
-            match ahead.book_home(ports, back) {
-                Some(memory) => booking.memories.push(memory),
-                None => return Outcome::Failed,
-            }
-        }
-        let sources = self.graph.data[node].map(|datum| self.source(datum));
-        self.mark(sources);
-        let plan = self
-            .places(node)
-            .filter(|at| self.busy[at.element] != cycle + 1)
-            .filter(|at| {
-                seat.is_none_or(|seat| seat.element == at.element && seat.swapped == at.swapped)
-            })
-            .find_map(|at| self.plain(sources, at));
-        let Some(plan) = plan else {
+        // What was just reserved may have taken the ports of the plan.
+        let Some(plan) = self.plan_ahead(node, cycle, Some(first)) else {
+            self.undo(node, &booking);
             return Outcome::Failed;
         };
-        self.commit(node, cycle, plan);
-        self.write_ahead(node, back, &booking);
+        self.finish_ahead(node, cycle, plan, &booking);
         Outcome::Issued
     }
 
@@ -234,40 +150,333 @@ impl Sweep<'_> {
     pub(super) fn issue_booked(&mut self, node: usize, cycle: u32) -> Outcome {
         let back = cycle + self.graph.weight(node) - 1;
         self.draft.ports.reach(back);
-        let Some(ahead) = &self.ahead else {
-            return Outcome::Failed;
-        };
         let waits = self.can_wait(node, cycle);
-        let seat = ahead.seat(node);
+        let seat = self.ahead.as_ref().and_then(|ahead| ahead.seat(node));
         if waits && seat.is_some_and(|seat| self.busy[seat.element] == cycle + 1) {
             return Outcome::Waits;
         }
-        let (function, graph, ports) = (self.function, self.graph, &self.draft.ports);
-        let Some(booking) = ahead.book(function, graph, ports, node, back, !waits) else {
+        let plan = match self.consider(node, cycle) {
+            Verdict::Issue(plan) => plan,
+            Verdict::Wait => return Outcome::Waits,
+            Verdict::Fail => return Outcome::Failed,
+        };
+        let Some(booking) = self.book(node, back, plan.element, !waits) else {
             return Outcome::Waits;
         };
         match self.consider(node, cycle) {
             Verdict::Issue(plan) => {
-                self.commit(node, cycle, plan);
-                self.write_ahead(node, back, &booking);
+                self.finish_ahead(node, cycle, plan, &booking);
                 Outcome::Issued
             }
-            Verdict::Wait => Outcome::Waits,
-            Verdict::Fail => Outcome::Failed,
+            Verdict::Wait => {
+                self.undo(node, &booking);
+                Outcome::Waits
+            }
+            Verdict::Fail => {
+                self.undo(node, &booking);
+                Outcome::Failed
+            }
         }
     }
 
-    fn write_ahead(&mut self, node: usize, back: u32, booking: &Booking) {
-        if let Some(ahead) = &mut self.ahead {
-            ahead.issued(node);
-            ahead.confirm(booking);
+    /// How a node can be issued without buffers: at its seat if that is free,
+    /// else wherever the operands can have been written; or again as a plan
+    /// says.
+    fn plan_ahead(&mut self, node: usize, cycle: u32, again: Option<Plan>) -> Option<Plan> {
+        let sources = self.graph.data[node].map(|datum| self.source(datum));
+        self.mark(sources);
+        let seat = match again {
+            Some(plan) => Some(Seat {
+                element: plan.element,
+                swapped: plan.swapped,
+            }),
+            None => self.ahead.as_ref()?.seat(node),
+        };
+        let is_free = |at: &Plan| self.busy[at.element] != cycle + 1;
+        let is_seat = |at: &Plan| {
+            seat == Some(Seat {
+                element: at.element,
+                swapped: at.swapped,
+            })
+        };
+        let own = self.places(node).filter(is_free).find(is_seat);
+        let own = own.and_then(|at| self.plain(sources, at, cycle));
+        if own.is_some() || again.is_some() {
+            return own;
         }
-        let draft = &mut self.draft;
-        for &memory in &booking.memories {
-            draft.ports.write(back, memory);
-            draft.live[memory] += 1;
-            // The readers extend the life when they are issued.
-            draft.locations.add(node as u32, memory, back, back);
+        let free = self.places(node).filter(is_free);
+        self.cheapest(sources, free, |at| self.plain(sources, at, cycle))
+    }
+
+    /// Reserves the ports for the result of a node in its write-back cycle:
+    /// at the seats of its readers, which get one or another one for it.
+    /// Where that is impossible nothing is reserved and there is `None`, or,
+    /// when `partial`, those readers go without.
+    fn book(&mut self, node: usize, back: u32, element: usize, partial: bool) -> Option<Booking> {
+        let datum = &mut self.draft.locations.data[node];
+        (datum.back, datum.element) = (back, element as u32);
+        let mut booking = Booking::default();
+        let graph = self.graph;
+        let users = graph.users_of(node);
+        for (index, &user) in users.iter().enumerate() {
+            // A node that reads the result twice stands there twice in a row.
+            if index > 0 && users[index - 1] == user {
+                continue;
+            }
+            match self.find_seat(user as usize) {
+                Some((seat, needs)) => self.take_seat(user, seat, needs, &mut booking),
+                None if partial => {}
+                None => {
+                    self.undo(node, &booking);
+                    return None;
+                }
+            }
+        }
+        if self.manner == Manner::Ahead && self.is_output[node] && users.is_empty() {
+            match self.find_home(node, back, element) {
+                Some(need) => self.reserve(need, &mut booking),
+                None => {
+                    self.undo(node, &booking);
+                    return None;
+                }
+            }
+        }
+        Some(booking)
+    }
+
+    /// The seat of an operation and what must be written for it: the one it
+    /// has, or the least loaded one that is possible; the fewer new words and
+    /// the shorter the ways the better among equals.
+    fn find_seat(&self, user: usize) -> Option<(Seat, Needs)> {
+        let ahead = self.ahead.as_ref()?;
+        if let Some(seat) = ahead.seat(user)
+            && let Some(needs) = self.needs(user, seat)
+        {
+            return Some((seat, needs));
+        }
+        let places = self.places(user).map(|at| Seat {
+            element: at.element,
+            swapped: at.swapped,
+        });
+        let possible = places.filter_map(|seat| Some((seat, self.needs(user, seat)?)));
+        possible.min_by_key(|(seat, needs)| {
+            let new = needs.iter().flatten();
+            let travels: u32 = new
+                .clone()
+                .map(|need| need.arrives - need.word.departs)
+                .sum();
+            (travels + ahead.load[seat.element], new.count())
+        })
+    }
+
+    /// What must be written so that an operation has its issued operands at a
+    /// seat; `None` when a port or a link is taken.
+    fn needs(&self, user: usize, seat: Seat) -> Option<Needs> {
+        let ahead = self.ahead.as_ref()?;
+        let (ports, locations) = (&self.draft.ports, &self.draft.locations);
+        let mut needs: Needs = [None; Operand::MOST];
+        for (operand, &datum) in self.graph.data[user].iter().enumerate() {
+            if datum == NO_DATUM || locations.data[datum as usize].back == NOT_COMPUTED {
+                continue;
+            }
+            let memory = ahead.memory(seat, operand);
+            let known = locations.data[datum as usize];
+            let same = |need: &Need| need.word.datum == datum && need.memory == memory;
+            if needs.iter().flatten().any(same) || locations.find(datum, memory).is_some() {
+                continue;
+            }
+            let from = known.element as usize;
+            let arrives = known.back + ports.latency(from, memory);
+            let beside = needs.iter().flatten();
+            let beside = beside.filter(|need| (need.memory, need.arrives) == (memory, arrives));
+            let word = Word {
+                datum,
+                from,
+                to: seat.element,
+                departs: known.back,
+            };
+            let planned = || -> [Option<Word>; PLANNED] {
+                std::array::from_fn(|other| needs[other].map(|need| need.word))
+            };
+            if !ports.can_write(arrives, memory, beside.count() as u8 + 1)
+                || !ports.can_travel(locations, word, planned)
+            {
+                return None;
+            }
+            needs[operand] = Some(Need {
+                word,
+                memory,
+                arrives,
+            });
+        }
+        Some(needs)
+    }
+
+    /// Any memory that can take the result of an output nobody reads.
+    fn find_home(&self, node: usize, back: u32, element: usize) -> Option<Need> {
+        let (ports, locations) = (&self.draft.ports, &self.draft.locations);
+        let need = |memory: usize| Need {
+            word: Word {
+                datum: node as u32,
+                from: element,
+                to: ports.element_of(memory),
+                departs: back,
+            },
+            memory,
+            arrives: back + ports.latency(element, memory),
+        };
+        let free = |need: &Need| {
+            ports.can_write(need.arrives, need.memory, 1)
+                && ports.can_travel(locations, need.word, || [None; PLANNED])
+        };
+        (0..self.draft.live.len())
+            .map(need)
+            .filter(free)
+            .min_by_key(|need| need.arrives)
+    }
+
+    fn take_seat(&mut self, user: u32, seat: Seat, needs: Needs, booking: &mut Booking) {
+        for need in needs.into_iter().flatten() {
+            self.reserve(need, booking);
+        }
+        if let Some(ahead) = &mut self.ahead {
+            booking.seats.push((user, ahead.seat(user as usize)));
+            ahead.bind(user as usize, Some(seat));
         }
     }
+
+    fn reserve(&mut self, need: Need, booking: &mut Booking) {
+        let draft = &mut self.draft;
+        draft.ports.write(need.arrives, need.memory);
+        draft.ports.travel(&draft.locations, need.word);
+        draft.live[need.memory] += 1;
+        let travel = Travel {
+            departs: need.word.departs,
+            arrives: need.arrives,
+        };
+        // The readers extend the life when they are issued.
+        let (datum, read) = (need.word.datum, need.arrives);
+        draft.locations.add(datum, need.memory, travel, read);
+        booking.needs.push(need);
+    }
+
+    /// Takes a booking back, and forgets when the node's result appears.
+    fn undo(&mut self, node: usize, booking: &Booking) {
+        if let Some(ahead) = &mut self.ahead {
+            for &(user, old) in booking.seats.iter().rev() {
+                ahead.bind(user as usize, old);
+            }
+        }
+        let draft = &mut self.draft;
+        for need in booking.needs.iter().rev() {
+            draft.locations.remove_last(need.word.datum);
+            let (arrives, memory) = (need.arrives, need.memory);
+            draft
+                .ports
+                .retract(&draft.locations, need.word, arrives, memory);
+            draft.live[memory] -= 1;
+        }
+        draft.locations.data[node].back = NOT_COMPUTED;
+    }
+
+    /// Issues a node, and settles the claims that changed.
+    fn finish_ahead(&mut self, node: usize, cycle: u32, plan: Plan, booking: &Booking) {
+        if let Some(ahead) = &mut self.ahead {
+            let seat = ahead.seat(node);
+            ahead.bind(node, None);
+            if let Some(seat) = seat {
+                let read: [Option<usize>; Operand::MOST] = std::array::from_fn(|operand| {
+                    plan.routes[operand].map(|_| plan.memories[operand])
+                });
+                self.release(node, seat, None, read);
+            }
+        }
+        // Its words must be known to be read before others give theirs up.
+        self.commit(node, cycle, plan);
+        for &(user, old) in &booking.seats {
+            let user = user as usize;
+            let Some(seat) = self.ahead.as_ref().and_then(|ahead| ahead.seat(user)) else {
+                continue;
+            };
+            let moved = old.filter(|&old| old != seat);
+            // A reader that keeps its seat has its other claims already.
+            let only = (old == Some(seat)).then_some(node as u32);
+            self.claim_seat(user, seat, only);
+            if let Some(old) = moved {
+                self.release(user, old, Some(node as u32), [None; Operand::MOST]);
+            }
+        }
+    }
+
+    /// Claims the words of the issued operands of a node at a seat; of one
+    /// of them only, if it is given.
+    fn claim_seat(&mut self, user: usize, seat: Seat, only: Option<u32>) {
+        let Some(ahead) = &mut self.ahead else { return };
+        for (memory, datum) in claimed(self.graph, ahead, user, seat).into_iter().flatten() {
+            if only.is_none_or(|only| only == datum)
+                && let Some(entry) = self.draft.locations.find(datum, memory)
+            {
+                ahead.claim(entry, true);
+            }
+        }
+    }
+
+    /// Gives up the claims of a node at a seat, save on a datum that was not
+    /// issued when it had it; words that nobody wants any more are not
+    /// written, those in memories the node now reads excepted.
+    fn release(
+        &mut self,
+        user: usize,
+        seat: Seat,
+        except: Option<u32>,
+        read: [Option<usize>; Operand::MOST],
+    ) {
+        let Some(ahead) = &mut self.ahead else { return };
+        let data = self.graph.data[user];
+        let draft = &mut self.draft;
+        for (memory, datum) in claimed(self.graph, ahead, user, seat).into_iter().flatten() {
+            if except == Some(datum) {
+                continue;
+            }
+            let Some(index) = draft.locations.find(datum, memory) else {
+                continue;
+            };
+            let left = ahead.claim(index, false);
+            let is_read = (0..Operand::MOST)
+                .any(|operand| data[operand] == datum && read[operand] == Some(memory));
+            let entry = draft.locations.entries[index as usize];
+            if left > 0 || is_read || entry.last_read != entry.written {
+                continue;
+            }
+            let from = draft.locations.data[datum as usize].element as usize;
+            let word = Word {
+                datum,
+                from,
+                to: draft.ports.element_of(memory),
+                departs: entry.departed,
+            };
+            draft.locations.forget(datum, index);
+            draft
+                .ports
+                .retract(&draft.locations, word, entry.written, memory);
+            draft.live[memory] -= 1;
+        }
+    }
+}
+
+/// The memories and data a node at a seat claims, each pair once.
+fn claimed(
+    graph: &Graph,
+    ahead: &Ahead,
+    user: usize,
+    seat: Seat,
+) -> [Option<(usize, u32)>; Operand::MOST] {
+    let mut pairs = [None; Operand::MOST];
+    for (operand, &datum) in graph.data[user].iter().enumerate() {
+        let pair = Some((ahead.memory(seat, operand), datum));
+        if datum != NO_DATUM && graph.is_computed(datum) && !pairs.contains(&pair) {
+            pairs[operand] = pair;
+        }
+    }
+    pairs
 }

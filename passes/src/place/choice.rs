@@ -7,10 +7,9 @@
 //! nine combinations; direct transfers never need what indirect ones do, so
 //! indirect ones are looked at only when no element does without.
 
-use super::locations::Locations;
-use super::ports::Ports;
+use super::locations::{Locations, PRELOADED};
+use super::ports::{PLANNED, Ports, Word};
 use crate::option_words;
-use robovec_ir::Operand;
 
 option_words! {
     /// How the processing element is chosen among those that can take an
@@ -83,14 +82,17 @@ pub(super) struct Planned {
     source: Source,
     memory: usize,
     route: Route,
+    /// The cycle in which the word departs, unless it is there.
+    word: Option<Word>,
 }
 
 impl Planned {
-    pub(super) fn new(source: Source, memory: usize, route: Route) -> Planned {
+    pub(super) fn new(ports: &Ports, source: Source, memory: usize, route: Route) -> Planned {
         Planned {
             source,
             memory,
             route,
+            word: word(ports, source, memory, route),
         }
     }
 
@@ -103,15 +105,31 @@ impl Planned {
     }
 
     fn reads_buffer(&self, cycle: u32, element: usize) -> bool {
-        self.route == Route::Indirect(cycle)
-            && self.source.result.is_some_and(|(_, by)| by == element)
+        matches!(self.route, Route::Indirect(_))
+            && self
+                .word
+                .is_some_and(|word| (word.departs, word.from) == (cycle, element))
     }
+}
+
+/// The word that a route puts on its way.
+pub(super) fn word(ports: &Ports, source: Source, memory: usize, route: Route) -> Option<Word> {
+    let (Route::Direct(at) | Route::Indirect(at)) = route else {
+        return None;
+    };
+    let (_, from) = source.result?;
+    Some(Word {
+        datum: source.datum,
+        from,
+        to: ports.element_of(memory),
+        departs: at - ports.latency(from, memory),
+    })
 }
 
 /// The transfers planned for the other operands; no two of them bring the
 /// same datum to the same memory.
 #[derive(Clone, Copy, Default, Debug)]
-pub(super) struct Others([Option<Planned>; Operand::MOST - 1]);
+pub(super) struct Others([Option<Planned>; PLANNED]);
 
 impl Others {
     /// Adds a transfer, unless it is there.
@@ -128,6 +146,12 @@ impl Others {
 
     fn iter(&self) -> impl Iterator<Item = &Planned> {
         self.0.iter().flatten()
+    }
+
+    /// The words they put on their way.
+    fn words(&self) -> [Option<Word>; PLANNED] {
+        self.0
+            .map(|planned| planned.and_then(|planned| planned.word))
     }
 
     /// Words they write into a memory in a cycle.
@@ -149,27 +173,45 @@ impl Others {
     }
 }
 
-/// The route without buffer, if the ports allow one; `held` is the entry of
-/// the datum in the memory, if it has one.
+/// Where a datum is wanted, and when.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    /// The memory.
+    pub(super) memory: usize,
+    /// The entry of the datum there, if it has one.
+    pub(super) held: Option<u32>,
+    /// It must be written before this cycle.
+    pub(super) before: u32,
+}
+
+/// The route without buffer, if ports and links allow one.
 pub(super) fn plain_route(
     ports: &Ports,
+    locations: &Locations,
     source: Source,
-    memory: usize,
-    held: Option<u32>,
+    wanted: Wanted,
     others: &Others,
 ) -> Option<Route> {
+    let Wanted {
+        memory,
+        held,
+        before,
+    } = wanted;
     if let Some(entry) = held {
-        return Some(Route::Held(entry));
+        let written = locations.entries[entry as usize].written;
+        return (written == PRELOADED || written < before).then_some(Route::Held(entry));
     }
-    match source.result {
-        None => Some(Route::Load),
-        Some((back, _)) => {
-            let planned = others.writes(back, memory);
-            ports
-                .can_write(back, memory, planned + 1)
-                .then_some(Route::Direct(back))
-        }
+    let Some((back, from)) = source.result else {
+        return Some(Route::Load);
+    };
+    let arrives = back + ports.latency(from, memory);
+    if arrives >= before || !ports.can_write(arrives, memory, others.writes(arrives, memory) + 1) {
+        return None;
     }
+    let route = Route::Direct(arrives);
+    let word = word(ports, source, memory, route)?;
+    let free = ports.can_travel(locations, word, || others.words());
+    free.then_some(route)
 }
 
 /// The earliest indirect write before the cycle of issue; early, because the
@@ -187,12 +229,16 @@ pub(super) fn indirect_route(
     if !ports.has_buffer() {
         return None;
     }
-    let early_end = issue.min(back + 1 + EARLY_WINDOW);
-    let late_start = early_end.max(issue.saturating_sub(LATE_WINDOW));
+    let latency = ports.latency(producer, memory);
+    // A word that departs in this cycle arrives too late.
+    let end = issue.saturating_sub(latency);
+    let early_end = end.min(back + 1 + EARLY_WINDOW);
+    let late_start = early_end.max(end.saturating_sub(LATE_WINDOW));
     let mut room = Room::new(ports, locations, source, others);
-    for cycle in (back + 1..early_end).chain(late_start..issue) {
-        let planned = others.writes(cycle, memory);
-        if !ports.can_write(cycle, memory, planned + 1) {
+    for cycle in (back + 1..early_end).chain(late_start..end) {
+        let arrives = cycle + latency;
+        let planned = others.writes(arrives, memory);
+        if !ports.can_write(arrives, memory, planned + 1) {
             continue;
         }
         let taken = others.other_words(source.datum, cycle, producer);
@@ -200,14 +246,18 @@ pub(super) fn indirect_route(
             others.reads_same(source.datum, cycle, producer)
                 || locations
                     .of(source.datum)
-                    .any(|(_, entry)| entry.written == cycle)
+                    .any(|(_, entry)| entry.departed == cycle)
         };
         if !ports.can_read_buffer(cycle, producer, taken + 1) && !shared() {
             continue;
         }
-        return room
-            .reaches(ports, cycle, producer)
-            .then_some(Route::Indirect(cycle));
+        let route = Route::Indirect(arrives);
+        let travels = word(ports, source, memory, route)
+            .is_some_and(|word| ports.can_travel(locations, word, || others.words()));
+        if !travels {
+            continue;
+        }
+        return room.reaches(ports, cycle, producer).then_some(route);
     }
     None
 }

@@ -2,7 +2,8 @@
 
 use super::choice::Source;
 use super::graph::Graph;
-use super::locations::{FOREVER, NO_ENTRY};
+use super::locations::{FOREVER, NO_ENTRY, Travel};
+use super::ports::{PLANNED, Word};
 use super::sweep::{Draft, Stuck, reserve_indirect};
 use robovec_ir::Function;
 
@@ -41,6 +42,7 @@ pub(super) fn settle_homes(
                     None => new_home(draft, value.0, &kept)?,
                 };
                 let entry = &mut draft.locations.entries[home as usize];
+                draft.cycles = draft.cycles.max(entry.written + 1);
                 if entry.last_read != FOREVER {
                     entry.last_read = FOREVER;
                     kept[entry.memory as usize] += 1;
@@ -59,14 +61,29 @@ fn new_home(draft: &mut Draft, datum: u32, kept: &[u32]) -> Result<u32, Stuck> {
     let known = draft.locations.data[datum as usize];
     let (producer, back) = (known.element as usize, known.back);
     draft.ports.reach(back);
-    let emptiest = |draft: &Draft, cycle: u32| {
+    // The emptiest memory a word that departs in a cycle gets into, and when.
+    let emptiest = |draft: &Draft, departs: u32| {
+        let reach = |memory: usize| {
+            let ports = &draft.ports;
+            let arrives = departs + ports.latency(producer, memory);
+            let word = Word {
+                datum,
+                from: producer,
+                to: ports.element_of(memory),
+                departs,
+            };
+            let free = ports.can_write(arrives, memory, 1)
+                && ports.can_travel(&draft.locations, word, || [None; PLANNED]);
+            free.then_some((memory, Travel { departs, arrives }, word))
+        };
         (0..kept.len())
-            .filter(|&memory| draft.ports.can_write(cycle, memory, 1))
-            .min_by_key(|&memory| kept[memory] + draft.live[memory])
+            .filter_map(reach)
+            .min_by_key(|&(memory, travel, _)| (travel.arrives, kept[memory] + draft.live[memory]))
     };
-    if let Some(memory) = emptiest(draft, back) {
-        draft.ports.write(back, memory);
-        return Ok(add(draft, datum, memory, back));
+    if let Some((memory, travel, word)) = emptiest(draft, back) {
+        draft.ports.write(travel.arrives, memory);
+        draft.ports.travel(&draft.locations, word);
+        return Ok(add(draft, datum, memory, travel));
     }
     if !draft.ports.has_buffer() {
         return Err(Stuck);
@@ -83,19 +100,19 @@ fn new_home(draft: &mut Draft, datum: u32, kept: &[u32]) -> Result<u32, Stuck> {
         {
             continue;
         }
-        if let Some(memory) = emptiest(draft, cycle) {
+        if let Some((memory, travel, _)) = emptiest(draft, cycle) {
             let source = Source {
                 datum,
                 result: Some((back, producer)),
             };
-            reserve_indirect(draft, source, memory, cycle);
-            return Ok(add(draft, datum, memory, cycle));
+            reserve_indirect(draft, source, memory, travel);
+            return Ok(add(draft, datum, memory, travel));
         }
     }
 }
 
-fn add(draft: &mut Draft, datum: u32, memory: usize, written: u32) -> u32 {
+fn add(draft: &mut Draft, datum: u32, memory: usize, travel: Travel) -> u32 {
     draft.live[memory] += 1;
-    draft.cycles = draft.cycles.max(written + 1);
-    draft.locations.add(datum, memory, written, FOREVER)
+    draft.cycles = draft.cycles.max(travel.arrives + 1);
+    draft.locations.add(datum, memory, travel, FOREVER)
 }

@@ -9,6 +9,23 @@ pub(super) const PRELOADED: u32 = u32::MAX;
 /// The last read of a word that stays to the end.
 pub(super) const FOREVER: u32 = u32::MAX;
 
+/// When a word travels.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Travel {
+    /// The cycle in which it leaves its producer or the producer's buffer.
+    pub(super) departs: u32,
+    /// The cycle at whose end it is written.
+    pub(super) arrives: u32,
+}
+
+impl Travel {
+    /// Initial data, there before the run.
+    pub(super) const PRELOADED: Travel = Travel {
+        departs: PRELOADED,
+        arrives: PRELOADED,
+    };
+}
+
 /// A datum in a memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
@@ -18,6 +35,9 @@ pub(super) struct Entry {
     pub(super) written: u32,
     /// The last cycle in which an issue reads it, or [`FOREVER`].
     pub(super) last_read: u32,
+    /// The cycle in which the word left its producer or the producer's
+    /// buffer, or [`PRELOADED`]; over a crossbar that of the write.
+    pub(super) departed: u32,
     /// The next entry of the same datum, or [`NO_ENTRY`].
     next: u32,
 }
@@ -66,14 +86,15 @@ impl Locations {
         }
     }
 
-    /// Adds a word that is read in the same breath.
-    pub(super) fn add(&mut self, datum: u32, memory: usize, written: u32, read: u32) -> u32 {
+    /// Adds a word that travels as given, and its last read as far as known.
+    pub(super) fn add(&mut self, datum: u32, memory: usize, travel: Travel, read: u32) -> u32 {
         let index = self.entries.len() as u32;
         let first = &mut self.data[datum as usize].first;
         self.entries.push(Entry {
             memory: memory as u32,
-            written,
+            written: travel.arrives,
             last_read: read,
+            departed: travel.departs,
             next: *first,
         });
         *first = index;
@@ -89,6 +110,37 @@ impl Locations {
             next = entry.next;
             Some((index, entry))
         })
+    }
+
+    /// The entry of a datum in a memory, if it has one.
+    pub(super) fn find(&self, datum: u32, memory: usize) -> Option<u32> {
+        let mut entries = self.of(datum);
+        let found = entries.find(|(_, entry)| entry.memory as usize == memory);
+        found.map(|(index, _)| index)
+    }
+
+    /// Takes back the entry that was added last, which is the datum's.
+    pub(super) fn remove_last(&mut self, datum: u32) {
+        if let Some(entry) = self.entries.pop() {
+            self.data[datum as usize].first = entry.next;
+        }
+    }
+
+    /// Forgets one entry of a datum.
+    pub(super) fn forget(&mut self, datum: u32, index: u32) {
+        let next = self.entries[index as usize].next;
+        let mut link = self.data[datum as usize].first;
+        if link == index {
+            self.data[datum as usize].first = next;
+        }
+        while let Some(entry) = self.entries.get_mut(link as usize) {
+            if entry.next == index {
+                entry.next = next;
+            }
+            link = entry.next;
+        }
+        let entry = &mut self.entries[index as usize];
+        (entry.written, entry.last_read) = (PRELOADED, FOREVER);
     }
 
     /// Forgets the words that were booked and are never read: those whose
@@ -123,8 +175,8 @@ impl Locations {
     pub(super) fn buffered_until(&self, datum: u32) -> Option<u32> {
         let back = self.data[datum as usize].back;
         self.of(datum)
-            .map(|(_, entry)| entry.written)
-            .filter(|&written| written > back && written != PRELOADED)
+            .map(|(_, entry)| entry.departed)
+            .filter(|&departed| departed > back && departed != PRELOADED)
             .max()
     }
 }

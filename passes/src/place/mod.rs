@@ -28,6 +28,7 @@ mod graph;
 mod homes;
 mod list;
 mod locations;
+mod network;
 mod order;
 mod pass;
 mod plan;
@@ -106,8 +107,7 @@ pub fn place(
     options: PlaceOptions,
 ) -> Result<PlaceSummary, PlaceError> {
     let graph = Graph::new(function, machine)?;
-    let memories = u64::from(machine.elements.iter().map(|kind| kind.count).sum::<u32>())
-        * ports::banks(machine) as u64;
+    let memories = ports::Ports::new(machine).width() as u64;
     if u64::from(graph.path) * memories > LARGEST_TABLE {
         return Err(PlaceError::TooLong {
             path: graph.path.into(),

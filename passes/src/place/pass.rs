@@ -1,8 +1,8 @@
 //! Placement as a pass.
 
 use super::{Choice, PlaceError, PlaceOptions, Priority, place};
-use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
+use crate::{declare_pass, instances};
 use robovec_ir::{Function, Level, Machine, Value};
 
 declare_pass! {
@@ -31,8 +31,13 @@ declare_pass! {
     /// are only one or two elements of a kind, results are not computed
     /// before the write ports they need are free.
     ///
-    /// A machine without buffers is served too, by binding operations to
-    /// elements before their operands are computed.
+    /// A machine without buffers is served too: operations get an element
+    /// before their operands are computed, and write ports are kept for them
+    /// there until a better element proves to have been free.
+    ///
+    /// On a machine with another interconnect than the crossbar words take
+    /// time, and links that carry few of them; near elements are preferred.
+    /// The bound does not know of that.
     pub struct Place("place") {
         /// Adders; the machine file says how many otherwise.
         pub n_add: Option<u32> = None,
@@ -127,8 +132,15 @@ impl Pass for Place {
                 100.0 * f64::from(above) / f64::from(summary.lower_bound.max(1))
             ),
         };
+        let each = match instances::count(function) {
+            1 => String::new(),
+            count => format!(
+                " ({:.1} for each of {count} instances)",
+                f64::from(summary.cycles) / f64::from(count)
+            ),
+        };
         context.remarks.push(format!(
-            "{} cycles on '{}', {quality}, by order '{}'",
+            "{} cycles{each} on '{}', {quality}, by order '{}'",
             summary.cycles, machine.name, summary.order
         ));
         Ok(())

@@ -2,10 +2,12 @@
 //! there; then the best of them.
 
 use super::choice::{
-    ADDEND_RANKS, Choice, Others, Planned, RANKS, Route, Source, indirect_route, plain_route,
+    ADDEND_RANKS, Choice, Others, Planned, RANKS, Route, Source, Wanted, indirect_route,
+    plain_route,
 };
 use super::graph::NO_DATUM;
 use super::locations::NOT_COMPUTED;
+use super::ports::Ports;
 use super::sweep::Sweep;
 use robovec_ir::Operand;
 
@@ -46,14 +48,14 @@ fn shared(sources: &Sources, plan: &Plan, operand: usize) -> Option<Route> {
 }
 
 /// The transfers planned for the other operands.
-fn planned(sources: &Sources, plan: &Plan, operand: usize) -> Others {
+fn planned(ports: &Ports, sources: &Sources, plan: &Plan, operand: usize) -> Others {
     let mut others = Others::default();
     for other in (0..Operand::MOST).filter(|&other| other != operand) {
         if let (Some(source), Some(route)) = (sources[other], plan.routes[other]) {
             let same =
                 sources[operand] == Some(source) && plan.memories[operand] == plan.memories[other];
             if !same {
-                others.add(Planned::new(source, plan.memories[other], route));
+                others.add(Planned::new(ports, source, plan.memories[other], route));
             }
         }
     }
@@ -61,8 +63,9 @@ fn planned(sources: &Sources, plan: &Plan, operand: usize) -> Others {
 }
 
 /// What [`Choice::Preferential`] minimises: the rank, the cycles results stay
-/// in buffers, new words of initial data, live words.
-type Cost = (u8, u32, u8, u32);
+/// in buffers, the way through the network, new words of initial data, live
+/// words.
+type Cost = (u8, u32, u32, u8, u32);
 
 /// What can be done with an operation in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -108,15 +111,15 @@ impl Sweep<'_> {
         let is_free = |at: &Plan| self.busy[at.element] != cycle + 1;
         let plan = match self.choice {
             Choice::First => self.places(node).filter(is_free).find_map(|at| {
-                self.plain(sources, at)
+                self.plain(sources, at, cycle)
                     .or_else(|| self.indirect(sources, at, cycle))
             }),
             Choice::Preferential => {
                 let free = || self.places(node).filter(is_free);
-                let best = self.cheapest(sources, free(), |at| self.plain(sources, at));
+                let best = self.cheapest(sources, free(), |at| self.plain(sources, at, cycle));
                 if best.is_none() && self.can_wait(node, cycle) {
                     let mut later = self.places(node).filter(|at| !is_free(at));
-                    if later.any(|at| self.plain(sources, at).is_some()) {
+                    if later.any(|at| self.plain(sources, at, cycle).is_some()) {
                         return Verdict::Wait;
                     }
                 }
@@ -130,7 +133,7 @@ impl Sweep<'_> {
 
     /// The plan of least cost among the first [`MOST_COMPARED`], the first of
     /// equals.
-    fn cheapest(
+    pub(super) fn cheapest(
         &self,
         sources: Sources,
         places: impl Iterator<Item = Plan>,
@@ -190,9 +193,25 @@ impl Sweep<'_> {
         })
     }
 
-    /// The plan without buffers.
-    pub(super) fn plain(&self, sources: Sources, at: Plan) -> Option<Plan> {
-        let ports = &self.draft.ports;
+    fn plain_route(
+        &self,
+        source: Source,
+        memory: usize,
+        held: Option<u32>,
+        before: u32,
+        others: &Others,
+    ) -> Option<Route> {
+        let wanted = Wanted {
+            memory,
+            held,
+            before,
+        };
+        let draft = &self.draft;
+        plain_route(&draft.ports, &draft.locations, source, wanted, others)
+    }
+
+    /// The plan without buffers that has everything written before a cycle.
+    pub(super) fn plain(&self, sources: Sources, at: Plan, before: u32) -> Option<Plan> {
         let mut plan = at;
         for operand in 0..Operand::MOST {
             let Some(source) = sources[operand] else {
@@ -203,8 +222,8 @@ impl Sweep<'_> {
                 None => {
                     let memory = plan.memories[operand];
                     let held = self.held(operand, memory);
-                    let others = planned(&sources, &plan, operand);
-                    plain_route(ports, source, memory, held, &others)?
+                    let others = planned(&self.draft.ports, &sources, &plan, operand);
+                    self.plain_route(source, memory, held, before, &others)?
                 }
             };
             plan.routes[operand] = Some(route);
@@ -225,8 +244,8 @@ impl Sweep<'_> {
                 let memory = plan.memories[operand];
                 let held = self.held(operand, memory);
                 plan.routes[operand] = shared(&sources, &plan, operand).or_else(|| {
-                    let others = planned(&sources, &plan, operand);
-                    plain_route(&draft.ports, source, memory, held, &others)
+                    let others = planned(&self.draft.ports, &sources, &plan, operand);
+                    self.plain_route(source, memory, held, cycle, &others)
                 });
             }
         }
@@ -241,7 +260,7 @@ impl Sweep<'_> {
                 Some(route) => route,
                 None => {
                     let memory = plan.memories[operand];
-                    let others = planned(&sources, &plan, operand);
+                    let others = planned(&self.draft.ports, &sources, &plan, operand);
                     let ports = &draft.ports;
                     indirect_route(ports, &draft.locations, source, memory, cycle, &others)?
                 }
@@ -268,6 +287,21 @@ impl Sweep<'_> {
             .iter()
             .map(|&memory| self.draft.live[memory])
             .sum();
+        let ports = &self.draft.ports;
+        let travel = |operand: usize| {
+            let moves = matches!(
+                plan.routes[operand],
+                Some(Route::Direct(_) | Route::Indirect(_))
+            );
+            let producer = sources[operand].and_then(|source| source.result);
+            producer
+                .filter(|_| moves)
+                .map_or(0, |(_, from)| ports.latency(from, plan.memories[operand]))
+        };
+        let travels: u32 = match ports.has_network() {
+            true => (0..Operand::MOST).map(travel).sum(),
+            false => 0,
+        };
         let stay = plan.routes.iter().zip(sources).map(|(route, source)| {
             let back = source
                 .and_then(|source| source.result)
@@ -277,7 +311,7 @@ impl Sweep<'_> {
                 _ => 0,
             }
         });
-        (rank, stay.sum(), loads, words)
+        (rank, stay.sum(), travels, loads, words)
     }
 
     /// False when no element, free now or not, can take the node in this or
@@ -286,7 +320,7 @@ impl Sweep<'_> {
         let sources = self.graph.data[node].map(|datum| self.source(datum));
         self.mark(sources);
         self.places(node).any(|at| {
-            self.plain(sources, at).is_some()
+            self.plain(sources, at, u32::MAX).is_some()
                 || self.indirect(sources, at, cycle).is_some()
                 || self.may_wait(sources, at, cycle)
         })
@@ -306,7 +340,11 @@ impl Sweep<'_> {
                 let Some((back, producer)) = source.result else {
                     return true;
                 };
-                if plain_route(&draft.ports, source, memory, held, &Others::default()).is_some() {
+                let others = Others::default();
+                if self
+                    .plain_route(source, memory, held, u32::MAX, &others)
+                    .is_some()
+                {
                     return true;
                 }
                 let from = draft

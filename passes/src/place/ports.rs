@@ -6,8 +6,12 @@
 //! per memory and cycle, because the cycles asked about lie close together
 //! and a row then is a single cache line.
 
-use robovec_ir::Machine;
-use robovec_ir::machine::MemoryStyle;
+use super::locations::Locations;
+use super::network::Wires;
+use robovec_ir::{Machine, Operand};
+
+/// The most words planned at once, beside the one asked about.
+pub(super) const PLANNED: usize = Operand::MOST - 1;
 
 /// Reservations of all cycles so far.
 #[derive(Clone, Default, Debug)]
@@ -23,14 +27,25 @@ pub(super) struct Ports {
     /// Words in use in the buffers; kept only when they are limited.
     buffer_words: Vec<u16>,
     buffer_word_limit: Option<u16>,
+    banks: usize,
+    /// The network, unless it is a crossbar.
+    wires: Option<Wires>,
+    /// Words on each link of the network in each cycle.
+    links: Vec<u8>,
+}
+
+/// A word on its way: what, from which element to which, and when it departs.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Word {
+    pub(super) datum: u32,
+    pub(super) from: usize,
+    pub(super) to: usize,
+    pub(super) departs: u32,
 }
 
 /// Memories per element: 1, or 2 when each operand side has its own.
 pub(super) fn banks(machine: &Machine) -> usize {
-    match machine.memory.style {
-        MemoryStyle::Unified => 1,
-        MemoryStyle::SideSplit => 2,
-    }
+    machine.memory.style.banks()
 }
 
 impl Ports {
@@ -43,6 +58,7 @@ impl Ports {
             .sum();
         // Limits above what a counter holds are cut to it: that many words at
         // once would take as many elements.
+        let counts: Vec<u32> = machine.elements.iter().map(|kind| kind.count).collect();
         let byte = |limit: Option<u32>| limit.map_or(u8::MAX, |limit| limit.min(255) as u8);
         let buffer = machine.buffer.filter(|buffer| buffer.words != Some(0));
         Ports {
@@ -56,18 +72,122 @@ impl Ports {
             buffer_word_limit: buffer
                 .and_then(|buffer| buffer.words)
                 .and_then(|words| u16::try_from(words).ok()),
+            banks: banks(machine),
+            wires: Wires::new(machine.interconnect, &counts),
+            links: Vec::new(),
+        }
+    }
+
+    /// Cells of the tables per cycle.
+    pub(super) fn width(&self) -> usize {
+        self.memories.max(self.links())
+    }
+
+    fn links(&self) -> usize {
+        self.wires.as_ref().map_or(0, Wires::links)
+    }
+
+    /// True when words travel through a network, which takes time.
+    pub(super) fn has_network(&self) -> bool {
+        self.wires.is_some()
+    }
+
+    /// The longest time a word travels.
+    pub(super) fn longest_travel(&self) -> u32 {
+        self.wires.as_ref().map_or(0, Wires::longest)
+    }
+
+    /// Cycles from the departure of a word to its arrival in a memory.
+    pub(super) fn latency(&self, from: usize, memory: usize) -> u32 {
+        let wires = self.wires.as_ref();
+        wires.map_or(0, |wires| wires.latency(from, memory / self.banks))
+    }
+
+    /// The element a memory belongs to.
+    pub(super) fn element_of(&self, memory: usize) -> usize {
+        memory / self.banks
+    }
+
+    /// True when every link on the way of a word has room for it beside
+    /// those of words that are planned; its own word on other ways takes no
+    /// more room.
+    pub(super) fn can_travel(
+        &self,
+        locations: &Locations,
+        word: Word,
+        planned: impl Fn() -> [Option<Word>; PLANNED] + Clone,
+    ) -> bool {
+        let Some(wires) = &self.wires else {
+            return true;
+        };
+        let width = wires.links();
+        wires.way(word.from, word.to).all(|(link, delay)| {
+            let cell = (word.departs + delay) as usize * width + link;
+            let rivals = planned().into_iter().flatten().filter(|other| {
+                (other.datum, other.departs) != (word.datum, word.departs)
+                    && wires.way(other.from, other.to).any(|(other_link, after)| {
+                        other_link == link && other.departs + after == word.departs + delay
+                    })
+            });
+            let rivals = rivals.count() as u8;
+            self.links[cell].saturating_add(rivals) < wires.words()
+                || self.carries(locations, word, link)
+        })
+    }
+
+    /// True when the word is on the link anyway, on its way elsewhere.
+    fn carries(&self, locations: &Locations, word: Word, link: usize) -> bool {
+        let Some(wires) = &self.wires else {
+            return false;
+        };
+        locations.of(word.datum).any(|(_, entry)| {
+            let to = self.element_of(entry.memory as usize);
+            entry.departed == word.departs
+                && wires.way(word.from, to).any(|(other, _)| other == link)
+        })
+    }
+
+    /// Takes the links on the way of a word, before its entry is added.
+    pub(super) fn travel(&mut self, locations: &Locations, word: Word) {
+        self.change_links(locations, word, |uses| *uses += 1);
+    }
+
+    /// Gives up the links and the write port of a word, after its entry was
+    /// forgotten.
+    pub(super) fn retract(
+        &mut self,
+        locations: &Locations,
+        word: Word,
+        arrives: u32,
+        memory: usize,
+    ) {
+        self.writes[arrives as usize * self.memories + memory] -= 1;
+        self.change_links(locations, word, |uses| *uses -= 1);
+    }
+
+    fn change_links(&mut self, locations: &Locations, word: Word, change: impl Fn(&mut u8)) {
+        let Some(wires) = &self.wires else { return };
+        let width = wires.links();
+        let own = wires.way(word.from, word.to);
+        let own: Vec<(usize, u32)> = own
+            .filter(|&(link, _)| !self.carries(locations, word, link))
+            .collect();
+        for (link, delay) in own {
+            change(&mut self.links[(word.departs + delay) as usize * width + link]);
         }
     }
 
     /// Makes room for reservations up to a cycle.
     pub(super) fn reach(&mut self, cycle: u32) {
-        let rows = cycle as usize + 1;
+        let rows = cycle as usize + self.longest_travel() as usize + 1;
         if self.writes.len() < rows * self.memories {
             self.writes.resize(rows * self.memories, 0);
             self.buffer_reads.resize(rows * self.elements, 0);
             if self.buffer_word_limit.is_some() {
                 self.buffer_words.resize(rows * self.elements, 0);
             }
+            let links = self.links();
+            self.links.resize(rows * links, 0);
         }
     }
 

@@ -6,11 +6,16 @@ use super::locations::NO_ENTRY;
 use super::order::Order;
 use super::sweep::{Draft, Manner, Stuck, Task, sweep};
 use super::{addresses, homes, list};
+use robovec_ir::machine::Interconnect;
 
 /// How many visits of an operation [`Priority::Best`] may spend beyond its
 /// first sweep: a few more tries for a model of 30,000 operations, none for
 /// one of 600,000, whose first schedule is within a fraction of a per cent.
 const WORK_BUDGET: usize = 300_000;
+
+/// How many operations may be placed beyond that on a machine without
+/// buffers.
+const BUFFERLESS_BUDGET: usize = 150_000;
 
 /// The most orders tried for small programs.
 const MOST_TRIES: usize = 40;
@@ -42,7 +47,8 @@ impl Search<'_> {
         if self.best_cycles() > self.task.target {
             self.consider(name, sweep(self.task, order, Manner::AtIssue));
         }
-        if self.best.is_none() {
+        let bufferless = self.task.machine.buffer.is_none();
+        if self.best.is_none() || bufferless && self.best_cycles() > self.task.target {
             self.consider(name, sweep(self.task, order, Manner::Ahead));
         }
     }
@@ -55,6 +61,7 @@ impl Search<'_> {
         let graph = self.task.graph;
         self.task.choice == Choice::Preferential
             && self.task.machine.buffer.is_some()
+            && self.task.machine.interconnect == Interconnect::Crossbar
             && graph.kinds.iter().all(|kind| kind.count <= 2)
             && graph.operations() * SWEEP_COST <= WORK_BUDGET
     }
@@ -92,6 +99,24 @@ impl Search<'_> {
             {
                 self.sweep(name, &order);
             }
+        }
+        self.without_buffers();
+    }
+
+    /// Tries more orders on a machine without buffers: there list schedules
+    /// without memories say little about what ports will allow, so every
+    /// order is swept.
+    fn without_buffers(&mut self) {
+        if self.task.machine.buffer.is_some() {
+            return;
+        }
+        let graph = self.task.graph;
+        let tries = BUFFERLESS_BUDGET / graph.operations().max(1);
+        for share in [16, 4, 32, 8, 64].into_iter().take(tries) {
+            if self.best_cycles() <= self.task.target {
+                return;
+            }
+            self.sweep("program", &Order::towards_program(graph, share));
         }
     }
 }

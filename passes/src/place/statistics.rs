@@ -1,6 +1,7 @@
 //! What a placement uses, computed from the placed function alone.
 
 use super::choice::RANKS;
+use super::network::Wires;
 use robovec_ir::placement::{Bank, Placement, Schedule, Write};
 use robovec_ir::{Function, Machine, Value};
 use serde::Serialize;
@@ -58,11 +59,13 @@ pub struct PlacementStatistics {
 /// that is not placed.
 pub fn placement_statistics(function: &Function, machine: &Machine) -> Option<PlacementStatistics> {
     let (schedule, placement) = (function.schedule.as_ref()?, function.placement.as_ref()?);
+    let counts: Vec<u32> = schedule.kinds.iter().map(|kind| kind.count).collect();
     let view = PlacedView {
         function,
         machine,
         schedule,
         placement,
+        wires: Wires::new(machine.interconnect, &counts),
     };
     let operations = view.operations();
     let (memory, buffer) = (view.memory_words(), view.buffer_words());
@@ -83,7 +86,8 @@ pub fn placement_statistics(function: &Function, machine: &Machine) -> Option<Pl
     }
     let direct = view.values().map(|(value, back)| {
         let writes = placement.writes_of(value).iter();
-        writes.filter(|write| write.cycle == back).count() as u32
+        let is_direct = |write: &&Write| view.departs(value, write) == back;
+        writes.filter(is_direct).count() as u32
     });
     let direct_writes: u32 = direct.sum();
     Some(PlacementStatistics {
@@ -122,6 +126,7 @@ struct PlacedView<'a> {
     machine: &'a Machine,
     schedule: &'a Schedule,
     placement: &'a Placement,
+    wires: Option<Wires>,
 }
 
 impl PlacedView<'_> {
@@ -132,6 +137,14 @@ impl PlacedView<'_> {
             let weight = self.machine.weight(node.operation);
             (!slot.is_host()).then(|| (value, slot.cycle.saturating_add(weight).saturating_sub(1)))
         })
+    }
+
+    /// The cycle in which a written word left its producer.
+    fn departs(&self, value: Value, write: &Write) -> u32 {
+        let from = self.schedule.slots[value.index()].element as usize;
+        let wires = self.wires.as_ref();
+        let latency = wires.map_or(0, |wires| wires.latency(from, write.word.element as usize));
+        write.cycle.saturating_sub(latency)
     }
 
     fn operations(&self) -> Vec<u32> {
@@ -201,11 +214,10 @@ impl PlacedView<'_> {
                 Some(write) if first_read[write] == cycle => {
                     let producer = self.function.node(node).operands[side].value();
                     let back = producer.map_or(0, back_of);
-                    if self.placement.writes[write].cycle == back {
-                        1
-                    } else {
-                        2
-                    }
+                    let departs = producer.map_or(0, |value| {
+                        self.departs(value, &self.placement.writes[write])
+                    });
+                    if departs == back { 1 } else { 2 }
                 }
                 _ => 0,
             };

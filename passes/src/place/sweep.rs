@@ -8,12 +8,12 @@
 //! to the operations however crowded the ports are.
 
 use super::ahead::Ahead;
-use super::choice::{Choice, Route, Source};
+use super::choice::{Choice, Route, Source, word};
 use super::graph::{Graph, HOST, NO_DATUM};
-use super::locations::{Locations, NO_ENTRY, PRELOADED};
+use super::locations::{Locations, NO_ENTRY, Travel};
 use super::order::Order;
 use super::plan::{Plan, Verdict};
-use super::ports::Ports;
+use super::ports::{Ports, Word};
 use super::ready::{Calendar, RankSet};
 use robovec_ir::{Function, Machine, Operand};
 
@@ -146,6 +146,8 @@ impl<'a> Sweep<'a> {
         let nodes = graph.kind.len();
         let banks = super::ports::banks(machine);
         let elements: usize = graph.kinds.iter().map(|kind| kind.count as usize).sum();
+        let ports = Ports::new(machine);
+        let longest_wait = graph.largest_weight() + ports.longest_travel();
         Sweep {
             function,
             graph,
@@ -156,11 +158,11 @@ impl<'a> Sweep<'a> {
                 reads: vec![[NO_ENTRY; Operand::MOST]; nodes],
                 swapped: vec![false; nodes],
                 locations: Locations::new(count_readers(function, graph).into_iter()),
-                ports: Ports::new(machine),
+                ports,
                 live: vec![0; elements * banks],
                 cycles: 0,
             },
-            calendar: Calendar::new(graph.largest_weight().max(LONGEST_PAUSE)),
+            calendar: Calendar::new(longest_wait.max(LONGEST_PAUSE)),
             ready: order
                 .nodes
                 .iter()
@@ -193,7 +195,8 @@ impl<'a> Sweep<'a> {
                 self.calendar.enter(0, node as u32);
             }
         }
-        let patience = 4 * (self.graph.largest_weight() + LONGEST_PAUSE);
+        let travel = self.draft.ports.longest_travel();
+        let patience = 4 * (self.graph.largest_weight() + travel + LONGEST_PAUSE);
         let mut cycle = 0;
         loop {
             if self.ready.iter().all(RankSet::is_empty) {
@@ -324,23 +327,30 @@ impl<'a> Sweep<'a> {
     /// Reserves a transfer and returns the entry that is read.
     fn transfer(&mut self, source: Source, route: Route, memory: usize, cycle: u32) -> u32 {
         let draft = &mut self.draft;
-        let written = match route {
+        let word = word(&draft.ports, source, memory, route);
+        let travel = match route {
             Route::Held(entry) => {
                 draft.locations.entries[entry as usize].last_read = cycle;
                 return entry;
             }
-            Route::Load => PRELOADED,
-            Route::Direct(at) => {
-                draft.ports.write(at, memory);
-                at
-            }
-            Route::Indirect(at) => {
-                reserve_indirect(draft, source, memory, at);
-                at
-            }
+            Route::Load => Travel::PRELOADED,
+            Route::Direct(at) | Route::Indirect(at) => Travel {
+                departs: word.map_or(at, |word| word.departs),
+                arrives: at,
+            },
         };
+        match route {
+            Route::Direct(_) => {
+                draft.ports.write(travel.arrives, memory);
+                if let Some(word) = word {
+                    draft.ports.travel(&draft.locations, word);
+                }
+            }
+            Route::Indirect(_) => reserve_indirect(draft, source, memory, travel),
+            Route::Held(_) | Route::Load => {}
+        }
         draft.live[memory] += 1;
-        draft.locations.add(source.datum, memory, written, cycle)
+        draft.locations.add(source.datum, memory, travel, cycle)
     }
 
     fn has_read(&mut self, datum: u32) {
@@ -362,27 +372,56 @@ impl<'a> Sweep<'a> {
             waiting.ready = waiting.ready.max(ready);
             waiting.operands -= 1;
             if waiting.operands == 0 {
-                self.calendar.enter(waiting.ready, user);
+                let ready = match self.draft.ports.has_network() {
+                    true => self.first_arrival(user as usize),
+                    false => waiting.ready,
+                };
+                self.calendar.enter(ready.max(cycle + 1), user);
             }
         }
     }
+
+    /// The first cycle in which some element can have all operands of a node
+    /// whose operands are issued, as far as the network's latency goes.
+    fn first_arrival(&self, node: usize) -> u32 {
+        let draft = &self.draft;
+        let data = self.graph.data[node];
+        let at = |element: usize| {
+            let operands = data.into_iter().filter(|&datum| datum != NO_DATUM);
+            let results = operands.filter_map(|datum| self.source(datum)?.result);
+            let arrivals = results
+                .map(|(back, from)| back + draft.ports.latency(from, element * self.banks) + 1);
+            arrivals.max().unwrap_or(0)
+        };
+        let kind = self.graph.kinds[self.graph.kind[node] as usize];
+        let elements = kind.first as usize..(kind.first + kind.count) as usize;
+        elements.map(at).min().unwrap_or(0)
+    }
 }
 
-/// Reserves the ports and the buffer words of an indirect write.
-pub(super) fn reserve_indirect(draft: &mut Draft, source: Source, memory: usize, at: u32) {
+/// Reserves the ports, the links and the buffer words of an indirect write.
+pub(super) fn reserve_indirect(draft: &mut Draft, source: Source, memory: usize, travel: Travel) {
     let Some((back, producer)) = source.result else {
         return;
     };
-    draft.ports.write(at, memory);
-    let mut written = draft.locations.of(source.datum);
-    if !written.any(|(_, entry)| entry.written == at) {
-        draft.ports.read_buffer(at, producer);
+    draft.ports.write(travel.arrives, memory);
+    let departs = travel.departs;
+    let word = Word {
+        datum: source.datum,
+        from: producer,
+        to: draft.ports.element_of(memory),
+        departs,
+    };
+    draft.ports.travel(&draft.locations, word);
+    let mut sent = draft.locations.of(source.datum);
+    if !sent.any(|(_, entry)| entry.departed == departs) {
+        draft.ports.read_buffer(departs, producer);
     }
     let from = draft
         .locations
         .buffered_until(source.datum)
         .map_or(back, |until| until + 1);
-    draft.ports.occupy(from..=at, producer);
+    draft.ports.occupy(from..=departs, producer);
 }
 
 fn outputs(function: &Function) -> Vec<bool> {

@@ -298,7 +298,7 @@ impl<'a> Replay<'a> {
         let operands = self.function.nodes()[node].operands();
         for (side, operand) in operands.iter().enumerate() {
             let bank = match (self.machine.memory.style, side) {
-                (MemoryStyle::Unified, _) => Bank::Unified,
+                (MemoryStyle::Unified | MemoryStyle::FourPort, _) => Bank::Unified,
                 (MemoryStyle::SideSplit, 0) => Bank::Left,
                 (MemoryStyle::SideSplit, _) => Bank::Right,
             };

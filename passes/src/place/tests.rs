@@ -2,7 +2,9 @@
 
 use super::testing::{machine, random_function, random_function_with_roots, replay, with_fused};
 use super::{Choice, PlaceOptions, Priority, place};
-use robovec_ir::{Machine, Operation};
+use robovec_ir::machine::{Interconnect, Network, Topology};
+use robovec_ir::verify::{Violation, verify_placement};
+use robovec_ir::{Machine, Operation, Tables, View};
 
 const CHOICES: [Choice; 2] = [Choice::Preferential, Choice::First];
 const PRIORITIES: [Priority; 4] = [
@@ -106,6 +108,91 @@ fn random_programs_obey_machines_with_few_ports_and_buffers() {
                     check(&name, &machine, operations, near, options);
                 }
             }
+        }
+    }
+}
+
+/// Every way results can travel, under the verifier, which follows words on
+/// its own.
+#[test]
+fn random_programs_obey_networks() {
+    let mut tables = Tables::default();
+    for name in ["q", "o", "v"] {
+        tables.symbols.intern(name);
+    }
+    let networks = Topology::ALL.map(Network::of);
+    let wide = networks.map(|network| Network {
+        hop: 0,
+        words: 2,
+        ..network
+    });
+    for (adders, multipliers) in [(1, 1), (2, 3), (6, 4)] {
+        for network in networks.into_iter().chain(wide) {
+            for (name, buffer) in [("thesis", true), ("side-split", true), ("thesis", false)] {
+                let mut machine = machine(name, adders, multipliers);
+                machine.interconnect = Interconnect::Network(network);
+                if !buffer {
+                    machine.buffer = None;
+                }
+                for choice in CHOICES {
+                    let mut function = random_function(150, 25, u64::from(network.words));
+                    let priority = Priority::Alap;
+                    let options = PlaceOptions { priority, choice };
+                    let summary = place(&mut function, &machine, options).expect("it fits");
+                    let view = View {
+                        tables: &tables,
+                        function: &function,
+                    };
+                    let violations = verify_placement(view, &machine);
+                    assert!(violations.is_empty(), "{network:?} {name}: {violations:?}");
+                    assert!(summary.lower_bound <= summary.cycles);
+                }
+            }
+        }
+    }
+}
+
+/// What the verifier is for: a word that arrives before it can have.
+#[test]
+fn a_placement_for_a_crossbar_breaks_the_rules_of_a_network() {
+    let mut function = random_function(200, 20, 3);
+    let mut machine = machine("thesis", 3, 3);
+    place(&mut function, &machine, PlaceOptions::default()).expect("it fits");
+    let mut tables = Tables::default();
+    for name in ["q", "o", "v"] {
+        tables.symbols.intern(name);
+    }
+    let view = View {
+        tables: &tables,
+        function: &function,
+    };
+    assert_eq!(verify_placement(view, &machine), []);
+    for (topology, hop, message) in [
+        (Topology::Mesh, 1, "before its result is there"),
+        (Topology::Bus, 0, "words on one link of the bus"),
+    ] {
+        machine.interconnect = Interconnect::Network(Network {
+            hop,
+            ..Network::of(topology)
+        });
+        let violations = verify_placement(view, &machine);
+        let said = |violation: &Violation| violation.message.contains(message);
+        assert!(violations.iter().any(said), "{topology:?}: {violations:?}");
+    }
+}
+
+/// Without buffers schedules stay within a few per cent of the bound.
+#[test]
+fn little_is_lost_without_buffers() {
+    for (name, most) in [("thesis", 1.03), ("side-split", 1.05)] {
+        for count in [1, 2, 4] {
+            let mut machine = machine(name, count, count);
+            machine.buffer = None;
+            let mut function = random_function(3000, 400, 5);
+            let summary = place(&mut function, &machine, PlaceOptions::default()).expect("it fits");
+            assert_eq!(replay(&function, &machine), Ok(()));
+            let gap = f64::from(summary.cycles) / f64::from(summary.lower_bound);
+            assert!(gap < most, "{name} {count}: {summary:?}");
         }
     }
 }

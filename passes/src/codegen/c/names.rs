@@ -14,22 +14,28 @@ const RESERVED: [&str; 45] = [
 ];
 
 /// The names in use.
-pub(super) struct Names {
+#[derive(Clone)]
+pub(in crate::codegen) struct Names {
     taken: HashSet<String, FxBuildHasher>,
     /// For names asked for again the number that was tried last.
     numbers: HashMap<String, u32, FxBuildHasher>,
 }
 
 impl Names {
-    pub(super) fn new() -> Names {
+    pub(in crate::codegen) fn new() -> Names {
         Names {
             taken: RESERVED.iter().map(|&word| word.to_owned()).collect(),
             numbers: HashMap::default(),
         }
     }
 
+    /// True for a word that C leaves to its users.
+    pub(super) fn is_free(word: &str) -> bool {
+        !RESERVED.contains(&word)
+    }
+
     /// A name like the wanted one that nothing bears yet.
-    pub(super) fn take(&mut self, wanted: &str) -> String {
+    pub(in crate::codegen) fn take(&mut self, wanted: &str) -> String {
         let mut name: String = wanted
             .chars()
             .map(|character| match character {

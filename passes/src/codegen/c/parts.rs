@@ -1,10 +1,10 @@
 //! What becomes a statement, which statements form a part, and which values
 //! cross from part to part.
 
-use robovec_ir::{Array, Function, Operand, Value};
-
-/// Operations per part.
-const PART: u32 = 500;
+use super::order::order;
+use super::sines::Slots;
+use super::{Options, Sines};
+use robovec_ir::{Function, Operand, Value};
 
 /// Most operations of one expression.
 const EXPRESSION: u32 = 24;
@@ -14,16 +14,16 @@ const EXPRESSION: u32 = 24;
 pub(super) enum Statement {
     /// Defines a variable with the value of a node.
     Define(Value),
+    /// Puts an angle in its slot.
+    Angle(u32),
     /// Sets an output element: the place among the assignments.
     Assign(u32),
 }
 
-/// A part: some statements, and the values it takes from earlier parts.
+/// Some statements that follow each other.
 #[derive(Clone, Default, Debug)]
 pub(super) struct Part {
     pub(super) statements: Vec<Statement>,
-    /// Values of earlier parts it reads, each once, in order.
-    pub(super) loads: Vec<Value>,
 }
 
 /// The plan of a generated function.
@@ -32,8 +32,15 @@ pub(super) struct Plan {
     /// its only user.
     inlined: Vec<bool>,
     pub(super) parts: Vec<Part>,
+    /// How many parts stand before the sines are computed.
+    pub(super) head: usize,
+    /// True when all parts stand in one function.
+    pub(super) is_flat: bool,
+    pub(super) slots: Slots,
     /// For each node the word of the work array it travels in, or `NO_WORD`.
     words: Vec<u32>,
+    /// For each node the number of the function it is defined in.
+    defined: Vec<u32>,
     /// Length of the work array.
     pub(super) work: u32,
 }
@@ -41,39 +48,51 @@ pub(super) struct Plan {
 const NO_WORD: u32 = u32::MAX;
 
 impl Plan {
-    /// Plans a function.
-    pub(super) fn new(function: &Function) -> Plan {
+    /// Plans a function. With `outputs_last` no output is written before
+    /// everything is computed.
+    pub(super) fn new(function: &Function, options: &Options, outputs_last: bool) -> Plan {
         let live = live(function);
-        let (inlined, sizes) = inlined(function);
-        let mut statements: Vec<(Statement, u32)> = function
-            .values()
-            .map(|(value, _)| value)
-            .filter(|value| live[value.index()] && !inlined[value.index()])
-            .map(|value| (Statement::Define(value), sizes[value.index()]))
-            .collect();
-        for (index, assignment) in (0u32..).zip(&function.assignments) {
-            let value = assignment.operand.value();
-            let size = value.filter(|value| inlined[value.index()]);
-            let size = size.map_or(1, |value| sizes[value.index()]);
-            statements.push((Statement::Assign(index), size));
+        let (inlined, sizes) = inlined(function, outputs_last);
+        let slots = match options.sines {
+            Sines::Inline => Slots::new(function, &live),
+            Sines::Library => Slots::none(function),
+        };
+        let ordered = order(function, &live, &inlined, options.order, outputs_last);
+        let mut early = vec![false; inlined.len()];
+        for &angle in slots.angles() {
+            mark(function, angle, &mut early);
         }
+        let mut head = Vec::new();
+        let mut body = Vec::with_capacity(ordered.len());
+        for statement in ordered {
+            match statement {
+                Statement::Define(value) if slots.of(value).is_some() => {}
+                Statement::Define(value) if early[value.index()] => head.push(statement),
+                _ => body.push(statement),
+            }
+        }
+        head.extend((0..slots.angles().len() as u32).map(Statement::Angle));
+        let size = |statement: &Statement| {
+            let operand = match *statement {
+                Statement::Define(value) => return sizes[value.index()],
+                Statement::Angle(slot) => slots.angles()[slot as usize],
+                Statement::Assign(index) => function.assignments[index as usize].operand,
+            };
+            let value = operand.value().filter(|value| inlined[value.index()]);
+            value.map_or(1, |value| sizes[value.index()])
+        };
+        let head = cut(head, options.part, size);
+        let body = cut(body, options.part, size);
         let mut plan = Plan {
             words: vec![NO_WORD; inlined.len()],
+            defined: vec![NO_WORD; inlined.len()],
+            is_flat: head.len() <= 1 && body.len() <= 1,
             inlined,
-            parts: Vec::new(),
-            work: 0,
+            head: head.len(),
+            parts: head.into_iter().chain(body).collect(),
+            work: slots.words(),
+            slots,
         };
-        let mut size = PART;
-        for (statement, cost) in statements {
-            if size >= PART {
-                plan.parts.push(Part::default());
-                size = 0;
-            }
-            size += cost;
-            if let Some(part) = plan.parts.last_mut() {
-                part.statements.push(statement);
-            }
-        }
         plan.cross(function);
         plan
     }
@@ -89,33 +108,51 @@ impl Plan {
         (word != NO_WORD).then_some(word)
     }
 
+    /// True when a value has to be fetched from the work array in a part.
+    pub(super) fn is_foreign(&self, value: Value, part: usize) -> bool {
+        self.defined[value.index()] != self.function_of(part)
+    }
+
+    fn function_of(&self, part: usize) -> u32 {
+        if self.is_flat { 0 } else { part as u32 }
+    }
+
     /// Finds the values that cross from part to part and gives them words,
     /// which are free again after the last part that reads them.
     fn cross(&mut self, function: &Function) {
-        let mut defined = vec![NO_WORD; function.nodes().len()];
-        let mut last = vec![0u32; function.nodes().len()];
-        let mut reads = Vec::new();
+        let nodes = function.nodes().len();
+        let mut last = vec![0u32; nodes];
+        let mut loads: Vec<Vec<Value>> = Vec::with_capacity(self.parts.len());
         for number in 0..self.parts.len() {
-            reads.clear();
-            for &statement in &self.parts[number].statements {
+            let here = self.function_of(number);
+            let mut reads = Vec::new();
+            for index in 0..self.parts[number].statements.len() {
+                let statement = self.parts[number].statements[index];
                 if let Statement::Define(value) = statement {
-                    defined[value.index()] = number as u32;
+                    self.defined[value.index()] = here;
                 }
-                self.reads_of(function, statement, &mut reads);
+                self.leaves(function, statement, |operand| reads.extend(operand.value()));
             }
-            reads.retain(|value| defined[value.index()] != number as u32);
+            // Sines have words of their own.
+            reads.retain(|&value| {
+                self.slots.of(value).is_none() && self.defined[value.index()] != here
+            });
             reads.sort_unstable();
             reads.dedup();
             for value in &reads {
-                last[value.index()] = number as u32;
+                last[value.index()] = here;
             }
-            self.parts[number].loads = reads.clone();
+            loads.push(reads);
         }
+        // Angles are not read again once their sines are there.
         let mut free: Vec<u32> = Vec::new();
-        for number in 0..self.parts.len() {
+        for (number, reads) in loads.into_iter().enumerate() {
+            if number == self.head {
+                free.extend(self.slots.angle_words());
+            }
             for &statement in &self.parts[number].statements {
                 if let Statement::Define(value) = statement
-                    && last[value.index()] > number as u32
+                    && last[value.index()] > self.function_of(number)
                 {
                     self.words[value.index()] = free.pop().unwrap_or_else(|| {
                         self.work += 1;
@@ -123,17 +160,11 @@ impl Plan {
                     });
                 }
             }
-            for value in &self.parts[number].loads {
-                if last[value.index()] == number as u32 {
-                    free.push(self.words[value.index()]);
-                }
-            }
+            let ended = reads
+                .iter()
+                .filter(|value| last[value.index()] == number as u32);
+            free.extend(ended.map(|value| self.words[value.index()]));
         }
-    }
-
-    /// The variables that a statement's expression reads.
-    fn reads_of(&self, function: &Function, statement: Statement, reads: &mut Vec<Value>) {
-        self.leaves(function, statement, |operand| reads.extend(operand.value()));
     }
 
     /// Calls for every variable, input and constant in a statement's
@@ -141,6 +172,7 @@ impl Plan {
     fn leaves(&self, function: &Function, statement: Statement, mut call: impl FnMut(Operand)) {
         let mut open: Vec<Operand> = match statement {
             Statement::Define(value) => function.node(value).operands().to_vec(),
+            Statement::Angle(slot) => vec![self.slots.angles()[slot as usize]],
             Statement::Assign(index) => vec![function.assignments[index as usize].operand],
         };
         while let Some(operand) = open.pop() {
@@ -152,32 +184,40 @@ impl Plan {
             }
         }
     }
-
-    /// For each input and then each output array whether a part touches it.
-    pub(super) fn used_arrays(&self, function: &Function, part: &Part) -> Vec<bool> {
-        let inputs = function.inputs().len();
-        let mut used = vec![false; inputs + function.outputs().len()];
-        for &statement in &part.statements {
-            if let Statement::Assign(index) = statement {
-                let output = function.assignments[index as usize].output;
-                let (array, _, _) = function.output_element(output);
-                used[inputs + place(function.outputs(), array)] = true;
-            }
-            self.leaves(function, statement, |operand| {
-                if let Some(input) = operand.input() {
-                    let (array, _, _) = function.input_element(input);
-                    used[place(function.inputs(), array)] = true;
-                }
-            });
-        }
-        used
-    }
 }
 
-/// Which of the arrays one with elements is: the last that starts where it
-/// does, since those before it at the same offset are empty.
-pub(super) fn place(arrays: &[Array], array: &Array) -> usize {
-    arrays.partition_point(|known| known.offset <= array.offset) - 1
+/// Cuts statements into parts of about so many operations, all of one size.
+fn cut(statements: Vec<Statement>, part: u32, size: impl Fn(&Statement) -> u32) -> Vec<Part> {
+    let total: u64 = statements
+        .iter()
+        .map(|statement| u64::from(size(statement)))
+        .sum();
+    let count = total.div_ceil(u64::from(part.max(1))).max(1);
+    let share = total.div_ceil(count);
+    let mut parts: Vec<Part> = Vec::new();
+    let mut done = share;
+    for statement in statements {
+        if done >= share {
+            parts.push(Part::default());
+            done = 0;
+        }
+        done += u64::from(size(&statement));
+        if let Some(part) = parts.last_mut() {
+            part.statements.push(statement);
+        }
+    }
+    parts
+}
+
+/// Marks a value and everything it needs.
+fn mark(function: &Function, operand: Operand, marked: &mut [bool]) {
+    let mut open: Vec<Value> = operand.value().into_iter().collect();
+    while let Some(value) = open.pop() {
+        if !std::mem::replace(&mut marked[value.index()], true) {
+            let operands = function.node(value).operands().iter();
+            open.extend(operands.filter_map(|operand| operand.value()));
+        }
+    }
 }
 
 /// The nodes that an output needs.
@@ -201,18 +241,27 @@ fn live(function: &Function) -> Vec<bool> {
 }
 
 /// For each node whether it stands inside its user's expression, and how many
-/// operations the expression that ends in it has.
-fn inlined(function: &Function) -> (Vec<bool>, Vec<u32>) {
+/// operations the expression that ends in it has. What outputs are set to is
+/// a variable when outputs stand last, so that it is computed before.
+fn inlined(function: &Function, outputs_last: bool) -> (Vec<bool>, Vec<u32>) {
     let uses = function.use_counts();
     let mut inlined = vec![false; uses.len()];
     let mut sizes = vec![0u32; uses.len()];
+    let mut given = vec![false; uses.len()];
+    for assignment in function.assignments.iter().filter(|_| outputs_last) {
+        if let Some(value) = assignment.operand.value() {
+            given[value.index()] = true;
+        }
+    }
     for (value, node) in function.values() {
         let inner = node.operands().iter().filter_map(|operand| operand.value());
         let inner = inner.filter(|value| inlined[value.index()]);
         let size = 1 + inner.map(|value| sizes[value.index()]).sum::<u32>();
         sizes[value.index()] = size;
-        inlined[value.index()] =
-            node.name.is_none() && uses[value.index()] == 1 && size <= EXPRESSION;
+        inlined[value.index()] = node.name.is_none()
+            && uses[value.index()] == 1
+            && size <= EXPRESSION
+            && !given[value.index()];
     }
     (inlined, sizes)
 }

@@ -1,0 +1,77 @@
+//! Memories: how many blocks of which kind hold so many words.
+
+/// Words and bits per word that an M10K block can have with one read and one
+/// write port.
+const SIMPLE: [[u32; 2]; 6] = [
+    [8192, 1],
+    [4096, 2],
+    [2048, 5],
+    [1024, 10],
+    [512, 20],
+    [256, 40],
+];
+
+/// Words of an MLAB.
+const LAB_WORDS: u32 = 32;
+
+/// Bits of a word of an MLAB.
+const LAB_WIDTH: u32 = 20;
+
+fn least(shapes: &[[u32; 2]], words: u32, bits: u32) -> u32 {
+    let counts = shapes
+        .iter()
+        .map(|[depth, width]| words.div_ceil(*depth) * bits.div_ceil(*width));
+    counts.min().unwrap_or(0)
+}
+
+/// M10K blocks for a memory with one read and one write port, all blocks of
+/// one shape (thesis 1.3.1).
+pub fn blocks(words: u32, bits: u32) -> u32 {
+    least(&SIMPLE, words, bits)
+}
+
+/// M10K blocks for a memory with two ports that both read and write: a block
+/// has no words of 40 bits then.
+pub fn true_dual_port_blocks(words: u32, bits: u32) -> u32 {
+    least(&SIMPLE[..5], words, bits)
+}
+
+/// Blocks of a larger device for a memory with two read and two write ports:
+/// its blocks hold 20 kbit (M20K).
+pub fn four_port_blocks(words: u32, bits: u32) -> u32 {
+    least(&[[2048, 10], [1024, 20], [512, 40]], words, bits)
+}
+
+/// MLABs for a memory that is read without a clock.
+pub fn lab_memories(words: u32, bits: u32) -> u32 {
+    words.div_ceil(LAB_WORDS) * bits.div_ceil(LAB_WIDTH)
+}
+
+/// Bits that tell `count` things apart, at least one.
+pub(super) fn bits(count: u32) -> u32 {
+    (u32::BITS - count.saturating_sub(1).leading_zeros()).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_follow_the_shapes_of_an_m10k() {
+        // Thesis 1.3.1: 2048 words of 32 bits in 7 blocks, 16 of 32 in one.
+        assert_eq!(
+            [blocks(2048, 32), blocks(16, 32), blocks(1024, 64)],
+            [7, 1, 7]
+        );
+        assert_eq!([blocks(1024, 47), blocks(1024, 32)], [5, 4]);
+        assert_eq!(
+            [
+                true_dual_port_blocks(2048, 32),
+                true_dual_port_blocks(16, 32)
+            ],
+            [7, 2]
+        );
+        assert_eq!([lab_memories(16, 32), lab_memories(40, 20)], [2, 2]);
+        assert_eq!([bits(1), bits(16), bits(17), bits(2048)], [1, 4, 5, 11]);
+    }
+}

@@ -1,0 +1,27 @@
+//! What a machine takes of a device and how fast it can be clocked, by
+//! formulas: nothing is synthesised.
+//!
+//! The device is a Cyclone V, as in the thesis. [`Shape`] settles every size
+//! of a machine, [`parts`] says what each part of it takes, in tables,
+//! registers, memory blocks and multiplier blocks.
+//!
+//! **Invariant.** This is the only place with such formulas: searches,
+//! studies and reports ask here. They are checked against the mapping of the
+//! real hardware by yosys, which `robovec rtl --synthesise` prints beside
+//! them.
+
+mod clock;
+mod interconnect;
+mod memory;
+mod operator;
+mod parts;
+mod resources;
+mod shape;
+
+pub use clock::{Estimate, estimated_clock_mhz, tabulated};
+pub use interconnect::{Terminals, interconnect};
+pub use memory::{blocks, four_port_blocks, lab_memories, true_dual_port_blocks};
+pub use operator::{operator, product_blocks};
+pub use parts::{Part, PartKind, multiplexer, parts, resources};
+pub use resources::Resources;
+pub use shape::{Kind, Shape};

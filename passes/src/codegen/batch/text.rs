@@ -1,0 +1,379 @@
+//! The source and the header.
+
+use super::expression::{expression, literal};
+use super::names::Names;
+use super::plan::{Group, Item, Part, Place, Plan, input_array};
+use super::prepared::Prepared;
+use super::{Options, comment, driver, element, extent};
+use crate::codegen::order::Step;
+use crate::codegen::sincos::Kernel;
+use robovec_ir::{Array, Function, Operand, Operation, Shape, Value, View};
+use std::fmt::Write;
+
+/// Writes the files of one function.
+pub(super) struct Writer<'a> {
+    pub(super) view: View<'a>,
+    pub(super) options: &'a Options,
+    pub(super) plan: &'a Plan,
+    pub(super) prepared: &'a Prepared,
+    pub(super) names: Names,
+    kernel: Kernel,
+}
+
+/// How a list of arrays is written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum List {
+    /// With types, as parameters.
+    Parameters,
+    /// Names only, as arguments.
+    Arguments,
+}
+
+impl<'a> Writer<'a> {
+    pub(super) fn new(
+        view: View<'a>,
+        options: &'a Options,
+        plan: &'a Plan,
+        prepared: &'a Prepared,
+    ) -> Writer<'a> {
+        Writer {
+            names: Names::new(view, plan),
+            kernel: Kernel {
+                real: options.real,
+                lanes: options.lanes,
+            },
+            view,
+            options,
+            plan,
+            prepared,
+        }
+    }
+
+    pub(super) fn function(&self) -> &'a Function {
+        self.view.function
+    }
+
+    /// The header.
+    pub(super) fn header(&self) -> String {
+        let name = &self.names.function;
+        let upper = name.to_ascii_uppercase();
+        let mut text = comment::header(self);
+        let _ = write!(
+            text,
+            "#ifndef ROBOVEC_{upper}_BATCH_H\n#define ROBOVEC_{upper}_BATCH_H\n\n\
+             /* States of a batch, and numbers that are prepared for all. */\n\
+             #define {name}_LANES {}\n#define {name}_PREPARED {}\n\n\
+             /* Runs of a batch, or numbers of a state, in each array. */\n",
+            self.options.lanes,
+            self.plan.prepared.len().max(1)
+        );
+        let inputs = self.function().inputs().iter().zip(&self.names.inputs);
+        let outputs = self.function().outputs().iter().zip(&self.names.outputs);
+        for (array, own) in inputs.chain(outputs) {
+            let _ = writeln!(text, "#define {name}_SIZE_{own} {}", extent(array));
+        }
+        text += "\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n";
+        for (returns, own, parameters) in driver::signatures(self) {
+            let _ = write!(text, "{returns} {own}({parameters});\n\n");
+        }
+        text + "#ifdef __cplusplus\n}\n#endif\n\n#endif\n"
+    }
+
+    /// The source.
+    pub(super) fn source(&self) -> String {
+        let mut text = comment::source(self);
+        let name = &self.names.function;
+        let _ = write!(text, "#include \"{name}_batch.h\"\n#include <stdlib.h>\n");
+        text += &self.kernel.types();
+        if self.plan.angles > 0 {
+            text += "\n";
+            text += &self.kernel.runs();
+        }
+        text += "\n";
+        self.macros(&mut text);
+        self.root(&mut text);
+        text += &self.prepared.write(
+            self.function(),
+            self.plan,
+            &self.names,
+            self.options,
+            &driver::prepare_list(self, List::Parameters),
+            &driver::prepare_list(self, List::Arguments),
+        );
+        for (number, part) in self.plan.parts.iter().enumerate() {
+            self.part(&mut text, number, part);
+        }
+        self.lanes(&mut text);
+        text += &driver::functions(self);
+        text
+    }
+
+    fn macros(&self, text: &mut String) {
+        let (lanes, unaligned) = (self.options.lanes, self.kernel.unaligned());
+        let _ = write!(
+            text,
+            "/* The lanes of an element of an array, whose address may be any. */\n\
+             #define IN(array, element) (*(const {unaligned} *)((array) + (element) * {lanes}))\n\
+             #define OUT(array, element) (*({unaligned} *)((array) + (element) * {lanes}))\n\n\
+             /* Parts stay apart: compilers are fast for short functions only. */\n\
+             #if defined(__GNUC__)\n#define ROBOVEC_APART __attribute__((noinline))\n\
+             #else\n#define ROBOVEC_APART\n#endif\n\n"
+        );
+    }
+
+    /// Square roots of all lanes, where there are any.
+    fn root(&self, text: &mut String) {
+        let roots = self.function().values().any(|(value, node)| {
+            node.operation == Operation::Sqrt && !self.plan.uniform[value.index()]
+        });
+        if !roots {
+            return;
+        }
+        let vector = self.kernel.vector();
+        let root = match self.options.real {
+            super::Real::Double => "sqrt",
+            super::Real::Float => "sqrtf",
+        };
+        let _ = write!(
+            text,
+            "static inline void robovec_root(const {vector} *of, {vector} *root)\n{{\n"
+        );
+        let lanes = self.options.lanes;
+        let plain = format!("    *root = {root}(*of);\n");
+        if lanes == 1 {
+            *text += &plain;
+        } else {
+            let _ = write!(
+                text,
+                "{guard}    for (int lane = 0; lane < {lanes}; lane++)\n        \
+                 (*root)[lane] = {root}((*of)[lane]);\n#else\n{plain}#endif\n",
+                guard = self.guard()
+            );
+        }
+        *text += "}\n\n";
+    }
+
+    /// The line behind which vectors are there.
+    pub(super) fn guard(&self) -> String {
+        let suffix = self.kernel.suffix().to_ascii_uppercase();
+        format!("#if ROBOVEC_{suffix}\n")
+    }
+
+    /// Parameters or arguments of the parts: inputs that differ, outputs, and
+    /// the arrays between parts.
+    fn part_list(&self, list: List) -> String {
+        let real = self.options.real.name();
+        let vector = self.kernel.vector();
+        let mut items = Vec::new();
+        let mut add = |declared: String, name: &str| {
+            items.push(match list {
+                List::Parameters => format!("{declared}{name}"),
+                List::Arguments => name.to_owned(),
+            });
+        };
+        for (name, shared) in self.names.inputs.iter().zip(&self.plan.shared) {
+            if !shared {
+                add(format!("const {real} *restrict "), name);
+            }
+        }
+        for name in &self.names.outputs {
+            add(format!("{real} *restrict "), name);
+        }
+        if !self.plan.prepared.is_empty() {
+            add(format!("const {real} *restrict "), "prepared");
+        }
+        if self.plan.angles > 0 {
+            add(format!("const {vector} *restrict "), "sines");
+            add(format!("const {vector} *restrict "), "cosines");
+        }
+        if self.plan.has_computed_angles() {
+            add(format!("{vector} *restrict "), "angles");
+        }
+        add(format!("{vector} *restrict "), "work");
+        items.join(", ")
+    }
+
+    fn part(&self, text: &mut String, number: usize, part: &Part) {
+        let vector = self.kernel.vector();
+        let parameters = self.part_list(List::Parameters);
+        let name = format!("{}_part_{}", self.names.function, number + 1);
+        let _ = write!(text, "static ROBOVEC_APART void {name}({parameters})\n{{\n");
+        let body = text.len();
+        for &value in &part.loads {
+            if let Some(word) = self.plan.word(value) {
+                let name = &self.names.values[value.index()];
+                let _ = writeln!(text, "    const {vector} {name} = work[{word}];");
+            }
+        }
+        for &step in &part.steps {
+            match step {
+                Step::Define(value) => self.define(text, value),
+                Step::Assign(index) => self.assign(text, index),
+            }
+        }
+        let unused = self.unused(&text[body..]);
+        text.insert_str(body, &unused);
+        *text += "}\n\n";
+    }
+
+    /// Marks the parameters that a body leaves alone as used, for strict
+    /// compilers.
+    fn unused(&self, body: &str) -> String {
+        let mut words: Vec<&str> = body
+            .split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_')
+            .collect();
+        words.sort_unstable();
+        let list = self.part_list(List::Arguments);
+        let mut text = String::new();
+        for name in list.split(", ") {
+            if words.binary_search(&name).is_err() {
+                let _ = writeln!(text, "    (void){name};");
+            }
+        }
+        text
+    }
+
+    fn define(&self, text: &mut String, value: Value) {
+        let vector = self.kernel.vector();
+        let node = self.function().node(value);
+        let name = &self.names.values[value.index()];
+        let operands: Vec<String> = node
+            .operands()
+            .iter()
+            .map(|&operand| self.operand(operand))
+            .collect();
+        if node.operation == Operation::Sqrt {
+            let _ = writeln!(
+                text,
+                "    {vector} {name} = {};\n    robovec_root(&{name}, &{name});",
+                operands[0]
+            );
+        } else {
+            let expression = expression(node.operation, &operands, self.options.real);
+            let _ = writeln!(text, "    const {vector} {name} = {expression};");
+        }
+        if let Some(word) = self.plan.word(value) {
+            let _ = writeln!(text, "    work[{word}] = {name};");
+        }
+        if let Some(angle) = self.plan.angle(value) {
+            let _ = writeln!(text, "    angles[{angle}] = {name};");
+        }
+    }
+
+    fn assign(&self, text: &mut String, index: u32) {
+        let assignment = &self.function().assignments[index as usize];
+        let (array, _, _) = self.function().output_element(assignment.output);
+        let number = output_array(self.function(), array);
+        let name = &self.names.outputs[number];
+        let element = element(array, assignment.output.0 - array.offset);
+        let operand = self.operand(assignment.operand);
+        let spread = match self.plan.place(self.function(), assignment.operand) {
+            Place::Prepared(_) | Place::Literal(_) => {
+                format!("({}){{0}} + ", self.kernel.vector())
+            }
+            Place::Variable(_) | Place::Circular(..) | Place::Input(_) => String::new(),
+        };
+        let _ = writeln!(text, "    OUT({name}, {element}) = {spread}{operand};");
+    }
+
+    fn operand(&self, operand: Operand) -> String {
+        match self.plan.place(self.function(), operand) {
+            Place::Variable(value) => self.names.values[value.index()].clone(),
+            Place::Circular(Operation::Sin, angle) => format!("sines[{angle}]"),
+            Place::Circular(_, angle) => format!("cosines[{angle}]"),
+            Place::Prepared(place) => format!("prepared[{place}]"),
+            Place::Literal(number) => literal(number, self.options.real),
+            Place::Input(input) => {
+                let index = input_array(self.function(), input);
+                let array = &self.function().inputs()[index];
+                let element = element(array, input.0 - array.offset);
+                format!("IN({}, {element})", self.names.inputs[index])
+            }
+        }
+    }
+
+    /// The function that calls kernel and parts in turn.
+    fn lanes(&self, text: &mut String) {
+        let name = &self.names.function;
+        let vector = self.kernel.vector();
+        let parameters = driver::batch_list(self, List::Parameters);
+        let _ = write!(text, "static void {name}_lanes({parameters})\n{{\n");
+        if self.plan.prepared.is_empty() {
+            *text += "    (void)prepared;\n";
+        }
+        if self.plan.angles > 0 {
+            let count = self.plan.angles;
+            let _ = writeln!(text, "    {vector} sines[{count}], cosines[{count}];");
+        }
+        if self.plan.has_computed_angles() {
+            let _ = writeln!(text, "    {vector} angles[{}];", self.plan.angles);
+        }
+        let _ = writeln!(text, "    {vector} work[{}];", self.plan.work.max(1));
+        let arguments = self.part_list(List::Arguments);
+        for item in &self.plan.items {
+            match item {
+                Item::Part(number) => {
+                    let _ = writeln!(text, "    {name}_part_{}({arguments});", number + 1);
+                }
+                Item::Circular(group) => self.circular(text, group),
+            }
+        }
+        if self.plan.parts.is_empty() {
+            let mut list: Vec<&str> = arguments.split(", ").collect();
+            list.retain(|name| !["prepared", "sines", "cosines", "angles"].contains(name));
+            for name in list {
+                let _ = writeln!(text, "    (void){name};");
+            }
+        }
+        *text += "}\n\n";
+    }
+
+    fn circular(&self, text: &mut String, group: &Group) {
+        let (first, count) = (group.first, group.angles.len());
+        let function = self.function();
+        let places = group.angles.iter().zip(first..).map(|(angle, number)| {
+            let input = angle.input().map(|input| {
+                let array = &function.inputs()[input_array(function, input)];
+                element(array, input.0 - array.offset)
+            });
+            input.unwrap_or(u64::from(number)).to_string()
+        });
+        let places = places.collect::<Vec<_>>().join(", ");
+        for (&angle, number) in group.angles.iter().zip(first..) {
+            if let Place::Circular(..) = self.plan.place(function, angle) {
+                let _ = writeln!(text, "    angles[{number}] = {};", self.operand(angle));
+            }
+        }
+        let real = self.options.real.name();
+        let (from, stride) = match group.array {
+            Some(array) => (
+                self.names.inputs[array].clone(),
+                self.options.lanes.to_string(),
+            ),
+            None => (
+                format!("(const {real} *)angles"),
+                format!("(long)(sizeof(angles[0]) / sizeof({real}))"),
+            ),
+        };
+        let _ = writeln!(
+            text,
+            "    {{\n        static const int places[] = {{{places}}};\n        \
+             {}({count}, {from}, places, {stride}, sines + {first}, cosines + {first});\n    }}",
+            self.kernel.runs_name()
+        );
+    }
+}
+
+/// Which of the outputs an array with elements is.
+pub(super) fn output_array(function: &Function, array: &Array) -> usize {
+    let outputs = function.outputs();
+    outputs.partition_point(|known| known.offset <= array.offset) - 1
+}
+
+/// The type of a parameter that all states share.
+pub(super) fn shared_type(array: &Array, real: &str) -> String {
+    match array.shape {
+        Shape::Scalar => format!("{real} "),
+        Shape::Vector(_) | Shape::Matrix(..) => format!("const {real} *"),
+    }
+}

@@ -1,0 +1,810 @@
+//! Where everything is kept: from resolved leaves to a program.
+//!
+//! Values that one part hands to another, or one pass to a later one, have a
+//! word of the work array. Which, is decided for those who read most: the
+//! independent loops first, whose operands become contiguous so that compilers
+//! make vectors of them; then the loops that compute values, which store them
+//! pass by pass; then all others, which take things as they lie. Where an
+//! address is affine but for a few passes, at the ends of a chain, the few
+//! values move; where it is not affine at all, a table says where to read.
+
+use super::demote::Outputs;
+use super::fit::{Fit, exact, fit};
+use super::nest::Nest;
+use super::program::{Copy, Index, Place, Space};
+use super::resolve::{Access, Resolved};
+use super::statements::{NONE, Statements, Target};
+use hashbrown::{HashMap, HashSet};
+use robovec_ir::{Array, Function, Operand, OperandKind, Shape, Value};
+use rustc_hash::FxBuildHasher;
+
+type Map<K, V> = HashMap<K, V, FxBuildHasher>;
+
+/// Free words around every array, for what turns out to belong there.
+const MARGIN: u32 = 8;
+/// Fewer than one in so many results of a loop are few.
+const FEW: usize = 2;
+/// Most runs of copies that interleave.
+const INTERLEAVED: usize = 3;
+/// A word that is written when nobody reads the value.
+const JUNK: u32 = 0;
+
+/// Where everything is.
+pub(super) struct Layout<'a> {
+    function: &'a Function,
+    nest: &'a Nest,
+    statements: &'a Statements,
+    outputs: &'a Outputs,
+    iterations: Vec<Vec<u32>>,
+    /// For each value whether anybody reads it from the work array.
+    needed: Vec<bool>,
+    /// For each value its word.
+    home: Vec<u32>,
+    occupied: Vec<bool>,
+    /// For each access the words that it reads instead of the values' own.
+    moved: Vec<Map<Operand, u32>>,
+    /// What is copied, before which element of the program.
+    copied: Vec<(usize, Operand, u32)>,
+    table_index: HashMap<Vec<u32>, usize, FxBuildHasher>,
+    constant_index: HashMap<Vec<u64>, usize, FxBuildHasher>,
+    pub(super) constants: Vec<f64>,
+    pub(super) tables: Vec<Vec<u32>>,
+    /// For each access where it reads.
+    pub(super) places: Vec<Place>,
+}
+
+impl<'a> Layout<'a> {
+    /// Lays a program out.
+    pub(super) fn new(
+        function: &'a Function,
+        nest: &'a Nest,
+        statements: &'a Statements,
+        outputs: &'a Outputs,
+        resolved: &Resolved,
+    ) -> Layout<'a> {
+        let values = function.nodes().len();
+        let mut layout = Layout {
+            function,
+            nest,
+            statements,
+            outputs,
+            iterations: (0..nest.loops.len())
+                .map(|number| nest.iterations(number))
+                .collect(),
+            needed: vec![false; values],
+            home: vec![NONE; values],
+            occupied: vec![true; 1],
+            moved: vec![Map::default(); resolved.accesses.len()],
+            copied: Vec::new(),
+            table_index: HashMap::default(),
+            constant_index: HashMap::default(),
+            constants: Vec::new(),
+            tables: Vec::new(),
+            places: Vec::new(),
+        };
+        for access in &resolved.accesses {
+            if layout.output_of(access).is_none() {
+                for value in access.operands.iter().filter_map(|operand| operand.value()) {
+                    layout.needed[value.index()] = true;
+                }
+            }
+        }
+        layout.circles(resolved);
+        layout.contiguous(resolved);
+        for position in 0..nest.positions.len() {
+            layout.result(position);
+        }
+        layout.align(resolved);
+        layout.loose(resolved);
+        for (number, access) in resolved.accesses.iter().enumerate() {
+            let place = layout.place(number, access);
+            layout.places.push(place);
+        }
+        layout
+    }
+
+    /// Words of the work array.
+    pub(super) fn work(&self) -> u32 {
+        self.occupied.len() as u32
+    }
+
+    fn allocate(&mut self, length: usize, margin: u32) -> u32 {
+        let start = self.occupied.len() as u32 + margin;
+        // Vectors are loaded faster when they do not straddle lines.
+        let start = if margin > 0 {
+            start.next_multiple_of(8)
+        } else {
+            start
+        };
+        let end = start as usize + length + margin as usize;
+        self.occupied.resize(end, false);
+        start
+    }
+
+    fn settle(&mut self, value: Value, word: u32) {
+        self.home[value.index()] = word;
+        self.occupied[word as usize] = true;
+    }
+
+    fn is_free(&self, word: i64) -> bool {
+        usize::try_from(word).is_ok_and(|word| word < self.occupied.len() && !self.occupied[word])
+    }
+
+    /// The word an operand has.
+    fn word(&self, operand: Operand) -> Option<u32> {
+        let word = self.home[operand.value()?.index()];
+        (word != NONE).then_some(word)
+    }
+
+    /// True when an operand is known before an element of the program begins.
+    fn is_known_before(&self, operand: Operand, top: usize) -> bool {
+        operand.value().is_none_or(|value| {
+            let (position, _) = self.nest.producers[value.index()];
+            self.nest.tops[position as usize] < top
+        })
+    }
+
+    /// The operands of independent loops, in the order of their passes.
+    fn contiguous(&mut self, resolved: &Resolved) {
+        let mut order: Vec<usize> = (0..resolved.accesses.len())
+            .filter(|&number| {
+                let access = &resolved.accesses[number];
+                access.operands.len() > 1
+                    && access
+                        .owner
+                        .is_some_and(|owner| self.nest.loops[owner].independent)
+                    && self.output_of(access).is_none()
+            })
+            .collect();
+        order.sort_by_key(|&number| std::cmp::Reverse(resolved.accesses[number].operands.len()));
+        let mut chains: Vec<usize> = Vec::new();
+        for number in order {
+            let access = &resolved.accesses[number];
+            self.keep(access);
+            if access
+                .operands
+                .iter()
+                .any(|operand| operand.value().is_some())
+                && !self.extend(number, access, true)
+                && !self.share(number, access, &chains, resolved)
+                && self.chain(number, access)
+            {
+                chains.push(number);
+            }
+        }
+    }
+
+    /// Takes the words that an access reads as they are, if they lie on an
+    /// affine function but for a few that can be moved. `contiguous` asks for
+    /// neighbours in neighbouring passes.
+    fn extend(&mut self, number: usize, access: &Access, contiguous: bool) -> bool {
+        let Some(owner) = access.owner else {
+            return true;
+        };
+        let depth = self.nest.loops[owner].depth;
+        let known: Vec<Option<i64>> = access
+            .operands
+            .iter()
+            .map(|&operand| self.word(operand).map(i64::from))
+            .collect();
+        if known.iter().all(|word| word.is_none()) {
+            return false;
+        }
+        let line = fit(depth, &self.iterations[owner], &known);
+        if contiguous && line.factors[depth - 1].abs() > 1 {
+            return false;
+        }
+        let mut moves: Map<Operand, u32> = Map::default();
+        let mut taken: Map<u32, Operand> = Map::default();
+        let mut copies = 0;
+        for (pass, &operand) in access.operands.iter().enumerate() {
+            let wanted = line.at(&self.iterations[owner][pass * depth..(pass + 1) * depth]);
+            if known[pass] == Some(wanted) {
+                continue;
+            }
+            let word = match u32::try_from(wanted) {
+                Ok(word) if taken.get(&word) == Some(&operand) => continue,
+                Ok(word) if self.is_free(wanted) && !taken.contains_key(&word) => word,
+                _ => return false,
+            };
+            let settles = operand.value().is_some() && known[pass].is_none();
+            if moves.insert(operand, word).is_some()
+                || !(settles || self.is_known_before(operand, access.top))
+            {
+                return false;
+            }
+            taken.insert(word, operand);
+            copies += usize::from(!settles);
+        }
+        if copies > 8.max(access.operands.len() / 8) {
+            return false;
+        }
+        let mut moves: Vec<(Operand, u32)> = moves.into_iter().collect();
+        moves.sort_unstable_by_key(|&(_, word)| word);
+        self.apply(number, access, &moves);
+        true
+    }
+
+    /// Reads what was laid out for another access before the same element of
+    /// the program, if that has everything, in order.
+    fn share(
+        &mut self,
+        number: usize,
+        access: &Access,
+        chains: &[usize],
+        resolved: &Resolved,
+    ) -> bool {
+        let Some(owner) = access.owner else {
+            return false;
+        };
+        let depth = self.nest.loops[owner].depth;
+        for &other in chains {
+            if resolved.accesses[other].top != access.top {
+                continue;
+            }
+            let words = access.operands.iter().map(|operand| {
+                let moved = self.moved[other].get(operand).copied();
+                moved.or_else(|| self.word(*operand)).map(i64::from)
+            });
+            let words: Option<Vec<i64>> = words.collect();
+            let line = words.and_then(|words| exact(depth, &self.iterations[owner], &words));
+            if line.is_some_and(|line| line.factors[depth - 1].abs() <= 1) {
+                self.moved[number] = self.moved[other].clone();
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Gives operands of an access words: values without one keep it, others
+    /// are copied there.
+    fn apply(&mut self, number: usize, access: &Access, moves: &[(Operand, u32)]) {
+        for &(operand, word) in moves {
+            match operand.value() {
+                Some(value) if self.home[value.index()] == NONE => self.settle(value, word),
+                _ => {
+                    self.occupied[word as usize] = true;
+                    self.moved[number].insert(operand, word);
+                    self.copied.push((access.top, operand, word));
+                }
+            }
+        }
+    }
+
+    /// Lays the operands of an access out one after another, in the order in
+    /// which all visits of its loop read them, if they agree on one.
+    fn chain(&mut self, number: usize, access: &Access) -> bool {
+        let Some(owner) = access.owner else {
+            return false;
+        };
+        let place = &self.nest.loops[owner];
+        let mut next: Map<Operand, Operand> = Map::default();
+        let mut has_one_before: HashSet<Operand, FxBuildHasher> = HashSet::default();
+        for pass in 1..access.operands.len() {
+            if place.visits[pass] != place.visits[pass - 1] {
+                continue;
+            }
+            let (before, after) = (access.operands[pass - 1], access.operands[pass]);
+            match next.insert(before, after) {
+                Some(other) if other != after => return false,
+                Some(_) => {}
+                None if has_one_before.insert(after) => {}
+                None => return false,
+            }
+        }
+        let mut seen: HashSet<Operand, FxBuildHasher> = HashSet::default();
+        let distinct: Vec<Operand> = (access.operands.iter().copied())
+            .filter(|&operand| seen.insert(operand))
+            .collect();
+        let is_copied =
+            |operand: &&Operand| operand.value().is_none() || self.word(**operand).is_some();
+        let mut copies = distinct.iter().filter(is_copied);
+        let count = copies.clone().count();
+        if count * 4 > access.operands.len()
+            || !copies.all(|&operand| self.is_known_before(operand, access.top))
+        {
+            return false;
+        }
+        let mut chains: Vec<Vec<Operand>> = Vec::new();
+        for &start in distinct
+            .iter()
+            .filter(|operand| !has_one_before.contains(*operand))
+        {
+            let mut chain = vec![start];
+            let mut at = start;
+            while let Some(&after) = next.get(&at) {
+                chain.push(after);
+                at = after;
+            }
+            chains.push(chain);
+        }
+        if chains.iter().map(Vec::len).sum::<usize>() != distinct.len() {
+            return false;
+        }
+        let visits = place.starts.len() - 1;
+        let longest = chains.iter().map(Vec::len).max().unwrap_or(0);
+        let pitch = (chains.len() == visits && visits > 1).then_some(longest);
+        let length = pitch.map_or(distinct.len(), |pitch| pitch * chains.len());
+        let mut word = self.allocate(length, MARGIN);
+        for chain in chains {
+            let moves: Vec<(Operand, u32)> = chain.iter().copied().zip(word..).collect();
+            self.apply(number, access, &moves);
+            word += pitch.unwrap_or(chain.len()) as u32;
+        }
+        true
+    }
+
+    /// The loop of sines and cosines reads its angles, and writes its
+    /// results, one behind the other.
+    fn circles(&mut self, resolved: &Resolved) {
+        let Some(circles) = self.nest.loops.iter().position(|place| place.circular) else {
+            return;
+        };
+        for position in 0..self.nest.positions.len() {
+            if self.nest.positions[position].owner == Some(circles) {
+                for value in self.values(position) {
+                    self.needed[value.index()] = true;
+                }
+                self.result(position);
+            }
+        }
+        for (number, access) in resolved.accesses.iter().enumerate() {
+            if access.owner != Some(circles) || !self.moved[number].is_empty() {
+                continue;
+            }
+            let in_order = self.inputs(access).is_some_and(|(_, elements)| {
+                elements
+                    .windows(2)
+                    .all(|pair| pair[0][0] == pair[1][0] && pair[0][1] + 1 == pair[1][1])
+            });
+            if !in_order {
+                let start = self.allocate(access.operands.len(), MARGIN);
+                let moves: Vec<_> = access.operands.iter().copied().zip(start..).collect();
+                self.apply(number, access, &moves);
+            }
+        }
+    }
+
+    /// The results of a position in a loop.
+    fn result(&mut self, number: usize) {
+        let position = &self.nest.positions[number];
+        let Some(owner) = position.owner else {
+            return;
+        };
+        let values = self.values(number);
+        if !values.iter().any(|value| self.needed[value.index()]) {
+            return;
+        }
+        let place = &self.nest.loops[owner];
+        let known: Vec<Option<i64>> = values
+            .iter()
+            .map(|&value| self.word(value.into()).map(i64::from))
+            .collect();
+        if known.iter().all(|word| word.is_none()) {
+            let visits = place.starts.windows(2).map(|pair| pair[1] - pair[0]);
+            let pitch = visits.max().unwrap_or(0);
+            let start = self.allocate(pitch as usize * (place.starts.len() - 1), MARGIN);
+            for (pass, &value) in values.iter().enumerate() {
+                let word = start + place.visits[pass] * pitch + place.iteration(pass);
+                self.settle(value, word);
+            }
+            return;
+        }
+        let depth = place.depth;
+        let line = fit(depth, &self.iterations[owner], &known);
+        for (pass, &value) in values.iter().enumerate() {
+            let word = line.at(&self.iterations[owner][pass * depth..(pass + 1) * depth]);
+            if known[pass].is_none() && self.needed[value.index()] && self.is_free(word) {
+                self.settle(value, word as u32);
+            }
+        }
+    }
+
+    /// Keeps results together of which an access reads but a few: those are
+    /// copied, instead of being stored apart from the rest.
+    fn keep(&mut self, access: &Access) {
+        let mut counts: Map<u32, usize> = Map::default();
+        let mut seen: HashSet<Operand, FxBuildHasher> = HashSet::default();
+        for value in access
+            .operands
+            .iter()
+            .filter(|&&operand| seen.insert(operand))
+        {
+            if let Some(value) = value.value() {
+                let (position, _) = self.nest.producers[value.index()];
+                *counts.entry(position).or_default() += 1;
+            }
+        }
+        let mut few: Vec<usize> = counts
+            .into_iter()
+            .map(|(position, count)| (position as usize, count))
+            .filter(|&(position, count)| {
+                count * FEW < self.nest.positions[position].statements.len()
+                    && self.nest.tops[position] < access.top
+            })
+            .map(|(position, _)| position)
+            .collect();
+        few.sort_unstable();
+        for position in few {
+            self.result(position);
+        }
+    }
+
+    /// The values of a position, pass by pass; none for copies.
+    fn values(&self, position: usize) -> Vec<Value> {
+        let target = |&statement: &u32| match self.statements.list[statement as usize].target {
+            Target::Value(value) => Some(value),
+            Target::Output(_) => None,
+        };
+        let statements = &self.nest.positions[position].statements;
+        statements.iter().filter_map(target).collect()
+    }
+
+    /// Values outside of loops go where loops expect them.
+    fn align(&mut self, resolved: &Resolved) {
+        for (number, access) in resolved.accesses.iter().enumerate() {
+            if access.operands.len() > 1
+                && self.moved[number].is_empty()
+                && self.output_of(access).is_none()
+                && access
+                    .operands
+                    .iter()
+                    .any(|operand| operand.value().is_some())
+            {
+                self.extend(number, access, false);
+            }
+        }
+    }
+
+    /// Words for the values that have none yet. Those that only statements
+    /// outside of loops read give theirs back after the last of them.
+    fn loose(&mut self, resolved: &Resolved) {
+        let mut last = vec![0usize; self.home.len()];
+        for access in &resolved.accesses {
+            let until = if access.owner.is_some() {
+                usize::MAX
+            } else {
+                access.top
+            };
+            for value in access.operands.iter().filter_map(|operand| operand.value()) {
+                last[value.index()] = last[value.index()].max(until);
+            }
+        }
+        let mut ends: Vec<Vec<u32>> = vec![Vec::new(); self.nest.items.len() + 1];
+        let mut free: Vec<u32> = Vec::new();
+        let mut by_top: Vec<(usize, usize)> = self.nest.tops.iter().copied().zip(0..).collect();
+        by_top.sort_unstable();
+        let mut now = 0;
+        for (top, position) in by_top {
+            while now < top {
+                free.append(&mut ends[now]);
+                now += 1;
+            }
+            let in_loop = self.nest.positions[position].owner.is_some();
+            for value in self.values(position) {
+                if !self.needed[value.index()] || self.home[value.index()] != NONE {
+                    continue;
+                }
+                let until = last[value.index()];
+                let returns = !in_loop && until != usize::MAX;
+                let word = match free.pop() {
+                    Some(word) if returns => word,
+                    other => {
+                        free.extend(other);
+                        self.allocate(1, 0)
+                    }
+                };
+                self.settle(value, word);
+                if returns {
+                    ends[until].push(word);
+                }
+            }
+        }
+    }
+
+    /// The output array that holds all that a copy reads.
+    fn output_of(&self, access: &Access) -> Option<usize> {
+        if !access.copies {
+            return None;
+        }
+        let mut arrays = access
+            .operands
+            .iter()
+            .map(|operand| Some(self.outputs.element(operand.value()?)?.0));
+        let first = arrays.next()??;
+        arrays.all(|array| array == Some(first)).then_some(first)
+    }
+
+    /// Where an access reads.
+    fn place(&mut self, number: usize, access: &Access) -> Place {
+        if let Some(array) = self.output_of(access) {
+            let element = |operand: &Operand| {
+                let element = operand
+                    .value()
+                    .and_then(|value| self.outputs.element(value));
+                element.map_or([0, 0], |(_, indices)| indices)
+            };
+            let elements: Vec<[i64; 2]> = access.operands.iter().map(element).collect();
+            return self.elements(Space::Output(array), access.owner, &elements);
+        }
+        if let Some((array, elements)) = self.inputs(access) {
+            return self.elements(Space::Input(array), access.owner, &elements);
+        }
+        if let Some(numbers) = self.numbers(access) {
+            let start = self.constants(&numbers) as i64;
+            let words: Vec<i64> = (start..).take(numbers.len()).collect();
+            return self.words(Space::Constants, access.owner, &words);
+        }
+        let words: Vec<i64> = access
+            .operands
+            .iter()
+            .map(|&operand| {
+                let word = match self.moved[number].get(&operand) {
+                    Some(&word) => word,
+                    None => match self.word(operand) {
+                        Some(word) => word,
+                        None => {
+                            let word = self.allocate(1, 0);
+                            self.apply(number, access, &[(operand, word)]);
+                            word
+                        }
+                    },
+                };
+                i64::from(word)
+            })
+            .collect();
+        self.words(Space::Work, access.owner, &words)
+    }
+
+    /// The input array that an access reads alone, and the elements.
+    fn inputs(&self, access: &Access) -> Option<(usize, Vec<[i64; 2]>)> {
+        let elements = access.operands.iter().map(|operand| {
+            let (array, indices, _) = self.function.input_element(operand.input()?);
+            let place = place_of(self.function.inputs(), array);
+            Some((place, coordinates(array, indices)))
+        });
+        let elements: Vec<(usize, [i64; 2])> = elements.collect::<Option<_>>()?;
+        let array = elements.first()?.0;
+        let same = elements.iter().all(|&(place, _)| place == array);
+        same.then(|| (array, elements.into_iter().map(|(_, at)| at).collect()))
+    }
+
+    fn numbers(&self, access: &Access) -> Option<Vec<f64>> {
+        let numbers = access.operands.iter();
+        numbers
+            .map(|&operand| self.function.number(operand))
+            .collect()
+    }
+
+    /// Where numbers stand in the table of constants.
+    fn constants(&mut self, numbers: &[f64]) -> usize {
+        let key = numbers.iter().map(|number| number.to_bits()).collect();
+        let next = self.constants.len();
+        let start = *self.constant_index.entry(key).or_insert(next);
+        if start == next {
+            self.constants.extend_from_slice(numbers);
+        }
+        start
+    }
+
+    fn words(&mut self, space: Space, owner: Option<usize>, words: &[i64]) -> Place {
+        Place {
+            space,
+            row: Index::fixed(0),
+            column: self.index(owner, words),
+        }
+    }
+
+    fn elements(&mut self, space: Space, owner: Option<usize>, elements: &[[i64; 2]]) -> Place {
+        let rows: Vec<i64> = elements.iter().map(|element| element[0]).collect();
+        let columns: Vec<i64> = elements.iter().map(|element| element[1]).collect();
+        Place {
+            space,
+            row: self.index(owner, &rows),
+            column: self.index(owner, &columns),
+        }
+    }
+
+    /// An index with these values in the passes of a loop.
+    pub(super) fn index(&mut self, owner: Option<usize>, values: &[i64]) -> Index {
+        let (Some(owner), true) = (owner, values.len() > 1) else {
+            return Index::fixed(values.first().copied().unwrap_or(0));
+        };
+        let around = self.nest.around(Some(owner));
+        let depth = around.len();
+        if let Some(line) = exact(depth, &self.iterations[owner], values) {
+            return affine(&around, &line);
+        }
+        let place = &self.nest.loops[owner];
+        let known: Vec<Option<i64>> = values.iter().map(|&value| Some(value)).collect();
+        let factor = fit(depth, &self.iterations[owner], &known).factors[depth - 1];
+        let base = |pass: usize| values[pass] - factor * i64::from(place.iteration(pass));
+        if let Some(parent) = place.parent
+            && (0..values.len())
+                .all(|pass| base(pass) == base(place.starts[place.visits[pass] as usize] as usize))
+        {
+            let starts = &place.starts[..place.starts.len() - 1];
+            let bases: Vec<i64> = starts.iter().map(|&start| base(start as usize)).collect();
+            let factors = if factor == 0 {
+                Vec::new()
+            } else {
+                vec![(owner, factor)]
+            };
+            let (base, table) = self.table(&bases);
+            return Index {
+                base,
+                factors,
+                table: Some((table, parent)),
+            };
+        }
+        let (base, table) = self.table(values);
+        Index {
+            base,
+            factors: Vec::new(),
+            table: Some((table, owner)),
+        }
+    }
+
+    /// A table with these numbers, less their smallest.
+    fn table(&mut self, values: &[i64]) -> (i64, usize) {
+        let base = values.iter().copied().min().unwrap_or(0);
+        let entries: Vec<u32> = values.iter().map(|value| (value - base) as u32).collect();
+        let next = self.tables.len();
+        let number = *self.table_index.entry(entries.clone()).or_insert(next);
+        if number == next {
+            self.tables.push(entries);
+        }
+        (base, number)
+    }
+
+    /// Where a position stores its results.
+    pub(super) fn stores(&mut self, position: usize) -> Vec<Place> {
+        let owner = self.nest.positions[position].owner;
+        let statements = &self.nest.positions[position].statements;
+        let mut stores = Vec::new();
+        let targets: Vec<Target> = statements
+            .iter()
+            .map(|&statement| self.statements.list[statement as usize].target)
+            .collect();
+        let elements: Option<Vec<(usize, [i64; 2])>> = targets
+            .iter()
+            .map(|target| match *target {
+                Target::Value(value) => self.outputs.element(value),
+                Target::Output(output) => Some(super::demote::element(self.function, output)),
+            })
+            .collect();
+        if let Some(elements) = elements
+            && let Some(&(array, _)) = elements.first()
+        {
+            let elements: Vec<[i64; 2]> = elements.into_iter().map(|(_, at)| at).collect();
+            stores.push(self.elements(Space::Output(array), owner, &elements));
+        }
+        let values = self.values(position);
+        let known: Vec<Option<i64>> = values
+            .iter()
+            .map(|&value| self.word(value.into()).map(i64::from))
+            .collect();
+        if known.iter().any(|word| word.is_some()) {
+            let words = self.complete(owner, &known);
+            stores.push(self.words(Space::Work, owner, &words));
+        }
+        stores
+    }
+
+    /// Words for all results of a position, where some of them are not read.
+    fn complete(&mut self, owner: Option<usize>, known: &[Option<i64>]) -> Vec<i64> {
+        let Some(owner) = owner else {
+            return known.iter().copied().flatten().collect();
+        };
+        let depth = self.nest.loops[owner].depth;
+        let line = fit(depth, &self.iterations[owner], known);
+        let mut words = Vec::with_capacity(known.len());
+        for (pass, word) in known.iter().enumerate() {
+            let wanted = line.at(&self.iterations[owner][pass * depth..(pass + 1) * depth]);
+            words.push(match word {
+                Some(word) => *word,
+                None if self.is_free(wanted) => {
+                    self.occupied[wanted as usize] = true;
+                    wanted
+                }
+                None => i64::from(JUNK),
+            });
+        }
+        words
+    }
+
+    /// The copies, those that follow each other put together.
+    pub(super) fn copies(&mut self) -> Vec<(usize, Copy)> {
+        let mut copied = std::mem::take(&mut self.copied);
+        copied.sort_by_key(|&(top, _, word)| (top, word));
+        let mut copies: Vec<(usize, Copy)> = Vec::new();
+        for (top, operand, word) in copied {
+            let (space, from) = self.origin(operand);
+            let one = Copy {
+                count: 1,
+                space,
+                from,
+                step: [0, 0],
+                to: i64::from(word),
+                advance: 0,
+            };
+            // Two positions that take turns give two runs that interleave.
+            let open = copies.len().saturating_sub(INTERLEAVED);
+            let joined = copies[open..]
+                .iter_mut()
+                .rev()
+                .any(|(last, run)| *last == top && joins(run, &one));
+            if !joined {
+                copies.push((top, one));
+            }
+        }
+        copies
+    }
+
+    fn origin(&mut self, operand: Operand) -> (Space, [i64; 2]) {
+        match operand.kind() {
+            OperandKind::Input(input) => {
+                let (array, indices, _) = self.function.input_element(input);
+                let place = place_of(self.function.inputs(), array);
+                (Space::Input(place), coordinates(array, indices))
+            }
+            OperandKind::Value(value) => (Space::Work, [0, i64::from(self.home[value.index()])]),
+            OperandKind::Constant(constant) => {
+                let number = self.function.constant_number(constant);
+                (Space::Constants, [0, self.constants(&[number]) as i64])
+            }
+            OperandKind::None => (Space::Work, [0, i64::from(JUNK)]),
+        }
+    }
+}
+
+/// Appends one copy to a run that goes on with it.
+fn joins(run: &mut Copy, one: &Copy) -> bool {
+    let count = i64::from(run.count);
+    if run.space != one.space {
+        return false;
+    }
+    let step = [0, 1].map(|axis| one.from[axis] - run.from[axis]);
+    let advance = one.to - run.to;
+    if count == 1 {
+        if step
+            .iter()
+            .chain([&advance])
+            .any(|step| step.abs() > i64::from(MARGIN))
+        {
+            return false;
+        }
+        run.step = step;
+        run.advance = advance;
+    } else if advance != run.advance * count
+        || (0..2).any(|axis| step[axis] != run.step[axis] * count)
+    {
+        return false;
+    }
+    run.count += 1;
+    true
+}
+
+fn affine(around: &[usize], line: &Fit) -> Index {
+    let factors = around.iter().copied().zip(line.factors.iter().copied());
+    Index {
+        base: line.base,
+        factors: factors.filter(|&(_, factor)| factor != 0).collect(),
+        table: None,
+    }
+}
+
+/// The indices of an element as row and column.
+pub(super) fn coordinates(array: &Array, indices: [u32; 2]) -> [i64; 2] {
+    match array.shape {
+        Shape::Scalar => [0, 0],
+        Shape::Vector(_) => [0, i64::from(indices[0])],
+        Shape::Matrix(..) => indices.map(i64::from),
+    }
+}
+
+/// Which of the arrays one with elements is: the last that starts where it
+/// does, since those before it at the same offset are empty.
+pub(super) fn place_of(arrays: &[Array], array: &Array) -> usize {
+    arrays.partition_point(|known| known.offset <= array.offset) - 1
+}

@@ -1,0 +1,309 @@
+//! Loops as they stand in the code.
+//!
+//! One loop of the code has a *visit* for every pass of the loop around it,
+//! and passes in every visit; a *pass* is numbered over all visits. A
+//! *position* is a statement of the code: what it stands for, pass by pass,
+//! is a list of statements of the program.
+//!
+//! Visit `k` of a loop belongs to pass `k` of the loop around it.
+
+use super::repeat::{Item, Repeats};
+use super::statements::{NONE, Statements, Target};
+use robovec_ir::Function;
+
+/// An element of a body.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Element {
+    /// A statement of the code.
+    Position(usize),
+    /// A loop of the code.
+    Loop(usize),
+}
+
+/// A statement of the code.
+#[derive(Clone, Debug)]
+pub(super) struct Position {
+    /// The loop it stands in.
+    pub(super) owner: Option<usize>,
+    /// What it stands for in every pass.
+    pub(super) statements: Vec<u32>,
+}
+
+/// A loop of the code.
+#[derive(Clone, Debug)]
+pub(super) struct Loop {
+    /// The loop around it.
+    pub(super) parent: Option<usize>,
+    /// How many loops it stands in, itself included.
+    pub(super) depth: usize,
+    /// For each visit its first pass; one more at the end.
+    pub(super) starts: Vec<u32>,
+    /// For each pass its visit.
+    pub(super) visits: Vec<u32>,
+    /// What it repeats.
+    pub(super) body: Vec<Element>,
+    /// True when no pass of a visit reads what another computes.
+    pub(super) independent: bool,
+    /// True for the loop of sines and cosines.
+    pub(super) circular: bool,
+}
+
+impl Loop {
+    /// The number of passes of all visits.
+    pub(super) fn passes(&self) -> usize {
+        self.visits.len()
+    }
+
+    /// Which pass of its visit a pass is.
+    pub(super) fn iteration(&self, pass: usize) -> u32 {
+        pass as u32 - self.starts[self.visits[pass] as usize]
+    }
+}
+
+/// The code.
+pub(super) struct Nest {
+    pub(super) loops: Vec<Loop>,
+    pub(super) positions: Vec<Position>,
+    /// The program, element after element.
+    pub(super) items: Vec<Element>,
+    /// For each value the position that computes it and the pass.
+    pub(super) producers: Vec<(u32, u32)>,
+    /// For each position the element of the program it stands in.
+    pub(super) tops: Vec<usize>,
+}
+
+impl Nest {
+    /// Puts the runs of every loop together.
+    pub(super) fn new(function: &Function, statements: &Statements, repeats: &Repeats) -> Nest {
+        let mut nest = Nest {
+            loops: Vec::new(),
+            positions: Vec::new(),
+            items: Vec::new(),
+            producers: vec![(NONE, NONE); function.nodes().len()],
+            tops: Vec::new(),
+        };
+        for &item in &repeats.items {
+            let top = nest.items.len();
+            match item {
+                Item::Statement(statement) => {
+                    let position = nest.position(None, top, vec![statement]);
+                    nest.items.push(position);
+                }
+                Item::Loop(run) => {
+                    let number = nest.build(repeats, None, top, &[run]);
+                    nest.items.push(Element::Loop(number));
+                }
+                Item::Row => {}
+            }
+        }
+        if repeats.circular
+            && let Some(&Element::Loop(first)) = nest.items.first()
+        {
+            nest.loops[first].circular = true;
+        }
+        nest.produce(statements);
+        for number in 0..nest.loops.len() {
+            nest.direct(function, statements, number);
+        }
+        nest.produce(statements);
+        nest
+    }
+
+    fn position(&mut self, owner: Option<usize>, top: usize, statements: Vec<u32>) -> Element {
+        self.positions.push(Position { owner, statements });
+        self.tops.push(top);
+        Element::Position(self.positions.len() - 1)
+    }
+
+    /// Appends a statement behind everything.
+    pub(super) fn append(&mut self, statement: u32) {
+        let top = self.items.len();
+        let position = self.position(None, top, vec![statement]);
+        self.items.push(position);
+    }
+
+    /// Builds the loop that these runs are visits of. Loops nest a few deep,
+    /// which bounds the recursion.
+    fn build(
+        &mut self,
+        repeats: &Repeats,
+        parent: Option<usize>,
+        top: usize,
+        runs: &[u32],
+    ) -> usize {
+        let number = self.loops.len();
+        let depth = parent.map_or(0, |parent| self.loops[parent].depth) + 1;
+        let runs: Vec<_> = runs
+            .iter()
+            .map(|&run| &repeats.runs[run as usize])
+            .collect();
+        let period = runs.first().map_or(1, |run| run.period);
+        let mut starts = vec![0];
+        let mut visits = Vec::new();
+        for (visit, run) in (0u32..).zip(&runs) {
+            visits.extend(std::iter::repeat_n(visit, run.items.len() / period));
+            starts.push(visits.len() as u32);
+        }
+        self.loops.push(Loop {
+            parent,
+            depth,
+            starts,
+            visits,
+            body: Vec::new(),
+            independent: false,
+            circular: false,
+        });
+        for place in 0..period {
+            let column = runs
+                .iter()
+                .flat_map(|run| run.items.iter().skip(place).step_by(period));
+            let (mut inner, mut single) = (Vec::new(), Vec::new());
+            for &item in column {
+                match item {
+                    Item::Statement(statement) => single.push(statement),
+                    Item::Loop(run) => inner.push(run),
+                    Item::Row => {}
+                }
+            }
+            if !single.is_empty() {
+                let element = self.position(Some(number), top, single);
+                self.loops[number].body.push(element);
+            } else if !inner.is_empty() {
+                let inner = self.build(repeats, Some(number), top, &inner);
+                self.loops[number].body.push(Element::Loop(inner));
+            }
+        }
+        number
+    }
+
+    fn produce(&mut self, statements: &Statements) {
+        for (number, position) in (0u32..).zip(&self.positions) {
+            for (pass, &statement) in (0u32..).zip(&position.statements) {
+                if let Target::Value(value) = statements.list[statement as usize].target {
+                    self.producers[value.index()] = (number, pass);
+                }
+            }
+        }
+    }
+
+    /// Finds out whether the passes of an innermost loop are independent,
+    /// and turns them round if they then write outputs upwards, which is what
+    /// compilers make vectors of.
+    fn direct(&mut self, function: &Function, statements: &Statements, number: usize) {
+        let body = self.loops[number].body.clone();
+        let mut positions = Vec::new();
+        for element in body {
+            match element {
+                Element::Position(position) => positions.push(position),
+                Element::Loop(_) => return,
+            }
+        }
+        let reads_others = positions.iter().any(|&position| {
+            let passes = self.positions[position].statements.iter().enumerate();
+            passes.into_iter().any(|(pass, &statement)| {
+                statements.leaves(statement).iter().any(|leaf| {
+                    leaf.value()
+                        .is_some_and(|value| self.is_of_another_pass(number, pass, value.index()))
+                })
+            })
+        });
+        if reads_others {
+            return;
+        }
+        self.loops[number].independent = true;
+        let downwards = positions
+            .iter()
+            .any(|&position| self.writes_downwards(function, statements, number, position));
+        if downwards {
+            let starts = self.loops[number].starts.clone();
+            for position in positions {
+                for visit in starts.windows(2) {
+                    self.positions[position].statements[visit[0] as usize..visit[1] as usize]
+                        .reverse();
+                }
+            }
+        }
+    }
+
+    fn is_of_another_pass(&self, number: usize, pass: usize, value: usize) -> bool {
+        let (position, other) = self.producers[value];
+        if position == NONE || self.positions[position as usize].owner != Some(number) {
+            return false;
+        }
+        let visits = &self.loops[number].visits;
+        visits[other as usize] == visits[pass] && other as usize != pass
+    }
+
+    fn writes_downwards(
+        &self,
+        function: &Function,
+        statements: &Statements,
+        number: usize,
+        position: usize,
+    ) -> bool {
+        let output = |pass: usize| {
+            let statement = self.positions[position].statements[pass];
+            let output = match statements.list[statement as usize].target {
+                Target::Value(value) => statements.primary(value),
+                Target::Output(output) => Some(output),
+            }?;
+            let (array, indices, _) = function.output_element(output);
+            Some((array.offset, indices))
+        };
+        let visits = &self.loops[number].visits;
+        let mut steps = (0usize, 0usize);
+        for pass in 1..visits.len() {
+            if visits[pass] == visits[pass - 1]
+                && let (Some(before), Some(after)) = (output(pass - 1), output(pass))
+            {
+                if after < before {
+                    steps.0 += 1;
+                } else {
+                    steps.1 += 1;
+                }
+            }
+        }
+        steps.0 > steps.1
+    }
+
+    /// The pass of a loop around (or of the loop itself) that a pass of a
+    /// loop belongs to; `None` when it does not stand in that loop.
+    pub(super) fn enclosing(&self, from: usize, pass: usize, target: usize) -> Option<usize> {
+        let (mut number, mut pass) = (from, pass);
+        while number != target {
+            pass = self.loops[number].visits[pass] as usize;
+            number = self.loops[number].parent?;
+        }
+        Some(pass)
+    }
+
+    /// The loops around a place in the code, the outermost first, the place's
+    /// own loop last.
+    pub(super) fn around(&self, place: Option<usize>) -> Vec<usize> {
+        let mut list = Vec::new();
+        let mut next = place;
+        while let Some(number) = next {
+            list.push(number);
+            next = self.loops[number].parent;
+        }
+        list.reverse();
+        list
+    }
+
+    /// For every pass of a loop the pass numbers within the visits, of the
+    /// loops around it and its own, the outermost first.
+    pub(super) fn iterations(&self, number: usize) -> Vec<u32> {
+        let depth = self.loops[number].depth;
+        let mut list = vec![0; depth * self.loops[number].passes()];
+        for (pass, row) in list.chunks_exact_mut(depth).enumerate() {
+            let (mut number, mut pass) = (number, pass);
+            for index in row.iter_mut().rev() {
+                let place = &self.loops[number];
+                *index = place.iteration(pass);
+                pass = place.visits[pass] as usize;
+                number = place.parent.unwrap_or(number);
+            }
+        }
+        list
+    }
+}

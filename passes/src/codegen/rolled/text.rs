@@ -1,0 +1,646 @@
+//! The text of a rolled C function.
+
+use super::super::c::{Names, Real, literal};
+use super::super::sincos::Kernel;
+use super::nest::Element;
+use super::program::{Copy, Index, Place, Program, Source, Space};
+use super::statements::Step;
+use super::{Circular, Options};
+use robovec_ir::{Array, Function, Operation, Shape, View};
+use std::fmt::Write;
+
+/// The source and the header.
+pub(super) fn files(view: View<'_>, options: Options, program: &Program) -> [(String, String); 2] {
+    let writer = Writer::new(view, options, program);
+    let name = writer.name.clone();
+    [
+        (format!("{name}.c"), writer.source()),
+        (format!("{name}.h"), writer.header()),
+    ]
+}
+
+struct Writer<'a> {
+    function: &'a Function,
+    program: &'a Program,
+    real: Real,
+    /// The kernel of sines and cosines, where one is wanted and used.
+    kernel: Option<Kernel>,
+    name: String,
+    inputs: Vec<String>,
+    outputs: Vec<String>,
+    work: String,
+    constants: String,
+    tables: Vec<String>,
+    /// For each position its variable.
+    variables: Vec<String>,
+    carried: Vec<String>,
+    /// For each loop its index, and what counts its passes.
+    indices: Vec<String>,
+    counters: Vec<String>,
+    parts: Vec<String>,
+    independent: String,
+    apart: String,
+    aligned: String,
+}
+
+/// Which arrays a part touches.
+#[derive(Clone, Default)]
+struct Used {
+    inputs: Vec<bool>,
+    outputs: Vec<bool>,
+    work: bool,
+}
+
+impl<'a> Writer<'a> {
+    fn new(view: View<'a>, options: Options, program: &'a Program) -> Writer<'a> {
+        let function = view.function;
+        let symbols = &view.tables.symbols;
+        let mut names = Names::new();
+        let name = names.take(&function.name);
+        let mut arrays = |arrays: &[Array]| -> Vec<String> {
+            let arrays = arrays.iter();
+            arrays
+                .map(|array| names.take(symbols.text(array.name)))
+                .collect()
+        };
+        let (inputs, outputs) = (arrays(function.inputs()), arrays(function.outputs()));
+        let last = program.parts.last().copied().unwrap_or(0);
+        let parts = (1..=last)
+            .map(|number| names.take(&format!("{name}_part_{number}")))
+            .collect();
+        let upper = name.to_ascii_uppercase();
+        let independent = names.take(&format!("{upper}_INDEPENDENT"));
+        let apart = names.take(&format!("{upper}_APART"));
+        let aligned = names.take(&format!("{upper}_ALIGNED"));
+        let work = names.take("w");
+        let constants = names.take("numbers");
+        let mut list = |prefix: &str, count: usize| -> Vec<String> {
+            (0..count)
+                .map(|number| names.take(&format!("{prefix}{number}")))
+                .collect()
+        };
+        let tables = list("table", program.tables.len());
+        let carried = list("last", program.carried.len());
+        let indices = list("i", program.loops.len());
+        let counters = list("pass", program.loops.len());
+        let variables = list("x", program.codes.len());
+        let vector = options.circular == Circular::Vector;
+        let circular = program.loops.iter().any(|place| place.circular);
+        let kernel = (vector && circular).then(|| Kernel::widest(options.real));
+        Writer {
+            function,
+            program,
+            real: options.real,
+            kernel,
+            name,
+            inputs,
+            outputs,
+            work,
+            constants,
+            tables,
+            variables,
+            carried,
+            indices,
+            counters,
+            parts,
+            independent,
+            apart,
+            aligned,
+        }
+    }
+
+    fn comment(&self) -> String {
+        let mut text = format!(
+            "/* {} by robovec, rolled. Arrays count from 1; element 0 is not used.\n   \
+             No two of the arrays may overlap.\n",
+            self.name
+        );
+        for boundary in &self.function.boundaries {
+            // A comment cannot hold its own end.
+            let callee = boundary.callee.replace("*/", "* /");
+            let result = boundary.result.as_deref().unwrap_or("nothing");
+            let _ = writeln!(
+                text,
+                "   The results of {callee} are taken from the input {}; its arguments are outputs.",
+                result.replace("*/", "* /")
+            );
+        }
+        text.push_str("*/\n");
+        text
+    }
+
+    fn header(&self) -> String {
+        let guard = format!("ROBOVEC_{}_H", self.name.to_ascii_uppercase());
+        format!(
+            "{}#ifndef {guard}\n#define {guard}\n\nvoid {}({});\n\n#endif\n",
+            self.comment(),
+            self.name,
+            self.parameters(None)
+        )
+    }
+
+    fn source(&self) -> String {
+        let mut text = self.comment();
+        match self.kernel {
+            Some(kernel) => text.push_str(&kernel.types()),
+            None => text.push_str("#include <math.h>\n"),
+        }
+        text.push('\n');
+        self.macros(&mut text);
+        if let Some(kernel) = self.kernel {
+            text.push('\n');
+            text.push_str(&kernel.arrays());
+        }
+        self.data(&mut text);
+        let mut calls = String::new();
+        let mut start = 0;
+        while start < self.program.items.len() {
+            let part = self.program.parts[start];
+            let parts = &self.program.parts[start..];
+            let end = start + parts.partition_point(|&other| other == part);
+            let used = self.used(start..end);
+            let name = &self.parts[part as usize - 1];
+            let _ = writeln!(
+                text,
+                "\n{} static void {name}({})\n{{",
+                self.apart,
+                self.parameters(Some(&used))
+            );
+            self.part(&mut text, start..end);
+            text.push_str("}\n");
+            let _ = writeln!(calls, "    {name}({});", self.arguments(&used).join(", "));
+            start = end;
+        }
+        let _ = write!(
+            text,
+            "\nvoid {}({})\n{{\n",
+            self.name,
+            self.parameters(None)
+        );
+        let everything = self.used(0..self.program.items.len());
+        let arrays = self.inputs.iter().zip(&everything.inputs);
+        for (name, _) in arrays.filter(|(_, used)| !**used) {
+            let _ = writeln!(text, "    (void){name};");
+        }
+        let arrays = self.outputs.iter().zip(&everything.outputs);
+        for (name, _) in arrays.filter(|(_, used)| !**used) {
+            let _ = writeln!(text, "    (void){name};");
+        }
+        if everything.work {
+            let real = self.real.name();
+            let _ = writeln!(
+                text,
+                "    {} {real} {}[{}];",
+                self.aligned, self.work, self.program.work
+            );
+        }
+        text.push_str(&calls);
+        text.push_str("}\n");
+        text
+    }
+
+    fn macros(&self, text: &mut String) {
+        let (independent, apart, aligned) = (&self.independent, &self.apart, &self.aligned);
+        let _ = write!(
+            text,
+            "#if defined(__GNUC__) && !defined(__clang__)\n\
+             #define {independent} _Pragma(\"GCC ivdep\")\n\
+             #else\n\
+             #define {independent}\n\
+             #endif\n\
+             #if defined(__GNUC__)\n\
+             #define {apart} __attribute__((noinline))\n\
+             #define {aligned} __attribute__((aligned(64)))\n\
+             #else\n\
+             #define {apart}\n\
+             #define {aligned}\n\
+             #endif\n"
+        );
+    }
+
+    fn data(&self, text: &mut String) {
+        if !self.program.constants.is_empty() {
+            let numbers = self.program.constants.iter();
+            let numbers: Vec<String> = numbers.map(|&number| literal(number, self.real)).collect();
+            let real = self.real.name();
+            self.list(
+                text,
+                &format!("static const {real} {}", self.constants),
+                &numbers,
+            );
+        }
+        for (table, name) in self.program.tables.iter().zip(&self.tables) {
+            let largest = table.iter().max().copied().unwrap_or(0);
+            let kind = if largest <= u32::from(u16::MAX) {
+                "unsigned short"
+            } else {
+                "unsigned int"
+            };
+            let entries: Vec<String> = table.iter().map(u32::to_string).collect();
+            self.list(text, &format!("static const {kind} {name}"), &entries);
+        }
+    }
+
+    fn list(&self, text: &mut String, declaration: &str, entries: &[String]) {
+        let _ = write!(text, "\n{declaration}[{}] = {{", entries.len());
+        for line in entries.chunks(12) {
+            let _ = write!(text, "\n    {},", line.join(", "));
+        }
+        text.push_str("\n};\n");
+    }
+
+    /// The parameters of the function, or of a part with what it touches.
+    ///
+    /// None of them is `restrict`: with it gcc 12 vectorises some loops into
+    /// code that stores wrong numbers (seen on a program of 18,764 operations,
+    /// right without optimisation), and independent loops say so themselves.
+    fn parameters(&self, used: Option<&Used>) -> String {
+        let real = self.real.name();
+        let mut list = Vec::new();
+        let is_used = |used: &[bool], number: usize| used.get(number).copied().unwrap_or(false);
+        for (number, array) in self.function.inputs().iter().enumerate() {
+            let name = &self.inputs[number];
+            if used.is_none_or(|used| is_used(&used.inputs, number)) {
+                list.push(match array.shape {
+                    Shape::Scalar => format!("{real} {name}"),
+                    Shape::Vector(_) => format!("const {real} *{name}"),
+                    Shape::Matrix(_, columns) => {
+                        format!("const {real} (*{name})[{}]", u64::from(columns) + 1)
+                    }
+                });
+            }
+        }
+        for (number, array) in self.function.outputs().iter().enumerate() {
+            let name = &self.outputs[number];
+            if used.is_none_or(|used| is_used(&used.outputs, number)) {
+                list.push(match array.shape {
+                    Shape::Scalar | Shape::Vector(_) => format!("{real} *{name}"),
+                    Shape::Matrix(_, columns) => {
+                        format!("{real} (*{name})[{}]", u64::from(columns) + 1)
+                    }
+                });
+            }
+        }
+        if used.is_some_and(|used| used.work) {
+            list.push(format!("{real} *{}", self.work));
+        }
+        if list.is_empty() {
+            return "void".to_owned();
+        }
+        list.join(", ")
+    }
+
+    fn arguments(&self, used: &Used) -> Vec<&str> {
+        let inputs = self.inputs.iter().zip(&used.inputs);
+        let outputs = self.outputs.iter().zip(&used.outputs);
+        let mut list: Vec<&str> = inputs
+            .chain(outputs)
+            .filter(|(_, used)| **used)
+            .map(|(name, _)| name.as_str())
+            .collect();
+        if used.work {
+            list.push(&self.work);
+        }
+        list
+    }
+
+    /// What a stretch of the program touches.
+    fn used(&self, range: std::ops::Range<usize>) -> Used {
+        let mut used = Used {
+            inputs: vec![false; self.inputs.len()],
+            outputs: vec![false; self.outputs.len()],
+            work: false,
+        };
+        let mut space = |space: Space| match space {
+            Space::Work => used.work = true,
+            Space::Input(array) => used.inputs[array] = true,
+            Space::Output(array) => used.outputs[array] = true,
+            Space::Constants => {}
+        };
+        let program = self.program;
+        for (top, copy) in self.copies(range.clone()) {
+            debug_assert!(range.contains(&top));
+            space(Space::Work);
+            space(copy.space);
+        }
+        let mut elements = Vec::new();
+        for &item in &program.items[range] {
+            program.below(item, &mut elements);
+        }
+        let mut source = |source: &Source| {
+            if let Source::Place(place) = source {
+                space(place.space);
+            }
+        };
+        for &element in &elements {
+            match element {
+                Element::Position(position) => {
+                    program.codes[position].sources.iter().for_each(&mut source);
+                }
+                Element::Loop(number) => {
+                    for &carried in &program.carries[number] {
+                        source(&program.carried[carried].first);
+                    }
+                }
+            }
+        }
+        for element in elements {
+            if let Element::Position(position) = element {
+                for store in &program.codes[position].stores {
+                    space(store.space);
+                }
+            }
+        }
+        used
+    }
+
+    fn copies(&self, range: std::ops::Range<usize>) -> impl Iterator<Item = (usize, Copy)> + '_ {
+        let all = &self.program.copies;
+        let start = all.partition_point(|&(top, _)| top < range.start);
+        let end = all.partition_point(|&(top, _)| top < range.end);
+        all[start..end].iter().copied()
+    }
+
+    fn part(&self, text: &mut String, range: std::ops::Range<usize>) {
+        let mut elements = Vec::new();
+        for &item in &self.program.items[range.clone()] {
+            self.program.below(item, &mut elements);
+        }
+        for element in elements {
+            if let Element::Loop(number) = element
+                && self.program.loops[number].counted
+            {
+                let _ = writeln!(text, "    long {} = 0;", self.counters[number]);
+            }
+        }
+        for top in range {
+            for (_, copy) in self.copies(top..top + 1) {
+                self.copy(text, copy);
+            }
+            self.element(text, self.program.items[top], 1);
+        }
+    }
+
+    fn copy(&self, text: &mut String, copy: Copy) {
+        let index = |base: i64, step: i64| match (base, step) {
+            (base, 0) => base.to_string(),
+            (base, step) => format!("{base} + {step} * copied"),
+        };
+        let [row, column] = [0, 1].map(|axis| index(copy.from[axis], copy.step[axis]));
+        let from = self.at(copy.space, &row, &column);
+        let to = self.at(Space::Work, "", &index(copy.to, copy.advance));
+        if copy.count == 1 {
+            let _ = writeln!(text, "    {to} = {from};");
+        } else {
+            let _ = writeln!(
+                text,
+                "    for (long copied = 0; copied < {}; copied++)\n        {to} = {from};",
+                copy.count
+            );
+        }
+    }
+
+    /// Writes an element of a body. Loops nest a few deep, which bounds the
+    /// recursion.
+    fn element(&self, text: &mut String, element: Element, depth: usize) {
+        let number = match element {
+            Element::Position(position) => return self.statement(text, position, depth),
+            Element::Loop(number) => number,
+        };
+        let indent = "    ".repeat(depth);
+        let place = &self.program.loops[number];
+        if let Some(call) = self.circles(number) {
+            let _ = writeln!(text, "{indent}{call}");
+            return;
+        }
+        let real = self.real.name();
+        for &carried in &self.program.carries[number] {
+            let first = self.source_text(&self.program.carried[carried].first).0;
+            let name = &self.carried[carried];
+            let _ = writeln!(text, "{indent}{real} {name} = {first};");
+        }
+        if place.independent {
+            let _ = writeln!(text, "{indent}{}", self.independent);
+        }
+        let (index, count) = (&self.indices[number], self.index(&place.count));
+        let _ = writeln!(
+            text,
+            "{indent}for (long {index} = 0; {index} < {count}; {index}++) {{"
+        );
+        for &inner in &place.body {
+            self.element(text, inner, depth + 1);
+        }
+        for &carried in &self.program.carries[number] {
+            let result = &self.variables[self.program.carried[carried].position];
+            let _ = writeln!(text, "{indent}    {} = {result};", self.carried[carried]);
+        }
+        if place.counted {
+            let _ = writeln!(text, "{indent}    {}++;", self.counters[number]);
+        }
+        let _ = writeln!(text, "{indent}}}");
+    }
+
+    /// The call that computes the loop of sines and cosines, if the kernel
+    /// is wanted.
+    fn circles(&self, number: usize) -> Option<String> {
+        let kernel = self.kernel?;
+        let place = &self.program.loops[number];
+        let (&[Element::Position(sine), Element::Position(cosine)], true) =
+            (place.body.as_slice(), place.circular)
+        else {
+            return None;
+        };
+        let start = |place: &Place| {
+            let column = &place.column;
+            let steps = column.factors == [(number, 1)] && column.table.is_none();
+            (steps && place.row.factors.is_empty() && place.row.table.is_none()).then(|| {
+                let (row, column) = (place.row.base.to_string(), column.base.to_string());
+                format!("&{}", self.at(place.space, &row, &column))
+            })
+        };
+        let stored = |position: usize| match self.program.codes[position].stores.as_slice() {
+            [store] => start(store),
+            _ => None,
+        };
+        let angles = match self.program.codes[sine].sources.as_slice() {
+            [Source::Place(place)] => start(place),
+            _ => None,
+        };
+        Some(format!(
+            "{}({}, {}, {}, {});",
+            kernel.arrays_name(),
+            self.index(&place.count),
+            angles?,
+            stored(sine)?,
+            stored(cosine)?
+        ))
+    }
+
+    fn statement(&self, text: &mut String, position: usize, depth: usize) {
+        let indent = "    ".repeat(depth);
+        let code = &self.program.codes[position];
+        let expression = self.expression(position);
+        let is_copy = self.program.templates[code.template as usize].operations() == 0;
+        if is_copy {
+            for store in &code.stores {
+                let _ = writeln!(text, "{indent}{} = {expression};", self.place(store));
+            }
+            return;
+        }
+        let (real, variable) = (self.real.name(), &self.variables[position]);
+        let _ = writeln!(text, "{indent}const {real} {variable} = {expression};");
+        for store in &code.stores {
+            let _ = writeln!(text, "{indent}{} = {variable};", self.place(store));
+        }
+    }
+
+    /// The expression of a statement: its template applied to its leaves.
+    fn expression(&self, position: usize) -> String {
+        let code = &self.program.codes[position];
+        let mut leaves = code.sources.iter().map(|source| self.source_text(source));
+        let mut stack: Vec<(String, u8)> = Vec::new();
+        for step in &self.program.templates[code.template as usize].steps {
+            let done = match *step {
+                Step::Leaf => leaves.next(),
+                Step::Apply(operation) => {
+                    let operands = stack.split_off(stack.len() - operation.arity());
+                    Some(apply(operation, &operands, self.real))
+                }
+            };
+            stack.extend(done);
+        }
+        stack.pop().map_or_else(String::new, |(text, _)| text)
+    }
+
+    fn source_text(&self, source: &Source) -> (String, u8) {
+        match source {
+            Source::Position(position) => (self.variables[*position].clone(), PRIMARY),
+            Source::Carried(carried) => (self.carried[*carried].clone(), PRIMARY),
+            Source::Place(place) => (self.place(place), PRIMARY),
+            Source::Number(number) => {
+                let text = literal(*number, self.real);
+                let binding = if text.starts_with('-') {
+                    UNARY
+                } else {
+                    PRIMARY
+                };
+                (text, binding)
+            }
+        }
+    }
+
+    fn place(&self, place: &Place) -> String {
+        self.at(
+            place.space,
+            &self.index(&place.row),
+            &self.index(&place.column),
+        )
+    }
+
+    fn at(&self, space: Space, row: &str, column: &str) -> String {
+        let (array, name, pointer) = match space {
+            Space::Work => return format!("{}[{column}]", self.work),
+            Space::Constants => return format!("{}[{column}]", self.constants),
+            Space::Input(array) => (&self.function.inputs()[array], &self.inputs[array], false),
+            Space::Output(array) => (&self.function.outputs()[array], &self.outputs[array], true),
+        };
+        match array.shape {
+            Shape::Scalar if pointer => format!("*{name}"),
+            Shape::Scalar => name.clone(),
+            Shape::Vector(_) => format!("{name}[{column}]"),
+            Shape::Matrix(..) => format!("{name}[{row}][{column}]"),
+        }
+    }
+
+    fn index(&self, index: &Index) -> String {
+        let mut text = String::new();
+        let mut term = |negative: bool, term: String| {
+            let sign = match (text.is_empty(), negative) {
+                (true, false) => "",
+                (true, true) => "-",
+                (false, false) => " + ",
+                (false, true) => " - ",
+            };
+            text.push_str(sign);
+            text.push_str(&term);
+        };
+        if let Some((table, number)) = index.table {
+            let (table, counter) = (&self.tables[table], &self.counters[number]);
+            term(false, format!("{table}[{counter}]"));
+        }
+        for &(number, factor) in &index.factors {
+            let name = &self.indices[number];
+            let size = factor.unsigned_abs();
+            let product = if size == 1 {
+                name.clone()
+            } else {
+                format!("{size} * {name}")
+            };
+            term(factor < 0, product);
+        }
+        if index.base != 0 || text.is_empty() {
+            let mut base = String::new();
+            let _ = write!(base, "{}", index.base.unsigned_abs());
+            let sign = match (text.is_empty(), index.base < 0) {
+                (true, false) => "",
+                (true, true) => "-",
+                (false, false) => " + ",
+                (false, true) => " - ",
+            };
+            text.push_str(sign);
+            text.push_str(&base);
+        }
+        text
+    }
+}
+
+const SUM: u8 = 1;
+const PRODUCT: u8 = 2;
+const UNARY: u8 = 3;
+const PRIMARY: u8 = 4;
+
+/// An operation on expressions, and how tightly the result binds.
+fn apply(operation: Operation, operands: &[(String, u8)], real: Real) -> (String, u8) {
+    let double = real == Real::Double;
+    let operand = |number: usize, binding: u8| {
+        let (text, own) = &operands[number];
+        if *own < binding {
+            format!("({text})")
+        } else {
+            text.clone()
+        }
+    };
+    let binary = |sign: &str, binding: u8| {
+        let (left, right) = (operand(0, binding), operand(1, binding + 1));
+        (format!("{left} {sign} {right}"), binding)
+    };
+    match operation {
+        Operation::Copy => (operand(0, PRIMARY), PRIMARY),
+        Operation::Neg => (format!("-{}", operand(0, PRIMARY)), UNARY),
+        Operation::Add => binary("+", SUM),
+        Operation::Sub => binary("-", SUM),
+        Operation::Mul => binary("*", PRODUCT),
+        Operation::Div => binary("/", PRODUCT),
+        Operation::Sin | Operation::Cos if !double => {
+            let text = format!("(float){}((double){})", operation.name(), operand(0, UNARY));
+            (text, UNARY)
+        }
+        Operation::Sqrt if !double => (format!("sqrtf({})", operand(0, 0)), PRIMARY),
+        Operation::Sin | Operation::Cos | Operation::Sqrt => {
+            (format!("{}({})", operation.name(), operand(0, 0)), PRIMARY)
+        }
+        Operation::Fma | Operation::Fms | Operation::Fnma => {
+            let function = if double { "fma" } else { "fmaf" };
+            let first = match operation {
+                Operation::Fnma => format!("-{}", operand(0, PRIMARY)),
+                _ => operand(0, 0),
+            };
+            let last = match operation {
+                Operation::Fms => format!("-{}", operand(2, PRIMARY)),
+                _ => operand(2, 0),
+            };
+            let middle = operand(1, 0);
+            (format!("{function}({first}, {middle}, {last})"), PRIMARY)
+        }
+    }
+}

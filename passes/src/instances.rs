@@ -1,0 +1,78 @@
+//! The convention of programs that hold several instances of a function:
+//! which of their arrays belongs to which instance.
+//!
+//! The pass that makes such programs follows it, and so, on its own, does the
+//! check: array `A` of the original is `A_1` of the first instance, `A_2` of
+//! the second, and `A` itself where it is shared by all.
+
+use crate::options::OptionValue;
+
+/// The most instances in one program.
+pub const MOST: u32 = 64;
+
+/// The key of the metadata that says how many instances a function holds.
+pub const KEY: &str = "instances";
+
+/// How many instances a program holds, and what they share.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Instances {
+    /// How many.
+    pub count: u32,
+    /// Names of the input arrays that are there once.
+    pub shared: Names,
+}
+
+impl Instances {
+    /// The name of an array in an instance, counted from 1.
+    pub fn array(&self, name: &str, instance: u32, is_input: bool) -> String {
+        match is_input && self.shared.contains(name) {
+            true => name.to_owned(),
+            false => numbered(name, instance),
+        }
+    }
+}
+
+/// How many instances a function holds, by its metadata; 1 when it does not
+/// say.
+pub fn count(function: &robovec_ir::Function) -> u32 {
+    let text = function.metadata(KEY);
+    text.and_then(|text| text.parse().ok()).unwrap_or(1)
+}
+
+/// A name with the number of an instance, counted from 1.
+pub fn numbered(name: &str, instance: u32) -> String {
+    format!("{name}_{instance}")
+}
+
+/// Names as an option: joined by `+`, or `none`.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct Names(pub Vec<String>);
+
+impl Names {
+    /// True when the name is among them.
+    pub fn contains(&self, name: &str) -> bool {
+        self.0.iter().any(|known| known == name)
+    }
+}
+
+impl OptionValue for Names {
+    fn type_name() -> String {
+        "none | NAME+NAME+...".to_owned()
+    }
+    fn parse(text: &str) -> Result<Names, String> {
+        if text == "none" {
+            return Ok(Names::default());
+        }
+        let names: Vec<String> = text.split('+').map(str::to_owned).collect();
+        if names.iter().any(String::is_empty) {
+            return Err(format!("'{text}' is not a list of names joined by '+'"));
+        }
+        Ok(Names(names))
+    }
+    fn print(&self) -> String {
+        match self.0.is_empty() {
+            true => "none".to_owned(),
+            false => self.0.join("+"),
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! A run with everything that hardware can be compared with.
+//!
+//! Outputs say only whether a machine is right; a trace says where it goes
+//! wrong first. It holds what a host loads before the run and every result
+//! with the cycle in which it is on its element's bus, as words of the
+//! machine's format. A test bench replays the former and compares the latter.
+
+use super::error::Hazard;
+use super::program::Program;
+use super::run::Outputs;
+use robovec_ir::soft_float::FormatArithmetic;
+
+/// What a run tells while it goes on. A run without an observer
+/// ([`Silent`]) is compiled without a trace of it.
+pub(super) trait Observer {
+    /// A word of all memories holds a number before the first cycle.
+    fn loaded(&mut self, _word: u32, _number: f64) {}
+    /// A result is on the bus of an element.
+    fn result(&mut self, _cycle: u32, _element: u32, _number: f64) {}
+    /// A word of all memories was written during the run.
+    fn overwritten(&mut self, _word: u32) {}
+}
+
+/// Nobody looks on.
+pub(super) struct Silent;
+
+impl Observer for Silent {}
+
+/// A word that holds a value before the first cycle.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct LoadedWord {
+    /// The memory, by its place in [`Program::memories`].
+    pub memory: u32,
+    /// The address in it, from 0.
+    pub address: u32,
+    /// The value, as a word of the machine's format.
+    pub word: u64,
+    /// Whether the data images hold it, so that it is the same in all runs.
+    pub constant: bool,
+    /// Whether the run writes something else into the word; such a word must
+    /// be loaded again before the next run.
+    pub overwritten: bool,
+}
+
+/// The result of one operation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct TracedResult {
+    /// The cycle in which it is on its element's bus.
+    pub cycle: u32,
+    /// The element, by its place in [`Program::elements`].
+    pub element: u32,
+    /// The value, as a word of the machine's format.
+    pub word: u64,
+}
+
+/// A run in all its results.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Trace {
+    /// What the memories hold before the first cycle, in order of memory and
+    /// address.
+    pub loaded: Vec<LoadedWord>,
+    /// Every result, in order of cycle and element.
+    pub results: Vec<TracedResult>,
+    /// What the run gives.
+    pub outputs: Outputs,
+}
+
+struct Recorder<'p> {
+    program: &'p Program,
+    arithmetic: FormatArithmetic,
+    loaded: Vec<LoadedWord>,
+    /// Words of all memories together, in the order of `loaded`.
+    places: Vec<u32>,
+    /// Words of all memories together that the data images give a content.
+    constant: Vec<bool>,
+    results: Vec<TracedResult>,
+}
+
+impl Observer for Recorder<'_> {
+    fn loaded(&mut self, word: u32, number: f64) {
+        let memories = &self.program.memories;
+        // Memories follow one another in the order of their offsets, none is
+        // empty where there is a word.
+        let memory = memories.partition_point(|unit| unit.offset <= word) - 1;
+        self.places.push(word);
+        self.loaded.push(LoadedWord {
+            memory: memory as u32,
+            address: word - memories[memory].offset,
+            word: self.arithmetic.word(number),
+            constant: self.constant[word as usize],
+            overwritten: false,
+        });
+    }
+
+    fn result(&mut self, cycle: u32, element: u32, number: f64) {
+        let word = self.arithmetic.word(number);
+        self.results.push(TracedResult {
+            cycle,
+            element,
+            word,
+        });
+    }
+
+    fn overwritten(&mut self, word: u32) {
+        if let Ok(place) = self.places.binary_search(&word) {
+            self.loaded[place].overwritten = true;
+        }
+    }
+}
+
+impl Program {
+    /// As [`Program::run`], with every word that is loaded and every result.
+    ///
+    /// # Errors
+    ///
+    /// The first hazard, by cycle.
+    pub fn run_traced(&self, inputs: &[f64]) -> Result<Trace, Hazard> {
+        let mut constant = vec![false; self.words];
+        for &(word, _) in &self.data {
+            constant[word as usize] = true;
+        }
+        // What depends on the state is loaded over what an image may hold.
+        let host = self.host.iter().map(|step| &step.words);
+        for &word in self.inputs.iter().chain(host).flatten() {
+            constant[word as usize] = false;
+        }
+        let mut recorder = Recorder {
+            program: self,
+            arithmetic: self.arithmetic,
+            loaded: Vec::new(),
+            places: Vec::new(),
+            constant,
+            results: Vec::new(),
+        };
+        let outputs = self.run_observed(inputs, &mut recorder)?;
+        Ok(Trace {
+            loaded: recorder.loaded,
+            results: recorder.results,
+            outputs,
+        })
+    }
+
+    /// The names of the elements, in the order that the crossbar counts them.
+    pub fn elements(&self) -> impl Iterator<Item = &str> {
+        self.elements.iter().map(|element| element.name.as_str())
+    }
+
+    /// The names of the operand memories: `add0`, or `add0.left` and
+    /// `add0.right`, element after element.
+    pub fn memories(&self) -> impl Iterator<Item = &str> {
+        self.memories.iter().map(|memory| memory.name.as_str())
+    }
+}
