@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod align;
+pub mod bench;
 pub mod command;
 pub mod errors;
 pub mod evaluate_command;
@@ -13,9 +14,12 @@ pub mod model;
 pub mod motion;
 pub mod report;
 pub mod robotran;
+pub mod rtl;
 pub mod scene;
 pub mod simulate;
 pub mod stale;
 pub mod stress;
 pub mod study;
+pub mod sweep;
+pub mod synthesis;
 pub mod trigonometry;

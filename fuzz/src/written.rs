@@ -3,6 +3,7 @@
 
 use crate::generate::{self, Kind};
 use arbitrary::{Result, Unstructured};
+use robovec::robotran::drop_in::{DropInOptions, drop_in};
 use robovec::robotran::write::{WriteError, WriteOptions, write};
 use robovec::robotran::{Language, read};
 use robovec_ir::arithmetic::Binary64;
@@ -211,6 +212,9 @@ fn check(module: &Module, language: Language) {
         Err(WriteError::CallOrder { .. } | WriteError::Empty) => return,
         Err(error) => panic!("{error}"),
     };
+    if language == Language::C {
+        check_drop_in(module);
+    }
     let (name, text) = &files[0];
     let again = match read(name, text.as_bytes(), None) {
         Ok(read) => read.module,
@@ -227,6 +231,25 @@ fn check(module: &Module, language: Language) {
             function: after,
         };
         compare(before, after, text);
+    }
+}
+
+/// What can be written in one piece can be written in parts, each function
+/// with its own end.
+fn check_drop_in(module: &Module) {
+    let mut options = DropInOptions {
+        test_main: true,
+        ..DropInOptions::default()
+    };
+    options.c.part = 7;
+    match drop_in(module, &options) {
+        Ok(files) => {
+            for (name, text) in files {
+                let count = |brace| text.matches(brace).count();
+                assert_eq!(count('{'), count('}'), "{name}:\n{text}");
+            }
+        }
+        Err(error) => panic!("{error}"),
     }
 }
 

@@ -98,9 +98,9 @@ fn angles(module: &Module, bound: f64) -> Ranges {
 }
 
 /// A function alone in a module, and the same in other formulations.
-type Programs = (String, Module, Vec<(Formulation, Module)>);
+pub(super) type Programs = (String, Module, Vec<(Formulation, Module)>);
 
-fn programs(subject: &str, function: &str) -> Result<Programs, Failure> {
+pub(super) fn programs(subject: &str, function: &str) -> Result<Programs, Failure> {
     let path = Path::new(subject);
     let is_model = path.extension().is_some_and(|extension| extension == "mbs");
     let model = match subjects::built_in(subject) {

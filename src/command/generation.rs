@@ -154,7 +154,8 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, Failure> {
 }
 
 /// Runs a pipeline that needs no machine in particular.
-fn transform(module: &mut Module, pipeline: &Pipeline) -> Result<(), Failure> {
+/// Runs a pipeline over a module, for the machine of the thesis.
+pub(super) fn transform(module: &mut Module, pipeline: &Pipeline) -> Result<(), Failure> {
     let machine = input::machine("thesis")?;
     manager::run(
         module,

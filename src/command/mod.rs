@@ -7,6 +7,7 @@
 
 mod accuracy;
 mod arguments;
+mod bench;
 mod compare;
 mod dump;
 mod errors;
@@ -23,6 +24,8 @@ mod output;
 mod output_errors;
 mod reduction;
 mod reproducer;
+mod rtl;
+mod rtl_bench;
 mod rules;
 mod scene;
 mod sim;
@@ -30,6 +33,8 @@ mod simulation;
 mod stress;
 mod study;
 mod subjects;
+mod sweep;
+mod synthesise;
 mod tables;
 pub mod tool;
 mod trig;

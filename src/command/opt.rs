@@ -464,9 +464,9 @@ fn write_result(path: Option<&Path>, module: &Module, outcome: &Outcome) -> Resu
         (Some(folder), _) => {
             output::make_folder(folder)?;
             outcome.artifacts.iter().try_for_each(|file| {
-                output::write_file(&folder.join(&file.name), |writer| {
-                    writer.write_all(file.text.as_bytes())
-                })
+                let path = folder.join(&file.name);
+                output::make_folder(path.parent().unwrap_or(folder))?;
+                output::write_file(&path, |writer| writer.write_all(file.text.as_bytes()))
             })
         }
         (None, count) => Err(Failure::advised(

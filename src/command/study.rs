@@ -1,14 +1,15 @@
 //! `robovec study`.
 
-use super::subjects::{Files, locate};
+use super::subjects::{self, Files, locate};
 use super::{Failure, input, output};
-use crate::study::cpu::{self, Computer, CpuTime};
+use crate::study::cpu::{self, Computer, CpuTime, Job};
 use crate::study::plan::{self, Plan, Selection};
 use crate::study::program::Equations;
 use crate::study::results::Results;
 use crate::study::store::Store;
 use crate::study::{figures, page, plot, run, tables};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use robovec_ir::{Module, View};
 use std::fs;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -146,7 +147,21 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
         return Ok(Vec::new());
     };
     let bar = progress_bar(plan.models.len() * plan.pipelines.len());
-    let mut times = Vec::new();
+    let mut times: Vec<CpuTime> = Vec::new();
+    let mut measure = |model: &str, pipeline: &str, module: &Module| {
+        let view = View {
+            tables: &module.tables,
+            function: &module.functions[0],
+        };
+        let job = Job {
+            model,
+            pipeline,
+            view,
+        };
+        let known = earlier.iter().find(|time| time.is_of(&job, &computer));
+        let time = || cpu::measure(&job, &computer, arguments.cpu_limit);
+        times.push(known.cloned().unwrap_or_else(time));
+    };
     for (index, subject) in plan.models.iter().enumerate() {
         let equations = Equations::load(subject, &Files).map_err(Failure)?;
         for (pipeline, named) in plan.pipelines.iter().enumerate() {
@@ -157,9 +172,10 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
             }
             let program = equations.optimise(subject, named, &plan.machines[machine]);
             let program = program.map_err(Failure::plain)?;
-            let known = earlier.iter().find(|time| time.is_of(&program, &computer));
-            let time = || cpu::measure(&program, &computer, arguments.cpu_limit);
-            times.push(known.cloned().unwrap_or_else(time));
+            measure(&subject.name, &named.name, &program.module);
+        }
+        if let Some(module) = subjects::for_processors(subject)? {
+            measure(&subject.name, subjects::FOR_PROCESSORS, &module);
         }
     }
     bar.finish_and_clear();

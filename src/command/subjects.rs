@@ -56,6 +56,28 @@ pub(super) fn locate(subject: &Subject) -> Result<Source, Failure> {
     Ok(Source::Equations(path))
 }
 
+/// The formulation that needs the least time on a processor.
+pub(super) const FOR_PROCESSORS: &str = "composite-base";
+
+/// The function of a model made for processors: direct dynamics by composite
+/// bodies. `None` for files of equations and for other functions.
+pub(super) fn for_processors(subject: &Subject) -> Result<Option<Module>, Failure> {
+    let model = match locate(subject)? {
+        Source::Model(model) => *model,
+        Source::ModelFile(path) => input::model(&path)?.model,
+        Source::Equations(_) => return Ok(None),
+    };
+    if subject.function.as_deref().unwrap_or("dirdyna") != "dirdyna" {
+        return Ok(None);
+    }
+    let options = Options {
+        external_forces: false,
+        ..Options::default()
+    };
+    let formulation = Formulation::from_name(FOR_PROCESSORS).unwrap_or_default();
+    generation::functions(&model, &[FunctionKind::Dirdyna], formulation, &options).map(Some)
+}
+
 fn equations(subject: &Subject) -> Result<Module, Failure> {
     let model = match locate(subject)? {
         Source::Model(model) => *model,

@@ -2,6 +2,7 @@
 //! them.
 
 use super::accuracy::{self, AccuracyArguments};
+use super::bench::{self, BenchArguments};
 use super::compare::{self, CheckArguments};
 use super::errors::{self, ErrorsArguments};
 use super::eval::{self, EvalArguments};
@@ -32,6 +33,7 @@ struct Arguments {
 enum Command {
     /// Measure what every pass of a pipeline does to the rounding errors
     Accuracy(AccuracyArguments),
+    Bench(BenchArguments),
     Errors(ErrorsArguments),
     /// Evaluate functions at given or random states
     Eval(EvalArguments),
@@ -63,9 +65,12 @@ enum Command {
     },
     /// Compare the functions of two files as functions
     Check(CheckArguments),
+    Rtl(super::rtl::RtlArguments),
     Rules(super::rules::RulesArguments),
     Stress(super::stress::StressArguments),
     Study(super::study::Arguments),
+    Sweep(super::sweep::SweepArguments),
+    Synthesise(super::synthesise::SynthesiseArguments),
     /// Measure what series for sines and cosines do to the outputs
     Trig(super::trig::TrigArguments),
     /// Write equations as Robotran's C, Matlab or Python files
@@ -77,6 +82,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let arguments = Arguments::parse_from(arguments);
     let result = match &arguments.command {
         Command::Accuracy(arguments) => accuracy::run(arguments),
+        Command::Bench(arguments) => bench::run(arguments),
         Command::Errors(arguments) => errors::run(arguments),
         Command::Eval(arguments) => eval::run(arguments),
         Command::Fit(arguments) => fit::run(arguments),
@@ -91,9 +97,12 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             inputs,
         } => simulate(folder, machine, inputs),
         Command::Check(arguments) => compare::run(arguments),
+        Command::Rtl(arguments) => super::rtl::run(arguments),
         Command::Rules(arguments) => super::rules::run(arguments),
         Command::Stress(arguments) => super::stress::run(arguments),
         Command::Study(arguments) => super::study::study(arguments),
+        Command::Sweep(arguments) => super::sweep::run(arguments),
+        Command::Synthesise(arguments) => super::synthesise::run(arguments),
         Command::Trig(arguments) => super::trig::run(arguments),
         Command::Write(arguments) => write::run(arguments),
     };

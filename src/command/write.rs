@@ -3,10 +3,12 @@
 use super::arguments::InputLanguage;
 use super::{Failure, input, output};
 use crate::robotran::Language;
+use crate::robotran::drop_in::{DropInOptions, drop_in};
 use crate::robotran::write::{WriteOptions, write};
 use clap::{Args, ValueEnum};
 use robovec_ir::Module;
 use robovec_ir::diagnostic::termcolor::ColorChoice;
+use robovec_passes::codegen::c::{Options, Real};
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline::Pipeline;
 use std::collections::HashSet;
@@ -34,9 +36,38 @@ pub(crate) struct WriteArguments {
     /// Set also the output elements that are zero whatever the state
     #[arg(long)]
     zeros: bool,
+    /// C in functions of bounded length, fast to compile and to run; it does
+    /// not read back
+    #[arg(long)]
+    bounded: bool,
+    /// With --bounded: a main program that tries each function, and a header
+    /// to compile it without MBsysC
+    #[arg(long, requires = "bounded")]
+    test_main: bool,
+    /// With --test-main: functions to compare and time against, by the names
+    /// they are linked under
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        requires = "test_main"
+    )]
+    rivals: Vec<String>,
+    /// With --bounded: compute in this type
+    #[arg(long, value_enum, default_value = "double", requires = "bounded")]
+    number: Number,
     /// Language of the input; by default told by its name and content
     #[arg(long, value_enum)]
     input_language: Option<InputLanguage>,
+}
+
+/// The type that C computes in.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+enum Number {
+    /// IEEE binary64
+    Double,
+    /// IEEE binary32; MBsysC's arrays stay binary64
+    Float,
 }
 
 /// A language Robotran writes.
@@ -70,12 +101,39 @@ pub(crate) fn run(arguments: &WriteArguments) -> Result<String, Failure> {
     let mut files = Vec::new();
     for path in &arguments.files {
         let module = equations(path, arguments.input_language, &pipeline)?;
-        let written = write(&module, arguments.language.into(), &options)
-            .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+        let written = match arguments.bounded {
+            true => drop_in(&module, &bounded(arguments, &options)?),
+            false => write(&module, arguments.language.into(), &options),
+        };
+        let written =
+            written.map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
         files.extend(written);
     }
     refuse_losses(&arguments.files, &files, &arguments.output)?;
     save(&files, &arguments.output)
+}
+
+/// How bounded C is written.
+fn bounded(arguments: &WriteArguments, write: &WriteOptions) -> Result<DropInOptions, Failure> {
+    if arguments.language != OutputLanguage::C {
+        return Err(Failure::advised(
+            "only C is written in functions of bounded length".to_owned(),
+            vec!["leave --bounded out: Matlab and Python are not compiled".to_owned()],
+        ));
+    }
+    let real = match arguments.number {
+        Number::Double => Real::Double,
+        Number::Float => Real::Float,
+    };
+    Ok(DropInOptions {
+        c: Options {
+            real,
+            ..Options::default()
+        },
+        write: write.clone(),
+        test_main: arguments.test_main,
+        rivals: arguments.rivals.clone(),
+    })
 }
 
 /// Reads a file and runs the passes.

@@ -16,6 +16,8 @@ pub(super) struct Header {
     pub(super) flops: Option<String>,
     pub(super) date: Option<String>,
     pub(super) all_parameter_symbols: bool,
+    /// The project's data structure bears its name of before 2015.
+    pub(super) old_structure: bool,
     /// Arrays whose extent does not follow from their use: rows, and columns
     /// or 0.
     pub(super) extents: Vec<(String, u32, u32)>,
@@ -24,7 +26,10 @@ pub(super) struct Header {
 impl Header {
     /// Reads the header of either generator.
     pub(super) fn read(text: &str) -> Header {
-        let mut header = Header::default();
+        let mut header = Header {
+            old_structure: text.contains("MBSdataStruct"),
+            ..Header::default()
+        };
         for line in text.lines().take(HEADER_LINES) {
             let line = line
                 .trim_start_matches([' ', '\t', '%', '#', '/', '*'])
@@ -82,6 +87,9 @@ impl Header {
     pub(super) fn metadata(&self, language: Language, kind: &str) -> Vec<(String, String)> {
         let joints = self.joints.map(|joints| joints.to_string());
         let all = self.all_parameter_symbols.then(|| "yes".to_owned());
+        // Matlab and Python have it without a type.
+        let structure =
+            (self.old_structure && language == Language::C).then(|| "MBSdataStruct".to_owned());
         let known = [
             ("model", self.model.clone()),
             ("generator", self.generator.clone()),
@@ -92,6 +100,7 @@ impl Header {
             ("flops", self.flops.clone()),
             ("date", self.date.clone()),
             ("all_parameter_symbols", all),
+            ("structure", structure),
         ];
         known
             .into_iter()

@@ -10,6 +10,7 @@
 
 pub(crate) mod conventions;
 mod decode;
+pub mod drop_in;
 mod explain;
 mod header;
 mod lower;

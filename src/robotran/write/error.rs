@@ -86,6 +86,9 @@ pub enum WriteError {
         /// The function.
         function: String,
     },
+    /// A function in parts has no signature of Robotran's.
+    #[error(transparent)]
+    Signature(#[from] robovec_passes::codegen::c::SignatureError),
     /// A case that is no sensor number.
     #[error("'{function}' is no numbered sensor: its name should end in _1, _2, …")]
     Case {

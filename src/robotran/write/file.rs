@@ -14,6 +14,7 @@ use super::{Member, WriteOptions};
 use crate::robotran::Language;
 use hashbrown::HashMap;
 use robovec_ir::{Function, Input, Module, Shape, Symbols};
+use robovec_passes::codegen::kind::file_stem;
 use rustc_hash::FxBuildHasher;
 
 /// The functions of one file.
@@ -87,7 +88,7 @@ impl<'a> File<'a> {
             kind,
             language,
             symbols,
-            stem: stem(&model),
+            stem: file_stem(&model),
             model,
             joints: joints(first, &arrays),
             cases: members.iter().map(|member| member.case).collect(),
@@ -184,21 +185,4 @@ fn joints(function: &Function, arrays: &Arrays) -> Option<u32> {
         Shape::Vector(length) => Some(length),
         Shape::Scalar | Shape::Matrix(..) => None,
     })
-}
-
-/// A model's name as part of a file name.
-fn stem(model: &str) -> String {
-    let word = |c: char| {
-        if c.is_ascii_alphanumeric() || c == '-' {
-            c
-        } else {
-            '_'
-        }
-    };
-    let stem: String = model.trim().chars().map(word).collect();
-    if stem.is_empty() {
-        "model".to_owned()
-    } else {
-        stem
-    }
 }

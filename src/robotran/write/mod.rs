@@ -119,30 +119,9 @@ fn place(function: &Function) -> Result<Member<'_>, WriteError> {
             function: function.name.clone(),
         });
     }
-    let name = function.name.strip_prefix("mbs_").unwrap_or(&function.name);
-    let numbered = name
-        .rsplit_once('_')
-        .and_then(|(stem, digits)| Some((stem, digits.parse::<u32>().ok()?)));
-    let by_name = match numbered {
-        Some((stem, number)) if Kind::find(stem).is_some_and(Kind::is_sensor) => {
-            Kind::find(stem).map(|kind| (kind, Some(number)))
-        }
-        _ => Kind::find(name).map(|kind| (kind, None)),
-    };
-    let by_file = function.metadata("kind").and_then(Kind::find);
-    let (kind, number) = match (by_file, by_name) {
-        // Python calls both kinds of sensors `sensor`.
-        (Some(file), Some((named, number))) if file.is_sensor() && named.is_sensor() => {
-            (file, number)
-        }
-        (_, Some(known)) => known,
-        (Some(file), None) if !file.is_sensor() => (file, None),
-        (_, None) => {
-            return Err(WriteError::Kind {
-                function: function.name.clone(),
-            });
-        }
-    };
+    let (kind, number) = Kind::of(function).ok_or_else(|| WriteError::Kind {
+        function: function.name.clone(),
+    })?;
     Ok(Member {
         kind,
         case: number,

@@ -1,7 +1,7 @@
 //! What stands before the equations: signature, arrays, aliases.
 
 use super::arrays::{Arrays, FileArray, Role};
-use super::kind::Kind;
+use super::kind::{Kind, function_name};
 use super::text::Text;
 use crate::robotran::Language;
 use robovec_ir::{Function, Shape};
@@ -58,7 +58,7 @@ impl Prologue<'_> {
     }
 
     fn c(&self, text: &mut Text) {
-        let name = self.kind.function_name(Language::C);
+        let name = function_name(self.kind, Language::C);
         text.line("#include <math.h>");
         text.line("");
         text.line("#include \"mbs_data.h\"");
@@ -159,7 +159,7 @@ impl Prologue<'_> {
     }
 
     fn matlab(&self, text: &mut Text) {
-        let name = self.kind.function_name(Language::Matlab);
+        let name = function_name(self.kind, Language::Matlab);
         let outputs = self.outputs();
         let mut returned: Vec<&str> = outputs.iter().map(|(name, _, _)| *name).collect();
         let own = self.function.outputs().iter();
@@ -237,7 +237,7 @@ impl Prologue<'_> {
             text.line("from numpy import zeros");
         }
         text.line("");
-        let name = self.kind.function_name(Language::Python);
+        let name = function_name(self.kind, Language::Python);
         let outputs = self.outputs();
         let mut parameters: Vec<&str> = outputs.iter().map(|(name, _, _)| *name).collect();
         if self.kind.is_sensor() {

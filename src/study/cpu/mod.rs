@@ -6,9 +6,13 @@
 //! the results of the study.
 
 mod harness;
+pub mod table;
 
-use super::program::Program;
+use crate::bench::contestant::Family;
+use crate::bench::own::{self, operations};
+use crate::bench::{Compiler, Question, bench};
 use robovec_ir::View;
+use robovec_ir::states::States;
 use robovec_passes::codegen::c::{Real, c_files};
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -22,19 +26,25 @@ pub const LARGEST: usize = 200_000;
 /// How the C is compiled.
 const FLAGS: [&str; 3] = ["-std=c99", "-O1", "-ffp-contract=off"];
 
-/// A measured time, or why there is none.
+/// Measured times, or why there are none.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CpuTime {
     /// The model.
     pub model: String,
-    /// The pipeline.
+    /// The pipeline, or the formulation of a program that is made for
+    /// processors.
     pub pipeline: String,
     /// Operations of the function, sines and cosines apart.
     pub operations: usize,
-    /// Time of one call in binary64, sines and cosines included: the least
-    /// over many repetitions, µs of processor time.
+    /// Time of one evaluation in binary64 by straight-line C, sines and
+    /// cosines included: the least over many repetitions, µs of processor
+    /// time.
     pub microseconds: Option<f64>,
+    /// The same by C with loops.
+    pub rolled: Option<f64>,
+    /// Time per state when eight are evaluated at once.
+    pub batch: Option<f64>,
     /// Why there is no time.
     pub remark: String,
     /// The compiler and how it was called.
@@ -46,16 +56,39 @@ pub struct CpuTime {
 impl CpuTime {
     /// True when it is a measurement of this program by the same compiler on
     /// the same processor.
-    pub fn is_of(&self, program: &Program, computer: &Computer) -> bool {
-        let facts = &program.facts;
-        self.model == facts.model
-            && self.pipeline == facts.pipeline
-            && self.operations == facts.operations
+    pub fn is_of(&self, job: &Job<'_>, computer: &Computer) -> bool {
+        self.model == job.model
+            && self.pipeline == job.pipeline
+            && self.operations == operations(job.view)
             && self.compiler == computer.compiler
             && self.processor == computer.processor
             && self.microseconds.is_some()
     }
+
+    /// The time of one evaluation by the faster C.
+    pub fn single(&self) -> Option<f64> {
+        let both = self.microseconds.into_iter().chain(self.rolled);
+        both.min_by(f64::total_cmp)
+    }
 }
+
+/// A function to be timed.
+#[derive(Clone, Copy, Debug)]
+pub struct Job<'a> {
+    /// The model.
+    pub model: &'a str,
+    /// The pipeline or formulation.
+    pub pipeline: &'a str,
+    /// The function.
+    pub view: View<'a>,
+}
+
+/// Where the states come from that programs are timed at.
+const SEED: u64 = 1;
+/// How many states.
+const STATES: u32 = 16;
+/// Rounds, and the time of everybody in a round, ms.
+const ROUNDS: (u32, u32) = (3, 60);
 
 /// The computer that measures.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -93,30 +126,65 @@ impl Computer {
     }
 }
 
-/// Measures a program; one at a time, or the figures mean nothing.
-pub fn measure(program: &Program, computer: &Computer, largest: usize) -> CpuTime {
-    let facts = &program.facts;
+/// Measures a function; one at a time, or the figures mean nothing.
+pub fn measure(job: &Job<'_>, computer: &Computer, largest: usize) -> CpuTime {
+    let operations = operations(job.view);
     let result = if computer.compiler.is_empty() {
         Err("not measured, there is no C compiler 'cc'".to_owned())
-    } else if facts.operations > largest {
+    } else if operations > largest {
         Err(format!(
             "not measured, it has more than {largest} operations, which take a C compiler minutes"
         ))
     } else {
-        let view = View {
-            tables: &program.module.tables,
-            function: &program.module.functions[0],
-        };
-        compile_and_run(view, Real::Double).map(|time| super::table::round(time * 1e-3, 4))
+        contest(job.view)
     };
+    let times = result.as_ref().copied().unwrap_or_default();
+    let [microseconds, rolled, batch] =
+        times.map(|time| time.map(|time| super::table::round(time * 1e-3, 4)));
     CpuTime {
-        model: facts.model.clone(),
-        pipeline: facts.pipeline.clone(),
-        operations: facts.operations,
-        remark: result.as_ref().err().cloned().unwrap_or_default(),
-        microseconds: result.ok(),
+        model: job.model.to_owned(),
+        pipeline: job.pipeline.to_owned(),
+        operations,
+        microseconds,
+        rolled,
+        batch,
+        remark: result.err().unwrap_or_default(),
         compiler: computer.compiler.clone(),
         processor: computer.processor.clone(),
+    }
+}
+
+/// Times of straight-line C, of C with loops, and per state of C for batches,
+/// ns.
+fn contest(view: View<'_>) -> Result<[Option<f64>; 3], String> {
+    let folder = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+    let compiler = Compiler::find("cc").ok_or("there is no C compiler 'cc'")?;
+    let question = Question {
+        name: "function".to_owned(),
+        view,
+        model: None,
+        states: &States::new(SEED),
+        count: STATES,
+    };
+    let ways: [own::Way; 3] = [own::straight, own::rolled, own::batch];
+    let contestants = ways.map(|way| way(&question, &compiler, Family::Equations, "C", view));
+    let (rounds, milliseconds) = ROUNDS;
+    let quiet = &mut |_: &str| {};
+    let outcomes = bench(
+        &question,
+        &contestants,
+        folder.path(),
+        rounds,
+        milliseconds,
+        quiet,
+    )
+    .map_err(|error| error.to_string())?;
+    let failure = outcomes.iter().find_map(|outcome| outcome.failure.clone());
+    match (failure, outcomes.as_slice()) {
+        (None, [straight, rolled, batch]) => {
+            Ok([straight, rolled, batch].map(|outcome| outcome.nanoseconds))
+        }
+        (failure, _) => Err(failure.unwrap_or_default()),
     }
 }
 

@@ -4,7 +4,7 @@
 //! JSON for the chart that a reader composes. **Invariant.** The page refers
 //! to no other file and no address.
 
-use super::cpu::CpuTime;
+use super::cpu::{self, CpuTime};
 use super::figure::Figure;
 use super::figures::zone;
 use super::plot::{self, Escaped};
@@ -22,7 +22,7 @@ const SCRIPT: &str = include_str!("page.js");
 const LONGEST_TABLE: usize = 400;
 
 /// The report as HTML.
-pub fn page(results: &Results, tables: &[Table], figures: &[Figure], cpu: &[CpuTime]) -> String {
+pub fn page(results: &Results, tables: &[Table], figures: &[Figure], times: &[CpuTime]) -> String {
     let plan = &results.plan;
     let subtitle = format!(
         "{}. {} models, {} placements, computed by robovec {}.",
@@ -31,10 +31,16 @@ pub fn page(results: &Results, tables: &[Table], figures: &[Figure], cpu: &[CpuT
         results.outcome.points.len(),
         env!("CARGO_PKG_VERSION")
     );
-    let measured = cpu_table(results, cpu);
-    let shown = tables
+    let measured: Vec<Table> = [
+        cpu::table::winners(results, times),
+        cpu::table::programs(times),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let shown = measured
         .iter()
-        .chain(&measured)
+        .chain(tables)
         .filter(|table| table.rows.len() <= LONGEST_TABLE);
     let parts = [
         (
@@ -48,7 +54,10 @@ pub fn page(results: &Results, tables: &[Table], figures: &[Figure], cpu: &[CpuT
         ("figures", figures.iter().map(figure).collect()),
         ("method", method(results)),
         // A closing tag inside a string would end the script.
-        ("data", data(results, cpu).to_string().replace("</", "<\\/")),
+        (
+            "data",
+            data(results, times).to_string().replace("</", "<\\/"),
+        ),
     ];
     fill(TEMPLATE, &parts)
 }
@@ -68,58 +77,6 @@ pub(crate) fn fill(template: &str, parts: &[(&str, String)]) -> String {
     text + rest
 }
 
-/// Times on one core beside those of the elements each program is worth.
-fn cpu_table(results: &Results, cpu: &[CpuTime]) -> Option<Table> {
-    let verdicts = verdicts(results);
-    let mhz = results
-        .main_machine()
-        .map(|machine| results.plan.machines[machine].machine.clock_mhz)?;
-    let first = cpu.first()?;
-    let rows = cpu.iter().map(|time| {
-        let verdict = verdicts
-            .iter()
-            .find(|verdict| (&verdict.model, &verdict.pipeline) == (&time.model, &time.pipeline));
-        let best = verdict.and_then(|verdict| verdict.knee.cheapest.or(verdict.knee.fastest));
-        let own = best.map(|best| f64::from(best.cycles) / mhz);
-        let number = |value: Option<f64>, decimals| {
-            value.map_or(Cell::Empty, |value| Cell::number(value, decimals))
-        };
-        vec![
-            Cell::text(&time.model),
-            Cell::text(&time.pipeline),
-            Cell::count(time.operations),
-            number(time.microseconds, 2),
-            best.map_or(Cell::Empty, |best| Cell::text(best.text())),
-            number(own, 2),
-            number(time.microseconds.zip(own).map(|(core, own)| core / own), 2),
-            Cell::text(&time.remark),
-        ]
-    });
-    Some(Table {
-        name: "cpu".to_owned(),
-        title: "The same functions on one core of a processor".to_owned(),
-        caption: format!(
-            "{}, double precision, sines and cosines included, least of many repetitions; {}. \
-             Beside it the elements each program is worth, at {mhz} MHz and without sines and \
-             cosines. A measurement, in cpu.json.",
-            first.processor, first.compiler
-        ),
-        columns: [
-            "model",
-            "pipeline",
-            "operations",
-            "one core (µs)",
-            "elements",
-            "elements (µs)",
-            "core / elements",
-            "remark",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        rows: rows.collect(),
-    })
-}
-
 pub(crate) fn table(table: &Table) -> String {
     let mut text = String::new();
     let name = &table.name;
@@ -131,7 +88,7 @@ pub(crate) fn table(table: &Table) -> String {
         " open"
     };
     let file = match name.as_str() {
-        "cpu" | "verdicts" => String::new(),
+        "cpu" | "winners" | "verdicts" => String::new(),
         "front" | "fit" => format!("File: {name}.csv."),
         name => format!("File: tables/{name}.csv."),
     };

@@ -1,0 +1,111 @@
+//! One program of a bench.
+
+use super::functions::Key;
+use super::tools::{self, Step};
+use serde::Serialize;
+use std::path::Path;
+
+/// Where a contestant comes from.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// Robotran's file.
+    Robotran,
+    /// Robovec's, from the same equations.
+    Equations,
+    /// Robovec's, from the model.
+    Model,
+    /// Somebody else's.
+    Peer,
+}
+
+/// A program that evaluates the function.
+#[derive(Clone, Debug)]
+pub struct Contestant {
+    /// Its name.
+    pub name: String,
+    /// Where it comes from.
+    pub family: Family,
+    /// Compiler and flags, version.
+    pub remark: String,
+    /// Operations, where known.
+    pub operations: Option<usize>,
+    /// States computed at once.
+    pub lanes: u32,
+    /// Files of its folder.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// How the program `program` is made.
+    pub steps: Vec<Step>,
+    /// Arguments of the program before the milliseconds.
+    pub arguments: Vec<String>,
+    /// What stands in its file of results, for each state in this order.
+    pub outputs: Vec<Key>,
+    /// The largest difference that is rounding.
+    pub tolerance: f64,
+    /// Why it cannot take part.
+    pub missing: Option<String>,
+    /// The folder of a program that serves every model.
+    pub shared: Option<String>,
+}
+
+/// What building told.
+pub(super) struct Built {
+    pub(super) seconds: Option<f64>,
+    pub(super) code_bytes: Option<u64>,
+}
+
+/// The name of the file of results.
+pub(super) const RESULTS: &str = "results.bin";
+
+impl Contestant {
+    pub(super) fn build(&self, place: &Path) -> Result<Built, String> {
+        let mut built = Built {
+            seconds: None,
+            code_bytes: None,
+        };
+        if self.shared.is_some() && place.join("program").exists() {
+            return Ok(built);
+        }
+        for step in &self.steps {
+            let seconds = step.run(place)?;
+            if step.timed {
+                *built.seconds.get_or_insert(0.0) += seconds;
+            }
+            if let Some(object) = &step.object {
+                let bytes = tools::code_bytes(&place.join(object));
+                built.code_bytes = built.code_bytes.max(bytes);
+            }
+        }
+        Ok(built)
+    }
+
+    /// Runs the program; its least time per state, ns.
+    pub(super) fn run(&self, place: &Path, milliseconds: u32) -> Result<f64, String> {
+        let mut arguments = self.arguments.clone();
+        arguments.push(milliseconds.to_string());
+        let text = tools::output(place, "./program", &arguments)?;
+        let time = text.split_whitespace().next();
+        time.and_then(|word| word.parse().ok())
+            .ok_or_else(|| "the program did not print its time".to_owned())
+    }
+
+    /// The results of the last run: for each state one number per output.
+    pub(super) fn results(&self, place: &Path, states: usize) -> Result<Vec<Vec<f64>>, String> {
+        let bytes = std::fs::read(place.join(RESULTS)).map_err(|error| error.to_string())?;
+        let width = self.outputs.len();
+        if bytes.len() != states * width * 8 {
+            return Err(format!(
+                "{} bytes of results instead of {}",
+                bytes.len(),
+                states * width * 8
+            ));
+        }
+        let numbers: Vec<f64> = bytes
+            .as_chunks::<8>()
+            .0
+            .iter()
+            .map(|&bytes| f64::from_le_bytes(bytes))
+            .collect();
+        Ok(numbers.chunks(width.max(1)).map(<[f64]>::to_vec).collect())
+    }
+}

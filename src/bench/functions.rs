@@ -1,0 +1,154 @@
+//! Inputs and outputs of a function as a bench sees them: by name.
+
+use super::Question;
+use crate::model::Model;
+use robovec_ir::arithmetic::Binary64;
+use robovec_ir::evaluate::evaluate;
+use robovec_ir::states::States;
+use robovec_ir::{Input, View};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// The inputs that differ from state to state; all others are parameters.
+const VARYING: [&str; 3] = ["q", "qd", "qdd"];
+
+/// An output element: array and indices from 1, 0 where there is none.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Key {
+    /// The array.
+    pub array: String,
+    /// Indices.
+    pub indices: [u32; 2],
+}
+
+impl fmt::Display for Key {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.indices {
+            [0, 0] => formatter.write_str(&self.array),
+            [one, 0] => write!(formatter, "{}[{one}]", self.array),
+            [row, column] => write!(formatter, "{}[{row},{column}]", self.array),
+        }
+    }
+}
+
+/// True when the array differs from state to state.
+pub(super) fn is_varying(name: &str) -> bool {
+    VARYING.contains(&name)
+}
+
+/// The inputs of a function in a state.
+pub(super) fn inputs(
+    view: View<'_>,
+    model: Option<&Model>,
+    states: &States,
+    state: u32,
+) -> Vec<f64> {
+    let mut numbers = states.draw(view, state);
+    let parameters = states.draw(view, 0);
+    for (index, number) in numbers.iter_mut().enumerate() {
+        let (array, indices, rank) = view.function.input_element(Input(index as u32));
+        let name = view.tables.symbols.text(array.name);
+        if !is_varying(name) {
+            *number = parameters[index];
+            let known =
+                model.and_then(|model| crate::motion::parameter(model, name, &indices[..rank]));
+            *number = known.unwrap_or(*number);
+            // Peers know no forces on bodies.
+            if model.is_some() && matches!(name, "frc" | "trq") {
+                *number = 0.0;
+            }
+        }
+    }
+    numbers
+}
+
+/// The elements that a function sets, in order of its assignments.
+pub(super) fn outputs(view: View<'_>) -> Vec<Key> {
+    let assignments = view.function.assignments.iter();
+    assignments
+        .map(|assignment| {
+            let (array, indices, rank) = view.function.output_element(assignment.output);
+            let mut key = Key {
+                array: view.tables.symbols.text(array.name).to_owned(),
+                indices: [0; 2],
+            };
+            key.indices[..rank].copy_from_slice(&indices[..rank]);
+            key
+        })
+        .collect()
+}
+
+/// What the results must be.
+pub(super) struct Reference {
+    keys: Vec<Key>,
+    states: Vec<Vec<f64>>,
+}
+
+impl Reference {
+    /// Evaluates the function as it came, in binary64.
+    pub(super) fn new(question: &Question<'_>) -> Reference {
+        let view = question.view;
+        let states = (0..question.count).map(|state| {
+            let inputs = inputs(view, question.model, question.states, state);
+            evaluate(view.function, &Binary64, &inputs)
+        });
+        Reference {
+            keys: outputs(view),
+            states: states.collect(),
+        }
+    }
+
+    pub(super) fn states(&self) -> usize {
+        self.states.len()
+    }
+
+    /// The largest difference of some results, relative to the largest
+    /// element of its array in its state, and where it is. What a contestant
+    /// does not set is zero, or stands in the other half of a matrix.
+    pub(super) fn difference(
+        &self,
+        keys: &[Key],
+        results: &[Vec<f64>],
+    ) -> Result<(f64, Option<Key>), String> {
+        let places: BTreeMap<&Key, usize> = keys.iter().zip(0..).collect();
+        let find = |key: &Key| {
+            let [row, column] = key.indices;
+            let turned = Key {
+                array: key.array.clone(),
+                indices: [column, row],
+            };
+            let other = || places.get(&turned).filter(|_| column != 0).copied();
+            places.get(key).copied().or_else(other)
+        };
+        let places: Vec<Option<usize>> = self.keys.iter().map(find).collect();
+        if !self.keys.is_empty() && places.iter().all(Option::is_none) {
+            return Err("it sets none of the outputs".to_owned());
+        }
+        let mut worst = (0.0, None);
+        for (expected, found) in self.states.iter().zip(results) {
+            let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
+            for (key, number) in self.keys.iter().zip(expected) {
+                let most = largest.entry(&key.array).or_default();
+                *most = most.max(number.abs());
+            }
+            for ((key, place), number) in self.keys.iter().zip(&places).zip(expected) {
+                let result = place.map_or(0.0, |place| found[place]);
+                let scale = largest[key.array.as_str()];
+                let distance = (result - number).abs();
+                let difference = if distance == 0.0 {
+                    0.0
+                } else {
+                    distance / scale
+                };
+                // A NaN must not pass for a small difference.
+                if difference.is_nan() || difference > worst.0 {
+                    worst = (difference, Some(key.clone()));
+                    if difference.is_nan() {
+                        return Ok((f64::INFINITY, Some(key.clone())));
+                    }
+                }
+            }
+        }
+        Ok(worst)
+    }
+}

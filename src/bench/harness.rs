@@ -1,0 +1,290 @@
+//! The main program around a C function.
+//!
+//! Inputs come from `inputs.bin`: for every state all input elements in order
+//! of declaration, as doubles. Arrays that differ from state to state are kept
+//! for each state, parameters once. Results are the elements that the function
+//! sets, in order of its assignments.
+
+use super::functions::is_varying;
+use robovec_ir::{Array, Shape, View};
+use std::fmt::Write;
+
+/// How a function is called.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum Call {
+    /// Arrays one after the other, inputs first.
+    Plain,
+    /// Runs of so many states, with parameters of these names prepared once.
+    Batch(u32, Vec<String>),
+    /// Robotran's: some outputs, the data structure, some scalars.
+    Robotran(Vec<Parameter>),
+}
+
+impl Call {
+    /// States of a call.
+    pub(super) fn lanes(&self) -> u32 {
+        match self {
+            Call::Batch(lanes, _) => *lanes,
+            Call::Plain | Call::Robotran(_) => 1,
+        }
+    }
+}
+
+/// A parameter of a function as Robotran writes it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum Parameter {
+    /// An output array by its name.
+    Output(String),
+    /// The structure with all inputs.
+    Data,
+    /// A number that is an input of this name, or 0.
+    Scalar(String),
+}
+
+/// The file that declares `MbsData` for the inputs of a function.
+pub(super) fn data_header(view: View<'_>) -> String {
+    let mut text = String::from(
+        "#ifndef ROBOVEC_BENCH_MBS_DATA_H\n#define ROBOVEC_BENCH_MBS_DATA_H\ntypedef struct {\n",
+    );
+    for array in view.function.inputs() {
+        let name = view.tables.symbols.text(array.name);
+        let stars = match array.shape {
+            Shape::Scalar => "",
+            Shape::Vector(_) => "*",
+            Shape::Matrix(..) => "**",
+        };
+        let _ = writeln!(text, "    double {stars}{name};");
+    }
+    text + "    double **robovec_bench_;\n} MbsData;\ntypedef MbsData MBSdataStruct;\n#endif\n"
+}
+
+/// The text of the main program: `header` declares the function `name`.
+pub(super) fn main(view: View<'_>, call: &Call, header: &str, name: &str, states: u32) -> String {
+    let lanes = call.lanes();
+    let mut writer = Writer {
+        view,
+        call,
+        lanes,
+        storage: String::new(),
+        fill: String::new(),
+        arguments: Vec::new(),
+        shared: Vec::new(),
+    };
+    writer.inputs();
+    if let Call::Batch(..) = call {
+        writer.arguments.push("prepared".to_owned());
+        writer.shared.push("prepared".to_owned());
+        writer.storage +=
+            &format!("static double prepared[{name}_PREPARED] __attribute__((aligned(64)));\n");
+    }
+    writer.outputs();
+    let mut before = String::new();
+    let body = match call {
+        Call::Plain => format!("    {name}({});\n", writer.arguments.join(", ")),
+        Call::Batch(..) => {
+            before = format!("    {name}_prepare({});\n", writer.shared.join(", "));
+            format!("    {name}_batch({});\n", writer.arguments.join(", "))
+        }
+        Call::Robotran(parameters) => writer.robotran(name, parameters),
+    };
+    let inputs = view.function.input_len();
+    let outputs = view.function.assignments.len();
+    let Writer { storage, fill, .. } = writer;
+    format!(
+        "#define BENCH_LANES {lanes}\n#include \"bench.h\"\n{header}\n\
+         enum {{ STATES = {states}, LANES = {lanes}, INPUTS = {inputs} }};\n{storage}\
+         static void fill(const double *in, int s)\n{{\n    const int g = s / LANES, l = s % LANES;\n    (void)g; (void)l; (void)in;\n{fill}}}\n\
+         static void bench_evaluate(int g)\n{{\n    (void)g;\n{body}}}\n\
+         static void bench_result(int g, int l, double *out)\n{{\n    (void)g;\n    for (int i = 0; i < {outputs}; i++) out[i] = *(output_base[output_list[i][0]] + output_list[i][1] * LANES + l);\n}}\n\
+         int main(int count, char **words)\n{{\n    static double in[INPUTS + 1];\n    FILE *file = fopen(\"inputs.bin\", \"rb\");\n    \
+         if (!file) bench_fail(\"there are no states\");\n    \
+         for (int s = 0; s < STATES; s++) {{\n        if (fread(in, sizeof(double), INPUTS, file) != INPUTS) bench_fail(\"states are missing\");\n        fill(in, s);\n    }}\n    \
+         fclose(file);\n{before}    return bench_run(STATES, {outputs}, words[1], count > 2 ? atof(words[2]) : 100.0);\n}}\n"
+    )
+}
+
+struct Writer<'a> {
+    view: View<'a>,
+    call: &'a Call,
+    lanes: u32,
+    storage: String,
+    fill: String,
+    arguments: Vec<String>,
+    /// Arguments of what prepares shared parameters.
+    shared: Vec<String>,
+}
+
+impl Writer<'_> {
+    fn name(&self, array: &Array) -> &str {
+        self.view.tables.symbols.text(array.name)
+    }
+
+    /// Storage of the inputs, and how a state is put into it.
+    fn inputs(&mut self) {
+        let robotran = matches!(self.call, Call::Robotran(_));
+        if robotran {
+            self.storage += "static MbsData data[STATES];\n";
+        }
+        for (index, array) in self.view.function.inputs().iter().enumerate() {
+            let name = self.name(array).to_owned();
+            let varying = is_varying(&name);
+            let (states, group) = if varying {
+                ("[STATES / LANES]", "[g]")
+            } else {
+                ("[1]", "[0]")
+            };
+            let extent = extent(array.shape);
+            let shared = matches!(self.call, Call::Batch(_, shared) if shared.contains(&name));
+            let lanes = if shared { 1 } else { self.lanes };
+            let _ = writeln!(
+                self.storage,
+                "static double i{index}{states}[{extent} * {lanes}] __attribute__((aligned(64)));"
+            );
+            let offset = array.offset;
+            let element = format!("i{index}{group}");
+            let lane = match (varying, shared) {
+                (true, _) => "1",
+                (false, true) => "s == 0",
+                (false, false) => "s < LANES",
+            };
+            match array.shape {
+                Shape::Scalar => {
+                    let _ = writeln!(self.fill, "    if ({lane}) {element}[l] = in[{offset}];");
+                }
+                Shape::Vector(length) => {
+                    let _ = writeln!(
+                        self.fill,
+                        "    if ({lane}) for (int k = 0; k < {length}; k++) {element}[(k + 1) * {lanes} + l] = in[{offset} + k];"
+                    );
+                }
+                Shape::Matrix(rows, columns) => {
+                    let _ = writeln!(
+                        self.fill,
+                        "    if ({lane}) for (int r = 0; r < {rows}; r++) for (int k = 0; k < {columns}; k++)\n        {element}[((r + 1) * ({columns} + 1) + k + 1) * {lanes} + l] = in[{offset} + r * {columns} + k];"
+                    );
+                }
+            }
+            if robotran {
+                self.field(index, &name, array.shape, &element);
+            } else {
+                let argument = self.argument(&element, array.shape, true);
+                let list = if shared {
+                    &mut self.shared
+                } else {
+                    &mut self.arguments
+                };
+                list.push(argument);
+            }
+        }
+    }
+
+    /// A field of the data structure.
+    fn field(&mut self, index: usize, name: &str, shape: Shape, element: &str) {
+        match shape {
+            Shape::Scalar => {
+                let _ = writeln!(self.fill, "    data[s].{name} = {element}[0];");
+            }
+            Shape::Vector(_) => {
+                let _ = writeln!(self.fill, "    data[s].{name} = {element};");
+            }
+            Shape::Matrix(rows, columns) => {
+                let states = if is_varying(name) { "[STATES]" } else { "[1]" };
+                let state = if is_varying(name) { "[s]" } else { "[0]" };
+                let _ = writeln!(self.storage, "static double *r{index}{states}[{rows} + 1];");
+                let _ = writeln!(
+                    self.fill,
+                    "    for (int r = 0; r <= {rows}; r++) r{index}{state}[r] = {element} + r * ({columns} + 1);\n    data[s].{name} = r{index}{state};"
+                );
+            }
+        }
+    }
+
+    fn argument(&self, element: &str, shape: Shape, input: bool) -> String {
+        let constant = if input { "const " } else { "" };
+        match (self.call, shape, input) {
+            (Call::Plain, Shape::Scalar, true) => format!("{element}[0]"),
+            (Call::Plain, Shape::Matrix(_, columns), _) => {
+                format!("({constant}double (*)[{columns} + 1]){element}")
+            }
+            _ => element.to_owned(),
+        }
+    }
+
+    /// Storage of the outputs, and where each result is found.
+    fn outputs(&mut self) {
+        let function = self.view.function;
+        let mut bases = Vec::new();
+        for (index, array) in function.outputs().iter().enumerate() {
+            let extent = extent(array.shape);
+            let lanes = self.lanes;
+            let _ = writeln!(
+                self.storage,
+                "static double o{index}[{extent} * {lanes}] __attribute__((aligned(64)));"
+            );
+            bases.push(format!("o{index}"));
+            if !matches!(self.call, Call::Robotran(_)) {
+                let argument = self.argument(&format!("o{index}"), array.shape, false);
+                self.arguments.push(argument);
+            }
+        }
+        let _ = writeln!(
+            self.storage,
+            "static double *const output_base[] = {{ {} }};\nstatic const int output_list[][2] = {{",
+            bases.join(", ")
+        );
+        for assignment in &function.assignments {
+            let (array, indices, _) = function.output_element(assignment.output);
+            let place = function
+                .outputs()
+                .partition_point(|known| known.offset <= assignment.output.0)
+                - 1;
+            let offset = match array.shape {
+                Shape::Scalar => 0,
+                Shape::Vector(_) => indices[0],
+                Shape::Matrix(_, columns) => indices[0] * (columns + 1) + indices[1],
+            };
+            let _ = writeln!(self.storage, "    {{ {place}, {offset} }},");
+        }
+        self.storage += "};\n";
+    }
+
+    /// The call of a function as Robotran writes it.
+    fn robotran(&mut self, name: &str, parameters: &[Parameter]) -> String {
+        let function = self.view.function;
+        let mut arguments = Vec::new();
+        let mut rows = String::new();
+        for parameter in parameters {
+            arguments.push(match parameter {
+                Parameter::Data => "&data[g]".to_owned(),
+                Parameter::Scalar(_) => "0.0".to_owned(),
+                Parameter::Output(wanted) => {
+                    let found = function.outputs().iter().zip(0..);
+                    let mut found = found.filter(|(array, _)| self.name(array) == wanted);
+                    match found.next() {
+                        None => "0".to_owned(),
+                        Some((array, index)) => match array.shape {
+                            Shape::Matrix(height, columns) => {
+                                let _ = writeln!(
+                                    rows,
+                                    "    static double *rows{index}[{height} + 1];\n    if (!rows{index}[0]) for (int r = 0; r <= {height}; r++) rows{index}[r] = o{index} + r * ({columns} + 1);"
+                                );
+                                format!("rows{index}")
+                            }
+                            Shape::Scalar | Shape::Vector(_) => format!("o{index}"),
+                        },
+                    }
+                }
+            });
+        }
+        format!("{rows}    {name}({});\n", arguments.join(", "))
+    }
+}
+
+/// The extent of an array that counts from 1.
+fn extent(shape: Shape) -> String {
+    match shape {
+        Shape::Scalar => "1".to_owned(),
+        Shape::Vector(length) => format!("({length} + 1)"),
+        Shape::Matrix(rows, columns) => format!("({rows} + 1) * ({columns} + 1)"),
+    }
+}

@@ -1,0 +1,170 @@
+//! How fast the same function is in the hands of others.
+//!
+//! A bench takes the equations of a function, or the model they come from,
+//! and times in one run: Robotran's file as it is, the C that robovec writes
+//! for it, and, where they are installed, what else a user could call for the
+//! mass matrix and the forces of the same model. Every contestant is a program
+//! of its own that reads states from a file, writes its results to another and
+//! prints its least time; results are compared before times are shown.
+//!
+//! States differ in positions, velocities and accelerations; parameters are
+//! the model's, or drawn once. Contestants run one after the other in rounds,
+//! so that a busy minute of the computer meets all of them. Times are
+//! processor times of the thread: they are measurements and differ from run to
+//! run.
+
+pub mod contestant;
+mod functions;
+mod harness;
+pub mod own;
+pub mod peers;
+pub mod robotran;
+pub mod text;
+mod tools;
+mod tree;
+
+use contestant::{Contestant, Family};
+use functions::{Key, Reference};
+use robovec_ir::View;
+use robovec_ir::states::States;
+use serde::Serialize;
+use std::path::Path;
+pub use tools::Compiler;
+
+use crate::model::Model;
+
+/// What everybody computes, and at which states.
+pub struct Question<'a> {
+    /// The name of the folder of its programs.
+    pub name: String,
+    /// The function as it came: what the results must be.
+    pub view: View<'a>,
+    /// The model, whose parameters are used and which peers need.
+    pub model: Option<&'a Model>,
+    /// Where states come from.
+    pub states: &'a States,
+    /// How many: a multiple of 16.
+    pub count: u32,
+}
+
+/// How one contestant did.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Outcome {
+    /// Its name.
+    pub name: String,
+    /// Where it comes from.
+    pub family: Family,
+    /// Compiler and flags, version of a library.
+    pub remark: String,
+    /// Operations of the program, where that is known.
+    pub operations: Option<usize>,
+    /// States that are computed at once.
+    pub lanes: u32,
+    /// Processor time of compiling the function, s.
+    pub compile_seconds: Option<f64>,
+    /// Size of the compiled function's code, bytes.
+    pub code_bytes: Option<u64>,
+    /// The largest difference from the reference, relative to the largest
+    /// element of the output array in its state.
+    pub difference: Option<f64>,
+    /// Least processor time per state, ns.
+    pub nanoseconds: Option<f64>,
+    /// Why there is no time.
+    pub failure: Option<String>,
+}
+
+/// Told of what happens next.
+pub type Progress<'a> = &'a mut dyn FnMut(&str);
+
+/// Builds all contestants, compares their results, and times them in rounds
+/// of `milliseconds` each. `folder` takes the programs; those that read the
+/// model as data are built there once, whatever the model.
+///
+/// # Errors
+///
+/// When the folder cannot be written.
+pub fn bench(
+    question: &Question<'_>,
+    contestants: &[Contestant],
+    folder: &Path,
+    rounds: u32,
+    milliseconds: u32,
+    progress: Progress<'_>,
+) -> std::io::Result<Vec<Outcome>> {
+    let reference = Reference::new(question);
+    let mut outcomes = Vec::new();
+    let mut programs = Vec::new();
+    for (number, contestant) in contestants.iter().enumerate() {
+        progress(&format!("building {}", contestant.name));
+        let place = match &contestant.shared {
+            Some(name) => folder.join(name),
+            None => folder.join(&question.name).join(format!("{number:02}")),
+        };
+        std::fs::create_dir_all(&place)?;
+        for (name, content) in &contestant.files {
+            std::fs::write(place.join(name), content)?;
+        }
+        let mut outcome = Outcome {
+            name: contestant.name.clone(),
+            family: contestant.family,
+            remark: contestant.remark.clone(),
+            operations: contestant.operations,
+            lanes: contestant.lanes,
+            compile_seconds: None,
+            code_bytes: None,
+            difference: None,
+            nanoseconds: None,
+            failure: contestant.missing.clone(),
+        };
+        if outcome.failure.is_none()
+            && let Err(message) = first_run(contestant, &place, &reference, &mut outcome)
+        {
+            outcome.failure = Some(message);
+        }
+        outcomes.push(outcome);
+        programs.push(place);
+    }
+    for round in 0..rounds {
+        for ((contestant, outcome), place) in contestants.iter().zip(&mut outcomes).zip(&programs) {
+            if outcome.failure.is_some() {
+                continue;
+            }
+            progress(&format!(
+                "round {} of {rounds}: {}",
+                round + 1,
+                contestant.name
+            ));
+            match contestant.run(place, milliseconds) {
+                Ok(time) => {
+                    let least = outcome.nanoseconds.map_or(time, |known| known.min(time));
+                    outcome.nanoseconds = Some(least);
+                }
+                Err(message) => outcome.failure = Some(message),
+            }
+        }
+    }
+    Ok(outcomes)
+}
+
+/// Compiles, runs once and compares.
+fn first_run(
+    contestant: &Contestant,
+    place: &Path,
+    reference: &Reference,
+    outcome: &mut Outcome,
+) -> Result<(), String> {
+    let built = contestant.build(place)?;
+    outcome.compile_seconds = built.seconds;
+    outcome.code_bytes = built.code_bytes;
+    contestant.run(place, 0)?;
+    let results = contestant.results(place, reference.states())?;
+    let (difference, key) = reference.difference(&contestant.outputs, &results)?;
+    outcome.difference = Some(difference);
+    if difference <= contestant.tolerance {
+        return Ok(());
+    }
+    Err(format!(
+        "another result: {} differs by {difference:.1e} of the largest element",
+        key.map_or_else(|| "an output".to_owned(), |key: Key| key.to_string())
+    ))
+}

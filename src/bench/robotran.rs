@@ -1,0 +1,285 @@
+//! Robotran's file as it is.
+//!
+//! The file is compiled unchanged, beside its own header, against a data
+//! structure that has the fields it reads and no others. A file in Matlab or
+//! Python, or the equations of a model, are written as one C function first,
+//! the way Robotran prints them.
+
+use super::Question;
+use super::contestant::{Contestant, Family, RESULTS};
+use super::functions::outputs;
+use super::harness::{self, Call, Parameter};
+use super::own::{self, BENCH_H, input_bytes};
+use super::tools::{Compiler, Step};
+use crate::robotran::Language;
+use crate::robotran::write::{WriteOptions, write};
+use robovec_ir::{Module, View};
+use robovec_passes::codegen::c;
+use std::fmt::Write;
+use std::path::Path;
+
+/// Flags of the comparison.
+pub const FLAGS: &str = "-O3 -march=native";
+
+/// Robotran's C file, with what stands beside it.
+pub fn file(question: &Question<'_>, compiler: &Compiler, path: &Path) -> Contestant {
+    let text = match std::fs::read(path) {
+        Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
+        Err(error) => return missing(question, error.to_string()),
+    };
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let beside = |name: &str| std::fs::read(folder.join(name)).ok();
+    let program = Text {
+        family: Family::Robotran,
+        name: "Robotran's file",
+        view: question.view,
+        flags: FLAGS,
+        text: &text,
+    };
+    program.contestant(question, compiler, &beside)
+}
+
+/// Equations written as one C function, as Robotran prints them.
+pub fn printed(question: &Question<'_>, compiler: &Compiler, module: &Module) -> Contestant {
+    let files = match write(module, Language::C, &WriteOptions::default()) {
+        Ok(files) => files,
+        Err(error) => return missing(question, error.to_string()),
+    };
+    let Some((_, text)) = files.iter().find(|(name, _)| name.ends_with(".c")) else {
+        return missing(question, "there is no C file".to_owned());
+    };
+    let beside = |wanted: &str| {
+        let found = files.iter().find(|(name, _)| name == wanted);
+        found.map(|(_, text)| text.clone().into_bytes())
+    };
+    let program = Text {
+        family: Family::Robotran,
+        name: "as Robotran prints it",
+        view: question.view,
+        flags: FLAGS,
+        text,
+    };
+    program.contestant(question, compiler, &beside)
+}
+
+/// Robovec's C with Robotran's signature, in its place.
+pub fn drop_in(
+    question: &Question<'_>,
+    compiler: &Compiler,
+    family: Family,
+    name: &str,
+    view: View<'_>,
+) -> Contestant {
+    let [(_, text), (header, declaration)] = match c::files(view, &c::Options::default()) {
+        Ok(files) => files,
+        Err(error) => return own::missing(family, name, view, error.to_string()),
+    };
+    let program = Text {
+        family,
+        name,
+        view,
+        flags: FLAGS,
+        text: &text,
+    };
+    let beside = |wanted: &str| (wanted == header).then(|| declaration.clone().into_bytes());
+    program.contestant(question, compiler, &beside)
+}
+
+/// Robotran's file that cannot take part, and why.
+pub fn missing(question: &Question<'_>, message: String) -> Contestant {
+    Contestant {
+        name: "Robotran's file".to_owned(),
+        family: Family::Robotran,
+        remark: String::new(),
+        operations: None,
+        lanes: 1,
+        files: Vec::new(),
+        steps: Vec::new(),
+        arguments: Vec::new(),
+        outputs: outputs(question.view),
+        tolerance: 1e-12,
+        missing: Some(message),
+        shared: None,
+    }
+}
+
+/// A C file with a signature of Robotran's.
+struct Text<'a> {
+    family: Family,
+    name: &'a str,
+    /// The function it computes.
+    view: View<'a>,
+    flags: &'a str,
+    text: &'a str,
+}
+
+impl Text<'_> {
+    fn contestant(
+        &self,
+        question: &Question<'_>,
+        compiler: &Compiler,
+        beside: &dyn Fn(&str) -> Option<Vec<u8>>,
+    ) -> Contestant {
+        let Text {
+            family,
+            name,
+            view,
+            flags,
+            text,
+        } = *self;
+        let Some((function, declaration, parameters)) = signature(text) else {
+            return missing(
+                question,
+                "its signature is not one of Robotran's functions".to_owned(),
+            );
+        };
+        let mut files = vec![
+            ("function.c".to_owned(), text.as_bytes().to_vec()),
+            ("bench.h".to_owned(), BENCH_H.as_bytes().to_vec()),
+            ("inputs.bin".to_owned(), input_bytes(question, view)),
+        ];
+        let mut data = None;
+        for header in included(text) {
+            let own = beside(&header);
+            let is_data = header.to_ascii_lowercase().contains("data");
+            let content = match own {
+                Some(content) if !is_data => content,
+                _ if is_data && data.is_none() => {
+                    data = Some(header.clone());
+                    harness::data_header(view).into_bytes()
+                }
+                _ if header.contains(&function) || header.contains("dirdyna") => temporaries(view),
+                _ => Vec::new(),
+            };
+            files.push((header, content));
+        }
+        let Some(data) = data else {
+            return missing(question, "it includes no header of data".to_owned());
+        };
+        let header = format!("#include \"{data}\"\n{declaration};");
+        let call = Call::Robotran(parameters);
+        let main = harness::main(view, &call, &header, &function, question.count);
+        files.push(("main.c".to_owned(), main.into_bytes()));
+        let command = &compiler.command;
+        Contestant {
+            name: name.to_owned(),
+            family,
+            remark: format!("{command} {flags}"),
+            operations: Some(own::operations(view)),
+            lanes: 1,
+            files,
+            steps: vec![
+                Step::new(command, flags)
+                    .with("-w")
+                    .with("-c")
+                    .with("function.c")
+                    .function("function.o"),
+                Step::new(command, "-O2 -o program main.c function.o -lm"),
+            ],
+            arguments: vec![RESULTS.to_owned()],
+            outputs: outputs(view),
+            tolerance: 1e-12,
+            missing: None,
+            shared: None,
+        }
+    }
+}
+
+/// The headers that a file includes in quotes.
+fn included(text: &str) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for line in text.lines() {
+        let rest = line.trim_start().strip_prefix("#include");
+        let Some(rest) = rest.and_then(|rest| rest.trim_start().strip_prefix('"')) else {
+            continue;
+        };
+        if let Some((name, _)) = rest.split_once('"')
+            && !name.contains(['/', '\\'])
+            && !names.iter().any(|known| known == name)
+        {
+            names.push(name.to_owned());
+        }
+    }
+    names
+}
+
+/// A header that declares every named value.
+fn temporaries(view: View<'_>) -> Vec<u8> {
+    let mut text = String::new();
+    for (_, node) in view.function.values() {
+        if !node.name.is_none() {
+            let name = node.name.display(&view.tables.symbols);
+            let _ = writeln!(text, "double {};", name.replace('.', "_"));
+        }
+    }
+    text.into_bytes()
+}
+
+/// Name, declaration and parameters of the first function of a file that is
+/// one of Robotran's: that takes the data structure, and is not for the file
+/// alone.
+fn signature(text: &str) -> Option<(String, String, Vec<Parameter>)> {
+    let code: String = text
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or_default())
+        .collect::<Vec<_>>()
+        .join("\n");
+    let places = code.match_indices("void").map(|(place, _)| place);
+    places
+        .filter(|&place| matches!(code[..place].chars().next_back(), None | Some('\n')))
+        .find_map(|place| declaration(&code[place..]))
+}
+
+/// The declaration a text begins with.
+fn declaration(text: &str) -> Option<(String, String, Vec<Parameter>)> {
+    let open = text.find('(')?;
+    let close = text.find(')')?;
+    let name = text["void".len()..open.max(4)].trim().to_owned();
+    if open > close || name.is_empty() || name.contains(char::is_whitespace) {
+        return None;
+    }
+    let mut parameters = Vec::new();
+    for parameter in text[open + 1..close].split(',') {
+        let stars = parameter.matches('*').count();
+        let words: Vec<&str> = parameter
+            .split(|character: char| character == '*' || character.is_whitespace())
+            .filter(|word| !word.is_empty() && *word != "restrict")
+            .collect();
+        parameters.push(match (words.as_slice(), stars) {
+            (["MbsData" | "MBSdataStruct", _], 1) => Parameter::Data,
+            (["double", name], 0) => Parameter::Scalar((*name).to_owned()),
+            (["double", name], 1 | 2) => Parameter::Output((*name).to_owned()),
+            _ => return None,
+        });
+    }
+    let declaration = text[..=close].to_owned();
+    let is_robotrans = parameters.contains(&Parameter::Data);
+    is_robotrans.then_some((name, declaration, parameters))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signatures_of_both_generators_are_understood() {
+        let text = "// void no(void)\nstatic void part(double *work)\n{}\n#include <math.h>\n#include \"MBSdataStructR7.h\"\nvoid dirdyna(double **M,double *c,\nMBSdataStruct *s, double tsim)\n\n// double M[3][3];\n{ ";
+        let (name, declaration, parameters) =
+            signature(text).expect("it is a signature of Robotran's");
+        assert_eq!(name, "dirdyna");
+        assert!(declaration.starts_with("void dirdyna(double **M,"));
+        let output = |name: &str| Parameter::Output(name.to_owned());
+        let time = Parameter::Scalar("tsim".to_owned());
+        assert_eq!(
+            parameters,
+            [output("M"), output("c"), Parameter::Data, time]
+        );
+        assert_eq!(included(text), ["MBSdataStructR7.h"]);
+    }
+
+    #[test]
+    fn other_functions_are_refused() {
+        assert_eq!(signature("void user(int n, MbsData *s) {"), None);
+        assert_eq!(signature("nothing"), None);
+    }
+}

@@ -1,0 +1,67 @@
+//! The table of a bench.
+
+use super::Outcome;
+use super::contestant::Family;
+use std::fmt::Write;
+
+/// The outcomes as an aligned table, the fastest of a group last.
+///
+/// The ratio is against Robotran's file, or the first contestant that ran.
+pub fn text(title: &str, outcomes: &[Outcome]) -> String {
+    let base = outcomes.iter().find_map(|outcome| outcome.nanoseconds);
+    let width = outcomes.iter().map(|outcome| outcome.name.chars().count());
+    let width = width.max().unwrap_or(0).max(12);
+    let remark = outcomes
+        .iter()
+        .map(|outcome| outcome.remark.chars().count());
+    let remark = remark.max().unwrap_or(0);
+    let mut text = format!("{title}\n");
+    let _ = writeln!(
+        text,
+        "  {:width$}  {:>10}  {:>7}  {:>10}  {:>9}  {:>9}  {:>10}",
+        "", "ns/state", "faster", "operations", "compile s", "code kB", "difference"
+    );
+    let line = "─".repeat(2 + width + 67 + 2 + remark);
+    let _ = writeln!(text, "  {}", &line[..line.len() - 3 * 2]);
+    let mut family = None;
+    for outcome in outcomes {
+        if family != Some(outcome.family) {
+            family = Some(outcome.family);
+            let _ = writeln!(text, "  {}", heading(outcome.family));
+        }
+        let name = &outcome.name;
+        if let Some(failure) = &outcome.failure {
+            let _ = writeln!(text, "    {name:width$}  {failure}");
+            continue;
+        }
+        let number = |number: Option<f64>, decimals: usize| {
+            number.map_or("-".to_owned(), |number| format!("{number:.decimals$}"))
+        };
+        let ratio = base.zip(outcome.nanoseconds).map(|(base, own)| base / own);
+        let _ = writeln!(
+            text,
+            "    {name:width$}{:>10}  {:>7}  {:>10}  {:>9}  {:>9}  {:>10}  {}",
+            number(outcome.nanoseconds, 1),
+            number(ratio, 2),
+            outcome
+                .operations
+                .map_or("-".to_owned(), |count| count.to_string()),
+            number(outcome.compile_seconds, 2),
+            number(outcome.code_bytes.map(|bytes| bytes as f64 * 1e-3), 1),
+            outcome
+                .difference
+                .map_or("-".to_owned(), |number| format!("{number:.1e}")),
+            outcome.remark
+        );
+    }
+    text
+}
+
+fn heading(family: Family) -> &'static str {
+    match family {
+        Family::Robotran => "Robotran",
+        Family::Equations => "robovec, from the equations",
+        Family::Model => "robovec, from the model",
+        Family::Peer => "others, from the model",
+    }
+}

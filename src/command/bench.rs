@@ -1,0 +1,263 @@
+//! `robovec bench`: how fast the same function is in the hands of others.
+
+use super::{Failure, generation, input, output, subjects};
+use crate::bench::contestant::{Contestant, Family};
+use crate::bench::{self, Compiler, Question, own, peers, robotran, text};
+use crate::generate::{Formulation, FunctionKind, Options};
+use crate::model::Model;
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use robovec_ir::states::States;
+use robovec_ir::{Module, View};
+use std::path::{Path, PathBuf};
+
+/// Times Robotran's file, robovec's C and other libraries on this computer, results compared first
+#[derive(Args, Debug)]
+pub(super) struct BenchArguments {
+    /// Files of equations, models (.mbs) or built-in models (serial-23, bogie)
+    #[arg(required = true)]
+    subjects: Vec<String>,
+    /// Model (.mbs) that a file of equations comes from
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// C compilers
+    #[arg(long, value_delimiter = ',', default_value = "gcc")]
+    compilers: Vec<String>,
+    /// What others offer that takes part, where it is installed; 'none' for nothing
+    #[arg(long, value_delimiter = ',', default_value = "loop,pinocchio,mujoco,casadi",
+          value_parser = PossibleValuesParser::new(["none"].into_iter().chain(peers::NAMES)))]
+    peers: Vec<String>,
+    /// Operations up to which a function is compiled in one piece, as Robotran's is
+    #[arg(long, default_value_t = 60_000, value_name = "OPERATIONS")]
+    largest: usize,
+    /// Random states
+    #[arg(long, default_value_t = 16,
+          value_parser = clap::value_parser!(u32).range(16..=1024))]
+    states: u32,
+    /// Seed of the states
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Rounds in which everybody runs once
+    #[arg(long, default_value_t = 5,
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    rounds: u32,
+    /// Time of everybody in a round, ms
+    #[arg(long, default_value_t = 200,
+          value_parser = clap::value_parser!(u32).range(1..=60_000))]
+    milliseconds: u32,
+    /// Folder that keeps the programs, and bench.json
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &BenchArguments) -> Result<String, Failure> {
+    let temporary = tempfile::tempdir()
+        .map_err(|error| Failure::plain(format!("no temporary folder: {error}")))?;
+    let folder = arguments.output.as_deref().unwrap_or(temporary.path());
+    let bar = super::fit::progress_bar();
+    let mut text = String::new();
+    let mut results = Vec::new();
+    for subject in &arguments.subjects {
+        let loaded = load(subject, arguments)?;
+        let view = loaded.view();
+        let states = States::new(arguments.seed);
+        let question = Question {
+            name: loaded.name.clone(),
+            view,
+            model: loaded.model.as_ref(),
+            states: &states,
+            count: arguments.states.next_multiple_of(16),
+        };
+        let contestants = contestants(&question, &loaded, arguments)?;
+        let outcomes = bench::bench(
+            &question,
+            &contestants,
+            folder,
+            arguments.rounds,
+            arguments.milliseconds,
+            &mut |what| bar.set_message(format!("{}: {what}", loaded.name)),
+        )
+        .map_err(|error| Failure::plain(format!("{}: {error}", folder.display())))?;
+        text += &text::text(&loaded.name, &outcomes);
+        text.push('\n');
+        results.push((loaded.name, outcomes));
+    }
+    bar.finish_and_clear();
+    if let Some(folder) = &arguments.output {
+        let path = folder.join("bench.json");
+        output::write_file(&path, |writer| {
+            serde_json::to_writer_pretty(&mut *writer, &results).map_err(std::io::Error::other)
+        })?;
+    }
+    Ok(text)
+}
+
+/// What a subject is.
+struct Loaded {
+    name: String,
+    /// The file of equations; a model has none.
+    file: Option<PathBuf>,
+    module: Module,
+    model: Option<Model>,
+}
+
+impl Loaded {
+    fn view(&self) -> View<'_> {
+        View {
+            tables: &self.module.tables,
+            function: &self.module.functions[0],
+        }
+    }
+}
+
+fn load(subject: &str, arguments: &BenchArguments) -> Result<Loaded, Failure> {
+    let path = Path::new(subject);
+    let is_model = path.extension().is_some_and(|extension| extension == "mbs");
+    let model = match subjects::built_in(subject) {
+        Some(model) => Some(model),
+        None if is_model => Some(input::model(path)?.model),
+        None => None,
+    };
+    let stem = path.file_stem().unwrap_or(path.as_os_str());
+    let name = stem.to_string_lossy().into_owned();
+    if let Some(model) = model {
+        let options = Options::default();
+        let kinds = [FunctionKind::Dirdyna];
+        let module = generation::functions(&model, &kinds, Formulation::default(), &options)?;
+        return Ok(Loaded {
+            name,
+            file: None,
+            module,
+            model: Some(model),
+        });
+    }
+    let mut module = input::equations(path, None)?.module;
+    if module.functions.len() != 1 {
+        super::opt::select(&mut module, "dirdyna")?;
+    }
+    let model = match &arguments.model {
+        Some(path) => Some(input::model(path)?.model),
+        None => None,
+    };
+    Ok(Loaded {
+        name,
+        file: Some(path.to_owned()),
+        module,
+        model,
+    })
+}
+
+/// Everybody who takes part.
+fn contestants(
+    question: &Question<'_>,
+    loaded: &Loaded,
+    arguments: &BenchArguments,
+) -> Result<Vec<Contestant>, Failure> {
+    let mut list = Vec::new();
+    let found: Vec<Compiler> = arguments
+        .compilers
+        .iter()
+        .filter_map(|command| Compiler::find(command))
+        .collect();
+    if found.is_empty() {
+        return Err(Failure::plain(format!(
+            "none of the compilers is installed: {}",
+            arguments.compilers.join(", ")
+        )));
+    }
+    for compiler in &found {
+        let c_file = loaded.file.as_ref();
+        let c_file = c_file.filter(|path| path.extension().is_some_and(|name| name == "c"));
+        let operations = own::operations(question.view);
+        list.push(match c_file {
+            _ if operations > arguments.largest => robotran::missing(
+                question,
+                format!(
+                    "one function of {operations} operations, which compilers need hours for \
+                     (--largest)"
+                ),
+            ),
+            Some(path) => robotran::file(question, compiler, path),
+            None => robotran::printed(question, compiler, &loaded.module),
+        });
+    }
+    let equations = Program {
+        family: Family::Equations,
+        name: String::new(),
+        module: loaded.module.clone(),
+        passes: EQUATIONS,
+    };
+    equations.enter(question, &found, &mut list)?;
+    let Some(model) = &loaded.model else {
+        return Ok(list);
+    };
+    let options = Options {
+        external_forces: false,
+        ..Options::default()
+    };
+    for name in ["composite", "composite-base"] {
+        let formulation = Formulation::from_name(name).unwrap_or_default();
+        let kinds = [FunctionKind::Dirdyna];
+        let program = Program {
+            family: Family::Model,
+            name: format!("{name}, "),
+            module: generation::functions(model, &kinds, formulation, &options)?,
+            passes: MODEL,
+        };
+        program.enter(question, &found, &mut list)?;
+    }
+    list.extend(peers::peers(question, model, &arguments.peers));
+    Ok(list)
+}
+
+/// Equations that robovec writes as C in several ways.
+struct Program {
+    family: Family,
+    /// What stands before the name of the way.
+    name: String,
+    module: Module,
+    /// What straight-line code goes through; loops are found in the equations
+    /// as they are.
+    passes: &'static str,
+}
+
+impl Program {
+    fn enter(
+        &self,
+        question: &Question<'_>,
+        compilers: &[Compiler],
+        list: &mut Vec<Contestant>,
+    ) -> Result<(), Failure> {
+        let shorter = transformed(&self.module, self.passes)?;
+        let ways: [(&str, own::Way, &Module); 4] = [
+            ("drop-in", robotran::drop_in, &shorter),
+            ("straight-line", own::straight, &shorter),
+            ("rolled", own::rolled, &self.module),
+            ("batch", own::batch, &shorter),
+        ];
+        for compiler in compilers {
+            for (way, contestant, module) in ways {
+                let view = View {
+                    tables: &module.tables,
+                    function: &module.functions[0],
+                };
+                let name = format!("{}{way}", self.name);
+                list.push(contestant(question, compiler, self.family, &name, view));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// From the equations alone.
+const EQUATIONS: &str = "$cpu";
+/// From the model.
+const MODEL: &str = "$cpu";
+
+fn transformed(module: &Module, passes: &str) -> Result<Module, Failure> {
+    let pipeline = input::passes(passes)?;
+    let mut module = module.clone();
+    generation::transform(&mut module, &pipeline)?;
+    Ok(module)
+}

@@ -1,0 +1,344 @@
+//! `robovec rtl`: hardware for a placed program, and programs for hardware.
+
+use super::opt::select;
+use super::rtl_bench::{self, BenchArguments};
+use super::{Failure, input, output};
+use clap::{Args, ValueEnum};
+use robovec_ir::diagnostic::termcolor::ColorChoice;
+use robovec_ir::{Function, Machine, Module, View};
+use robovec_passes::analysis::hardware::Shape;
+use robovec_passes::codegen::Artifacts;
+use robovec_passes::codegen::quartus;
+use robovec_passes::codegen::rtl::{
+    self, Crossbar, CrossbarChoice, DESCRIPTION, Fit, Hardware, RtlError,
+};
+use robovec_passes::manager::{self, Config};
+use std::fmt::Write as _;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Write hardware in Verilog and the images it runs, or tell whether a program fits hardware
+#[derive(Args, Debug)]
+pub(super) struct RtlArguments {
+    /// Placed program (.rvir), or equations with '--passes'
+    input: PathBuf,
+    /// Machine to build: a name or a .toml file; by default the one the program is placed on
+    #[arg(long)]
+    machine: Option<String>,
+    /// Folder for the hardware (rtl/) and the images (img/)
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// How much of the crossbar is built
+    #[arg(long, value_enum, default_value_t = Extent::Full)]
+    crossbar: Extent,
+    /// Only this function of the input
+    #[arg(long, value_name = "NAME")]
+    function: Option<String>,
+    /// Passes to run before, as in robovec-opt; the last one is 'place'
+    #[arg(long, value_name = "PIPELINE")]
+    passes: Option<String>,
+    /// Hardware that is there (its folder, or its machine.json): tell whether the program fits,
+    /// and with '-o' write its images only
+    #[arg(long, value_name = "HARDWARE", conflicts_with_all = ["machine", "crossbar"])]
+    fits: Option<PathBuf>,
+    #[command(flatten)]
+    bench: BenchArguments,
+    /// Map the hardware to a Cyclone V with yosys: what it takes beside the formulas and the
+    /// thesis, and how fast it is
+    #[arg(long, conflicts_with = "fits")]
+    synthesise: bool,
+}
+
+/// How much of the crossbar is built.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+enum Extent {
+    /// Every pair of source and write port: any program fits
+    Full,
+    /// The pairs that the program uses
+    Pruned,
+}
+
+/// Runs the command: the text for the standard output.
+pub(super) fn run(arguments: &RtlArguments) -> Result<String, Failure> {
+    match &arguments.fits {
+        Some(path) => fits(arguments, &hardware(path)?),
+        None => build(arguments),
+    }
+}
+
+fn build(arguments: &RtlArguments) -> Result<String, Failure> {
+    let Some(folder) = &arguments.output else {
+        return Err(Failure::plain("name a folder for the hardware: -o FOLDER"));
+    };
+    let asked = arguments.machine.as_deref();
+    let (module, machine) = program(arguments, asked.map(input::machine).transpose()?)?;
+    let function = only_function(&module)?;
+    let view = View {
+        tables: &module.tables,
+        function,
+    };
+    let choice = match arguments.crossbar {
+        Extent::Full => CrossbarChoice::Full,
+        Extent::Pruned => CrossbarChoice::Pruned,
+    };
+    let mut files = Files::default();
+    let hardware =
+        rtl::write_rtl(view, &machine, choice, &mut files).map_err(|error| failure(&error))?;
+    let shape = Shape::built(&hardware);
+    files.add_project(&hardware, &shape)?;
+    let benches = rtl_bench::benches(&arguments.bench, view, &machine, &files.0)?;
+    files.0.extend(benches);
+    files.write(folder)?;
+    let mut text = summary(&hardware, function, folder);
+    text += "quartus/ has a project for the DE10-Nano; Quartus has not been run on it\n";
+    text += &rtl_bench::checked(&arguments.bench, folder, folder)?;
+    if arguments.synthesise {
+        text += &super::synthesise::machine(&shape, &files.verilog())?;
+    }
+    Ok(text)
+}
+
+fn fits(arguments: &RtlArguments, hardware: &Hardware) -> Result<String, Failure> {
+    let (module, _) = program(arguments, Some(hardware.machine.clone()))?;
+    let function = only_function(&module)?;
+    let view = View {
+        tables: &module.tables,
+        function,
+    };
+    let fit = rtl::fits(view, hardware).map_err(|error| failure(&error))?;
+    if !fit.reasons.is_empty() {
+        return Err(Failure::advised(
+            format!(
+                "'{}' does not fit the hardware with hash {}",
+                function.name,
+                hardware.hash()
+            ),
+            notes(&fit),
+        ));
+    }
+    let mut text = format!(
+        "'{}' fits the hardware with hash {}\n",
+        function.name,
+        hardware.hash()
+    );
+    for demand in &fit.demands {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "  {demand}");
+    }
+    if let Some(folder) = &arguments.output {
+        let mut files = Files::default();
+        rtl::write_program(view, hardware, &mut files).map_err(|error| failure(&error))?;
+        let machine = &hardware.machine;
+        let benches = rtl_bench::benches(&arguments.bench, view, machine, &files.0)?;
+        files.0.extend(benches);
+        files.write(folder)?;
+        let _ = writeln!(text, "its images are in {}", folder.join("img").display());
+        if let Some(there) = &arguments.fits {
+            text += &rtl_bench::checked(&arguments.bench, folder, there)?;
+        }
+    }
+    Ok(text)
+}
+
+/// Why a program does not fit, and what it would take.
+fn notes(fit: &Fit) -> Vec<String> {
+    let mut notes = fit.reasons.clone();
+    notes.push("hardware built for this program takes 'robovec rtl' without '--fits'".to_owned());
+    notes
+}
+
+/// Reads the description of hardware.
+fn hardware(path: &Path) -> Result<Hardware, Failure> {
+    let candidates = [path.join("rtl").join(DESCRIPTION), path.join(DESCRIPTION)];
+    let found = candidates.into_iter().find(|file| file.is_file());
+    let file = found.unwrap_or_else(|| path.to_owned());
+    let text = input::text(&file)?;
+    Hardware::parse(&text).map_err(|error| {
+        let notes = vec![format!(
+            "'robovec rtl' writes one: FOLDER/rtl/{DESCRIPTION}"
+        )];
+        Failure::advised(format!("{}: {error}", file.display()), notes)
+    })
+}
+
+/// The program and the machine it is placed on.
+fn program(
+    arguments: &RtlArguments,
+    machine: Option<Machine>,
+) -> Result<(Module, Machine), Failure> {
+    let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
+    let function = arguments.function.as_deref();
+    let input = input::equations_or_model(&arguments.input, None, function)?;
+    input
+        .warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
+    let mut module = input.module;
+    if let Some(name) = function {
+        select(&mut module, name)?;
+    }
+    let machine = match machine {
+        Some(machine) => machine,
+        None => own_machine(&module)?,
+    };
+    if arguments.passes.is_some() {
+        let mut log = io::stderr().lock();
+        manager::run(&mut module, &pipeline, Config::new(&machine, &mut log))
+            .map_err(|error| Failure::plain(error.to_string()))?;
+    }
+    Ok((module, machine))
+}
+
+/// The machine that a placed program names; that of the thesis for one that
+/// is not placed yet.
+fn own_machine(module: &Module) -> Result<Machine, Failure> {
+    let schedules = module.functions.iter().filter_map(|f| f.schedule.as_ref());
+    let mut names: Vec<&str> = schedules
+        .map(|schedule| schedule.machine.as_str())
+        .collect();
+    names.dedup();
+    match names[..] {
+        [] => input::machine("thesis"),
+        [name] => Machine::built_in(name).ok_or_else(|| {
+            Failure::advised(
+                format!("the program is placed on '{name}', a machine that does not ship"),
+                vec!["name its file: --machine FILE.toml".to_owned()],
+            )
+        }),
+        _ => Err(Failure::advised(
+            "the functions are placed on different machines",
+            vec!["choose one of them: --function NAME".to_owned()],
+        )),
+    }
+}
+
+fn only_function(module: &Module) -> Result<&Function, Failure> {
+    match &module.functions[..] {
+        [function] => Ok(function),
+        functions => {
+            let names: Vec<&str> = functions.iter().map(|f| f.name.as_str()).collect();
+            Err(Failure::advised(
+                format!(
+                    "hardware is built for one function, and there are {}",
+                    functions.len()
+                ),
+                vec![
+                    format!("functions: {}", names.join(", ")),
+                    "choose one with '--function'; '--fits' tells of the others".to_owned(),
+                ],
+            ))
+        }
+    }
+}
+
+fn failure(error: &RtlError) -> Failure {
+    let notes = match error {
+        RtlError::Misfit { reasons, function } => {
+            let message = format!("'{function}' does not fit");
+            return Failure::advised(message, reasons.clone());
+        }
+        other => rtl::advice(other).map(str::to_owned).into_iter().collect(),
+    };
+    Failure::advised(error.to_string(), notes)
+}
+
+/// Files that are written when all of them are there.
+#[derive(Default)]
+struct Files(Vec<(String, String)>);
+
+impl Artifacts for Files {
+    fn file(
+        &mut self,
+        name: &str,
+        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        self.0.file(name, content)
+    }
+}
+
+impl Files {
+    /// The Verilog files of the machine: name and text.
+    fn verilog(&self) -> Vec<(String, String)> {
+        let files = self.0.iter();
+        files
+            .filter_map(|(name, text)| Some((name.strip_prefix("rtl/")?.to_owned(), text.clone())))
+            .filter(|(name, _)| name.ends_with(".v"))
+            .collect()
+    }
+
+    /// Adds the project for Quartus.
+    fn add_project(&mut self, hardware: &Hardware, shape: &Shape) -> Result<(), Failure> {
+        let in_folder = |folder: &str, ending: &str| -> Vec<String> {
+            let names = self
+                .0
+                .iter()
+                .filter_map(|(name, _)| name.strip_prefix(folder));
+            names
+                .filter(|name| name.ends_with(ending))
+                .map(str::to_owned)
+                .collect()
+        };
+        let (sources, images) = (in_folder("rtl/", ".v"), in_folder("img/", ".mif"));
+        let manifest = self
+            .0
+            .iter()
+            .find(|(name, _)| name.ends_with(".manifest.json"));
+        let manifest = manifest.map_or("", |(_, text)| text);
+        let manifest = serde_json::from_str(manifest)
+            .map_err(|error| Failure::plain(format!("the manifest cannot be read: {error}")))?;
+        let project = quartus::project(&hardware.machine, shape, &manifest, &sources, &images);
+        let project = project.into_iter();
+        self.0
+            .extend(project.map(|(name, text)| (format!("quartus/{name}"), text)));
+        Ok(())
+    }
+
+    fn write(&self, folder: &Path) -> Result<(), Failure> {
+        for (name, text) in &self.0 {
+            let path = folder.join(name);
+            if let Some(parent) = path.parent() {
+                output::make_folder(parent)?;
+            }
+            output::write_file(&path, |writer| writer.write_all(text.as_bytes()))?;
+        }
+        Ok(())
+    }
+}
+
+fn summary(hardware: &Hardware, function: &Function, folder: &Path) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let groups: Vec<String> = (hardware.elements.iter())
+        .map(|group| format!("{} {}", group.count, group.kind))
+        .collect();
+    let clocks = match hardware.phases() {
+        1 => "1 clock".to_owned(),
+        count => format!("{count} clocks"),
+    };
+    let _ = writeln!(
+        text,
+        "{}: elements {}, {clocks} per cycle, {}",
+        hardware.machine.name,
+        groups.join(" + "),
+        hardware.machine.number
+    );
+    let _ = writeln!(
+        text,
+        "  memories: {} instructions, {} operand words per memory",
+        hardware.instruction_words, hardware.words
+    );
+    let (built, all) = hardware.crossbar_pairs();
+    let kind = match hardware.crossbar {
+        Crossbar::Full => "full",
+        Crossbar::Pruned(_) => "pruned",
+    };
+    let _ = writeln!(text, "  crossbar: {kind}, {built} of {all} pairs");
+    let _ = writeln!(text, "  machine hash {}", hardware.hash());
+    let cycles = function
+        .schedule
+        .as_ref()
+        .map_or(0, |schedule| schedule.cycles);
+    let _ = writeln!(text, "{}: {cycles} cycles", function.name);
+    let _ = writeln!(text, "written to {}", folder.display());
+    text
+}

@@ -1,0 +1,168 @@
+//! `robovec rtl`: the benches beside the hardware, and `--check`.
+
+use super::Failure;
+use crate::rtl::{CheckFailure, Checked, Door, Tool, bench_files, check};
+use clap::{Args, ValueEnum};
+use robovec_ir::states::States;
+use robovec_ir::{Machine, View};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// What the benches run, and with what.
+#[derive(Args, Debug)]
+pub(super) struct BenchArguments {
+    /// Build the benches and run them with this simulator
+    #[arg(long, value_enum, value_name = "TOOL")]
+    check: Option<Simulator>,
+    /// Ways into the machine that are checked; by default all that the simulator can take
+    #[arg(long, value_enum, value_name = "WAYS", value_delimiter = ',')]
+    through: Vec<Way>,
+    /// States the benches run the program on, one after the other
+    #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    runs: u32,
+    /// Seed of the random states
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    seed: u64,
+    /// The first state: one number per input element, in order of declaration
+    #[arg(
+        long,
+        value_name = "NUMBERS",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    inputs: Vec<f64>,
+}
+
+/// A simulator of hardware.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+enum Simulator {
+    /// Icarus Verilog, with the bench in plain Verilog
+    Iverilog,
+    /// Verilator, with the bench in C++
+    Verilator,
+    /// Verilator, with the bench in plain Verilog
+    VerilogVerilator,
+}
+
+/// A way into the machine.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+enum Way {
+    /// The machine's own host bus
+    Bus,
+    /// Avalon-MM
+    Avalon,
+    /// AXI4-Lite
+    Axi4lite,
+    /// The host bus, the images being there from configuration on (iverilog)
+    Configured,
+}
+
+impl From<Way> for Door {
+    fn from(way: Way) -> Door {
+        match way {
+            Way::Bus => Door::Bus,
+            Way::Avalon => Door::Avalon,
+            Way::Axi4lite => Door::Axi4Lite,
+            Way::Configured => Door::Configured,
+        }
+    }
+}
+
+impl From<Simulator> for Tool {
+    fn from(simulator: Simulator) -> Tool {
+        match simulator {
+            Simulator::Iverilog => Tool::Icarus,
+            Simulator::Verilator => Tool::Verilator,
+            Simulator::VerilogVerilator => Tool::VerilatorVerilog,
+        }
+    }
+}
+
+/// The files of `tb/` for the images of a program, each with its folder.
+pub(super) fn benches(
+    arguments: &BenchArguments,
+    view: View<'_>,
+    machine: &Machine,
+    files: &[(String, String)],
+) -> Result<Vec<(String, String)>, Failure> {
+    let images: Vec<(String, String)> = files
+        .iter()
+        .filter(|(name, _)| name.starts_with("img/"))
+        .cloned()
+        .collect();
+    let states = States::new(arguments.seed);
+    let mut inputs: Vec<Vec<f64>> = (0..arguments.runs)
+        .map(|index| states.draw(view, index))
+        .collect();
+    if !arguments.inputs.is_empty() {
+        inputs[0].clone_from(&arguments.inputs);
+    }
+    let benches = bench_files(view, machine, &images, &inputs);
+    let benches = benches.map_err(|error| {
+        Failure::plain(format!("no bench for '{}': {error}", view.function.name))
+    })?;
+    Ok(benches
+        .into_iter()
+        .map(|(name, text)| (format!("tb/{name}"), text))
+        .collect())
+}
+
+/// Runs the benches of a folder when that was asked for: what they say.
+///
+/// The hardware is in `rtl/` of the folder `hardware`, or is that folder.
+pub(super) fn checked(
+    arguments: &BenchArguments,
+    folder: &Path,
+    hardware: &Path,
+) -> Result<String, Failure> {
+    let Some(simulator) = arguments.check else {
+        return Ok(String::new());
+    };
+    // What '--fits' names may also be the description among the files.
+    let below = hardware.join("rtl");
+    let rtl = match (below.is_dir(), hardware.is_dir()) {
+        (true, _) => below,
+        (false, true) => hardware.to_owned(),
+        (false, false) => hardware.parent().unwrap_or(hardware).to_owned(),
+    };
+    let tool = Tool::from(simulator);
+    let mut doors: Vec<Door> = arguments.through.iter().map(|&way| way.into()).collect();
+    if doors.is_empty() {
+        doors = tool.doors().to_vec();
+    }
+    if let Some(door) = doors.iter().find(|door| !tool.doors().contains(door)) {
+        return Err(Failure::advised(
+            format!("this simulator has no bench through '{}'", door.name()),
+            vec!["'--check iverilog' has".to_owned()],
+        ));
+    }
+    let Checked { verdicts, time } =
+        check(&folder.join("tb"), &rtl, tool, &doors).map_err(|error| failure(&error))?;
+    let mut text = String::new();
+    for verdict in verdicts {
+        // Writing to a string cannot fail, here and below.
+        let _ = writeln!(text, "{verdict}");
+    }
+    let _ = writeln!(text, "checked in {:.1} s", time.as_secs_f64());
+    Ok(text)
+}
+
+fn failure(error: &CheckFailure) -> Failure {
+    let notes = match error {
+        CheckFailure::Missing(program) => vec![format!(
+            "install it (Debian: apt install {}), or leave out '--check' and run the benches \
+             elsewhere",
+            if *program == "vvp" {
+                "iverilog"
+            } else {
+                program
+            }
+        )],
+        CheckFailure::Mismatch(_) => vec![
+            "the first mismatch counts, the others may be its consequences".to_owned(),
+            "the files are kept: run the benches again with the scripts in tb/".to_owned(),
+        ],
+        CheckFailure::Start(..) | CheckFailure::Build(_) => Vec::new(),
+    };
+    Failure::advised(error.to_string(), notes)
+}

@@ -1,0 +1,191 @@
+//! `robovec sweep`: resources against time.
+
+use super::front::programs;
+use super::{Failure, output};
+use crate::study::couples::couples;
+use crate::study::plot;
+use crate::sweep::design::{Space, interconnect_names};
+use crate::sweep::{Sweep, page, sweep, text};
+use clap::{Args, ValueEnum};
+use robovec_ir::machine::{Interconnect, MemoryStyle};
+use robovec_ir::{Machine, Module};
+use robovec_passes::manager::{self, Config};
+use robovec_passes::pipeline;
+use std::path::{Path, PathBuf};
+
+/// Resources against time: every design of a space of machines, and those that no other one beats
+#[derive(Args, Debug)]
+pub(super) struct SweepArguments {
+    /// Files of equations, models (.mbs) or built-in models (serial-23, bogie)
+    #[arg(required = true)]
+    subjects: Vec<String>,
+    /// Function of the models
+    #[arg(long, default_value = "dirdyna")]
+    function: String,
+    /// Pipeline that makes the program to be placed
+    #[arg(
+        long,
+        default_value = "atomise,zero-removal,balance,cse,dce",
+        value_name = "PIPELINE"
+    )]
+    passes: String,
+    /// Numbers of adders
+    #[arg(long, value_delimiter = ',', default_value = "1,2,4,8,16",
+          value_parser = clap::value_parser!(u32).range(1..=1024))]
+    adders: Vec<u32>,
+    /// Numbers of multipliers
+    #[arg(long, value_delimiter = ',', default_value = "1,2,4,8,16",
+          value_parser = clap::value_parser!(u32).range(1..=1024))]
+    multipliers: Vec<u32>,
+    /// The largest quotient of the numbers of adders and multipliers
+    #[arg(long, default_value_t = 2,
+          value_parser = clap::value_parser!(u32).range(1..=1024))]
+    ratio: u32,
+    /// Stages of adders and multipliers, as ADD-MULTI of the thesis' Table 1.3; all by default
+    #[arg(long, value_delimiter = ',', value_name = "ADD-MULTI")]
+    couples: Vec<String>,
+    /// Styles of memories
+    #[arg(long, value_delimiter = ',', default_value = "unified,side-split")]
+    memories: Vec<MemoryWord>,
+    /// Words of buffers, or 0 for none
+    #[arg(long, value_delimiter = ',', default_value = "16,0",
+          value_parser = clap::value_parser!(u32).range(0..=65_536))]
+    buffers: Vec<u32>,
+    /// Instances evaluated at once
+    #[arg(long, value_delimiter = ',', default_value = "1,4",
+          value_parser = clap::value_parser!(u32).range(1..=64))]
+    instances: Vec<u32>,
+    /// Interconnects: crossbar, bus, mesh, torus, omega, hypercube
+    #[arg(long, value_delimiter = ',', default_value = "crossbar")]
+    interconnects: Vec<String>,
+    /// Also time the program on this computer, with the C compiler 'cc'
+    #[arg(long)]
+    cpu: bool,
+    /// Folder for sweep.html, sweep.csv, sweep.json and sweep.svg
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+/// A style of memories on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+enum MemoryWord {
+    Unified,
+    SideSplit,
+    FourPort,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &SweepArguments) -> Result<String, Failure> {
+    let space = space(arguments)?;
+    let mut sweeps: Vec<Sweep> = Vec::new();
+    let mut report = String::new();
+    for subject in &arguments.subjects {
+        let (name, mut module, _) = programs(subject, &arguments.function)?;
+        prepare(&mut module, &arguments.passes)
+            .map_err(|error| Failure::plain(format!("{name}: {error}")))?;
+        let result = sweep(&name, &module, &space, arguments.cpu)
+            .map_err(|error| Failure::plain(format!("{name}: {error}")))?;
+        report += &text::text(&result);
+        report.push('\n');
+        sweeps.push(result);
+    }
+    if let Some(folder) = &arguments.output {
+        write(folder, &sweeps)?;
+    }
+    Ok(report)
+}
+
+fn space(arguments: &SweepArguments) -> Result<Space, Failure> {
+    let sorted = |numbers: &[u32]| {
+        let mut numbers = numbers.to_vec();
+        numbers.sort_unstable();
+        numbers.dedup();
+        numbers
+    };
+    let mut known = couples();
+    for wanted in &arguments.couples {
+        let is_it = |couple: &crate::study::couples::Couple| {
+            let [add, multi] = couple.stages();
+            *wanted == format!("{add}-{multi}")
+        };
+        if !known.iter().any(is_it) {
+            let names = known.iter().map(|couple| {
+                let [add, multi] = couple.stages();
+                format!("{add}-{multi}")
+            });
+            let names: Vec<String> = names.collect();
+            let message = format!("there is no couple '{wanted}'");
+            let help = format!("couples of Table 1.3: {}", names.join(", "));
+            return Err(Failure::advised(message, vec![help]));
+        }
+    }
+    if !arguments.couples.is_empty() {
+        known.retain(|couple| {
+            let [add, multi] = couple.stages();
+            arguments.couples.contains(&format!("{add}-{multi}"))
+        });
+    }
+    let mut interconnects = Vec::new();
+    for name in &arguments.interconnects {
+        let Some(interconnect) = Interconnect::named(name) else {
+            let message = format!("there is no interconnect '{name}'");
+            let help = format!("interconnects: {}", interconnect_names().join(", "));
+            return Err(Failure::advised(message, vec![help]));
+        };
+        if !interconnects.contains(&interconnect) {
+            interconnects.push(interconnect);
+        }
+    }
+    let memory = |word: &MemoryWord| match word {
+        MemoryWord::Unified => MemoryStyle::Unified,
+        MemoryWord::SideSplit => MemoryStyle::SideSplit,
+        MemoryWord::FourPort => MemoryStyle::FourPort,
+    };
+    let mut memories: Vec<MemoryStyle> = Vec::new();
+    for style in arguments.memories.iter().map(memory) {
+        if !memories.contains(&style) {
+            memories.push(style);
+        }
+    }
+    let buffers = sorted(&arguments.buffers);
+    Ok(Space {
+        adders: sorted(&arguments.adders),
+        multipliers: sorted(&arguments.multipliers),
+        ratio: arguments.ratio,
+        couples: known,
+        memories,
+        buffers: buffers
+            .into_iter()
+            .map(|words| (words > 0).then_some(words))
+            .collect(),
+        instances: sorted(&arguments.instances),
+        interconnects,
+    })
+}
+
+/// Runs the pipeline that makes the program.
+fn prepare(module: &mut Module, passes: &str) -> Result<(), String> {
+    let pipeline = pipeline::parse(passes).map_err(|error| error.to_string())?;
+    let machine = Machine::built_in("thesis").ok_or("the thesis' machine is missing")?;
+    let mut log = Vec::new();
+    manager::run(module, &pipeline, Config::new(&machine, &mut log))
+        .map(|_| ())
+        .map_err(|error| error.to_string())
+}
+
+fn write(folder: &Path, sweeps: &[Sweep]) -> Result<(), Failure> {
+    output::make_folder(folder)?;
+    // Sweeps are plain data.
+    let json = serde_json::to_string_pretty(sweeps).unwrap_or_default();
+    for (name, content) in [
+        ("sweep.csv", text::points_table(sweeps).to_csv()),
+        ("sweep.json", json + "\n"),
+        ("sweep.svg", plot::draw(&text::figure(sweeps))),
+        ("sweep.html", page::page(sweeps)),
+    ] {
+        output::write_file(&folder.join(name), |writer| {
+            writer.write_all(content.as_bytes())
+        })?;
+    }
+    Ok(())
+}

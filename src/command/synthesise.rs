@@ -1,0 +1,159 @@
+//! `robovec synthesise`: hardware mapped to the cells of a Cyclone V.
+
+use super::Failure;
+use crate::report::table;
+use crate::study::couples::{ADDERS, MULTIPLIERS, Operator};
+use crate::synthesis::cores::{self, Mapped};
+use crate::synthesis::{SynthesisError, Tool};
+use crate::synthesis::{machine, page};
+use clap::Args;
+use robovec_ir::Format;
+use robovec_passes::analysis::hardware::Shape;
+use robovec_passes::codegen::rtl::cores::Core;
+use std::fmt::Write;
+
+/// What is mapped.
+#[derive(Args, Debug)]
+#[command(about = "Map operators to a Cyclone V with yosys: what they take, and how fast they are")]
+pub(super) struct SynthesiseArguments {
+    /// Stages of the adders
+    #[arg(long, value_name = "STAGES", value_delimiter = ',',
+          default_value = "1,2,3,4,5,6,7,9,10,14",
+          value_parser = clap::value_parser!(u32).range(1..=64))]
+    add: Vec<u32>,
+    /// Stages of the multipliers
+    #[arg(long, value_name = "STAGES", value_delimiter = ',', default_value = "2,3,4,5,8,9",
+          value_parser = clap::value_parser!(u32).range(1..=64))]
+    multiply: Vec<u32>,
+    /// Number format: f32, float(8,17,flush) ...
+    #[arg(long, value_name = "FORMAT", default_value = "f32")]
+    number: Format,
+    /// Tell the cells of every longest path
+    #[arg(long)]
+    paths: bool,
+    /// The delays alone, in picoseconds, as the estimate of the clock keeps them
+    #[arg(long)]
+    delays: bool,
+}
+
+pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, Failure> {
+    let Format::Float(format) = arguments.number else {
+        return Err(Failure::plain(format!(
+            "there are no operators of {} in hardware; choose a format such as f32",
+            arguments.number
+        )));
+    };
+    let tool = Tool::find().map_err(failure)?;
+    let wanted = (arguments.add.iter().map(|stages| (Core::Add, *stages))).chain(
+        arguments
+            .multiply
+            .iter()
+            .map(|stages| (Core::Multiply, *stages)),
+    );
+    let mapped: Vec<Mapped> = wanted
+        .map(|(core, stages)| cores::map(&tool, core, format, stages))
+        .collect::<Result<_, _>>()
+        .map_err(failure)?;
+    if arguments.delays {
+        return Ok(delays(&mapped));
+    }
+    let mut text = format!(
+        "{} {}, synth_intel_alm for Cyclone V, operators of {}.\n\
+         MHz: with 900, 700 and 500 ps per net, an estimate from published cell delays, \
+         not placed, not routed, not calibrated against Quartus.\n\n",
+        tool.program, tool.version, arguments.number
+    );
+    text += &operators(&mapped);
+    if arguments.paths {
+        for one in &mapped {
+            let _ = writeln!(text, "\n{} of {} stages:", one.core.module(), one.stages);
+            text += &one.path.as_ref().map_or(String::new(), page::steps);
+        }
+    }
+    Ok(text)
+}
+
+/// A machine mapped part by part, as a page.
+pub(super) fn machine(shape: &Shape, files: &[(String, String)]) -> Result<String, Failure> {
+    let tool = Tool::find().map_err(failure)?;
+    let mapped = machine::map(&tool, shape, files).map_err(failure)?;
+    Ok(format!("\n{}", page::page(&mapped, &tool)))
+}
+
+/// An error of the mapping, told to the user.
+pub(super) fn failure(error: SynthesisError) -> Failure {
+    Failure::plain(error.to_string())
+}
+
+/// One row per operator and latency.
+fn operators(mapped: &[Mapped]) -> String {
+    let mut rows = Vec::new();
+    for one in mapped {
+        let printed = printed(one);
+        let (counted, estimated) = (&one.counted, &one.estimated);
+        let megahertz = |period: u32| format!("{:.0}", 1e6 / f64::from(period.max(1)));
+        let middle = (one.quick.enclosed + one.slow.enclosed) / 2;
+        rows.push(vec![
+            one.core.module().to_owned(),
+            one.stages.to_string(),
+            format!("{:.0}", counted.aluts),
+            format!("{:.0}", estimated.aluts),
+            format!("{:.0}", counted.registers),
+            format!("{:.0}", estimated.registers),
+            format!("{:.1}", counted.multiplier_blocks),
+            megahertz(one.slow.enclosed),
+            megahertz(middle),
+            megahertz(one.quick.enclosed),
+            printed.map_or(String::new(), |operator| operator.mhz.to_string()),
+            printed.map_or(String::new(), |operator| operator.luts.to_string()),
+        ]);
+    }
+    let head = [
+        "operator",
+        "stages",
+        "ALUT",
+        "formula",
+        "registers",
+        "formula",
+        "DSP",
+        "MHz low",
+        "mid",
+        "high",
+        "thesis MHz",
+        "thesis LUT",
+    ];
+    let right: Vec<usize> = (1..head.len()).collect();
+    table(&head, &rows, &right)
+}
+
+/// The row of Tables 1.1 and 1.2.
+fn printed(one: &Mapped) -> Option<Operator> {
+    let known: &[Operator] = match one.core {
+        Core::Add => &ADDERS,
+        Core::Multiply => &MULTIPLIERS,
+        Core::Divide | Core::Root | Core::Fused => &[],
+    };
+    known
+        .iter()
+        .copied()
+        .find(|operator| operator.stages == one.stages)
+}
+
+/// The table of delays in the source of the estimate.
+fn delays(mapped: &[Mapped]) -> String {
+    let mut text = String::new();
+    for one in mapped {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{} {} {} {} {} {}",
+            one.core.module(),
+            one.stages,
+            one.quick.first,
+            one.quick.inner,
+            one.slow.first,
+            one.slow.inner
+        );
+    }
+    text
+}

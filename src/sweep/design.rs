@@ -1,0 +1,165 @@
+//! The space of designs.
+
+use crate::study::couples::{Couple, MEMORY_CAP_MHZ, couples};
+use robovec_ir::machine::{BufferDescription, Interconnect, MemoryStyle, Network, Topology};
+use robovec_ir::{Machine, Operation};
+use serde::Serialize;
+
+/// The clock that single-pumped M10K memories follow, MHz (thesis 1.3).
+const SINGLE_CAP_MHZ: f64 = 240.0;
+
+/// One machine, and how many instances it evaluates at once.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Design {
+    /// Adders.
+    pub adders: u32,
+    /// Multipliers.
+    pub multipliers: u32,
+    /// Stages of an adder and of a multiplier.
+    pub stages: [u32; 2],
+    /// The clock these allow, MHz.
+    pub couple_mhz: u32,
+    /// Style of the memories.
+    pub memory: MemoryStyle,
+    /// Words of each buffer; none for a machine without.
+    pub buffer: Option<u32>,
+    /// Instances evaluated at once.
+    pub instances: u32,
+    /// How results travel.
+    pub interconnect: Interconnect,
+}
+
+impl Design {
+    /// The design as a machine.
+    pub fn machine(&self) -> Machine {
+        let mut machine = Machine::built_in("thesis").expect("it ships, and a test parses it");
+        let counts = [self.adders, self.multipliers];
+        for (place, operation) in [Operation::Add, Operation::Mul].into_iter().enumerate() {
+            if let Some(kind) = machine.kind_of(operation) {
+                machine.elements[kind].count = counts[place];
+                machine.elements[kind].stages = self.stages[place];
+            }
+        }
+        machine.memory.style = self.memory;
+        machine.memory.writes = Some(match self.memory {
+            MemoryStyle::SideSplit => 1,
+            MemoryStyle::Unified | MemoryStyle::FourPort => 2,
+        });
+        machine.buffer = self.buffer.map(|words| BufferDescription {
+            words: Some(words),
+            reads: Some(1),
+        });
+        machine.interconnect = self.interconnect;
+        machine.clock_mhz = self.clock_mhz();
+        machine
+    }
+
+    /// The clock of the elements: that of the operators, as far as memories
+    /// follow; those of four ports are on devices without that limit.
+    fn clock_mhz(&self) -> f64 {
+        let operators = f64::from(self.couple_mhz);
+        match self.memory {
+            MemoryStyle::Unified => operators.min(f64::from(MEMORY_CAP_MHZ)),
+            MemoryStyle::SideSplit => operators.min(SINGLE_CAP_MHZ),
+            MemoryStyle::FourPort => operators,
+        }
+    }
+}
+
+/// What is tried: every combination, but for numbers of adders and
+/// multipliers that differ by more than a factor of [`Space::ratio`].
+#[derive(Clone, PartialEq, Debug)]
+pub struct Space {
+    /// Numbers of adders.
+    pub adders: Vec<u32>,
+    /// Numbers of multipliers.
+    pub multipliers: Vec<u32>,
+    /// The largest quotient of the two.
+    pub ratio: u32,
+    /// Operators with a common clock.
+    pub couples: Vec<Couple>,
+    /// Styles of memories.
+    pub memories: Vec<MemoryStyle>,
+    /// Words of buffers, or none.
+    pub buffers: Vec<Option<u32>>,
+    /// Instances at once.
+    pub instances: Vec<u32>,
+    /// Interconnects.
+    pub interconnects: Vec<Interconnect>,
+}
+
+impl Default for Space {
+    fn default() -> Space {
+        Space {
+            adders: vec![1, 2, 4, 8, 16],
+            multipliers: vec![1, 2, 4, 8, 16],
+            ratio: 2,
+            couples: couples(),
+            memories: vec![MemoryStyle::Unified, MemoryStyle::SideSplit],
+            buffers: vec![Some(16), None],
+            instances: vec![1, 4],
+            interconnects: vec![Interconnect::Crossbar],
+        }
+    }
+}
+
+impl Space {
+    /// All designs, in order.
+    pub fn designs(&self) -> Vec<Design> {
+        let mut designs = Vec::new();
+        for (adders, multipliers) in self.pairs() {
+            for couple in &self.couples {
+                for &memory in &self.memories {
+                    for &buffer in &self.buffers {
+                        for &interconnect in &self.interconnects {
+                            let instances = self.instances.iter();
+                            designs.extend(instances.map(|&instances| Design {
+                                adders,
+                                multipliers,
+                                stages: couple.stages(),
+                                couple_mhz: couple.mhz(),
+                                memory,
+                                buffer,
+                                instances,
+                                interconnect,
+                            }));
+                        }
+                    }
+                }
+            }
+        }
+        designs
+    }
+
+    /// Numbers of adders and multipliers.
+    fn pairs(&self) -> impl Iterator<Item = (u32, u32)> {
+        let pairs = self.adders.iter().flat_map(|&adders| {
+            let multipliers = self.multipliers.iter();
+            multipliers.map(move |&multipliers| (adders, multipliers))
+        });
+        pairs.filter(|&(a, b)| a.max(b) <= a.min(b).saturating_mul(self.ratio))
+    }
+
+    /// How many designs there are, and how many instances all of them place
+    /// together, without making them.
+    pub fn count(&self) -> (u64, u64) {
+        let lists = [
+            self.couples.len(),
+            self.memories.len(),
+            self.buffers.len(),
+            self.interconnects.len(),
+        ];
+        let machines =
+            self.pairs().count() as u64 * lists.map(|n| n as u64).iter().product::<u64>();
+        let instances: u64 = self.instances.iter().copied().map(u64::from).sum();
+        let designs = machines.saturating_mul(self.instances.len() as u64);
+        (designs, machines.saturating_mul(instances))
+    }
+}
+
+/// Names of all interconnects, the crossbar first.
+pub fn interconnect_names() -> Vec<&'static str> {
+    let networks = Topology::ALL.map(|topology| Interconnect::Network(Network::of(topology)));
+    let all = std::iter::once(Interconnect::Crossbar).chain(networks);
+    all.map(|interconnect| interconnect.name()).collect()
+}

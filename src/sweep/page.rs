@@ -1,0 +1,45 @@
+//! Sweeps as a page: one HTML file that needs nothing else.
+
+use super::Sweep;
+use super::text::{figure, points_table};
+use crate::front::page::TEMPLATE;
+use crate::study::page::{STYLE, figure as drawn, fill, table};
+use crate::study::plot::Escaped;
+
+/// The page of some sweeps.
+pub fn page(sweeps: &[Sweep]) -> String {
+    let names: Vec<&str> = sweeps.iter().map(|sweep| sweep.name.as_str()).collect();
+    let subtitle = format!(
+        "{}. Computed by robovec {}.",
+        names.join(", "),
+        env!("CARGO_PKG_VERSION")
+    );
+    let mut fronts = points_table(sweeps);
+    let last = fronts.columns.len() - 1;
+    let on_front = |row: &Vec<crate::study::table::Cell>| !row[last].plain().is_empty();
+    fronts.rows.retain(on_front);
+    fronts.title = "Designs that no other one beats".to_owned();
+    // Sweeps are plain data; numbers that are not finite become null.
+    let data = serde_json::to_string(sweeps).unwrap_or_default();
+    let parts = [
+        ("title", "Resources against time".to_owned()),
+        ("subtitle", Escaped(&subtitle).to_string()),
+        ("css", STYLE.to_owned()),
+        ("figures", drawn(&figure(sweeps)) + &table(&fronts)),
+        ("points", "All designs".to_owned()),
+        ("tables", table(&points_table(sweeps))),
+        ("method", METHOD.to_owned()),
+        // A closing tag inside a string would end the script.
+        ("data", data.replace("</", "<\\/")),
+    ];
+    fill(TEMPLATE, &parts)
+}
+
+/// What the numbers mean.
+const METHOD: &str = "<p>Every design is placed operation by operation, and the placement is \
+checked against the machine. Time is cycles over the clock, divided by the instances that are \
+evaluated at once. The clock is that of the operators in the thesis' tables, at most 120 MHz with \
+double-pumped memories and 240 MHz with single-pumped ones. What a design takes is estimated by \
+formulas. Sines and cosines, loading and reading cost no cycles.</p>\
+<p>The time of the processor is that of the same program, written as C in binary32, compiled by \
+its C compiler and run on one core, the least of many repetitions.</p>";

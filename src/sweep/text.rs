@@ -1,0 +1,239 @@
+//! A sweep as aligned text, as a table for programs, and as a figure.
+
+use super::{Point, Sweep};
+use crate::report::table;
+use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
+use crate::study::table::{Cell, Table};
+use robovec_ir::machine::MemoryStyle;
+
+/// The front with the processor's time beside it, and what did not work.
+pub fn text(sweep: &Sweep) -> String {
+    let head = [
+        "share %",
+        "ALUT",
+        "M10K",
+        "DSP",
+        "add+multi",
+        "stages",
+        "MHz",
+        "memory",
+        "buffer",
+        "instances",
+        "interconnect",
+        "cycles",
+        "bound",
+        "latency us",
+        "us/evaluation",
+        "CPU/FPGA",
+    ];
+    let rows: Vec<Vec<String>> = sweep
+        .front()
+        .into_iter()
+        .map(|point| row(point, sweep.cpu_us))
+        .collect();
+    let mut text = format!(
+        "{}: {} operations, longest chain {} cycles on the thesis' machine; {} designs, {} on the \
+         front\n\n{}\n",
+        sweep.name,
+        sweep.operations,
+        sweep.path,
+        sweep.points.len(),
+        rows.len(),
+        table(&head, &rows, &[0, 1, 2, 3, 6, 9, 11, 12, 13, 14, 15])
+    );
+    text += &verdict(sweep);
+    if let Some((_, reason)) = sweep.failures.first() {
+        let count = sweep.failures.len();
+        text += &format!("{count} designs could not be placed, the first because {reason}\n");
+    }
+    text
+}
+
+fn row(point: &Point, cpu_us: Option<f64>) -> Vec<String> {
+    let design = &point.design;
+    vec![
+        format!("{:.1}", 100.0 * point.share),
+        format!("{:.0}", point.resources.look_up_tables),
+        format!("{:.0}", point.resources.memory_blocks),
+        format!("{:.0}", point.resources.multiplier_blocks),
+        format!("{}+{}", design.adders, design.multipliers),
+        format!("{}, {}", design.stages[0], design.stages[1]),
+        format!("{:.0}", point.clock_mhz),
+        memory_name(design.memory).to_owned(),
+        buffer_name(design.buffer),
+        design.instances.to_string(),
+        design.interconnect.name().to_owned(),
+        point.cycles.to_string(),
+        point.lower_bound.to_string(),
+        format!("{:.2}", point.latency_us),
+        format!("{:.3}", point.us_per_evaluation),
+        cpu_us.map_or("-".to_owned(), |cpu| {
+            format!("{:.2}", cpu / point.us_per_evaluation)
+        }),
+    ]
+}
+
+/// Which wins, in a sentence.
+fn verdict(sweep: &Sweep) -> String {
+    let fitting = sweep.points.iter().filter(|point| point.share <= 1.0);
+    let fastest = fitting.min_by(|a, b| a.us_per_evaluation.total_cmp(&b.us_per_evaluation));
+    let Some(fastest) = fastest else {
+        return "no design fits the device\n".to_owned();
+    };
+    let own = fastest.us_per_evaluation;
+    let mut text = format!("the fastest design that fits takes {own:.3} us per evaluation");
+    match sweep.cpu_us {
+        Some(cpu) if cpu < own => {
+            text += &format!(
+                ", one core of this computer {cpu:.3} us: the processor wins by {:.1}",
+                own / cpu
+            );
+        }
+        Some(cpu) => {
+            text += &format!(
+                ", one core of this computer {cpu:.3} us: the design wins by {:.1}",
+                cpu / own
+            );
+        }
+        None if !sweep.cpu_remark.is_empty() => {
+            text += &format!("; there is no time of the processor: {}", sweep.cpu_remark);
+        }
+        None => {}
+    }
+    text + "\n"
+}
+
+fn memory_name(style: MemoryStyle) -> &'static str {
+    match style {
+        MemoryStyle::Unified => "unified",
+        MemoryStyle::SideSplit => "side-split",
+        MemoryStyle::FourPort => "four-port",
+    }
+}
+
+fn buffer_name(buffer: Option<u32>) -> String {
+    buffer.map_or("none".to_owned(), |words| words.to_string())
+}
+
+/// All points of all functions as one table.
+pub fn points_table(sweeps: &[Sweep]) -> Table {
+    let columns = [
+        "function",
+        "adders",
+        "multipliers",
+        "adder stages",
+        "multiplier stages",
+        "clock (MHz)",
+        "memory",
+        "buffer words",
+        "instances",
+        "interconnect",
+        "cycles",
+        "lower bound",
+        "latency (us)",
+        "us per evaluation",
+        "ALUT",
+        "M10K",
+        "DSP",
+        "share",
+        "CPU (us)",
+        "on front",
+    ];
+    let rows = sweeps.iter().flat_map(|sweep| {
+        sweep.points.iter().map(|point| {
+            let design = &point.design;
+            let taken = &point.resources;
+            vec![
+                Cell::text(&sweep.name),
+                Cell::count(design.adders),
+                Cell::count(design.multipliers),
+                Cell::count(design.stages[0]),
+                Cell::count(design.stages[1]),
+                Cell::number(point.clock_mhz, 1),
+                Cell::text(memory_name(design.memory)),
+                Cell::text(buffer_name(design.buffer)),
+                Cell::count(design.instances),
+                Cell::text(design.interconnect.name()),
+                Cell::count(point.cycles),
+                Cell::count(point.lower_bound),
+                Cell::number(point.latency_us, 4),
+                Cell::number(point.us_per_evaluation, 4),
+                Cell::number(taken.look_up_tables, 0),
+                Cell::number(taken.memory_blocks, 0),
+                Cell::number(taken.multiplier_blocks, 0),
+                Cell::number(point.share, 4),
+                sweep
+                    .cpu_us
+                    .map_or(Cell::Empty, |time| Cell::number(time, 4)),
+                Cell::text(if point.on_front { "yes" } else { "" }),
+            ]
+        })
+    });
+    Table {
+        name: "sweep".to_owned(),
+        title: "Resources against time".to_owned(),
+        caption: "Every design. The share is the largest of those of look-up tables, memory \
+                  blocks and multiplier blocks of the thesis' device, by formulas; nothing is \
+                  synthesised. The clock is that of the tables of operators, cut to what the \
+                  memories follow."
+            .to_owned(),
+        columns: columns.map(str::to_owned).to_vec(),
+        rows: rows.collect(),
+    }
+}
+
+/// One panel per function: share of the device against time per evaluation.
+pub fn figure(sweeps: &[Sweep]) -> Figure {
+    let panels: Vec<Panel> = sweeps.iter().map(panel).collect();
+    Figure {
+        name: "sweep".to_owned(),
+        title: "Resources against time".to_owned(),
+        caption: "Share of the thesis' device against the time of one evaluation; the line joins \
+                  the designs that no other one beats, the dashed one is a core of this computer."
+            .to_owned(),
+        columns: panels.len().clamp(1, 2),
+        panels,
+    }
+}
+
+fn panel(sweep: &Sweep) -> Panel {
+    let mark = |point: &Point| Mark::at(100.0 * point.share, point.us_per_evaluation);
+    let mut instances: Vec<u32> = sweep.points.iter().map(|p| p.design.instances).collect();
+    instances.sort_unstable();
+    instances.dedup();
+    let mut curves = vec![Curve {
+        label: "front".to_owned(),
+        paint: Paint::Distinct(0),
+        stroke: Stroke::Plain,
+        marks: sweep.front().into_iter().map(mark).collect(),
+    }];
+    for (place, count) in instances.into_iter().enumerate() {
+        let own = sweep.points.iter();
+        let own = own.filter(|point| point.design.instances == count);
+        curves.push(Curve {
+            label: format!("{count} at once"),
+            paint: Paint::Distinct(place + 1),
+            stroke: Stroke::Points,
+            marks: own.map(mark).collect(),
+        });
+    }
+    if let Some(cpu) = sweep.cpu_us {
+        let shares = || sweep.points.iter().map(|point| 100.0 * point.share);
+        let ends = [
+            shares().fold(f64::INFINITY, f64::min),
+            shares().fold(0.0, f64::max),
+        ];
+        curves.push(Curve {
+            label: "processor".to_owned(),
+            paint: Paint::Distinct(curves.len()),
+            stroke: Stroke::Dashed,
+            marks: ends.map(|share| Mark::at(share, cpu)).to_vec(),
+        });
+    }
+    Panel {
+        title: sweep.name.clone(),
+        x: Axis::new("share of the device (%)", Scale::Decades),
+        y: Axis::new("time per evaluation (us)", Scale::Decades),
+        content: Content::Curves(curves),
+    }
+}

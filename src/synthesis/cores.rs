@@ -1,0 +1,135 @@
+//! The operators alone: what each takes and how fast it is, by latency.
+//!
+//! Every operator is mapped between registers, as the thesis measured its
+//! own for Tables 1.1 and 1.2.
+
+use super::timing::{FAST_NET, Path, Paths, SLOW_NET, Timing};
+use super::{Design, SynthesisError, Tool, count};
+use robovec_ir::Format;
+use robovec_ir::machine::NumberFormat;
+use robovec_passes::analysis::hardware::{Resources, operator};
+use robovec_passes::codegen::rtl::cores::{Core, SOURCES, cuts};
+
+/// An operator of one latency, as mapped.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Mapped {
+    /// Which.
+    pub core: Core,
+    /// Pipeline stages.
+    pub stages: u32,
+    /// What yosys counts.
+    pub counted: Resources,
+    /// What the formulas say.
+    pub estimated: Resources,
+    /// Longest paths with quick and with slow nets, ps.
+    pub quick: Delays,
+    /// The same with slow nets.
+    pub slow: Delays,
+    /// The longest path between registers outside, with quick nets.
+    pub path: Option<Path>,
+}
+
+/// The longest paths of an operator, ps.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Delays {
+    /// From an operand to a register, without what drives the operand.
+    pub first: u32,
+    /// From register to register.
+    pub inner: u32,
+    /// With a register before every operand and behind the result.
+    pub enclosed: u32,
+}
+
+/// The Verilog of an operator.
+pub fn design(core: Core, format: NumberFormat, stages: u32) -> Design {
+    let cuts = cuts(core, format, stages);
+    let parameters = [
+        ("EXPONENT", format.exponent.to_string()),
+        ("MANTISSA", format.mantissa.to_string()),
+        ("SUBNORMALS", u32::from(format.subnormals).to_string()),
+        ("CUTS", cuts.mask.to_string()),
+        ("EXTRA", cuts.extra.to_string()),
+    ];
+    let files = SOURCES.iter();
+    Design {
+        top: core.module().to_owned(),
+        parameters: parameters
+            .map(|(name, value)| (name.to_owned(), value))
+            .to_vec(),
+        sources: files
+            .map(|file| (file.name.to_owned(), file.text.to_owned()))
+            .collect(),
+        closed: Vec::new(),
+        others: Vec::new(),
+        kept: Vec::new(),
+    }
+}
+
+/// Maps an operator.
+///
+/// # Errors
+///
+/// When yosys cannot be run or refuses it.
+pub fn map(
+    tool: &Tool,
+    core: Core,
+    format: NumberFormat,
+    stages: u32,
+) -> Result<Mapped, SynthesisError> {
+    let netlist = tool.map(&design(core, format, stages))?;
+    let top = netlist.top()?.to_owned();
+    let counts = count::count(&netlist, &top)?;
+    let counted = counts.last().map(|count| count.total).unwrap_or_default();
+    let timing = Timing::new(&netlist, &top)?;
+    Ok(Mapped {
+        core,
+        stages,
+        counted,
+        estimated: operator(core, Format::Float(format), stages),
+        quick: delays(&timing, FAST_NET),
+        slow: delays(&timing, SLOW_NET),
+        path: timing.longest(FAST_NET, Paths::ENCLOSED),
+    })
+}
+
+fn delays(timing: &Timing<'_>, net: u32) -> Delays {
+    let longest = |paths| timing.longest(net, paths).map_or(0, |path| path.delay);
+    Delays {
+        first: longest(Paths {
+            from_registers: false,
+            from_inputs: Some(0),
+            to_registers: true,
+            to_outputs: false,
+        }),
+        inner: longest(Paths::INSIDE),
+        enclosed: longest(Paths::ENCLOSED),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_passes::analysis::hardware::tabulated;
+
+    /// Needs an installed yosys; some seconds per operator.
+    #[test]
+    #[ignore = "needs yosys; cargo test -- --ignored tabulated"]
+    fn the_tabulated_delays_are_those_of_the_mapping() {
+        let tool = Tool::find().expect("yosys is installed");
+        for (core, stages) in [(Core::Add, 1), (Core::Add, 10), (Core::Multiply, 5)] {
+            let mapped =
+                map(&tool, core, NumberFormat::BINARY32, stages).expect("it can be mapped");
+            for (guess, delays) in [mapped.quick, mapped.slow].into_iter().enumerate() {
+                let found = [delays.first, delays.inner];
+                let kept = tabulated(core, stages, guess).expect("it is tabulated");
+                for (found, kept) in found.into_iter().zip(kept) {
+                    // Versions of yosys map a little differently.
+                    assert!(
+                        found.abs_diff(kept) <= kept / 10,
+                        "{core:?} {stages}: {found} {kept}"
+                    );
+                }
+            }
+        }
+    }
+}

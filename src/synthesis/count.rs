@@ -1,0 +1,179 @@
+//! What a netlist takes of the device, module by module.
+//!
+//! Every primitive counts as the part of the device that it stands for: a
+//! look-up table of up to six inputs, one bit of a carry chain and an
+//! inverter are one adaptive look-up table (ALUT) each; yosys' cell of an
+//! MLAB is one bit wide, and those of a module that share their read and
+//! write addresses share blocks of 20; a multiplier of 18 bits is half a DSP
+//! block and one of 9 bits a third.
+
+use super::SynthesisError;
+use super::delays::TRUE_DUAL_PORT;
+use super::netlist::{Bit, Cell, Module, Netlist, readable};
+use robovec_passes::analysis::hardware::{Resources, true_dual_port_blocks};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Bits of a word of an MLAB.
+const MLAB_WIDTH: usize = 20;
+
+/// What the instances of one module take.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ModuleCount {
+    /// The module's name in the source; variants of different parameters
+    /// have the same.
+    pub name: String,
+    /// The module's name in the netlist.
+    pub netlist_name: String,
+    /// How often it occurs below the top.
+    pub instances: u32,
+    /// What one instance takes, without the modules inside.
+    pub own: Resources,
+    /// What one instance takes, with the modules inside.
+    pub total: Resources,
+}
+
+/// Counts a design, bottom up: the top comes last.
+///
+/// # Errors
+///
+/// When a module instantiates itself.
+pub fn count(netlist: &Netlist, top: &str) -> Result<Vec<ModuleCount>, SynthesisError> {
+    let order = netlist.bottom_up(top)?;
+    let mut totals: BTreeMap<&str, Resources> = BTreeMap::new();
+    let mut counts = Vec::new();
+    for name in &order {
+        let module = &netlist.modules[*name];
+        let own = own(module);
+        let mut total = own;
+        for cell in module.cells.values() {
+            if let Some(inside) = totals.get(cell.kind.as_str()) {
+                total += *inside;
+            }
+        }
+        totals.insert(name, total);
+        counts.push(ModuleCount {
+            name: readable(name).to_owned(),
+            netlist_name: (*name).to_owned(),
+            instances: 0,
+            own,
+            total,
+        });
+    }
+    let instances = instances(netlist, &order, top);
+    for one in &mut counts {
+        one.instances = instances[one.netlist_name.as_str()];
+    }
+    Ok(counts)
+}
+
+/// How often every module occurs below the top.
+fn instances<'a>(netlist: &'a Netlist, order: &[&'a str], top: &'a str) -> BTreeMap<&'a str, u32> {
+    let mut instances: BTreeMap<&str, u32> = order.iter().map(|name| (*name, 0)).collect();
+    instances.insert(top, 1);
+    for name in order.iter().rev() {
+        let times = instances[name];
+        for cell in netlist.modules[*name].cells.values() {
+            if let Some(count) = instances.get_mut(cell.kind.as_str()) {
+                *count = count.saturating_add(times);
+            }
+        }
+    }
+    instances
+}
+
+/// What a module's own cells take.
+fn own(module: &Module) -> Resources {
+    let mut taken = Resources::default();
+    let mut mlabs: BTreeMap<String, usize> = BTreeMap::new();
+    for cell in module.cells.values() {
+        match cell.kind.as_str() {
+            "MISTRAL_ALUT2" | "MISTRAL_ALUT3" | "MISTRAL_ALUT4" | "MISTRAL_ALUT5"
+            | "MISTRAL_ALUT6" | "MISTRAL_ALUT_ARITH" | "MISTRAL_NOT" => taken.aluts += 1.0,
+            "MISTRAL_FF" => taken.registers += 1.0,
+            "MISTRAL_M10K" => taken.memory_blocks += 1.0,
+            "MISTRAL_MLAB" => *mlabs.entry(addresses(cell)).or_default() += 1,
+            "MISTRAL_MUL27X27" => taken.multiplier_blocks += 1.0,
+            "MISTRAL_MUL18X18" => taken.multiplier_blocks += 0.5,
+            "MISTRAL_MUL9X9" => taken.multiplier_blocks += 1.0 / 3.0,
+            kind if readable(kind) == TRUE_DUAL_PORT => {
+                let words = 1_u32.checked_shl(parameter(cell, "ADDRESS")).unwrap_or(0);
+                let blocks = true_dual_port_blocks(words, parameter(cell, "WIDTH"));
+                taken.memory_blocks += f64::from(blocks);
+            }
+            _ => {}
+        }
+    }
+    let blocks: usize = mlabs.values().map(|bits| bits.div_ceil(MLAB_WIDTH)).sum();
+    taken.lab_memories = blocks as f64;
+    taken
+}
+
+/// A parameter that is a number: binary digits.
+fn parameter(cell: &Cell, name: &str) -> u32 {
+    let digits = cell.parameters.get(name).and_then(|value| value.as_str());
+    digits.map_or(0, |digits| u32::from_str_radix(digits, 2).unwrap_or(0))
+}
+
+/// What the cells of one block of an MLAB have in common.
+fn addresses(cell: &Cell) -> String {
+    let of =
+        |port: &str| -> Vec<&Bit> { cell.connections.get(port).into_iter().flatten().collect() };
+    format!("{:?} {:?} {:?}", of("A1ADDR"), of("A1EN"), of("B1ADDR"))
+}
+
+/// Primitives of the design that are none of the device: a sign that the
+/// mapping is not complete.
+pub fn unknown_cells(netlist: &Netlist, top: &str) -> Result<Vec<String>, SynthesisError> {
+    let mut unknown = BTreeSet::new();
+    for name in netlist.bottom_up(top)? {
+        for cell in netlist.modules[name].cells.values() {
+            let kind = cell.kind.as_str();
+            let known = kind.starts_with("MISTRAL_") || readable(kind) == TRUE_DUAL_PORT;
+            if !known && netlist.module_of(cell).is_none() {
+                unknown.insert(format!("{kind} in {}", readable(name)));
+            }
+        }
+    }
+    Ok(unknown.into_iter().collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn instances_multiply_what_is_inside() {
+        let text = r#"{"modules": {
+            "$paramod\\leaf\\W=s32'01": {"cells": {
+                "a": {"type": "MISTRAL_ALUT6"}, "f": {"type": "MISTRAL_FF"},
+                "m": {"type": "MISTRAL_MUL18X18"},
+                "x": {"type": "MISTRAL_MLAB", "connections": {"A1ADDR": [2], "B1ADDR": [3]}},
+                "y": {"type": "MISTRAL_MLAB", "connections": {"A1ADDR": [2], "B1ADDR": [4]}},
+                "z": {"type": "MISTRAL_MLAB", "connections": {"A1ADDR": [2], "B1ADDR": [3]}}}},
+            "middle": {"cells": {"k": {"type": "$paramod\\leaf\\W=s32'01"},
+                                 "l": {"type": "$paramod\\leaf\\W=s32'01"}}},
+            "all": {"attributes": {"top": "1"}, "cells": {
+                "n": {"type": "middle"}, "o": {"type": "middle"}, "i": {"type": "MISTRAL_NOT"},
+                "b": {"type": "$mem_v2"}, "r": {"type": "MISTRAL_M10K"},
+                "t": {"type": "true_dual_port_memory",
+                      "parameters": {"WIDTH": "100000", "ADDRESS": "1011"}}}}
+        }}"#;
+        let netlist = Netlist::parse(text).expect("it is a netlist");
+        let counts = count(&netlist, "all").expect("it can be counted");
+        let leaf = &counts[0];
+        assert_eq!((leaf.name.as_str(), leaf.instances), ("leaf", 4));
+        assert_eq!(leaf.own, leaf.total);
+        assert_eq!(
+            (leaf.own.aluts, leaf.own.registers, leaf.own.lab_memories),
+            (1.0, 1.0, 2.0)
+        );
+        let all = counts.last().expect("the top is there");
+        assert_eq!((all.own.aluts, all.total.aluts), (1.0, 5.0));
+        assert_eq!(
+            (all.total.multiplier_blocks, all.total.memory_blocks),
+            (2.0, 8.0)
+        );
+        let unknown = unknown_cells(&netlist, "all").expect("it can be walked");
+        assert_eq!(unknown, ["$mem_v2 in all"]);
+    }
+}

@@ -1,0 +1,229 @@
+//! A design without modules: nets and primitives only.
+//!
+//! Timing paths cross modules, so instances are opened, each time with nets
+//! of its own; a port joins the net inside with the net outside (a port may
+//! also join two nets outside, or a net and a constant, so nets are classes
+//! of a union-find). Instances are opened from a stack, not by recursion.
+
+use super::SynthesisError;
+use super::netlist::{Bit, Cell, Direction, Module, Netlist};
+use std::collections::BTreeMap;
+
+/// The most primitives that are taken apart.
+const MOST_CELLS: usize = 8_000_000;
+
+/// A net of the flat design; `None` is a constant or nothing at all.
+pub(super) type Net = Option<u32>;
+
+/// A primitive.
+#[derive(Debug)]
+pub(super) struct Primitive<'a> {
+    /// The cell.
+    pub(super) cell: &'a Cell,
+    /// Its name in its module.
+    pub(super) name: &'a str,
+    /// The instance it stands in, an index into [`Flat::instances`].
+    pub(super) instance: u32,
+    /// What its ports are connected to, in order of their names.
+    pub(super) connections: Vec<(&'a str, Vec<Net>)>,
+}
+
+impl Primitive<'_> {
+    /// The nets of a port.
+    pub(super) fn port(&self, name: &str) -> &[Net] {
+        let found = self.connections.iter().find(|(port, _)| *port == name);
+        found.map_or(&[], |(_, nets)| nets)
+    }
+}
+
+/// An opened instance.
+#[derive(Debug)]
+pub(super) struct Instance<'a> {
+    /// Its path below the top, parts separated by dots; empty for the top.
+    pub(super) path: String,
+    /// The module's name in the netlist.
+    pub(super) module: &'a str,
+}
+
+/// The flat design.
+#[derive(Debug)]
+pub(super) struct Flat<'a> {
+    /// The primitives.
+    pub(super) primitives: Vec<Primitive<'a>>,
+    /// The opened instances, the top first.
+    pub(super) instances: Vec<Instance<'a>>,
+    /// Number of nets.
+    pub(super) nets: u32,
+    /// Nets of the top's inputs, with the port and bit.
+    pub(super) inputs: Vec<(String, u32)>,
+    /// Nets of the top's outputs, with the port and bit.
+    pub(super) outputs: Vec<(String, u32)>,
+}
+
+/// Classes of nets that are joined; class 0 is that of all constants.
+struct Classes(Vec<u32>);
+
+impl Classes {
+    fn fresh(&mut self) -> u32 {
+        let next = self.0.len() as u32;
+        self.0.push(next);
+        next
+    }
+
+    fn find(&mut self, mut net: u32) -> u32 {
+        while self.0[net as usize] != net {
+            let parent = self.0[net as usize];
+            self.0[net as usize] = self.0[parent as usize];
+            net = parent;
+        }
+        net
+    }
+
+    /// The lower number stands for both, so a constant stays one.
+    fn join(&mut self, left: u32, right: u32) {
+        let (left, right) = (self.find(left), self.find(right));
+        let (low, high) = (left.min(right), left.max(right));
+        self.0[high as usize] = low;
+    }
+}
+
+/// The nets of one instance, by the numbers of its module.
+#[derive(Default)]
+struct Scope(BTreeMap<u32, u32>);
+
+impl Scope {
+    fn net(&mut self, bit: &Bit, classes: &mut Classes) -> u32 {
+        match bit {
+            Bit::Net(number) => *self.0.entry(*number).or_insert_with(|| classes.fresh()),
+            Bit::Constant(_) => 0,
+        }
+    }
+}
+
+/// Opens all instances below a module.
+///
+/// # Errors
+///
+/// When a module instantiates itself, or the design has millions of
+/// primitives.
+pub(super) fn flatten<'a>(netlist: &'a Netlist, top: &'a str) -> Result<Flat<'a>, SynthesisError> {
+    // Refuses designs that contain themselves, so that the stack empties.
+    netlist.bottom_up(top)?;
+    let mut classes = Classes(vec![0]);
+    let mut flat = Flat {
+        primitives: Vec::new(),
+        instances: Vec::new(),
+        nets: 0,
+        inputs: Vec::new(),
+        outputs: Vec::new(),
+    };
+    let module = netlist
+        .modules
+        .get(top)
+        .ok_or_else(|| SynthesisError::Netlist(format!("there is no module {top}")))?;
+    let mut scope = Scope::default();
+    ports(module, &mut scope, &mut classes, &mut flat);
+    let mut open = vec![(top, String::new(), scope)];
+    while let Some((name, path, mut scope)) = open.pop() {
+        let Some(module) = netlist.modules.get(name) else {
+            continue;
+        };
+        let instance = flat.instances.len() as u32;
+        let below = if path.is_empty() {
+            String::new()
+        } else {
+            format!("{path}.")
+        };
+        flat.instances.push(Instance { path, module: name });
+        for (cell_name, cell) in &module.cells {
+            let mut nets = |bits: &[Bit], classes: &mut Classes| -> Vec<u32> {
+                bits.iter().map(|bit| scope.net(bit, classes)).collect()
+            };
+            if let Some(inside) = netlist.module_of(cell) {
+                let mut inner = Scope::default();
+                for (port, bits) in &cell.connections {
+                    let outside = nets(bits, &mut classes);
+                    let Some(declared) = inside.ports.get(port) else {
+                        continue;
+                    };
+                    for (bit, net) in declared.bits.iter().zip(outside) {
+                        let within = inner.net(bit, &mut classes);
+                        classes.join(within, net);
+                    }
+                }
+                open.push((&cell.kind, format!("{below}{cell_name}"), inner));
+                continue;
+            }
+            if flat.primitives.len() >= MOST_CELLS {
+                return Err(SynthesisError::Netlist(format!(
+                    "it has more than {MOST_CELLS} primitives"
+                )));
+            }
+            let connections = cell.connections.iter();
+            let connections = connections
+                .map(|(port, bits)| {
+                    let nets = nets(bits, &mut classes);
+                    (port.as_str(), nets.into_iter().map(Some).collect())
+                })
+                .collect();
+            flat.primitives.push(Primitive {
+                cell,
+                name: cell_name,
+                instance,
+                connections,
+            });
+        }
+    }
+    settle(&mut flat, &mut classes);
+    Ok(flat)
+}
+
+/// The nets of the top's ports.
+fn ports(module: &Module, scope: &mut Scope, classes: &mut Classes, flat: &mut Flat<'_>) {
+    for (name, port) in &module.ports {
+        for (place, bit) in port.bits.iter().enumerate() {
+            let net = scope.net(bit, classes);
+            let name = match port.bits.len() {
+                1 => name.clone(),
+                _ => format!("{name}[{place}]"),
+            };
+            match port.direction {
+                Direction::Input => flat.inputs.push((name, net)),
+                Direction::Output => flat.outputs.push((name, net)),
+                Direction::Inout => {}
+            }
+        }
+    }
+}
+
+/// Numbers the classes one after the other.
+fn settle(flat: &mut Flat<'_>, classes: &mut Classes) {
+    let mut numbers = vec![u32::MAX; classes.0.len()];
+    let mut next = 0;
+    let mut settled = |net: u32| -> Net {
+        let class = classes.find(net);
+        if class == 0 {
+            return None;
+        }
+        let number = &mut numbers[class as usize];
+        if *number == u32::MAX {
+            *number = next;
+            next += 1;
+        }
+        Some(*number)
+    };
+    for primitive in &mut flat.primitives {
+        for (_, nets) in &mut primitive.connections {
+            for net in nets {
+                *net = net.and_then(&mut settled);
+            }
+        }
+    }
+    for ports in [&mut flat.inputs, &mut flat.outputs] {
+        let known = std::mem::take(ports).into_iter();
+        *ports = known
+            .filter_map(|(name, net)| settled(net).map(|net| (name, net)))
+            .collect();
+    }
+    flat.nets = next;
+}

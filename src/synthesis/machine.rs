@@ -1,0 +1,167 @@
+//! A whole machine, as `robovec rtl` writes it: mapped part by part.
+//!
+//! The modules of the parts stay closed, so that equal ones are mapped once
+//! and every part has counts of its own; what is inside a part is opened and
+//! mapped as one. Initial contents are left out: they change no count, and
+//! without them the elements are more alike.
+
+use super::netlist::{Netlist, readable};
+use super::timing::{FAST_NET, Path, Paths, SLOW_NET, Timing};
+use super::{Design, SynthesisError, Tool, count};
+use robovec_passes::analysis::hardware::{Part, PartKind, Resources, Shape, parts};
+use robovec_passes::codegen::rtl::cores::Core;
+use std::collections::BTreeMap;
+
+/// The top of every machine.
+const TOP: &str = "robovec_machine";
+
+/// How the modules of elements begin; their kind follows.
+const ELEMENT: &str = "robovec_element_";
+
+/// The memory with two ports that write, which yosys has no cell for.
+const CLOSED: &str = "true_dual_port_memory.v";
+
+/// The modules of the parts, and what they are.
+const MODULES: [(&str, PartKind); 7] = [
+    ("instruction_memory", PartKind::Instructions),
+    ("pe_split", PartKind::Operands),
+    ("pe_pumped", PartKind::Operands),
+    ("result_buffer", PartKind::Buffer),
+    ("robovec_crossbar", PartKind::Crossbar),
+    ("sequencer", PartKind::Sequencer),
+    ("host_window", PartKind::Window),
+];
+
+/// A machine, as mapped.
+#[derive(Clone, PartialEq, Debug)]
+pub struct MappedMachine {
+    /// What the formulas say of every part.
+    pub estimated: Vec<Part>,
+    /// What yosys counts, in the same order: all of a part together.
+    pub counted: Vec<Resources>,
+    /// The longest path with quick nets.
+    pub quick: Option<Path>,
+    /// The longest path with slow nets.
+    pub slow: Option<Path>,
+    /// Clocks of a cycle: paths between registers of the elements have that
+    /// many.
+    pub phases: u32,
+}
+
+impl MappedMachine {
+    /// What yosys counts in all.
+    pub fn total(&self) -> Resources {
+        self.counted.iter().copied().sum()
+    }
+
+    /// What the formulas say in all.
+    pub fn estimate(&self) -> Resources {
+        let all = self.estimated.iter();
+        all.map(|part| part.each * f64::from(part.count)).sum()
+    }
+}
+
+/// The design for a machine's files: name and text of every Verilog file.
+pub fn design(files: &[(String, String)]) -> Design {
+    let (closed, sources) = files
+        .iter()
+        .filter(|(name, _)| name.ends_with(".v"))
+        .cloned()
+        .partition(|(name, _)| name == CLOSED);
+    let parts = MODULES.iter().map(|(name, _)| *name);
+    let operators = Core::ALL.iter().map(|core| core.module());
+    Design {
+        top: TOP.to_owned(),
+        parameters: vec![("INITIAL".to_owned(), "0".to_owned())],
+        sources,
+        closed,
+        others: Vec::new(),
+        kept: parts
+            .chain(operators)
+            .chain([ELEMENT])
+            .map(str::to_owned)
+            .collect(),
+    }
+}
+
+/// Maps a machine.
+///
+/// # Errors
+///
+/// When yosys cannot be run, refuses the design, or leaves a memory or
+/// another cell unmapped.
+pub fn map(
+    tool: &Tool,
+    shape: &Shape,
+    files: &[(String, String)],
+) -> Result<MappedMachine, SynthesisError> {
+    let netlist = tool.map(&design(files))?;
+    measure(&netlist, shape)
+}
+
+/// Counts and times a mapped machine.
+fn measure(netlist: &Netlist, shape: &Shape) -> Result<MappedMachine, SynthesisError> {
+    let unknown = count::unknown_cells(netlist, TOP)?;
+    if !unknown.is_empty() {
+        return Err(SynthesisError::Netlist(format!(
+            "cells that the device does not have: {}",
+            unknown.join(", ")
+        )));
+    }
+    let estimated = parts(shape);
+    let by_part = by_part(netlist)?;
+    let counted = estimated
+        .iter()
+        .map(|part| {
+            let key = (part.kind.clone(), part.part);
+            by_part.get(&key).copied().unwrap_or_default()
+        })
+        .collect();
+    let timing = Timing::new(netlist, TOP)?;
+    Ok(MappedMachine {
+        counted,
+        estimated,
+        quick: timing.longest(FAST_NET, Paths::INSIDE),
+        slow: timing.longest(SLOW_NET, Paths::INSIDE),
+        phases: shape.phases(),
+    })
+}
+
+/// What every part of a kind takes in all.
+fn by_part(
+    netlist: &Netlist,
+) -> Result<BTreeMap<(Option<String>, PartKind), Resources>, SynthesisError> {
+    let counts = count::count(netlist, TOP)?;
+    let totals: BTreeMap<&str, Resources> = counts
+        .iter()
+        .map(|count| (count.netlist_name.as_str(), count.total))
+        .collect();
+    let mut parts: BTreeMap<(Option<String>, PartKind), Resources> = BTreeMap::new();
+    for count in &counts {
+        let kind = count.name.strip_prefix(ELEMENT);
+        // What stands in an element or the top itself, outside of its parts.
+        let own = match (kind, count.name.as_str()) {
+            (Some(_), _) => PartKind::Operators,
+            (None, TOP) => PartKind::Window,
+            _ => continue,
+        };
+        let kind = kind.map(str::to_owned);
+        let times = f64::from(count.instances);
+        let mut add = |part: PartKind, taken: Resources| {
+            *parts.entry((kind.clone(), part)).or_default() += taken * times;
+        };
+        add(own, count.own);
+        for cell in netlist.modules[&count.netlist_name].cells.values() {
+            let Some(inside) = totals.get(cell.kind.as_str()) else {
+                continue;
+            };
+            let name = readable(&cell.kind);
+            if name.starts_with(ELEMENT) {
+                continue;
+            }
+            let known = MODULES.iter().find(|(module, _)| *module == name);
+            add(known.map_or(own, |(_, part)| *part), *inside);
+        }
+    }
+    Ok(parts)
+}

@@ -1,0 +1,26 @@
+//! Mapping of generated hardware to the cells of a Cyclone V by yosys, what
+//! it takes, and how fast it can be clocked.
+//!
+//! The vendor's tools are not needed: yosys' `synth_intel_alm` maps Verilog
+//! to look-up tables, registers, memory blocks and multipliers
+//! ([`tool`], [`script`]), the netlist is counted module by module
+//! ([`count`]), and its longest path found with published delays
+//! ([`timing`]). Formulas for the same figures without any tool stand in
+//! [`robovec_passes::analysis::hardware`]; the mapping is what they are
+//! checked against.
+
+pub mod cores;
+pub mod count;
+mod delays;
+mod error;
+mod flat;
+pub mod machine;
+pub mod netlist;
+pub mod page;
+pub mod script;
+pub mod timing;
+pub mod tool;
+
+pub use error::SynthesisError;
+pub use script::Design;
+pub use tool::Tool;

