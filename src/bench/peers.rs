@@ -33,8 +33,14 @@ const PINOCCHIO_FLAGS: &str = "-std=c++17 -DNDEBUG -DBOOST_MPL_LIMIT_LIST_SIZE=3
 /// The names of the peers.
 pub const NAMES: [&str; 4] = ["loop", "pinocchio", "mujoco", "casadi"];
 
-/// The peers of some names, for a model.
-pub fn peers(question: &Question<'_>, model: &Model, names: &[String]) -> Vec<Contestant> {
+/// The peers of some names, for a model; `too_long` says why a peer that prints
+/// one function is not compiled.
+pub fn peers(
+    question: &Question<'_>,
+    model: &Model,
+    names: &[String],
+    too_long: Option<&str>,
+) -> Vec<Contestant> {
     let wanted = |name: &str| names.iter().any(|known| known == name);
     let mut list = Vec::new();
     for command in ["g++", "clang++"] {
@@ -70,7 +76,10 @@ pub fn peers(question: &Question<'_>, model: &Model, names: &[String]) -> Vec<Co
         list.push(mujoco(question, model));
     }
     if wanted("casadi") {
-        list.push(casadi(question, model));
+        list.push(match too_long {
+            Some(why) => missing(question, model, "CasADi", why),
+            None => casadi(question, model),
+        });
     }
     list
 }

@@ -171,13 +171,9 @@ fn contestants(
         let c_file = c_file.filter(|path| path.extension().is_some_and(|name| name == "c"));
         let operations = own::operations(question.view);
         list.push(match c_file {
-            _ if operations > arguments.largest => robotran::missing(
-                question,
-                format!(
-                    "one function of {operations} operations, which compilers need hours for \
-                     (--largest)"
-                ),
-            ),
+            _ if operations > arguments.largest => {
+                robotran::missing(question, in_one_piece(operations))
+            }
             Some(path) => robotran::file(question, compiler, path),
             None => robotran::printed(question, compiler, &loaded.module),
         });
@@ -207,8 +203,19 @@ fn contestants(
         };
         program.enter(question, &found, &mut list)?;
     }
-    list.extend(peers::peers(question, model, &arguments.peers));
+    // What CasADi prints is about as long as the shortest of ours.
+    let shortest = list.iter().filter_map(|own| own.operations).min();
+    let too_long = shortest
+        .filter(|&operations| operations > arguments.largest)
+        .map(in_one_piece);
+    let found = peers::peers(question, model, &arguments.peers, too_long.as_deref());
+    list.extend(found);
     Ok(list)
+}
+
+/// Why a function is not compiled.
+fn in_one_piece(operations: usize) -> String {
+    format!("one function of {operations} operations, which compilers need hours for (--largest)")
 }
 
 /// Equations that robovec writes as C in several ways.

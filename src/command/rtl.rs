@@ -177,6 +177,19 @@ fn program(
     if let Some(name) = function {
         select(&mut module, name)?;
     }
+    let equations = |function: &Function| function.placement.is_none();
+    if arguments.passes.is_none() && module.functions.iter().any(equations) {
+        return Err(Failure::advised(
+            format!(
+                "{}: hardware runs placed programs",
+                arguments.input.display()
+            ),
+            vec![
+                "place it here: --passes atomise,zero-removal,balance,cse,dce,place".to_owned(),
+                "or run robovec-opt with these passes, and give its output".to_owned(),
+            ],
+        ));
+    }
     let machine = match machine {
         Some(machine) => machine,
         None => own_machine(&module)?,

@@ -127,8 +127,17 @@ pub(super) fn checked(
     };
     let tool = Tool::from(simulator);
     let mut doors: Vec<Door> = arguments.through.iter().map(|&way| way.into()).collect();
+    // The configuration of hardware that was there has its own images.
+    let is_configured = folder.join("rtl").is_dir();
     if doors.is_empty() {
         doors = tool.doors().to_vec();
+        doors.retain(|&door| is_configured || door != Door::Configured);
+    }
+    if doors.contains(&Door::Configured) && !is_configured {
+        return Err(Failure::advised(
+            "hardware that is there was not configured with these images",
+            vec!["check how they are loaded: --through bus,avalon,axi4lite".to_owned()],
+        ));
     }
     if let Some(door) = doors.iter().find(|door| !tool.doors().contains(door)) {
         return Err(Failure::advised(

@@ -136,9 +136,10 @@ declare_pass! {
     ///
     /// `target=rolled` writes the same function with loops where it repeats
     /// itself, as unrolled recursions do: the code of long chains then fits
-    /// the instruction cache (`docs/c-rolled.md`). It has the plain signature,
-    /// and results equal to those of plain C bit for bit; arrays must not
-    /// overlap.
+    /// the instruction cache (`docs/c-rolled.md`). It has the plain signature
+    /// and the results of plain C: bit for bit with `circular=library`, else
+    /// with sines and cosines within one unit in the last place. Arrays must
+    /// not overlap.
     ///
     /// `target=batch` writes C in which every operation computes `lanes`
     /// states (1, 4, 8 or 16) as one vector, with its own sines and cosines and
