@@ -14,6 +14,9 @@ use robovec_passes::codegen::rolled::rolled_files;
 /// The clock and the windows, shared by all programs.
 pub(super) const BENCH_H: &str = include_str!("../../benches/peers/bench.h");
 
+/// How generated C is compiled; loops at `-O3`.
+pub const FLAGS: &str = "-O2 -march=native";
+
 /// Operations of a function.
 pub fn operations(view: View<'_>) -> usize {
     Counts::of(view.function).operations
@@ -57,7 +60,7 @@ pub fn straight(
         &Call::Plain,
         &format!("#include \"{}\"", header.0),
         &function,
-        "-O2 -march=native",
+        FLAGS,
     )
 }
 
@@ -113,7 +116,7 @@ pub fn batch(
         &call,
         &include,
         &function,
-        "-O2 -march=native",
+        FLAGS,
     )
 }
 

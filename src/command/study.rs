@@ -148,19 +148,22 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
     };
     let bar = progress_bar(plan.models.len() * plan.pipelines.len());
     let mut times: Vec<CpuTime> = Vec::new();
-    let mut measure = |model: &str, pipeline: &str, module: &Module| {
-        let view = View {
+    let mut measure = |model: &str, pipeline: &str, [module, shorter]: [&Module; 2]| {
+        let [view, shorter] = [module, shorter].map(|module| View {
             tables: &module.tables,
             function: &module.functions[0],
-        };
+        });
         let job = Job {
             model,
             pipeline,
             view,
+            shorter,
         };
         let known = earlier.iter().find(|time| time.is_of(&job, &computer));
         let time = || cpu::measure(&job, &computer, arguments.cpu_limit);
         times.push(known.cloned().unwrap_or_else(time));
+        // What takes long is kept at once.
+        output::write_file(&path, |writer| writer.write_all(json(&times).as_bytes()))
     };
     for (index, subject) in plan.models.iter().enumerate() {
         let equations = Equations::load(subject, &Files).map_err(Failure)?;
@@ -172,14 +175,13 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
             }
             let program = equations.optimise(subject, named, &plan.machines[machine]);
             let program = program.map_err(Failure::plain)?;
-            measure(&subject.name, &named.name, &program.module);
+            measure(&subject.name, &named.name, [&program.module; 2])?;
         }
-        if let Some(module) = subjects::for_processors(subject)? {
-            measure(&subject.name, subjects::FOR_PROCESSORS, &module);
+        if let Some([module, shorter]) = subjects::for_processors(subject)? {
+            measure(&subject.name, subjects::FOR_PROCESSORS, [&module, &shorter])?;
         }
     }
     bar.finish_and_clear();
-    output::write_file(&path, |writer| writer.write_all(json(&times).as_bytes()))?;
     Ok(times)
 }
 

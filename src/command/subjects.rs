@@ -60,8 +60,9 @@ pub(super) fn locate(subject: &Subject) -> Result<Source, Failure> {
 pub(super) const FOR_PROCESSORS: &str = "composite-base";
 
 /// The function of a model made for processors: direct dynamics by composite
-/// bodies. `None` for files of equations and for other functions.
-pub(super) fn for_processors(subject: &Subject) -> Result<Option<Module>, Failure> {
+/// bodies, as it is and after the passes for straight-line code. `None` for
+/// files of equations and for other functions.
+pub(super) fn for_processors(subject: &Subject) -> Result<Option<[Module; 2]>, Failure> {
     let model = match locate(subject)? {
         Source::Model(model) => *model,
         Source::ModelFile(path) => input::model(&path)?.model,
@@ -75,7 +76,10 @@ pub(super) fn for_processors(subject: &Subject) -> Result<Option<Module>, Failur
         ..Options::default()
     };
     let formulation = Formulation::from_name(FOR_PROCESSORS).unwrap_or_default();
-    generation::functions(&model, &[FunctionKind::Dirdyna], formulation, &options).map(Some)
+    let module = generation::functions(&model, &[FunctionKind::Dirdyna], formulation, &options)?;
+    let mut shorter = module.clone();
+    generation::transform(&mut shorter, &input::passes("$cpu")?)?;
+    Ok(Some([module, shorter]))
 }
 
 fn equations(subject: &Subject) -> Result<Module, Failure> {

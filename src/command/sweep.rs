@@ -8,7 +8,7 @@ use crate::sweep::design::{Space, interconnect_names};
 use crate::sweep::{Sweep, page, sweep, text};
 use clap::{Args, ValueEnum};
 use robovec_ir::machine::{Interconnect, MemoryStyle};
-use robovec_ir::{Machine, Module};
+use robovec_ir::{Machine, Module, View};
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline;
 use std::path::{Path, PathBuf};
@@ -81,10 +81,18 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, Failure> {
     let mut report = String::new();
     for subject in &arguments.subjects {
         let (name, mut module, _) = programs(subject, &arguments.function)?;
-        prepare(&mut module, &arguments.passes)
-            .map_err(|error| Failure::plain(format!("{name}: {error}")))?;
-        let result = sweep(&name, &module, &space, arguments.cpu)
-            .map_err(|error| Failure::plain(format!("{name}: {error}")))?;
+        let failure = |error| Failure::plain(format!("{name}: {error}"));
+        let mut compiled = module.clone();
+        prepare(&mut module, &arguments.passes).map_err(failure)?;
+        if arguments.cpu {
+            prepare(&mut compiled, "$cpu").map_err(failure)?;
+        }
+        let view = View {
+            tables: &compiled.tables,
+            function: &compiled.functions[0],
+        };
+        let result = sweep(&name, &module, &space, arguments.cpu.then_some(view))
+            .map_err(|error| failure(error.to_string()))?;
         report += &text::text(&result);
         report.push('\n');
         sweeps.push(result);

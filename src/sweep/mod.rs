@@ -21,7 +21,6 @@ use crate::study::cpu;
 use design::{Design, Space};
 use rayon::prelude::*;
 use robovec_ir::{Machine, Module, View, verify};
-use robovec_passes::codegen::c::Real;
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline;
 use robovec_passes::place::{PlaceOptions, place, placement_statistics};
@@ -70,9 +69,11 @@ pub struct Sweep {
     pub points: Vec<Point>,
     /// Designs the program could not be placed on, and why.
     pub failures: Vec<(Design, String)>,
-    /// Time of one evaluation in binary32 by the C compiler's code on one core
-    /// of this computer, µs.
+    /// Time of one evaluation in binary64 by the fastest generated C on one
+    /// core of this computer, µs.
     pub cpu_us: Option<f64>,
+    /// The same per evaluation when eight are made at once.
+    pub cpu_batch_us: Option<f64>,
     /// Why there is no such time, if it was asked for.
     pub cpu_remark: String,
 }
@@ -97,7 +98,7 @@ pub enum SweepError {
 }
 
 /// Places a function, alone in its module and atomic, on every design of a
-/// space.
+/// space, and times what a processor would run in its place.
 ///
 /// # Errors
 ///
@@ -106,7 +107,7 @@ pub fn sweep(
     name: &str,
     module: &Module,
     space: &Space,
-    with_cpu: bool,
+    processor: Option<View<'_>>,
 ) -> Result<Sweep, SweepError> {
     let function = &module.functions[0];
     let operations = robovec_ir::count::Counts::of(function).operations;
@@ -136,14 +137,11 @@ pub fn sweep(
         }
     }
     mark_front(&mut points);
-    let view = View {
-        tables: &module.tables,
-        function,
-    };
-    let cpu = with_cpu.then(|| match operations > cpu::LARGEST {
+    let cpu = processor.map(|view| match operations > cpu::LARGEST {
         true => Err("it is too large for a C compiler".to_owned()),
-        false => cpu::compile_and_run(view, Real::Float),
+        false => cpu::contest(view, view),
     });
+    let times = cpu.clone().and_then(Result::ok).unwrap_or_default();
     let thesis = Machine::built_in("thesis");
     let path = thesis.map_or(0, |machine| {
         robovec_passes::analysis::critical_path::critical_path(function, &machine).asap_cycle
@@ -154,7 +152,8 @@ pub fn sweep(
         path,
         points,
         failures,
-        cpu_us: cpu.clone().and_then(Result::ok).map(|time| time * 1e-3),
+        cpu_us: times.single().map(|time| time * 1e-3),
+        cpu_batch_us: times.batch.map(|time| time * 1e-3),
         cpu_remark: cpu.and_then(Result::err).unwrap_or_default(),
     })
 }
@@ -270,7 +269,7 @@ mod tests {
             instances: vec![1, 4],
             ..Space::default()
         };
-        let sweep = sweep("f", &program(), &space, false).expect("it is small");
+        let sweep = sweep("f", &program(), &space, None).expect("it is small");
         assert_eq!(sweep.failures, []);
         assert_eq!(sweep.points.len(), space.designs().len());
         let front = sweep.front();
@@ -297,7 +296,7 @@ mod tests {
             multipliers: (1..=4096).collect(),
             ..Space::default()
         };
-        let error = sweep("f", &program(), &space, false).expect_err("it is too much");
+        let error = sweep("f", &program(), &space, None).expect_err("it is too much");
         assert!(matches!(error, SweepError::TooMuch { .. }), "{error}");
     }
 }

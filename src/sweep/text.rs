@@ -83,17 +83,16 @@ fn verdict(sweep: &Sweep) -> String {
     let own = fastest.us_per_evaluation;
     let mut text = format!("the fastest design that fits takes {own:.3} us per evaluation");
     match sweep.cpu_us {
-        Some(cpu) if cpu < own => {
-            text += &format!(
-                ", one core of this computer {cpu:.3} us: the processor wins by {:.1}",
-                own / cpu
-            );
-        }
         Some(cpu) => {
-            text += &format!(
-                ", one core of this computer {cpu:.3} us: the design wins by {:.1}",
-                cpu / own
-            );
+            text += &format!(", one core of this computer {cpu:.3} us");
+            if let Some(batch) = sweep.cpu_batch_us {
+                text += &format!(" ({batch:.3} us each when it makes eight at once)");
+            }
+            let (winner, factor) = match cpu < own {
+                true => ("processor", own / cpu),
+                false => ("design", cpu / own),
+            };
+            text += &format!(": the {winner} wins by {factor:.1}");
         }
         None if !sweep.cpu_remark.is_empty() => {
             text += &format!("; there is no time of the processor: {}", sweep.cpu_remark);

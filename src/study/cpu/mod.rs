@@ -79,8 +79,10 @@ pub struct Job<'a> {
     pub model: &'a str,
     /// The pipeline or formulation.
     pub pipeline: &'a str,
-    /// The function.
+    /// The function, in whose order loops are found.
     pub view: View<'a>,
+    /// The same for straight-line code and batches.
+    pub shorter: View<'a>,
 }
 
 /// Where the states come from that programs are timed at.
@@ -106,11 +108,7 @@ impl Computer {
         let version = version.ok().filter(|output| output.status.success());
         let compiler = version.map(|output| {
             let text = String::from_utf8_lossy(&output.stdout).into_owned();
-            format!(
-                "{} {}",
-                text.lines().next().unwrap_or("cc"),
-                FLAGS[1..].join(" ")
-            )
+            format!("{} {}", text.lines().next().unwrap_or("cc"), own::FLAGS)
         });
         let information = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         let name = information
@@ -136,38 +134,67 @@ pub fn measure(job: &Job<'_>, computer: &Computer, largest: usize) -> CpuTime {
             "not measured, it has more than {largest} operations, which take a C compiler minutes"
         ))
     } else {
-        contest(job.view)
+        contest(job.view, job.shorter)
     };
     let times = result.as_ref().copied().unwrap_or_default();
-    let [microseconds, rolled, batch] =
-        times.map(|time| time.map(|time| super::table::round(time * 1e-3, 4)));
+    let microseconds = |time: Option<f64>| time.map(|time| super::table::round(time * 1e-3, 4));
     CpuTime {
         model: job.model.to_owned(),
         pipeline: job.pipeline.to_owned(),
         operations,
-        microseconds,
-        rolled,
-        batch,
+        microseconds: microseconds(times.straight),
+        rolled: microseconds(times.rolled),
+        batch: microseconds(times.batch),
         remark: result.err().unwrap_or_default(),
         compiler: computer.compiler.clone(),
         processor: computer.processor.clone(),
     }
 }
 
-/// Times of straight-line C, of C with loops, and per state of C for batches,
-/// ns.
-fn contest(view: View<'_>) -> Result<[Option<f64>; 3], String> {
+/// Times of one function, ns.
+#[derive(Clone, Copy, Default, PartialEq, Debug)]
+pub struct Times {
+    /// One evaluation by straight-line C.
+    pub straight: Option<f64>,
+    /// One evaluation by C with loops.
+    pub rolled: Option<f64>,
+    /// Per state, when eight are evaluated at once.
+    pub batch: Option<f64>,
+}
+
+impl Times {
+    /// The time of one evaluation by the faster C.
+    pub fn single(&self) -> Option<f64> {
+        let both = self.straight.into_iter().chain(self.rolled);
+        both.min_by(f64::total_cmp)
+    }
+}
+
+/// Times of the C that is generated for processors, in binary64, after its
+/// results were compared with the evaluator's. Loops are found in the order of
+/// `regular`; straight-line code and batches are of `shorter`, the same
+/// function after passes or not.
+///
+/// # Errors
+///
+/// Why there is no time: no compiler, what it says, or another result.
+pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<Times, String> {
     let folder = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
     let compiler = Compiler::find("cc").ok_or("there is no C compiler 'cc'")?;
     let question = Question {
         name: "function".to_owned(),
-        view,
+        view: regular,
         model: None,
         states: &States::new(SEED),
         count: STATES,
     };
-    let ways: [own::Way; 3] = [own::straight, own::rolled, own::batch];
-    let contestants = ways.map(|way| way(&question, &compiler, Family::Equations, "C", view));
+    let ways: [(own::Way, View<'_>); 3] = [
+        (own::straight, shorter),
+        (own::rolled, regular),
+        (own::batch, shorter),
+    ];
+    let family = Family::Equations;
+    let contestants = ways.map(|(way, view)| way(&question, &compiler, family, "C", view));
     let (rounds, milliseconds) = ROUNDS;
     let quiet = &mut |_: &str| {};
     let outcomes = bench(
@@ -181,9 +208,11 @@ fn contest(view: View<'_>) -> Result<[Option<f64>; 3], String> {
     .map_err(|error| error.to_string())?;
     let failure = outcomes.iter().find_map(|outcome| outcome.failure.clone());
     match (failure, outcomes.as_slice()) {
-        (None, [straight, rolled, batch]) => {
-            Ok([straight, rolled, batch].map(|outcome| outcome.nanoseconds))
-        }
+        (None, [straight, rolled, batch]) => Ok(Times {
+            straight: straight.nanoseconds,
+            rolled: rolled.nanoseconds,
+            batch: batch.nanoseconds,
+        }),
         (failure, _) => Err(failure.unwrap_or_default()),
     }
 }

@@ -3,6 +3,7 @@
 
 use super::Options;
 use crate::codegen::order::{Step, order};
+use crate::dce::live;
 use hashbrown::HashMap;
 use robovec_ir::{Function, Input, Operand, OperandKind, Operation, Value, View};
 use rustc_hash::FxBuildHasher;
@@ -311,24 +312,6 @@ pub(super) fn operands<'a>(function: &'a Function, step: &Step) -> &'a [Operand]
 pub(super) fn input_array(function: &Function, input: Input) -> usize {
     let arrays = function.inputs();
     arrays.partition_point(|array| array.offset <= input.0) - 1
-}
-
-/// The nodes that an output needs.
-fn live(function: &Function) -> Vec<bool> {
-    let mut live = vec![false; function.nodes().len()];
-    for assignment in &function.assignments {
-        if let Some(value) = assignment.operand.value() {
-            live[value.index()] = true;
-        }
-    }
-    for (value, node) in function.values().rev() {
-        if live[value.index()] {
-            for operand in node.operands().iter().filter_map(|operand| operand.value()) {
-                live[operand.index()] = true;
-            }
-        }
-    }
-    live
 }
 
 /// The nodes that depend on nothing but shared arrays and literals.

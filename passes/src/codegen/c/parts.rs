@@ -4,6 +4,7 @@
 use super::order::order;
 use super::sines::Slots;
 use super::{Options, Sines};
+use crate::dce::live;
 use robovec_ir::{Function, Operand, Value};
 
 /// Most operations of one expression.
@@ -218,26 +219,6 @@ fn mark(function: &Function, operand: Operand, marked: &mut [bool]) {
             open.extend(operands.filter_map(|operand| operand.value()));
         }
     }
-}
-
-/// The nodes that an output needs.
-fn live(function: &Function) -> Vec<bool> {
-    let mut live = vec![false; function.nodes().len()];
-    for assignment in &function.assignments {
-        if let Some(value) = assignment.operand.value() {
-            live[value.index()] = true;
-        }
-    }
-    for (value, node) in function.values().rev() {
-        if live[value.index()] {
-            for operand in node.operands() {
-                if let Some(operand) = operand.value() {
-                    live[operand.index()] = true;
-                }
-            }
-        }
-    }
-    live
 }
 
 /// For each node whether it stands inside its user's expression, and how many

@@ -4,6 +4,7 @@
 //! results of other statements. Two statements that differ in their leaves
 //! alone have one template, and only such can be passes through one loop.
 
+use crate::dce::live;
 use hashbrown::HashMap;
 use robovec_ir::{Function, Level, Operand, OperandKind, Operation, Output, Value};
 use rustc_hash::FxBuildHasher;
@@ -233,26 +234,6 @@ fn assigned(function: &Function) -> (Vec<u32>, Vec<Output>) {
         starts,
         pairs.into_iter().map(|(_, output)| output).collect(),
     )
-}
-
-/// The nodes that an output needs.
-fn live(function: &Function) -> Vec<bool> {
-    let mut live = vec![false; function.nodes().len()];
-    for assignment in &function.assignments {
-        if let Some(value) = assignment.operand.value() {
-            live[value.index()] = true;
-        }
-    }
-    for (value, node) in function.values().rev() {
-        if live[value.index()] {
-            for operand in node.operands() {
-                if let Some(operand) = operand.value() {
-                    live[operand.index()] = true;
-                }
-            }
-        }
-    }
-    live
 }
 
 /// For each node whether it stands inside the expression of the only node
