@@ -111,6 +111,61 @@ fn every_result_is_right_in_icarus_verilog() {
     }
 }
 
+/// Roots and quotients, of negative numbers as well.
+const ROOTS: &str = "// robovec 1
+
+function dirdyna equations {
+  in x[1..3]
+  in y[1..3]
+  out d[1..4]
+
+  %L = sqrt(x[1]*x[1] + x[2]*x[2] + x[3]*x[3])
+  %K = sqrt(y[1]*y[1] + y[2]*y[2] + y[3]*y[3])
+  %N = %L/%K
+  %R = sqrt(%N*%N + 1.0)
+
+  d[1] = %L
+  d[2] = %K
+  d[3] = %N/%R
+  d[4] = sqrt(x[2])
+}
+";
+
+/// Dividers, roots and fused operations on elements of their own or together,
+/// and a crossbar of what is used.
+#[test]
+fn every_kind_of_operation_is_right_in_icarus_verilog() {
+    if !is_there(Tool::Icarus) {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let roots = folder.path().join("roots.rvir");
+    fs::write(&roots, ROOTS).expect("a folder of our own");
+    let both = ("operations = [\"div\"]", "operations = [\"div\", \"sqrt\"]");
+    let own = (
+        "[memory]",
+        "[[element]]\nkind = \"root\"\noperations = [\"sqrt\"]\ncount = 2\nstages = 5\n\
+         transfer = 2\n\n[memory]",
+    );
+    let pendulum = model("double-pendulum.mbs");
+    let fused = "atomise,zero-removal,balance,cse,fma,dce,place";
+    type Edits<'a> = &'a [(&'a str, &'a str)];
+    let cases: [(&Path, &str, Edits<'_>, &[&str]); 4] = [
+        (&roots, "solver", &[both], &[]),
+        (&roots, "solver", &[own], &["--crossbar", "pruned"]),
+        (&pendulum, "fused", &[], &["--passes", fused]),
+        (&pendulum, "side-split", &[], &["--crossbar", "pruned"]),
+    ];
+    for (input, name, edits, more) in cases {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let machine = machine(folder.path(), name, 2, edits);
+        build(folder.path(), input, &machine, more);
+        for verdict in verdicts(folder.path(), Tool::Icarus, &[Door::Bus]) {
+            assert!(count(&verdict, " results compared") >= 3 * 18, "{verdict}");
+        }
+    }
+}
+
 /// The program that ships as Robotran's file, and the bogie of the thesis.
 #[test]
 fn real_programs_are_right_in_icarus_verilog() {

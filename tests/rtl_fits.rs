@@ -1,19 +1,18 @@
 //! Another program on hardware that is there: what `robovec rtl --fits` says,
 //! writes and runs.
 
-use std::path::Path;
-use std::process::{Command, Output};
+#[path = "support/programs.rs"]
+mod programs;
+
+use programs::{model, robovec};
+use robovec::rtl::Tool;
+use std::process::Output;
 
 const PASSES: &str = "atomise,zero-removal,balance,cse,dce,place";
 
-fn rtl(model: &str, arguments: &[&str]) -> Output {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .arg("rtl")
-        .arg(root.join("examples/models").join(model))
-        .args(arguments)
-        .output()
-        .expect("the program can be started")
+fn rtl(name: &str, arguments: &[&str]) -> Output {
+    let input = model(name).display().to_string();
+    robovec(&[&["rtl", &input], arguments].concat())
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -29,18 +28,6 @@ fn build(folder: &str) {
     assert!(built.status.success(), "{}", text(&built.stderr));
 }
 
-fn is_installed(tool: &str) -> bool {
-    let found = Command::new(tool).arg("-V").output().is_ok();
-    if !found {
-        assert!(
-            std::env::var_os("CI").is_none(),
-            "{tool} is not installed, and CI runs hardware"
-        );
-        println!("skipped: {tool} is not installed");
-    }
-    found
-}
-
 #[test]
 fn images_of_another_model_run_on_hardware_that_is_there() {
     let folder = tempfile::tempdir().expect("a folder can be made");
@@ -54,7 +41,8 @@ fn images_of_another_model_run_on_hardware_that_is_there() {
     assert!(told.contains("fits the hardware with hash"), "{told}");
     assert!(told.contains("cycles: "), "{told}");
     assert!(!folder.path().join("images/rtl").exists());
-    if !is_installed("iverilog") {
+    if let Some(program) = Tool::Icarus.missing() {
+        eprintln!("SKIPPED: {program} is not installed, the images were not run");
         return;
     }
     let check = [
