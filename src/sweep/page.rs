@@ -41,5 +41,6 @@ checked against the machine. Time is cycles over the clock, divided by the insta
 evaluated at once. The clock is that of the operators in the thesis' tables, at most 120 MHz with \
 double-pumped memories and 240 MHz with single-pumped ones. What a design takes is estimated by \
 formulas. Sines and cosines, loading and reading cost no cycles.</p>\
-<p>The time of the processor is that of the same program, written as C in binary32, compiled by \
-its C compiler and run on one core, the least of many repetitions.</p>";
+<p>The time of the processor is that of the same function in binary64, written as C for processors \
+(fewest operations, with loops or without, whichever is faster), its results compared with the \
+evaluator's, and run on one core, the least of many repetitions.</p>";

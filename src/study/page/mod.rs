@@ -89,7 +89,7 @@ pub(crate) fn table(table: &Table) -> String {
     };
     let file = match name.as_str() {
         "cpu" | "winners" | "verdicts" => String::new(),
-        "front" | "fit" => format!("File: {name}.csv."),
+        "front" | "fit" | "sweep" => format!("File: {name}.csv."),
         name => format!("File: tables/{name}.csv."),
     };
     // Writing to a string cannot fail.
