@@ -9,8 +9,11 @@ use crate::study::results::Results;
 use crate::study::store::Store;
 use crate::study::{figures, page, plot, run, tables};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use robovec_ir::print::print_file;
 use robovec_ir::{Module, View};
+use std::collections::HashMap;
 use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
@@ -148,6 +151,7 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
     };
     let bar = progress_bar(plan.models.len() * plan.pipelines.len());
     let mut times: Vec<CpuTime> = Vec::new();
+    let mut timed: HashMap<u64, usize> = HashMap::new();
     let mut measure = |model: &str, pipeline: &str, [module, shorter]: [&Module; 2]| {
         let [view, shorter] = [module, shorter].map(|module| View {
             tables: &module.tables,
@@ -159,9 +163,16 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
             view,
             shorter,
         };
+        // Models of several formulations are the same for a processor.
+        let mut hasher = DefaultHasher::new();
+        [view, shorter].map(print_file).hash(&mut hasher);
+        let same = timed.entry(hasher.finish()).or_insert(times.len());
         let known = earlier.iter().find(|time| time.is_of(&job, &computer));
-        let time = || cpu::measure(&job, &computer, arguments.cpu_limit);
-        times.push(known.cloned().unwrap_or_else(time));
+        times.push(match (known, times.get(*same)) {
+            (Some(known), _) => known.clone(),
+            (None, Some(same)) => same.of(&job),
+            (None, None) => cpu::measure(&job, &computer, arguments.cpu_limit),
+        });
         // What takes long is kept at once.
         output::write_file(&path, |writer| writer.write_all(json(&times).as_bytes()))
     };

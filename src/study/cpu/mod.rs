@@ -65,6 +65,15 @@ impl CpuTime {
             && self.microseconds.is_some()
     }
 
+    /// The same times for a job of the same functions under other names.
+    pub fn of(&self, job: &Job<'_>) -> CpuTime {
+        CpuTime {
+            model: job.model.to_owned(),
+            pipeline: job.pipeline.to_owned(),
+            ..self.clone()
+        }
+    }
+
     /// The time of one evaluation by the faster C.
     pub fn single(&self) -> Option<f64> {
         let both = self.microseconds.into_iter().chain(self.rolled);
