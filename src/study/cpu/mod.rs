@@ -23,7 +23,7 @@ use std::process::Command;
 /// compilers take a second for some ten thousand operations.
 pub const LARGEST: usize = 200_000;
 
-/// How the C is compiled.
+/// How [`compile_and_run`] compiles.
 const FLAGS: [&str; 3] = ["-std=c99", "-O1", "-ffp-contract=off"];
 
 /// Measured times, or why there are none.
