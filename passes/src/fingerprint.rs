@@ -74,13 +74,10 @@ impl Fingerprint {
     }
 }
 
-/// Whether two real values can be one. A value of which nothing is known is
-/// not one of which something is.
+/// Whether two real values can be one. Of a value that is no number at the
+/// point (the root of a negative one, an overflow) the fields alone tell.
 fn may_be_equal(a: &Ball<1>, b: &Ball<1>) -> bool {
-    match (a.is_known(0), b.is_known(0)) {
-        (true, true) => a.touches(b, 0),
-        (a, b) => a == b,
-    }
+    !(a.is_known(0) && b.is_known(0)) || a.touches(b, 0)
 }
 
 /// The images in which the values of a function are identified.

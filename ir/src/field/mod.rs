@@ -139,6 +139,9 @@ impl PrimeField {
     /// of anything.
     #[inline]
     pub fn without_sign(&self, number: u64) -> (u64, bool) {
+        if PrimeField::is_undefined(number) {
+            return (PrimeField::UNDEFINED, false);
+        }
         let half = self.prime.modulus() / 2;
         // Montgomery's form of 1 can lie in either half.
         let negative = number != 0 && (number > half) != (self.prime.field.one > half);

@@ -24,14 +24,17 @@ pub enum Promise {
         /// The largest proved errors of sine and cosine.
         errors: [f64; 2],
     },
-    /// Outputs computed in the formats of their values have at most these
-    /// errors. The pass measured that at states of its own, so that twice as
-    /// much is accepted at others.
-    Outputs(Allowed),
+    /// Outputs computed in the formats of their values have at most certain
+    /// errors at the states at which the pass measured them.
+    Outputs {
+        /// The errors.
+        allowed: Allowed,
+        /// The states.
+        states: States,
+        /// The numbers of the first state and of the one behind the last.
+        numbers: [u32; 2],
+    },
 }
-
-/// What is accepted of a measured promise at other states.
-const MARGIN: f64 = 2.0;
 
 impl Promise {
     /// The states at which the promise holds.
@@ -44,7 +47,7 @@ impl Promise {
                 }
                 states.clone().within(Arc::new(all))
             }
-            Promise::Outputs(_) => states.clone(),
+            Promise::Outputs { .. } => states.clone(),
         }
     }
 
@@ -66,12 +69,16 @@ impl Promise {
                 };
                 numbers::compare(pairs, &waves, states, survey).map(|found| found.states)
             }
-            Promise::Outputs(allowed) => {
-                let count = rounds.saturating_mul(2);
-                for number in 0..count {
+            Promise::Outputs {
+                allowed,
+                states,
+                numbers: [first, end],
+            } => {
+                let end = first.saturating_add(rounds.saturating_mul(8)).min(*end);
+                for number in *first..end {
                     measured(pairs, states, allowed, number)?;
                 }
-                Ok(count)
+                Ok(end - first)
             }
         }
     }
@@ -84,17 +91,17 @@ fn measured(
     allowed: &Allowed,
     number: u32,
 ) -> Result<(), Failed> {
-    let state = Place::usual(number);
-    let [old, new] = pairs.numbers(states, state);
+    let [old, new] = pairs.state(states, number);
     let View { function, .. } = pairs.before;
     let literals: Vec<_> = old.iter().map(|&x| DoubleDouble.literal(x)).collect();
     let before = evaluate(function, &DoubleDouble, &literals);
     let after = evaluate_mixed(pairs.after.function, Format::BINARY64, &new);
     let exact: Vec<f64> = before.iter().map(|number| number.high).collect();
     let allowed = allowed.of(&exact);
+    let state = Place::usual(number);
     for (index, pair) in pairs.list.iter().enumerate() {
         let (before, after) = (before[pair.before], after[pair.after]);
-        let limit = MARGIN * allowed[pair.before];
+        let limit = allowed[pair.before];
         let kept = !before.high.is_finite() || before.distance(after) <= limit;
         if !kept {
             let values = Values {
@@ -106,7 +113,7 @@ fn measured(
             return Err(Failed {
                 pair: index,
                 values,
-                inputs: None,
+                inputs: Some(old),
             });
         }
     }

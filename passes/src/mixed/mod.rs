@@ -121,7 +121,7 @@ impl Pass for Mixed {
         let checking = Check::new(view, &states, [FIRST_CHECKED, 2 * count], &allowed);
         let mut search = Search {
             view,
-            states,
+            states: states.clone(),
             allowed: &allowed,
             choosing,
             formats,
@@ -135,7 +135,11 @@ impl Pass for Mixed {
         let formats = search.formats;
         tell(function, &assignment, &formats, ratio, context);
         function.formats = Some(assignment.formats(&formats));
-        *context.promise = Some(Promise::Outputs(allowed));
+        *context.promise = Some(Promise::Outputs {
+            allowed,
+            states,
+            numbers: [FIRST_CHECKED, FIRST_CHECKED + 2 * count],
+        });
         Ok(())
     }
 }

@@ -66,7 +66,8 @@ impl<const LANES: usize> Ball<LANES> {
     /// True for a lane of whose number something is known.
     #[inline]
     pub(crate) fn is_known(&self, lane: usize) -> bool {
-        self.value.high[lane].is_finite() && self.radius[lane].is_finite()
+        let numbers = [self.value.high[lane], self.value.low[lane]];
+        numbers.iter().all(|number| number.is_finite()) && self.radius[lane].is_finite()
     }
 
     /// Whether the exact numbers of a lane, of which something is known, can
