@@ -130,16 +130,18 @@ impl Network {
     }
 
     /// The class of a value, made when it does not exist, and whether the
-    /// value is its negation.
+    /// value is its negation. A class has the sign with which its value was
+    /// first met, so that no sign depends on the primes.
     pub(crate) fn class(&mut self, value: Fingerprint, rank: u64) -> Signed {
-        let (value, negative) = self.images.without_sign(value);
+        let negation = self.images.neg(value);
         let next = Class(self.classes.len() as u32);
-        let classes = &self.classes;
+        let (classes, images) = (&self.classes, &self.images);
         let record = |class: &Class| classes[class.index()].value;
+        let hash = |value| FxBuildHasher.hash_one(images.without_sign(value).0);
         let entry = self.index.entry(
-            FxBuildHasher.hash_one(value),
-            |class| record(class) == value,
-            |class| FxBuildHasher.hash_one(record(class)),
+            hash(value),
+            |class| record(class) == value || record(class) == negation,
+            |class| hash(record(class)),
         );
         let class = *entry.or_insert(next).get();
         if class == next {
@@ -151,15 +153,18 @@ impl Network {
                 sources: self.origin.1,
             });
         }
+        let negative = value.is_negation_of(&self.classes[class.index()].value);
         Signed { class, negative }
     }
 
     /// The class of a value, if it exists.
     pub(crate) fn find(&self, value: Fingerprint) -> Option<Signed> {
-        let (value, negative) = self.images.without_sign(value);
-        let hash = FxBuildHasher.hash_one(value);
-        let equal = |class: &Class| self.classes[class.index()].value == value;
+        let negation = self.images.neg(value);
+        let hash = FxBuildHasher.hash_one(self.images.without_sign(value).0);
+        let record = |class: &Class| self.classes[class.index()].value;
+        let equal = |class: &Class| record(class) == value || record(class) == negation;
         let class = *self.index.find(hash, equal)?;
+        let negative = value.is_negation_of(&record(&class));
         Some(Signed { class, negative })
     }
 
