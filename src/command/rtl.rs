@@ -250,7 +250,7 @@ fn failure(error: &RtlError) -> Failure {
             let message = format!("'{function}' does not fit");
             return Failure::advised(message, reasons.clone());
         }
-        other => rtl::advice(other).map(str::to_owned).into_iter().collect(),
+        other => rtl::advice(other).into_iter().collect(),
     };
     Failure::advised(error.to_string(), notes)
 }

@@ -30,10 +30,11 @@ pub use fits::{Demand, Fit, fits};
 pub use hardware::{Crossbar, CrossbarChoice, Group, Hardware};
 
 use super::images::write_traffic;
-use super::manifest::Manifest;
+use super::manifest::{FileHash, Manifest};
 use super::traffic::Traffic;
 use super::{Artifacts, ImageError};
 use cores::Core;
+use robovec_ir::fnv::Fnv;
 use robovec_ir::machine::MemoryStyle;
 use robovec_ir::{Machine, View};
 use std::io;
@@ -210,7 +211,16 @@ fn write_files(
     files.push(("robovec_machine.v".to_owned(), top::text(hardware, program)));
     let list: String = files.iter().map(|(name, _)| format!("{name}\n")).collect();
     files.push(("files.f".to_owned(), list));
-    files.push((DESCRIPTION.to_owned(), hardware.text()?));
+    let hashes = files.iter().map(|(name, text)| FileHash {
+        file: name.clone(),
+        hash: Fnv::of(text.as_bytes()).text(),
+    });
+    let description = Hardware {
+        files: hashes.collect(),
+        ..hardware.clone()
+    };
+    // Behind all others, so that it stands only beside complete hardware.
+    files.push((DESCRIPTION.to_owned(), description.text()?));
     for (name, text) in files {
         artifacts.file(&format!("rtl/{name}"), &mut |target| {
             target.write_all(text.as_bytes())
@@ -248,17 +258,16 @@ fn core_files(hardware: &Hardware) -> Vec<(&'static str, &'static str)> {
 }
 
 /// What can be done about an error.
-pub fn advice(error: &RtlError) -> Option<&'static str> {
-    match error {
+pub fn advice(error: &RtlError) -> Option<String> {
+    let fixed = match error {
         RtlError::Images(ImageError::NotPlaced { .. }) => Some("run 'place' before"),
-        RtlError::Images(ImageError::OtherMachine { .. }) => {
-            Some("place for this machine, or choose the machine of the schedule")
-        }
+        RtlError::Images(ImageError::OtherMachine(mismatch)) => return Some(mismatch.advice()),
         RtlError::Number(_) => Some("choose a machine with a format such as f32 or float(8,17)"),
         RtlError::Interconnect(_) => Some("choose a machine with 'interconnect = \"crossbar\"'"),
         RtlError::FourPort => {
             Some("choose the style 'unified', whose schedules are the same, or 'side-split'")
         }
         _ => None,
-    }
+    };
+    fixed.map(str::to_owned)
 }
