@@ -2,6 +2,7 @@
 
 use super::write::{OutputLanguage, write_files};
 use super::{Failure, input, output};
+use crate::files::Replace;
 use crate::generate::{
     Binding, Formulation, FunctionKind, Options, Request, TermOrder, generate_into,
 };
@@ -62,6 +63,9 @@ pub(super) struct GenArguments {
     #[arg(short, long, value_name = "PATH", required_if_eq_any = [
         ("language", "c"), ("language", "matlab"), ("language", "python")])]
     output: Option<PathBuf>,
+    /// Replace files that robovec did not write
+    #[arg(long, requires = "output")]
+    force: bool,
 }
 
 impl GenArguments {
@@ -142,12 +146,19 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, Failure> {
     let mut module = functions(&read.model, &kinds, formulation, &arguments.options())?;
     transform(&mut module, &pipeline)?;
     if let (Some(language), Some(folder)) = (arguments.language, &arguments.output) {
-        return write_files(&module, language, &WriteOptions::default(), folder);
+        return write_files(
+            &module,
+            language,
+            &WriteOptions::default(),
+            folder,
+            arguments.force,
+        );
     }
     match &arguments.output {
         None => Ok(print::print_module(&module)),
         Some(path) => {
-            output::write_file(path, |writer| print::write_module(&module, writer))?;
+            let replace = output::forced(arguments.force, Replace::Own);
+            output::write_over(path, replace, |writer| print::write_module(&module, writer))?;
             Ok(String::new())
         }
     }

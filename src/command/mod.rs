@@ -22,6 +22,7 @@ mod model;
 pub mod opt;
 mod output;
 mod output_errors;
+mod placed;
 mod reduction;
 mod reproducer;
 mod rtl;

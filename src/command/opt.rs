@@ -5,7 +5,8 @@ use super::dump::DumpFolder;
 use super::explain;
 use super::input::{self, Input};
 use super::tables::{self, Stage};
-use super::{Failure, listing, output, reduction, reproducer, rules, simulation};
+use super::{Failure, listing, output, placed, reduction, reproducer, rules, simulation};
+use crate::files::Replace;
 use crate::report;
 use crate::scene::SceneFile;
 use clap::{CommandFactory, FromArgMatches, Parser};
@@ -75,6 +76,11 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     // Everything the user wrote is read before any work is done.
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
+    if let Some(path) = &arguments.output
+        && !pipeline.passes().any(|pass| pass.info.name == "codegen")
+    {
+        refuse_wrong_name(path, true)?;
+    }
     let asked = arguments.machine.as_deref();
     let asked = asked.map(input::machine).transpose()?;
     let rules = rules::sound(&arguments.rules, !arguments.no_default_rules)?;
@@ -108,6 +114,9 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(name) = &arguments.function {
         select(&mut input.module, name)?;
     }
+    if pipeline.steps.is_empty() && arguments.simulate.is_some() {
+        placed::check(&input, &machine)?;
+    }
     let read: Vec<ReadCounts> = input.module.functions.iter().map(ReadCounts::of).collect();
     let mut trail = arguments.explain.is_some().then(Trail::new);
     let target = (&machine, &rules, scene);
@@ -140,7 +149,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         output::write_stdout(|stdout| stdout.write_all(account.as_bytes()))?;
     }
     if arguments.explain.is_none() || arguments.output.is_some() {
-        write_result(arguments.output.as_deref(), &input.module, &outcome)?;
+        let path = arguments.output.as_deref();
+        write_result(path, arguments.force, &input.module, &outcome)?;
     }
     let (now, peak_mb) = usage();
     stages.push(Stage {
@@ -321,11 +331,11 @@ fn transform(
     if let Some(dump) = dump {
         dump.finish()?;
     }
-    result.map_err(|error| describe(error, arguments, input))
+    result.map_err(|error| describe(error, arguments, input, machine))
 }
 
 /// Turns the manager's error into messages that point into the user's texts.
-fn describe(error: RunError, arguments: &Arguments, input: &Input) -> Failure {
+fn describe(error: RunError, arguments: &Arguments, input: &Input, machine: &Machine) -> Failure {
     match error {
         RunError::Plan(error) => {
             let text = match &arguments.passes {
@@ -350,6 +360,9 @@ fn describe(error: RunError, arguments: &Arguments, input: &Input) -> Failure {
         } => {
             let message = format!("{pass}, function '{function}': {}", error.message);
             located(message, error.sources, error.help, input)
+        }
+        RunError::Given { ref help, .. } => {
+            placed::refusal(&error.to_string(), help, input, machine)
         }
         RunError::Panic { .. } | RunError::Verify { .. } | RunError::Check { .. } => {
             let mut notes = Vec::new();
@@ -450,24 +463,71 @@ fn write_report(
     Ok(String::new())
 }
 
-fn write_result(path: Option<&Path>, module: &Module, outcome: &Outcome) -> Result<(), Failure> {
+/// Ends of names of files that robovec's own text is not.
+const OTHER_LANGUAGES: [&str; 11] = [
+    "c", "h", "m", "py", "v", "sv", "mif", "hex", "json", "toml", "mbs",
+];
+
+/// Refuses to put a result into a file whose name promises another language:
+/// robovec's text into `x.c`, or C into `x.rvir`.
+fn refuse_wrong_name(path: &Path, is_text: bool) -> Result<(), Failure> {
+    let end = path.extension().and_then(|end| end.to_str()).unwrap_or("");
+    let path = path.display();
+    if is_text && OTHER_LANGUAGES.contains(&end) {
+        let mut notes = vec!["robovec's text goes into a file whose name ends in .rvir".to_owned()];
+        match end {
+            "c" | "h" => notes.push("for C, end the pipeline with codegen{target=c}".to_owned()),
+            "mif" | "hex" => {
+                notes
+                    .push("for images, end the pipeline with place,codegen{target=mif}".to_owned());
+            }
+            "v" | "sv" => {
+                notes.push(
+                    "for hardware, end the pipeline with place,codegen{target=rtl}".to_owned(),
+                );
+            }
+            "m" | "py" => notes.push("'robovec write' writes Matlab and Python".to_owned()),
+            _ => {}
+        }
+        let message = format!("the result is robovec's text, and {path} is no name for it");
+        return Err(Failure::advised(message, notes));
+    }
+    if !is_text && end == "rvir" {
+        return Err(Failure::advised(
+            format!("the result is generated code, and {path} is a name for robovec's text"),
+            vec!["name it for its language, for example x.c, or leave 'codegen' out".to_owned()],
+        ));
+    }
+    Ok(())
+}
+
+fn write_result(
+    path: Option<&Path>,
+    force: bool,
+    module: &Module,
+    outcome: &Outcome,
+) -> Result<(), Failure> {
     let text = |writer: &mut dyn Write| match &outcome.artifacts[..] {
         [] => print::write_module(module, writer),
         files => files
             .iter()
             .try_for_each(|file| writer.write_all(file.text.as_bytes())),
     };
+    let replace = output::forced(force, Replace::Own);
     match (path, outcome.artifacts.len()) {
         (None, 0 | 1) => output::write_stdout(text),
-        (Some(path), 0 | 1) if path != Path::new("-") => output::write_file(path, text),
         (Some(path), 0 | 1) if path == Path::new("-") => output::write_stdout(text),
+        (Some(path), count @ (0 | 1)) => {
+            refuse_wrong_name(path, count == 0)?;
+            output::write_over(path, replace, text)
+        }
         (Some(folder), _) => {
-            output::make_folder(folder)?;
-            outcome.artifacts.iter().try_for_each(|file| {
-                let path = folder.join(&file.name);
-                output::make_folder(path.parent().unwrap_or(folder))?;
-                output::write_file(&path, |writer| writer.write_all(file.text.as_bytes()))
-            })
+            let files: Vec<(&str, &str)> = outcome
+                .artifacts
+                .iter()
+                .map(|file| (&*file.name, &*file.text))
+                .collect();
+            output::write_folder(folder, &files, output::forced(force, Replace::Results))
         }
         (None, count) => Err(Failure::advised(
             format!("the pipeline made {count} files"),
