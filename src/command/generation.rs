@@ -1,7 +1,7 @@
 //! `robovec gen`: equations from a model.
 
 use super::write::{OutputLanguage, write_files};
-use super::{Failure, input, output};
+use super::{Failure, input, names, output};
 use crate::files::Replace;
 use crate::generate::{
     Binding, Formulation, FunctionKind, Options, Request, TermOrder, generate_into,
@@ -137,6 +137,9 @@ pub(super) fn functions(
 /// Runs the command.
 pub(super) fn run(arguments: &GenArguments) -> Result<String, Failure> {
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
+    if let (None, Some(path)) = (arguments.language, &arguments.output) {
+        names::refuse_wrong(path, true)?;
+    }
     let read = input::model(&arguments.model)?;
     read.warnings
         .emit_to_stderr(ColorChoice::Auto)

@@ -19,6 +19,7 @@ mod generation;
 pub(crate) mod input;
 mod listing;
 mod model;
+mod names;
 pub mod opt;
 mod output;
 mod output_errors;

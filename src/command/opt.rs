@@ -5,7 +5,7 @@ use super::dump::DumpFolder;
 use super::explain;
 use super::input::{self, Input};
 use super::tables::{self, Stage};
-use super::{Failure, listing, output, placed, reduction, reproducer, rules, simulation};
+use super::{Failure, listing, names, output, placed, reduction, reproducer, rules, simulation};
 use crate::files::Replace;
 use crate::report;
 use crate::scene::SceneFile;
@@ -79,7 +79,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.output
         && !pipeline.passes().any(|pass| pass.info.name == "codegen")
     {
-        refuse_wrong_name(path, true)?;
+        names::refuse_wrong(path, true)?;
     }
     let asked = arguments.machine.as_deref();
     let asked = asked.map(input::machine).transpose()?;
@@ -463,44 +463,6 @@ fn write_report(
     Ok(String::new())
 }
 
-/// Ends of names of files that robovec's own text is not.
-const OTHER_LANGUAGES: [&str; 11] = [
-    "c", "h", "m", "py", "v", "sv", "mif", "hex", "json", "toml", "mbs",
-];
-
-/// Refuses to put a result into a file whose name promises another language:
-/// robovec's text into `x.c`, or C into `x.rvir`.
-fn refuse_wrong_name(path: &Path, is_text: bool) -> Result<(), Failure> {
-    let end = path.extension().and_then(|end| end.to_str()).unwrap_or("");
-    let path = path.display();
-    if is_text && OTHER_LANGUAGES.contains(&end) {
-        let mut notes = vec!["robovec's text goes into a file whose name ends in .rvir".to_owned()];
-        match end {
-            "c" | "h" => notes.push("for C, end the pipeline with codegen{target=c}".to_owned()),
-            "mif" | "hex" => {
-                notes
-                    .push("for images, end the pipeline with place,codegen{target=mif}".to_owned());
-            }
-            "v" | "sv" => {
-                notes.push(
-                    "for hardware, end the pipeline with place,codegen{target=rtl}".to_owned(),
-                );
-            }
-            "m" | "py" => notes.push("'robovec write' writes Matlab and Python".to_owned()),
-            _ => {}
-        }
-        let message = format!("the result is robovec's text, and {path} is no name for it");
-        return Err(Failure::advised(message, notes));
-    }
-    if !is_text && end == "rvir" {
-        return Err(Failure::advised(
-            format!("the result is generated code, and {path} is a name for robovec's text"),
-            vec!["name it for its language, for example x.c, or leave 'codegen' out".to_owned()],
-        ));
-    }
-    Ok(())
-}
-
 fn write_result(
     path: Option<&Path>,
     force: bool,
@@ -518,10 +480,11 @@ fn write_result(
         (None, 0 | 1) => output::write_stdout(text),
         (Some(path), 0 | 1) if path == Path::new("-") => output::write_stdout(text),
         (Some(path), count @ (0 | 1)) => {
-            refuse_wrong_name(path, count == 0)?;
+            names::refuse_wrong(path, count == 0)?;
             output::write_over(path, replace, text)
         }
-        (Some(folder), _) => {
+        (Some(folder), count) => {
+            names::refuse_for_several(folder, count)?;
             let files: Vec<(&str, &str)> = outcome
                 .artifacts
                 .iter()

@@ -47,7 +47,7 @@ fn failure(error: &WriteError, replace: Replace) -> Failure {
             vec!["name another place, or replace it with --force".to_owned()]
         }
         (WriteError::Foreign(_), Replace::Results | Replace::Anything) => {
-            vec!["name another place, or remove the file before".to_owned()]
+            vec!["name another place, or remove the file first".to_owned()]
         }
     };
     Failure::advised(error.to_string(), notes)

@@ -119,9 +119,9 @@ fn edited_placements_blame_the_file() {
         .expect("it is there");
     let reads = line.find(" read ").expect("it reads");
     let cycle = line.find(" at ").expect("it starts");
-    let later = format!("{} at 7{}", &line[..cycle], &line[reads..]);
+    let early = format!("{} at 5{}", &line[..cycle], &line[reads..]);
     let other = line.replacen(" read ", " read 1", 1);
-    for edited in [later, other] {
+    for edited in [early, other] {
         assert_ne!(edited, line);
         write(&at("edited.rvir"), &text.replace(line, &edited));
         for more in [

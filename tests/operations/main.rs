@@ -1,9 +1,6 @@
 //! Files that are written, tools that are run, and files that are no longer
 //! what they were: everything about a run that is not the equations.
 
-#[path = "../support/programs.rs"]
-mod programs;
-
 mod folders;
 mod machines;
 mod replaced;
@@ -28,6 +25,13 @@ function blend atomic {
   M = %t
 }
 ";
+
+/// A small model that ships.
+fn pendulum() -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let path = root.join("examples/models/double-pendulum.mbs");
+    path.display().to_string()
+}
 
 /// Runs `robovec-opt` in a folder.
 fn opt(folder: &Path, arguments: &[&str]) -> Output {

@@ -2,8 +2,7 @@
 
 #![cfg(unix)]
 
-use super::programs::model;
-use super::{refused, said};
+use super::{pendulum, refused, said};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -128,7 +127,7 @@ fn tools_die_with_robovec_and_their_folders_go() {
 
 #[test]
 fn a_compiler_that_hangs_is_told_of() {
-    let pendulum = model("double-pendulum.mbs").display().to_string();
+    let pendulum = pendulum();
     let bench = [
         "bench",
         &pendulum,
