@@ -108,7 +108,7 @@ fn the_name_of_a_file_does_not_promise_another_language() {
         ("cse,place", "x.mif", "codegen{target=mif}"),
         ("cse", "x.m", "robovec write"),
         ("codegen{target=rolled}", "x.rvir", "a name for one"),
-        ("codegen{target=c}", "x.c", "-o FOLDER"),
+        ("codegen{target=c signature=plain}", "x.c", "-o FOLDER"),
     ] {
         let passes = format!("-passes={passes}");
         let run = opt(folder.path(), &["blend.rvir", &passes, "-o", name]);
