@@ -15,6 +15,7 @@ use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, termcolor::ColorChoice};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
+use robovec_passes::codegen::rtl::DESCRIPTION;
 use robovec_passes::manager::{self, Config, Outcome, PassFilter, PrintChanged, RunError, usage};
 use robovec_passes::pipeline::Pipeline;
 use robovec_passes::rules::RuleSet;
@@ -490,7 +491,13 @@ fn write_result(
                 .iter()
                 .map(|file| (&*file.name, &*file.text))
                 .collect();
-            output::write_folder(folder, &files, output::forced(force, Replace::Results))
+            // Most files of hardware are the same for every machine and bear
+            // no mark.
+            let usual = match files.iter().any(|(name, _)| name.ends_with(DESCRIPTION)) {
+                true => Replace::Anything,
+                false => Replace::Results,
+            };
+            output::write_folder(folder, &files, output::forced(force, usual))
         }
         (None, count) => Err(Failure::advised(
             format!("the pipeline made {count} files"),

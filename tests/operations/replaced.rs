@@ -128,3 +128,32 @@ fn the_name_of_a_file_does_not_promise_another_language() {
     assert!(message.contains("robovec's text"), "{message}");
     assert!(!folder.path().join("x.c").exists());
 }
+
+#[test]
+fn generated_folders_are_written_again_and_foreign_c_stays() {
+    let folder = folder();
+    let into = |passes: &str, more: &[&str]| {
+        let passes = format!("-passes={passes}");
+        let arguments = ["blend.rvir", &passes, "-o", "out"];
+        opt(folder.path(), &[&arguments[..], more].concat())
+    };
+    for passes in [
+        "place,codegen{target=rtl}",
+        "place,codegen{target=mif}",
+        "codegen{target=c signature=plain}",
+        "codegen{target=rolled}",
+        "codegen{target=batch}",
+    ] {
+        for _ in 0..2 {
+            said(&into(passes, &[]));
+        }
+    }
+    let path = folder.path().join("out/blend.c");
+    write(&path, "int mine;\n");
+    let header = read(&folder.path().join("out/blend.h"));
+    refused(&into("codegen{target=c signature=plain}", &[]));
+    assert_eq!(read(&path), "int mine;\n");
+    assert_eq!(read(&folder.path().join("out/blend.h")), header);
+    said(&into("codegen{target=c signature=plain}", &["--force"]));
+    assert!(read(&path).contains("by robovec"));
+}
