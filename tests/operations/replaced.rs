@@ -1,6 +1,10 @@
 //! What is never replaced without being asked for.
 
 use super::{folder, opt, pendulum, read, refused, robovec, said, write};
+use std::process::Output;
+
+/// A program that is run with more arguments.
+type Run<'a> = &'a dyn Fn(&[&str]) -> Output;
 
 #[test]
 fn files_of_others_stay_until_force_is_said() {
@@ -17,7 +21,7 @@ fn files_of_others_stay_until_force_is_said() {
             &[&["blend.rvir", "-o", "x.rvir"][..], more].concat(),
         )
     };
-    let runs: [&dyn Fn(&[&str]) -> std::process::Output; 2] = [&gen_into, &opt_into];
+    let runs: [Run<'_>; 2] = [&gen_into, &opt_into];
     for run in runs {
         write(&path, "notes of a week\n");
         let message = refused(&run(&[]));
