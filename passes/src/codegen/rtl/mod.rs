@@ -120,8 +120,7 @@ pub fn write_rtl(
         cycles: manifest.cycles,
         schedule_hash: &manifest.schedule_hash,
     };
-    write_files(&hardware, &program, artifacts)?;
-    Ok(hardware)
+    write_files(hardware, &program, artifacts)
 }
 
 /// The images of another placed function for hardware that is there, into
@@ -187,46 +186,47 @@ fn write_images_on(
     Ok(manifest)
 }
 
+/// Writes the hardware; gives it back with the hashes of its files.
 fn write_files(
-    hardware: &Hardware,
+    mut hardware: Hardware,
     program: &top::Program<'_>,
     artifacts: &mut dyn Artifacts,
-) -> Result<(), RtlError> {
+) -> Result<Hardware, RtlError> {
     let mut files: Vec<(String, String)> = Vec::new();
     let own: &[(&str, &str)] = match hardware.machine.memory.style {
         MemoryStyle::SideSplit => &SPLIT,
         MemoryStyle::Unified | MemoryStyle::FourPort => &PUMPED,
     };
     let mut fixed: Vec<(&str, &str)> = COMMON.iter().chain(own).copied().collect();
-    fixed.extend(core_files(hardware));
+    fixed.extend(core_files(&hardware));
     fixed.sort_unstable();
     for (name, text) in fixed {
         files.push((name.to_owned(), text.to_owned()));
     }
     for group in &hardware.elements {
         let name = element::module_name(group) + ".v";
-        files.push((name, element::text(hardware, group)));
+        files.push((name, element::text(&hardware, group)));
     }
-    files.push(("robovec_crossbar.v".to_owned(), crossbar::text(hardware)));
-    files.push(("robovec_machine.v".to_owned(), top::text(hardware, program)));
+    files.push(("robovec_crossbar.v".to_owned(), crossbar::text(&hardware)));
+    files.push((
+        "robovec_machine.v".to_owned(),
+        top::text(&hardware, program),
+    ));
     let list: String = files.iter().map(|(name, _)| format!("{name}\n")).collect();
     files.push(("files.f".to_owned(), list));
     let hashes = files.iter().map(|(name, text)| FileHash {
         file: name.clone(),
         hash: Fnv::of(text.as_bytes()).text(),
     });
-    let description = Hardware {
-        files: hashes.collect(),
-        ..hardware.clone()
-    };
+    hardware.files = hashes.collect();
     // Behind all others, so that it stands only beside complete hardware.
-    files.push((DESCRIPTION.to_owned(), description.text()?));
+    files.push((DESCRIPTION.to_owned(), hardware.text()?));
     for (name, text) in files {
         artifacts.file(&format!("rtl/{name}"), &mut |target| {
             target.write_all(text.as_bytes())
         })?;
     }
-    Ok(())
+    Ok(hardware)
 }
 
 /// The files of the cores that the elements instantiate, and of what these
