@@ -14,6 +14,7 @@ pub mod double_double;
 pub mod entity;
 pub mod evaluate;
 pub mod field;
+pub mod fnv;
 pub mod format;
 pub mod formats;
 pub mod function;

@@ -6,8 +6,10 @@
 //! (thesis 1.1 to 1.3). Nothing about a machine is a constant in code: all of
 //! it comes from a TOML file (`machines/`), described field by field below.
 
+pub mod identity;
 pub mod interconnect;
 
+pub use identity::MachineMismatch;
 pub use interconnect::{Interconnect, Network, Topology};
 
 use crate::format::{Format, FormatError};

@@ -36,6 +36,7 @@ lalrpop_util::lalrpop_mod!(
 );
 
 use crate::diagnostic::{Diagnostic, Label};
+use crate::machine::Machine;
 use crate::module::Module;
 use crate::print::HEADER;
 use builder::Builder;
@@ -52,12 +53,42 @@ const MOST_BYTES: usize = 1 << 31;
 /// Messages for the first twenty errors, in order of their place, when the
 /// text is not a module that the [verifier](crate::verify) accepts.
 pub fn parse_module(name: &str, text: &str) -> Result<Module, Vec<Diagnostic>> {
+    parse_with(name, text, None)
+}
+
+/// A machine, and whether a function of a name is to be verified for it.
+#[derive(Clone, Copy)]
+pub struct Target<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// Told the name of every function.
+    pub wanted: &'a dyn Fn(&str) -> bool,
+}
+
+/// As [`parse_module`]; schedules must be for the machine, too, and
+/// placements right on it.
+///
+/// # Errors
+///
+/// As [`parse_module`], and the violations that
+/// [`verify_placement`](crate::verify::verify_placement) finds, at their
+/// places in the text.
+pub fn parse_placed(name: &str, text: &str, target: Target<'_>) -> Result<Module, Vec<Diagnostic>> {
+    parse_with(name, text, Some(target))
+}
+
+fn parse_with(
+    name: &str,
+    text: &str,
+    target: Option<Target<'_>>,
+) -> Result<Module, Vec<Diagnostic>> {
     if text.len() >= MOST_BYTES {
         let message = format!("{name} is larger than 2 GiB, which no function needs");
         return Err(vec![Diagnostic::error().with_message(message)]);
     }
     check_version(text)?;
     let mut builder = Builder::new(text);
+    builder.target = target;
     let mut tokens = Tokens::new(text);
     let parser = grammar::StatementsParser::new();
     while let Err(error) = parser.parse(&mut builder, &mut tokens) {

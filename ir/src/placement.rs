@@ -10,6 +10,8 @@
 //! later cycle. A word written in cycle `w` can be read by an issue at
 //! `w + 1`.
 
+use crate::fnv::Fnv;
+
 /// A group of equal processing elements, as scheduled.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ElementKind {
@@ -45,6 +47,10 @@ impl Slot {
 pub struct Schedule {
     /// Name of the machine.
     pub machine: String,
+    /// Hash of the machine's content ([`crate::Machine::content_hash`]);
+    /// absent in text that was written without it, which then stands for the
+    /// machine of the name.
+    pub machine_hash: Option<Fnv>,
     /// The kinds of processing elements, with their counts.
     pub kinds: Vec<ElementKind>,
     /// One slot per node.

@@ -294,6 +294,11 @@ impl<'a> FunctionPrinter<'a> {
     fn schedule(&self, text: &mut Text<'_>, schedule: &Schedule) -> io::Result<()> {
         text.push("  schedule ");
         text.quoted(&schedule.machine);
+        if let Some(hash) = schedule.machine_hash {
+            text.push(" (hash ");
+            text.quoted(&hash.text());
+            text.push(")");
+        }
         for kind in &schedule.kinds {
             text.push(" ");
             text.push(&kind.name);

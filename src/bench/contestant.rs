@@ -2,6 +2,8 @@
 
 use super::functions::Key;
 use super::tools::{self, Step};
+use crate::files::{Replace, write_whole};
+use robovec_ir::fnv::Fnv;
 use serde::Serialize;
 use std::path::Path;
 
@@ -57,13 +59,18 @@ pub(super) struct Built {
 /// The name of the file of results.
 pub(super) const RESULTS: &str = "results.bin";
 
+/// The file that tells what a program was made of.
+const MADE_OF: &str = "program.hash";
+
 impl Contestant {
     pub(super) fn build(&self, place: &Path) -> Result<Built, String> {
         let mut built = Built {
             seconds: None,
             code_bytes: None,
         };
-        if self.shared.is_some() && place.join("program").exists() {
+        let made_of = self.content();
+        let made = std::fs::read_to_string(place.join(MADE_OF)).unwrap_or_default();
+        if self.shared.is_some() && made == made_of && place.join("program").exists() {
             return Ok(built);
         }
         for step in &self.steps {
@@ -76,7 +83,25 @@ impl Contestant {
                 built.code_bytes = built.code_bytes.max(bytes);
             }
         }
+        let path = place.join(MADE_OF);
+        write_whole(&path, Replace::Anything, |writer| {
+            writer.write_all(made_of.as_bytes())
+        })
+        .map_err(|error| error.to_string())?;
         Ok(built)
+    }
+
+    /// Hash of the files and of the commands that make the program of them.
+    fn content(&self) -> String {
+        let mut hash = Fnv::new();
+        for (name, bytes) in &self.files {
+            hash.update(format!("{name} {}\n", bytes.len()).as_bytes());
+            hash.update(bytes);
+        }
+        for step in &self.steps {
+            hash.update(format!("{step:?}\n").as_bytes());
+        }
+        hash.text()
     }
 
     /// Runs the program; its least time per state, ns.

@@ -31,6 +31,7 @@ use serde::Serialize;
 use std::path::Path;
 pub use tools::Compiler;
 
+use crate::files::{Replace, make_folder, write_whole};
 use crate::model::Model;
 
 /// What everybody computes, and at which states.
@@ -100,9 +101,12 @@ pub fn bench(
             Some(name) => folder.join(name),
             None => folder.join(&question.name).join(format!("{number:02}")),
         };
-        std::fs::create_dir_all(&place)?;
+        make_folder(&place)?;
         for (name, content) in &contestant.files {
-            std::fs::write(place.join(name), content)?;
+            write_whole(&place.join(name), Replace::Anything, |writer| {
+                writer.write_all(content)
+            })
+            .map_err(std::io::Error::other)?;
         }
         let mut outcome = Outcome {
             name: contestant.name.clone(),

@@ -9,9 +9,10 @@ use super::Question;
 use super::contestant::{Contestant, Family, RESULTS};
 use super::functions::{Key, inputs};
 use super::own::BENCH_H;
-use super::tools::{self, Compiler, Step};
+use super::tools::{Compiler, Step};
 use super::tree;
 use crate::model::Model;
+use crate::process::Call;
 use robovec_ir::{Input, View};
 use std::path::Path;
 
@@ -44,7 +45,7 @@ pub fn peers(
     let wanted = |name: &str| names.iter().any(|known| known == name);
     let mut list = Vec::new();
     for command in ["g++", "clang++"] {
-        let Some(compiler) = Compiler::find(command) else {
+        let Ok(compiler) = Compiler::find(command) else {
             continue;
         };
         if wanted("loop") {
@@ -170,7 +171,9 @@ fn package(name: &str) -> Option<(String, String)> {
     let script = format!(
         "import {name}, os\nprint(os.path.dirname({name}.__file__))\nprint({name}.__version__)"
     );
-    let text = tools::output(Path::new("."), "python3", &["-c".to_owned(), script]).ok()?;
+    let run = Call::version("python3", "-c").arguments([script]).run();
+    let run = run.ok().filter(|run| run.status.success())?;
+    let text = run.text();
     let mut lines = text.lines().rev();
     let version = lines.next()?.to_owned();
     Some((lines.next()?.to_owned(), version))

@@ -1,7 +1,7 @@
 //! Compilers and other programs of the user's.
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use crate::process::{Call, Finished};
+use std::path::Path;
 
 /// A C or C++ compiler that is installed.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -14,9 +14,14 @@ pub struct Compiler {
 
 impl Compiler {
     /// The compiler, if it is installed.
-    pub fn find(command: &str) -> Option<Compiler> {
-        let text = output(Path::new("."), command, &["--version".to_owned()]).ok()?;
-        Some(Compiler {
+    ///
+    /// # Errors
+    ///
+    /// What it says, or why it does not.
+    pub fn find(command: &str) -> Result<Compiler, String> {
+        let run = Call::version(command, "--version").run();
+        let text = told(command, &run.map_err(|error| error.to_string())?)?;
+        Ok(Compiler {
             command: command.to_owned(),
             version: text.lines().next().unwrap_or(command).to_owned(),
         })
@@ -24,7 +29,8 @@ impl Compiler {
 
     /// The first of some that is installed.
     pub fn first(commands: &[&str]) -> Option<Compiler> {
-        commands.iter().find_map(|command| Compiler::find(command))
+        let mut commands = commands.iter();
+        commands.find_map(|command| Compiler::find(command).ok())
     }
 }
 
@@ -75,7 +81,9 @@ impl Step {
             self.command.clone(),
         ];
         arguments.extend(self.arguments.iter().cloned());
-        let text = output(place, "sh", &arguments)?;
+        let call = Call::new("sh").called(&self.command).folder(place);
+        let run = call.arguments(arguments).run();
+        let text = told("sh", &run.map_err(|error| error.to_string())?)?;
         let last = text.lines().next_back().unwrap_or_default();
         Ok(last.split_whitespace().filter_map(seconds).sum())
     }
@@ -94,21 +102,18 @@ fn seconds(text: &str) -> Option<f64> {
 ///
 /// That it does not run, or what it says when it fails.
 pub(super) fn output(place: &Path, command: &str, arguments: &[String]) -> Result<String, String> {
-    let program = if command.starts_with("./") {
-        place.join(command)
-    } else {
-        PathBuf::from(command)
-    };
-    let output = Command::new(&program)
-        .args(arguments)
-        .current_dir(place)
-        .output()
-        .map_err(|error| format!("'{command}' does not run: {error}"))?;
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    if output.status.success() {
+    let call = Call::new(command).folder(place).arguments(arguments);
+    told(command, &call.run().map_err(|error| error.to_string())?)
+}
+
+/// What a program printed that succeeded; the line that says why, of one that
+/// failed.
+fn told(command: &str, run: &Finished) -> Result<String, String> {
+    let text = run.text();
+    if run.status.success() {
         return Ok(text);
     }
-    let messages = String::from_utf8_lossy(&output.stderr);
+    let messages = run.messages();
     let line = messages.lines().chain(text.lines()).find(|line| {
         let line = line.to_ascii_lowercase();
         line.contains("error") || line.contains("fatal") || !line.contains("warning")

@@ -33,6 +33,10 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "PATH")]
     pub(crate) output: Option<PathBuf>,
 
+    /// Replace files that robovec did not write
+    #[arg(long)]
+    pub(crate) force: bool,
+
     /// Language of the input; by default told by its name and content
     #[arg(long, value_enum)]
     pub(crate) language: Option<InputLanguage>,

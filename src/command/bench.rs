@@ -3,6 +3,7 @@
 use super::{Failure, generation, input, output, subjects};
 use crate::bench::contestant::{Contestant, Family};
 use crate::bench::{self, Compiler, Question, own, peers, robotran, text};
+use crate::files::TemporaryFolder;
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::model::Model;
 use clap::Args;
@@ -52,7 +53,7 @@ pub(super) struct BenchArguments {
 
 /// Runs the command.
 pub(super) fn run(arguments: &BenchArguments) -> Result<String, Failure> {
-    let temporary = tempfile::tempdir()
+    let temporary = TemporaryFolder::new()
         .map_err(|error| Failure::plain(format!("no temporary folder: {error}")))?;
     let folder = arguments.output.as_deref().unwrap_or(temporary.path());
     let bar = super::fit::progress_bar();
@@ -155,16 +156,19 @@ fn contestants(
     arguments: &BenchArguments,
 ) -> Result<Vec<Contestant>, Failure> {
     let mut list = Vec::new();
-    let found: Vec<Compiler> = arguments
-        .compilers
-        .iter()
-        .filter_map(|command| Compiler::find(command))
-        .collect();
+    let compilers = arguments.compilers.iter();
+    let (found, missing): (Vec<_>, Vec<_>) = compilers
+        .map(|command| Compiler::find(command))
+        .partition(Result::is_ok);
+    let found: Vec<Compiler> = found.into_iter().flatten().collect();
     if found.is_empty() {
-        return Err(Failure::plain(format!(
-            "none of the compilers is installed: {}",
-            arguments.compilers.join(", ")
-        )));
+        return Err(Failure::advised(
+            format!(
+                "none of the compilers is installed: {}",
+                arguments.compilers.join(", ")
+            ),
+            missing.into_iter().filter_map(Result::err).collect(),
+        ));
     }
     for compiler in &found {
         let c_file = loaded.file.as_ref();

@@ -169,6 +169,7 @@ fn write(
     let json = json!({
         "scene": task.scene.name,
         "machine": task.machine.name,
+        "machine_hash": task.machine.content_hash().text(),
         "states": task.states,
         "seed": task.seed,
         "chosen": outcome.chosen,
@@ -194,10 +195,10 @@ fn write(
         let program = &outcome.programs[candidate.program];
         let ready = confirm::ready(task, program, candidate)
             .map_err(|error| Failure::plain(error.to_string()))?;
-        // A machine that was read is one that can be written.
-        let machine = toml::to_string(&ready.machine).unwrap_or_default();
+        let machine = toml::to_string(&ready.machine)
+            .expect("a machine that was read is one that can be written");
         files.push(("program.rvir", print::print_module(&ready.module)));
-        files.push(("machine.toml", machine));
+        files.push(("machine.toml", format!("# Written by robovec.\n{machine}")));
     }
     for (name, content) in files {
         output::write_file(&folder.join(name), |writer| {

@@ -1,7 +1,8 @@
 //! `robovec gen`: equations from a model.
 
 use super::write::{OutputLanguage, write_files};
-use super::{Failure, input, output};
+use super::{Failure, input, names, output};
+use crate::files::Replace;
 use crate::generate::{
     Binding, Formulation, FunctionKind, Options, Request, TermOrder, generate_into,
 };
@@ -62,6 +63,9 @@ pub(super) struct GenArguments {
     #[arg(short, long, value_name = "PATH", required_if_eq_any = [
         ("language", "c"), ("language", "matlab"), ("language", "python")])]
     output: Option<PathBuf>,
+    /// Replace files that robovec did not write
+    #[arg(long, requires = "output")]
+    force: bool,
 }
 
 impl GenArguments {
@@ -133,6 +137,9 @@ pub(super) fn functions(
 /// Runs the command.
 pub(super) fn run(arguments: &GenArguments) -> Result<String, Failure> {
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
+    if let (None, Some(path)) = (arguments.language, &arguments.output) {
+        names::refuse_wrong(path, true)?;
+    }
     let read = input::model(&arguments.model)?;
     read.warnings
         .emit_to_stderr(ColorChoice::Auto)
@@ -142,12 +149,19 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, Failure> {
     let mut module = functions(&read.model, &kinds, formulation, &arguments.options())?;
     transform(&mut module, &pipeline)?;
     if let (Some(language), Some(folder)) = (arguments.language, &arguments.output) {
-        return write_files(&module, language, &WriteOptions::default(), folder);
+        return write_files(
+            &module,
+            language,
+            &WriteOptions::default(),
+            folder,
+            arguments.force,
+        );
     }
     match &arguments.output {
         None => Ok(print::print_module(&module)),
         Some(path) => {
-            output::write_file(path, |writer| print::write_module(&module, writer))?;
+            let replace = output::forced(arguments.force, Replace::Own);
+            output::write_over(path, replace, |writer| print::write_module(&module, writer))?;
             Ok(String::new())
         }
     }

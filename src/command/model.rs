@@ -1,6 +1,7 @@
 //! `robovec model`: models to look at and to start from.
 
 use super::{Failure, input, output};
+use crate::files::Replace;
 use crate::model::Model;
 use crate::model::family::{Family, LARGEST};
 use crate::model::mbs::write_mbs;
@@ -10,7 +11,7 @@ use clap::Args;
 use robovec_ir::diagnostic::{
     Diagnostic, Label, Report, Severity, did_you_mean, termcolor::ColorChoice,
 };
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The joints of a family that is given no number.
 const DEFAULT_JOINTS: usize = 23;
@@ -33,6 +34,9 @@ pub(super) struct ModelArguments {
     /// to the standard output
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
+    /// Replace a file that is there
+    #[arg(long, requires = "output")]
+    force: bool,
     /// Tell whether these files of equations still belong to the model; exit
     /// code 1 when one must be generated again
     #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "output")]
@@ -44,7 +48,7 @@ pub(super) fn run(arguments: &ModelArguments) -> Result<String, Failure> {
     let name = arguments.subject.to_string_lossy();
     if let Some(family) = Family::from_name(&name) {
         let model = member(family, arguments)?;
-        return write(&model, arguments.output.as_deref());
+        return write(&model, arguments);
     }
     if arguments.subject.extension().is_none() && !arguments.subject.exists() {
         return Err(unknown(&name));
@@ -59,7 +63,7 @@ pub(super) fn run(arguments: &ModelArguments) -> Result<String, Failure> {
         .emit_to_stderr(ColorChoice::Auto)
         .unwrap_or_default();
     match &arguments.output {
-        Some(path) => write(&read.model, Some(path)),
+        Some(_) => write(&read.model, arguments),
         None if !arguments.equations.is_empty() => freshness(&read.model, &arguments.equations),
         None => Ok(summarise(&read.model)),
     }
@@ -156,11 +160,13 @@ fn member(family: Family, arguments: &ModelArguments) -> Result<Model, Failure> 
     Ok(family.build(joints, arguments.seed.unwrap_or(1)))
 }
 
-fn write(model: &Model, path: Option<&Path>) -> Result<String, Failure> {
+fn write(model: &Model, arguments: &ModelArguments) -> Result<String, Failure> {
     let text = write_mbs(model);
-    let Some(path) = path else {
+    let Some(path) = &arguments.output else {
         return Ok(text);
     };
-    output::write_file(path, |writer| writer.write_all(text.as_bytes()))?;
+    // Models are edited by hand, so none is known to be robovec's still.
+    let replace = output::forced(arguments.force, Replace::Nothing);
+    output::write_over(path, replace, |writer| writer.write_all(text.as_bytes()))?;
     Ok(String::new())
 }

@@ -5,7 +5,8 @@ use super::dump::DumpFolder;
 use super::explain;
 use super::input::{self, Input};
 use super::tables::{self, Stage};
-use super::{Failure, listing, output, reduction, reproducer, rules, simulation};
+use super::{Failure, listing, names, output, placed, reduction, reproducer, rules, simulation};
+use crate::files::Replace;
 use crate::report;
 use crate::scene::SceneFile;
 use clap::{CommandFactory, FromArgMatches, Parser};
@@ -14,6 +15,7 @@ use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, termcolor::ColorChoice};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
+use robovec_passes::codegen::rtl::DESCRIPTION;
 use robovec_passes::manager::{self, Config, Outcome, PassFilter, PrintChanged, RunError, usage};
 use robovec_passes::pipeline::Pipeline;
 use robovec_passes::rules::RuleSet;
@@ -75,6 +77,11 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     // Everything the user wrote is read before any work is done.
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
+    if let Some(path) = &arguments.output
+        && !pipeline.passes().any(|pass| pass.info.name == "codegen")
+    {
+        names::refuse_wrong(path, true)?;
+    }
     let asked = arguments.machine.as_deref();
     let asked = asked.map(input::machine).transpose()?;
     let rules = rules::sound(&arguments.rules, !arguments.no_default_rules)?;
@@ -108,6 +115,9 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(name) = &arguments.function {
         select(&mut input.module, name)?;
     }
+    if pipeline.steps.is_empty() && arguments.simulate.is_some() {
+        placed::check(&input, &machine)?;
+    }
     let read: Vec<ReadCounts> = input.module.functions.iter().map(ReadCounts::of).collect();
     let mut trail = arguments.explain.is_some().then(Trail::new);
     let target = (&machine, &rules, scene);
@@ -140,7 +150,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         output::write_stdout(|stdout| stdout.write_all(account.as_bytes()))?;
     }
     if arguments.explain.is_none() || arguments.output.is_some() {
-        write_result(arguments.output.as_deref(), &input.module, &outcome)?;
+        let path = arguments.output.as_deref();
+        write_result(path, arguments.force, &input.module, &outcome)?;
     }
     let (now, peak_mb) = usage();
     stages.push(Stage {
@@ -321,11 +332,11 @@ fn transform(
     if let Some(dump) = dump {
         dump.finish()?;
     }
-    result.map_err(|error| describe(error, arguments, input))
+    result.map_err(|error| describe(error, arguments, input, machine))
 }
 
 /// Turns the manager's error into messages that point into the user's texts.
-fn describe(error: RunError, arguments: &Arguments, input: &Input) -> Failure {
+fn describe(error: RunError, arguments: &Arguments, input: &Input, machine: &Machine) -> Failure {
     match error {
         RunError::Plan(error) => {
             let text = match &arguments.passes {
@@ -350,6 +361,9 @@ fn describe(error: RunError, arguments: &Arguments, input: &Input) -> Failure {
         } => {
             let message = format!("{pass}, function '{function}': {}", error.message);
             located(message, error.sources, error.help, input)
+        }
+        RunError::Given { ref help, .. } => {
+            placed::refusal(&error.to_string(), help, input, machine)
         }
         RunError::Panic { .. } | RunError::Verify { .. } | RunError::Check { .. } => {
             let mut notes = Vec::new();
@@ -450,24 +464,40 @@ fn write_report(
     Ok(String::new())
 }
 
-fn write_result(path: Option<&Path>, module: &Module, outcome: &Outcome) -> Result<(), Failure> {
+fn write_result(
+    path: Option<&Path>,
+    force: bool,
+    module: &Module,
+    outcome: &Outcome,
+) -> Result<(), Failure> {
     let text = |writer: &mut dyn Write| match &outcome.artifacts[..] {
         [] => print::write_module(module, writer),
         files => files
             .iter()
             .try_for_each(|file| writer.write_all(file.text.as_bytes())),
     };
+    let replace = output::forced(force, Replace::Own);
     match (path, outcome.artifacts.len()) {
         (None, 0 | 1) => output::write_stdout(text),
-        (Some(path), 0 | 1) if path != Path::new("-") => output::write_file(path, text),
         (Some(path), 0 | 1) if path == Path::new("-") => output::write_stdout(text),
-        (Some(folder), _) => {
-            output::make_folder(folder)?;
-            outcome.artifacts.iter().try_for_each(|file| {
-                let path = folder.join(&file.name);
-                output::make_folder(path.parent().unwrap_or(folder))?;
-                output::write_file(&path, |writer| writer.write_all(file.text.as_bytes()))
-            })
+        (Some(path), count @ (0 | 1)) => {
+            names::refuse_wrong(path, count == 0)?;
+            output::write_over(path, replace, text)
+        }
+        (Some(folder), count) => {
+            names::refuse_for_several(folder, count)?;
+            let files: Vec<(&str, &str)> = outcome
+                .artifacts
+                .iter()
+                .map(|file| (&*file.name, &*file.text))
+                .collect();
+            // Most files of hardware are the same for every machine and bear
+            // no mark.
+            let usual = match files.iter().any(|(name, _)| name.ends_with(DESCRIPTION)) {
+                true => Replace::Anything,
+                false => Replace::Results,
+            };
+            output::write_folder(folder, &files, output::forced(force, usual))
         }
         (None, count) => Err(Failure::advised(
             format!("the pipeline made {count} files"),

@@ -1,54 +1,61 @@
-//! Files that appear whole or not at all.
+//! Results to files and to the standard output, mistakes as messages.
 
 use super::Failure;
-use std::fs;
+use crate::files::{self, Replace, WriteError};
 use std::io::{self, Write};
 use std::path::Path;
-use tempfile::NamedTempFile;
 
-/// Writes a file through a temporary one beside it, which takes its name only
-/// when all is written. What is there and is no ordinary file (a device such
-/// as `/dev/null`, a pipe) is written into as it is: taking its name would
-/// remove it.
+/// Writes a file of results whole or not at all; files of programs and models
+/// that robovec did not write stay.
 pub(crate) fn write_file(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
-    let attempt = || -> io::Result<()> {
-        if fs::metadata(path).is_ok_and(|there| !there.is_file()) {
-            let mut special = fs::OpenOptions::new().write(true).open(path)?;
-            write(&mut special)?;
-            return special.flush();
+    write_over(path, Replace::Results, write)
+}
+
+/// As [`write_file`], replacing what is said.
+pub(crate) fn write_over(
+    path: &Path,
+    replace: Replace,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    files::write_whole(path, replace, write).map_err(|error| failure(&error, replace))
+}
+
+/// Writes files that belong together, given as (name, text), into a folder.
+pub(crate) fn write_folder(
+    folder: &Path,
+    files: &[(&str, &str)],
+    replace: Replace,
+) -> Result<(), Failure> {
+    files::sealed::write_folder(folder, files, replace).map_err(|error| failure(&error, replace))
+}
+
+/// What an option `--force` makes of what may be replaced without it.
+pub(crate) fn forced(force: bool, usual: Replace) -> Replace {
+    match force {
+        true => Replace::Anything,
+        false => usual,
+    }
+}
+
+fn failure(error: &WriteError, replace: Replace) -> Failure {
+    let notes = match (error, replace) {
+        (WriteError::System(..), _) => Vec::new(),
+        (WriteError::Foreign(_), Replace::Own | Replace::Nothing) => {
+            vec!["name another place, or replace it with --force".to_owned()]
         }
-        let folder = path
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty());
-        let mut file = NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))?;
-        write(&mut file)?;
-        file.flush()?;
-        make_readable(&file)?;
-        file.persist(path).map_err(|error| error.error)?;
-        Ok(())
+        (WriteError::Foreign(_), Replace::Results | Replace::Anything) => {
+            vec!["name another place, or remove the file first".to_owned()]
+        }
     };
-    attempt().map_err(|error| Failure::plain(format!("cannot write {}: {error}", path.display())))
-}
-
-/// Temporary files are private; results have the usual permissions.
-#[cfg(unix)]
-fn make_readable(file: &NamedTempFile) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.as_file()
-        .set_permissions(fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn make_readable(_file: &NamedTempFile) -> io::Result<()> {
-    Ok(())
+    Failure::advised(error.to_string(), notes)
 }
 
 /// Makes a folder, with those above it.
 pub(crate) fn make_folder(path: &Path) -> Result<(), Failure> {
-    fs::create_dir_all(path).map_err(|error| {
+    files::make_folder(path).map_err(|error| {
         Failure::plain(format!(
             "cannot make the folder {}: {error}",
             path.display()

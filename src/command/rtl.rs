@@ -2,12 +2,15 @@
 
 use super::opt::select;
 use super::rtl_bench::{self, BenchArguments};
-use super::{Failure, input, output};
+use super::{Failure, input, output, placed};
+use crate::files::Replace;
+use crate::files::sealed::check_folder;
 use clap::{Args, ValueEnum};
 use robovec_ir::diagnostic::termcolor::ColorChoice;
 use robovec_ir::{Function, Machine, Module, View};
 use robovec_passes::analysis::hardware::Shape;
 use robovec_passes::codegen::Artifacts;
+use robovec_passes::codegen::manifest::FileHash;
 use robovec_passes::codegen::quartus;
 use robovec_passes::codegen::rtl::{
     self, Crossbar, CrossbarChoice, DESCRIPTION, Fit, Hardware, RtlError,
@@ -151,14 +154,39 @@ fn notes(fit: &Fit) -> Vec<String> {
 fn hardware(path: &Path) -> Result<Hardware, Failure> {
     let candidates = [path.join("rtl").join(DESCRIPTION), path.join(DESCRIPTION)];
     let found = candidates.into_iter().find(|file| file.is_file());
+    if found.is_none() && path.is_dir() {
+        return Err(Failure::advised(
+            format!(
+                "{} has no complete hardware: there is no {DESCRIPTION}, which is written last",
+                path.display()
+            ),
+            vec!["build it again: robovec rtl PROGRAM -o FOLDER".to_owned()],
+        ));
+    }
+    let is_folder = found.is_some();
     let file = found.unwrap_or_else(|| path.to_owned());
     let text = input::text(&file)?;
-    Hardware::parse(&text).map_err(|error| {
+    let hardware = Hardware::parse(&text).map_err(|error| {
         let notes = vec![format!(
             "'robovec rtl' writes one: FOLDER/rtl/{DESCRIPTION}"
         )];
         Failure::advised(format!("{}: {error}", file.display()), notes)
-    })
+    })?;
+    let beside = file.parent().unwrap_or(Path::new(""));
+    let is_there = |one: &FileHash| beside.join(&one.file).exists();
+    // A description may be kept alone; with any of its files it is hardware.
+    if is_folder || hardware.files.iter().any(is_there) {
+        check_folder(beside, &hardware.files).map_err(|error| {
+            Failure::advised(
+                format!(
+                    "{} does not have the hardware that {DESCRIPTION} describes: {error}",
+                    beside.display()
+                ),
+                vec!["build it again: robovec rtl PROGRAM -o FOLDER".to_owned()],
+            )
+        })?;
+    }
+    Ok(hardware)
 }
 
 /// The program and the machine it is placed on.
@@ -173,10 +201,11 @@ fn program(
         .warnings
         .emit_to_stderr(ColorChoice::Auto)
         .unwrap_or_default();
-    let mut module = input.module;
+    let mut input = input;
     if let Some(name) = function {
-        select(&mut module, name)?;
+        select(&mut input.module, name)?;
     }
+    let module = &input.module;
     let equations = |function: &Function| function.placement.is_none();
     if arguments.passes.is_none() && module.functions.iter().any(equations) {
         return Err(Failure::advised(
@@ -192,14 +221,21 @@ fn program(
     }
     let machine = match machine {
         Some(machine) => machine,
-        None => own_machine(&module)?,
+        None => own_machine(module)?,
     };
-    if arguments.passes.is_some() {
-        let mut log = io::stderr().lock();
-        manager::run(&mut module, &pipeline, Config::new(&machine, &mut log))
+    match arguments.passes {
+        None => placed::check(&input, &machine)?,
+        Some(_) => {
+            let mut log = io::stderr().lock();
+            manager::run(
+                &mut input.module,
+                &pipeline,
+                Config::new(&machine, &mut log),
+            )
             .map_err(|error| Failure::plain(error.to_string()))?;
+        }
     }
-    Ok((module, machine))
+    Ok((input.module, machine))
 }
 
 /// The machine that a placed program names; that of the thesis for one that
@@ -250,7 +286,7 @@ fn failure(error: &RtlError) -> Failure {
             let message = format!("'{function}' does not fit");
             return Failure::advised(message, reasons.clone());
         }
-        other => rtl::advice(other).map(str::to_owned).into_iter().collect(),
+        other => rtl::advice(other).into_iter().collect(),
     };
     Failure::advised(error.to_string(), notes)
 }
@@ -307,14 +343,12 @@ impl Files {
     }
 
     fn write(&self, folder: &Path) -> Result<(), Failure> {
-        for (name, text) in &self.0 {
-            let path = folder.join(name);
-            if let Some(parent) = path.parent() {
-                output::make_folder(parent)?;
-            }
-            output::write_file(&path, |writer| writer.write_all(text.as_bytes()))?;
-        }
-        Ok(())
+        let files: Vec<(&str, &str)> = self
+            .0
+            .iter()
+            .map(|(name, text)| (&**name, &**text))
+            .collect();
+        output::write_folder(folder, &files, Replace::Anything)
     }
 }
 

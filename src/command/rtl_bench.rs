@@ -1,6 +1,7 @@
 //! `robovec rtl`: the benches beside the hardware, and `--check`.
 
 use super::Failure;
+use crate::process::ToolError;
 use crate::rtl::{CheckFailure, Checked, Door, Tool, bench_files, check};
 use clap::{Args, ValueEnum};
 use robovec_ir::states::States;
@@ -171,7 +172,8 @@ fn failure(error: &CheckFailure) -> Failure {
             "the first mismatch counts, the others may be its consequences".to_owned(),
             "the files are kept: run the benches again with the scripts in tb/".to_owned(),
         ],
-        CheckFailure::Start(..) | CheckFailure::Build(_) => Vec::new(),
+        CheckFailure::Tool(ToolError::Time { .. }) => vec![super::tool::TIME_ADVICE.to_owned()],
+        CheckFailure::Tool(_) | CheckFailure::Hardware(..) | CheckFailure::Build(_) => Vec::new(),
     };
     Failure::advised(error.to_string(), notes)
 }

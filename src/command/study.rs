@@ -9,11 +9,9 @@ use crate::study::results::Results;
 use crate::study::store::Store;
 use crate::study::{figures, page, plot, run, tables};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use robovec_ir::print::print_file;
 use robovec_ir::{Module, View};
 use std::collections::HashMap;
 use std::fs;
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
@@ -151,7 +149,7 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
     };
     let bar = progress_bar(plan.models.len() * plan.pipelines.len());
     let mut times: Vec<CpuTime> = Vec::new();
-    let mut timed: HashMap<u64, usize> = HashMap::new();
+    let mut timed: HashMap<String, usize> = HashMap::new();
     let mut measure = |model: &str, pipeline: &str, [module, shorter]: [&Module; 2]| {
         let [view, shorter] = [module, shorter].map(|module| View {
             tables: &module.tables,
@@ -164,9 +162,7 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
             shorter,
         };
         // Models of several formulations are the same for a processor.
-        let mut hasher = DefaultHasher::new();
-        [view, shorter].map(print_file).hash(&mut hasher);
-        let same = timed.entry(hasher.finish()).or_insert(times.len());
+        let same = timed.entry(job.program()).or_insert(times.len());
         let known = earlier.iter().find(|time| time.is_of(&job, &computer));
         times.push(match (known, times.get(*same)) {
             (Some(known), _) => known.clone(),

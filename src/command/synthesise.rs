@@ -1,6 +1,7 @@
 //! `robovec synthesise`: hardware mapped to the cells of a Cyclone V.
 
 use super::Failure;
+use crate::process::ToolError;
 use crate::report::table;
 use crate::study::couples::{ADDERS, MULTIPLIERS, Operator};
 use crate::synthesis::cores::{self, Mapped};
@@ -82,7 +83,11 @@ pub(super) fn machine(shape: &Shape, files: &[(String, String)]) -> Result<Strin
 
 /// An error of the mapping, told to the user.
 pub(super) fn failure(error: SynthesisError) -> Failure {
-    Failure::plain(error.to_string())
+    let notes = match &error {
+        SynthesisError::Tool(ToolError::Time { .. }) => vec![super::tool::TIME_ADVICE.to_owned()],
+        _ => Vec::new(),
+    };
+    Failure::advised(error.to_string(), notes)
 }
 
 /// One row per operator and latency.

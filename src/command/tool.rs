@@ -13,6 +13,7 @@ use super::model::{self, ModelArguments};
 use super::scene::{self, SceneArguments};
 use super::sim::{self, SimArguments};
 use super::{Failure, input, output, write};
+use crate::process::{Limits, set_limits};
 use crate::simulate::Program;
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
@@ -20,6 +21,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// Evaluates, simulates and compares equations of multibody systems.
 #[derive(Parser, Debug)]
@@ -27,7 +29,18 @@ use std::process::ExitCode;
 struct Arguments {
     #[command(subcommand)]
     command: Command,
+    /// Time after which a compiler, a simulator of hardware, yosys or a program
+    /// they made is stopped, s
+    #[arg(long, global = true, value_name = "SECONDS", default_value_t = 1800,
+          value_parser = clap::value_parser!(u64).range(1..=MOST_SECONDS))]
+    tool_seconds: u64,
 }
+
+/// A week.
+const MOST_SECONDS: u64 = 7 * 24 * 3600;
+
+/// The remedy for a tool that was stopped.
+pub(super) const TIME_ADVICE: &str = "'--tool-seconds' gives tools more time or less";
 
 #[derive(Subcommand, Debug)]
 enum Command {
@@ -80,6 +93,10 @@ enum Command {
 /// Runs the program.
 pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let arguments = Arguments::parse_from(arguments);
+    set_limits(Limits {
+        time: Duration::from_secs(arguments.tool_seconds),
+        ..Limits::USUAL
+    });
     let result = match &arguments.command {
         Command::Accuracy(arguments) => accuracy::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),

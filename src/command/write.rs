@@ -2,6 +2,7 @@
 
 use super::arguments::InputLanguage;
 use super::{Failure, input, output};
+use crate::files::Replace;
 use crate::robotran::Language;
 use crate::robotran::drop_in::{DropInOptions, drop_in};
 use crate::robotran::write::{WriteOptions, write};
@@ -59,6 +60,9 @@ pub(crate) struct WriteArguments {
     /// Language of the input; by default told by its name and content
     #[arg(long, value_enum)]
     input_language: Option<InputLanguage>,
+    /// Replace files that robovec did not write
+    #[arg(long)]
+    force: bool,
 }
 
 /// The type that C computes in.
@@ -110,7 +114,7 @@ pub(crate) fn run(arguments: &WriteArguments) -> Result<String, Failure> {
         files.extend(written);
     }
     refuse_losses(&arguments.files, &files, &arguments.output)?;
-    save(&files, &arguments.output)
+    save(&files, &arguments.output, arguments.force)
 }
 
 /// How bounded C is written.
@@ -191,20 +195,23 @@ pub(super) fn write_files(
     language: OutputLanguage,
     options: &WriteOptions,
     folder: &Path,
+    force: bool,
 ) -> Result<String, Failure> {
     let files = write(module, language.into(), options)
         .map_err(|error| Failure::plain(error.to_string()))?;
-    save(&files, folder)
+    save(&files, folder, force)
 }
 
-fn save(files: &[(String, String)], folder: &Path) -> Result<String, Failure> {
-    output::make_folder(folder)?;
+fn save(files: &[(String, String)], folder: &Path, force: bool) -> Result<String, Failure> {
+    let texts: Vec<(&str, &str)> = files
+        .iter()
+        .map(|(name, text)| (&**name, &**text))
+        .collect();
+    output::write_folder(folder, &texts, output::forced(force, Replace::Own))?;
     let mut names = String::new();
-    for (name, text) in files {
-        let path = folder.join(name);
-        output::write_file(&path, |writer| writer.write_all(text.as_bytes()))?;
+    for (name, _) in files {
         // Writing to a string cannot fail.
-        let _ = writeln!(names, "{}", path.display());
+        let _ = writeln!(names, "{}", folder.join(name).display());
     }
     Ok(names)
 }

@@ -10,6 +10,8 @@ use serde::{Serialize, Serializer};
 pub struct ScheduleReport {
     /// The machine's name.
     pub machine: String,
+    /// Hash of the machine's content; absent when the schedule does not say.
+    pub machine_hash: Option<String>,
     /// Its number format: `binary32`, `binary64`, or a name as
     /// `float(8,10)`; absent as `time_us` is.
     pub number: Option<String>,
@@ -109,9 +111,10 @@ impl ScheduleReport {
             let words = kinds.map(|kind| (kind.kind.clone(), pick(kind)));
             Some(ByKind(words.collect()))
         };
-        let own = (machine.name == schedule.machine).then_some(machine);
+        let own = schedule.check_machine(machine).is_ok().then_some(machine);
         Some(ScheduleReport {
             machine: schedule.machine.clone(),
+            machine_hash: schedule.machine_hash.map(|hash| hash.text()),
             number: own.map(|machine| format_name(machine.number)),
             n_add: performs(Operation::Add).unwrap_or(0),
             n_multi: performs(Operation::Mul).unwrap_or(0),

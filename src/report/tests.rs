@@ -63,6 +63,7 @@ fn place(function: &mut Function, [a, b, zero]: [Operand; 3]) {
     let slot = |cycle, element| Slot { cycle, element };
     function.schedule = Some(Schedule {
         machine: "thesis".to_owned(),
+        machine_hash: None,
         kinds: vec![kind("add"), kind("multi")],
         slots: vec![slot(0, Slot::HOST), slot(0, 1), slot(9, 0), slot(21, 0)],
         cycles: 33,

@@ -266,8 +266,13 @@ fn print_schedule(schedule: &ScheduleReport, text: &mut String) {
         .iter()
         .map(|kind| format!("{} {}", kind.count, kind.kind))
         .collect();
+    let kinds = kinds.join(" + ");
+    let identity = match &schedule.machine_hash {
+        Some(hash) => format!("{kinds}, hash {hash}"),
+        None => kinds,
+    };
     let mut rows = vec![
-        row("machine", schedule.machine.clone(), &kinds.join(" + ")),
+        row("machine", schedule.machine.clone(), &identity),
         row("cycles", schedule.cycles.to_string(), &excess),
     ];
     if let Some(time) = schedule.time_us {

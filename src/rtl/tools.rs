@@ -1,8 +1,8 @@
 //! Running the benches with the simulators of hardware that are installed.
 
+use crate::process::{Call, Finished, ToolError};
 use std::io;
 use std::path::Path;
-use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
 /// A simulator of hardware.
@@ -61,7 +61,8 @@ impl Tool {
     pub fn missing(self) -> Option<&'static str> {
         let mut programs = self.programs().iter();
         let missing = |(program, version): &&(&str, &str)| {
-            Command::new(program).arg(version).output().is_err()
+            let run = Call::version(program, version).run();
+            matches!(run, Err(ToolError::Start { .. }))
         };
         programs.find(missing).map(|(program, _)| *program)
     }
@@ -100,9 +101,12 @@ pub enum CheckFailure {
     /// A program is not installed.
     #[error("'{0}' is not installed")]
     Missing(&'static str),
-    /// It cannot be started.
-    #[error("cannot run '{0}': {1}")]
-    Start(&'static str, io::Error),
+    /// The folder of the hardware is not there.
+    #[error("no hardware in {0}: {1}")]
+    Hardware(String, io::Error),
+    /// It does not start, or does not end.
+    #[error(transparent)]
+    Tool(#[from] ToolError),
     /// The bench could not be built, or ended without a verdict.
     #[error("the bench did not run:\n{0}")]
     Build(String),
@@ -138,15 +142,15 @@ pub fn check(
     }
     let start = Instant::now();
     let (program, arguments) = tool.command(doors);
-    let start_failure = |error| CheckFailure::Start(program, error);
     // The tools run in the folder of the benches.
-    let hardware = hardware.canonicalize().map_err(start_failure)?;
-    let output = Command::new(program)
-        .args(arguments)
-        .env("RTL", hardware)
-        .current_dir(folder)
-        .output()
-        .map_err(start_failure)?;
+    let hardware = hardware
+        .canonicalize()
+        .map_err(|error| CheckFailure::Hardware(hardware.display().to_string(), error))?;
+    let output = Call::new(program)
+        .arguments(arguments)
+        .variable("RTL", hardware)
+        .folder(folder)
+        .run()?;
     judge(&output, doors.len()).map(|verdicts| Checked {
         verdicts,
         time: start.elapsed(),
@@ -154,8 +158,8 @@ pub fn check(
 }
 
 /// A bench has passed when every way in says so and nothing says otherwise.
-fn judge(output: &Output, doors: usize) -> Result<Vec<String>, CheckFailure> {
-    let said = String::from_utf8_lossy(&output.stdout);
+fn judge(output: &Finished, doors: usize) -> Result<Vec<String>, CheckFailure> {
+    let said = output.text();
     let is = |word: &'static str| move |line: &&str| line.starts_with(word);
     let verdicts: Vec<String> = (said.lines().filter(is("PASS")))
         .map(str::to_owned)
@@ -164,7 +168,7 @@ fn judge(output: &Output, doors: usize) -> Result<Vec<String>, CheckFailure> {
         return Err(CheckFailure::Mismatch(said.trim_end().to_owned()));
     }
     if !output.status.success() || verdicts.len() != doors {
-        let errors = String::from_utf8_lossy(&output.stderr);
+        let errors = output.messages();
         let all = format!("{said}{errors}");
         // A C++ compiler can say a great deal.
         let lines: Vec<&str> = all.lines().collect();

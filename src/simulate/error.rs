@@ -8,7 +8,10 @@ use robovec_ir::format::FormatError;
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum LoadError {
     /// No manifest among the files.
-    #[error("there is no manifest.json among the files")]
+    #[error(
+        "there is no manifest.json among the files; it is written last, so without it the images \
+         are not complete"
+    )]
     NoManifest,
     /// Manifests of several functions.
     #[error("there are several manifests: '{0}' and '{1}'; load one function at a time")]
@@ -146,6 +149,16 @@ pub enum LoadError {
         images: String,
         /// Of the machine given.
         machine: String,
+    },
+    /// A file is not the one the manifest was written with.
+    #[error("'{file}' was changed: it has the hash {found}, the manifest says {expected}")]
+    OtherFile {
+        /// The file.
+        file: String,
+        /// Of its content.
+        found: String,
+        /// Of the manifest.
+        expected: String,
     },
     /// The instruction images are not those the manifest was written with.
     #[error("the instruction images have the hash {found}, the manifest says {expected}")]

@@ -2,6 +2,7 @@
 
 use super::error::LoadError;
 use super::load::Loader;
+use robovec_ir::fnv::Fnv;
 use robovec_passes::codegen::manifest;
 
 /// Most elements.
@@ -113,10 +114,21 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Machine and instruction images must be those the manifest was written
-    /// for.
+    /// The machine and all files must be those the manifest was written for.
     pub(super) fn check_hashes(&self) -> Result<(), LoadError> {
-        let mut found = Hash::new();
+        for one in &self.manifest.files {
+            let text = self.files.get(one.file.as_str()).copied();
+            let text = text.ok_or_else(|| LoadError::NoFile(one.file.clone()))?;
+            let found = Fnv::of(text.as_bytes()).text();
+            if found != one.hash {
+                return Err(LoadError::OtherFile {
+                    file: one.file.clone(),
+                    found,
+                    expected: one.hash.clone(),
+                });
+            }
+        }
+        let mut found = Fnv::new();
         for element in &self.manifest.elements {
             let text = self.files.get(element.instructions.file.as_str());
             found.update(text.copied().unwrap_or("").as_bytes());
@@ -127,22 +139,7 @@ impl Loader<'_> {
                 expected: self.manifest.schedule_hash.clone(),
             });
         }
-        let mut elements = self.machine.elements.clone();
-        for element in &mut elements {
-            element.count = 1;
-        }
-        let machine = self.machine;
-        let essence = (
-            machine.number,
-            elements,
-            machine.memory,
-            machine.buffer,
-            machine.interconnect,
-        );
-        let text =
-            serde_json::to_vec(&essence).map_err(|error| LoadError::Machine(error.to_string()))?;
-        let mut hash = Hash::new();
-        hash.update(&text);
+        let hash = self.machine.content_hash();
         if hash.text() != self.manifest.machine.hash {
             return Err(LoadError::OtherMachine {
                 images: self.manifest.machine.hash.clone(),
@@ -163,23 +160,4 @@ fn check_words(name: &str, words: u32, allowed: Option<u32>) -> Result<(), LoadE
         });
     }
     Ok(())
-}
-
-/// 64-bit FNV-1a.
-struct Hash(u64);
-
-impl Hash {
-    fn new() -> Hash {
-        Hash(0xcbf2_9ce4_8422_2325)
-    }
-
-    fn update(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-
-    fn text(&self) -> String {
-        format!("{:016x}", self.0)
-    }
 }

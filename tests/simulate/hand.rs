@@ -96,6 +96,7 @@ pub(crate) fn module() -> Module {
     };
     function.schedule = Some(Schedule {
         machine: "thesis".to_owned(),
+        machine_hash: None,
         kinds: vec![kind("add", 1), kind("multi", 2)],
         slots: vec![slot(0, ADD0), slot(12, MULTI0), slot(19, ADD0)],
         cycles: 31,

@@ -4,6 +4,7 @@ use super::float;
 use super::hand::{Edited, mif};
 use robovec::simulate::{LoadError, Program};
 use robovec_ir::Machine;
+use robovec_ir::fnv::Fnv;
 use robovec_ir::machine::{BufferDescription, MemoryStyle};
 
 fn refused(change: impl FnOnce(&mut Edited)) -> LoadError {
@@ -47,14 +48,16 @@ fn manifests_that_are_none() {
     };
     assert!(matches!(load("{"), LoadError::Manifest { .. }));
     assert!(matches!(
-        load("{\"format\": 1}"),
+        load("{\"format\": 2}"),
         LoadError::Manifest { .. }
     ));
-    let (found, expected) = (99, 1);
-    assert_eq!(
-        load("{\"format\": 99}"),
-        LoadError::Format { found, expected }
-    );
+    // The first version did not tell the hash of every file.
+    for (found, expected) in [(99, 2), (1, 2)] {
+        assert_eq!(
+            load(&format!("{{\"format\": {found}}}")),
+            LoadError::Format { found, expected }
+        );
+    }
     let deep = "[".repeat(200_000);
     assert!(matches!(load(&deep), LoadError::Manifest { .. }));
 }
@@ -77,8 +80,33 @@ fn changed_images_and_other_machines() {
     images.set("add0", 1, "read.left", 1);
     assert!(matches!(
         Program::load(&images.files, &images.machine),
+        Err(LoadError::OtherFile { .. })
+    ));
+    // With the hash of the file set right, that of the schedule is wrong.
+    let text = images.file("add0.instructions.mif").clone();
+    let manifest = images.manifest.files.iter_mut();
+    let mut named = manifest.filter(|one| one.file.ends_with("add0.instructions.mif"));
+    named.next().expect("it is an image").hash = Fnv::of(text.as_bytes()).text();
+    let manifest = serde_json::to_string(&images.manifest).expect("it is JSON");
+    *images.file("manifest.json") = manifest;
+    assert!(matches!(
+        Program::load(&images.files, &images.machine),
         Err(LoadError::OtherSchedule { .. })
     ));
+}
+
+#[test]
+fn data_images_that_were_changed_are_refused() {
+    for name in ["add0.data.mif", "multi0.data.mif", "multi1.data.mif"] {
+        let mut images = Edited::new();
+        images.file(name).push_str("-- the same words\n");
+        let error = Program::load(&images.files, &images.machine).expect_err(name);
+        assert!(matches!(error, LoadError::OtherFile { .. }), "{error}");
+        let mut images = Edited::new();
+        images.files.retain(|(file, _)| !file.ends_with(name));
+        let error = Program::load(&images.files, &images.machine).expect_err(name);
+        assert!(matches!(error, LoadError::NoFile(_)), "{error}");
+    }
 }
 
 #[test]

@@ -153,6 +153,7 @@ impl Naive {
         Naive {
             schedule: Schedule {
                 machine: machine.name.clone(),
+                machine_hash: Some(machine.content_hash()),
                 kinds: kinds.collect(),
                 slots: Vec::new(),
                 cycles: 0,

@@ -5,12 +5,14 @@
 //! expressions are reduced; the head of a statement says where its nodes
 //! start, its end gives the last of them the name.
 
+use super::Target;
 use super::attributes::Attributes;
 use super::names::{NameTable, Recent};
 use super::problems::{Problems, also, error};
 use super::undefined::Undefined;
 use crate::diagnostic::{Diagnostic, clip};
 use crate::entity::{Operand, Output, Value};
+use crate::fnv::Fnv;
 use crate::function::{Function, Level};
 use crate::history::History;
 use crate::module::Module;
@@ -186,6 +188,9 @@ pub(super) struct Builder<'t> {
     pub(super) members: Vec<SourceSet>,
     pub(super) arguments: Vec<String>,
     pub(super) kinds: Vec<(Span, u32)>,
+    pub(super) machine_hash: Option<Fnv>,
+    /// What placements are verified against.
+    pub(super) target: Option<Target<'t>>,
 }
 
 impl<'t> Builder<'t> {
@@ -205,6 +210,8 @@ impl<'t> Builder<'t> {
             members: Vec::new(),
             arguments: Vec::new(),
             kinds: Vec::new(),
+            machine_hash: None,
+            target: None,
         }
     }
 
@@ -293,6 +300,7 @@ impl<'t> Builder<'t> {
         self.members.clear();
         self.arguments.clear();
         self.kinds.clear();
+        self.machine_hash = None;
     }
 
     /// The module, or what is wrong with the text.

@@ -7,7 +7,7 @@ use crate::function::{Assignment, Function, Level, Node, Timing};
 use crate::history::History;
 use crate::module::View;
 use crate::placement::{Placement, Preload, Slot};
-use crate::verify::{Subject, Violation, verify};
+use crate::verify::{Subject, Violation, verify, verify_placement};
 
 impl<'t> Builder<'t> {
     /// Ends the function being read and adds it to the module if it is sound.
@@ -39,13 +39,36 @@ impl<'t> Builder<'t> {
                 tables: &self.module.tables,
                 function: &open.function,
             };
-            for violation in verify(view) {
+            for violation in self.violations(view) {
                 let span = place(&open, head, &spans, &preload_spans, &violation);
                 self.problems.push(error(span, violation.message));
             }
         }
         if self.problems.is_empty() {
             self.module.functions.push(open.function);
+        }
+    }
+
+    /// What is wrong with a function, on the machine as well where there is
+    /// one.
+    fn violations(&self, view: View<'_>) -> Vec<Violation> {
+        let found = verify(view);
+        let (Some(target), Some(schedule), []) = (self.target, &view.function.schedule, &found[..])
+        else {
+            return found;
+        };
+        if !(target.wanted)(&view.function.name) {
+            return found;
+        }
+        if let Err(mismatch) = schedule.check_machine(target.machine) {
+            return vec![Violation {
+                subject: Subject::Schedule,
+                message: mismatch.to_string(),
+            }];
+        }
+        match view.function.level {
+            Level::Placed => verify_placement(view, target.machine),
+            Level::Equations | Level::Atomic | Level::Scheduled => found,
         }
     }
 

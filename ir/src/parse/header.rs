@@ -216,9 +216,27 @@ impl Builder<'_> {
         self.kinds.push((name, count));
     }
 
-    /// `schedule "thesis" add*4 multi*4 cycles 806 bound 799`.
+    /// `(hash "2f1c…")` of a schedule.
+    pub(super) fn machine_hash(&mut self, word: Span, hash: Span) {
+        if self.slice(word) != "hash" {
+            let message = format!("'{}' is nothing a machine has", clip(self.slice(word)));
+            self.advise(word, message, "write '(hash \"…\")', or leave it out");
+            return;
+        }
+        match self.string(hash).parse() {
+            Ok(found) => self.machine_hash = Some(found),
+            Err(error) => {
+                let help = "leave it out where it is not known: the machine is then the one of \
+                            the name";
+                self.advise(hash, format!("this is no hash: {error}"), help);
+            }
+        }
+    }
+
+    /// `schedule "thesis" (hash "2f1c…") add*4 multi*4 cycles 806 bound 799`.
     pub(super) fn schedule(&mut self, machine: Span, cycles: Span, bound: Span, span: Span) {
         let level = self.open.function.level;
+        let machine_hash = self.machine_hash.take();
         if self.inside(span) && level < Level::Scheduled {
             self.error(
                 span,
@@ -232,6 +250,7 @@ impl Builder<'_> {
             self.open.schedule_span = span;
             self.open.function.schedule = Some(Schedule {
                 machine: self.string(machine),
+                machine_hash,
                 kinds: kinds
                     .map(|(name, count)| ElementKind {
                         name: self.slice(name).to_owned(),

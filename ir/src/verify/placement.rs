@@ -71,11 +71,8 @@ fn stages(
     schedule: &Schedule,
     machine: &Machine,
 ) -> Option<Vec<u32>> {
-    if schedule.machine != machine.name {
-        let (own, other) = (&schedule.machine, &machine.name);
-        collector.add(Subject::Schedule, || {
-            format!("the schedule is for the machine '{own}', not '{other}'")
-        });
+    if let Err(mismatch) = schedule.check_machine(machine) {
+        collector.add(Subject::Schedule, || mismatch.to_string());
         return None;
     }
     let mut stages = Vec::new();

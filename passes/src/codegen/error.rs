@@ -1,6 +1,7 @@
 //! What cannot be turned into memory images.
 
 use robovec_ir::Format;
+use robovec_ir::machine::MachineMismatch;
 use std::io;
 
 /// Why a function has no memory images on a machine.
@@ -25,13 +26,8 @@ pub enum ImageError {
         what: String,
     },
     /// The function was scheduled for another machine.
-    #[error("the function is placed on machine '{placed}', the images are asked for '{asked}'")]
-    OtherMachine {
-        /// The machine of the schedule.
-        placed: String,
-        /// The machine given.
-        asked: String,
-    },
+    #[error(transparent)]
+    OtherMachine(#[from] MachineMismatch),
     /// Instruction words select among the sources of a crossbar; the switches
     /// of a network have none.
     #[error(

@@ -4,11 +4,12 @@ use super::ImageError;
 use super::binding::Binding;
 use super::hex::HexWriter;
 use super::layout::{Layout, Sizes};
-use super::manifest::{self, Fnv, Manifest};
+use super::manifest::{self, Manifest};
 use super::mif::MifWriter;
 use super::rtl::Hardware;
 use super::traffic::Traffic;
 use super::words::Words;
+use robovec_ir::fnv::Fnv;
 use robovec_ir::placement::{Bank, Preload};
 use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::trigonometry::host::KEY;
@@ -110,12 +111,16 @@ pub(super) fn write_traffic(
         width: format.width(),
         hardware,
     };
+    let mut artifacts = Hashed {
+        artifacts,
+        files: Vec::new(),
+    };
     let mut hash = Fnv::new();
     let mut elements = Vec::new();
     for element in 0..traffic.usage.elements {
         let layout = writer.layout(element);
-        hash = writer.instruction_image(element, &layout, hash, artifacts)?;
-        writer.data_images(element, &loaded, artifacts)?;
+        hash = writer.instruction_image(element, &layout, hash, &mut artifacts)?;
+        writer.data_images(element, &loaded, &mut artifacts)?;
         elements.push(writer.element(element, &layout));
     }
     let manifest = Manifest {
@@ -124,11 +129,12 @@ pub(super) fn write_traffic(
         function: view.function.name.clone(),
         machine: manifest::MachineIdentity {
             name: machine.name.clone(),
-            hash: machine_hash(machine)?,
+            hash: machine.content_hash().text(),
         },
         number: machine.number,
         schedule_hash: hash.text(),
         cycles: writer.depth(),
+        files: artifacts.files,
         elements,
         sources: writer.sources(),
         inputs: binding.inputs(),
@@ -138,10 +144,57 @@ pub(super) fn write_traffic(
         outputs: binding.outputs()?,
         window: hardware.map(|hardware| hardware.window().manifest(hardware)),
     };
+    let artifacts = artifacts.artifacts;
     artifacts.file(&writer.file_name("manifest.json"), &mut |target| {
         write_manifest(target, &manifest)
     })?;
     Ok(())
+}
+
+/// Takes note of every file that passes through.
+struct Hashed<'a> {
+    artifacts: &'a mut dyn Artifacts,
+    files: Vec<manifest::FileHash>,
+}
+
+impl Artifacts for Hashed<'_> {
+    fn file(
+        &mut self,
+        name: &str,
+        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let mut hash = Fnv::new();
+        self.artifacts.file(name, &mut |target| {
+            hash = Fnv::new();
+            content(&mut HashedWriter {
+                target,
+                hash: &mut hash,
+            })
+        })?;
+        self.files.push(manifest::FileHash {
+            file: name.to_owned(),
+            hash: hash.text(),
+        });
+        Ok(())
+    }
+}
+
+/// Hashes what it writes.
+struct HashedWriter<'a> {
+    target: &'a mut dyn io::Write,
+    hash: &'a mut Fnv,
+}
+
+impl io::Write for HashedWriter<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.target.write(bytes)?;
+        self.hash.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.target.flush()
+    }
 }
 
 /// All elements compute in the machine's format, so no value may ask for
@@ -174,26 +227,6 @@ fn hex_name(mif: &str) -> String {
     mif.strip_suffix("mif").unwrap_or(mif).to_owned() + "hex"
 }
 
-/// The hash of what a program depends on; see
-/// [`manifest::MachineIdentity::hash`].
-fn machine_hash(machine: &Machine) -> Result<String, ImageError> {
-    let mut elements = machine.elements.clone();
-    for element in &mut elements {
-        element.count = 1;
-    }
-    let essence = (
-        machine.number,
-        elements,
-        machine.memory,
-        machine.buffer,
-        machine.interconnect,
-    );
-    let text = serde_json::to_vec(&essence).map_err(io::Error::from)?;
-    let mut hash = Fnv::new();
-    hash.update(&text);
-    Ok(hash.text())
-}
-
 /// One list element per line: readable, and short enough to compare.
 fn write_manifest(target: &mut dyn io::Write, manifest: &Manifest) -> io::Result<()> {
     fn list<T: Serialize>(
@@ -224,6 +257,7 @@ fn write_manifest(target: &mut dyn io::Write, manifest: &Manifest) -> io::Result
     scalar(target, "number", &manifest.number)?;
     scalar(target, "schedule_hash", &manifest.schedule_hash)?;
     scalar(target, "cycles", &manifest.cycles)?;
+    list(target, "files", &manifest.files, false)?;
     list(target, "elements", &manifest.elements, false)?;
     list(target, "sources", &manifest.sources, false)?;
     list(target, "inputs", &manifest.inputs, false)?;

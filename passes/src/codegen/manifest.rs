@@ -9,7 +9,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The version of the schema, raised at every incompatible change.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// The manifest of one function's images.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
@@ -30,6 +30,9 @@ pub struct Manifest {
     pub schedule_hash: String,
     /// Length of the program: every instruction image has this many words.
     pub cycles: u32,
+    /// Every image, in the order they were written: images that differ from
+    /// this are not those the manifest belongs to.
+    pub files: Vec<FileHash>,
     /// The elements, in the order that the crossbar counts them.
     pub elements: Vec<Element>,
     /// What the crossbar's select codes stand for: code `i` is `sources[i]`.
@@ -98,6 +101,16 @@ pub struct Unit {
     pub stride: u32,
     /// Whether the host can read it back.
     pub readable: bool,
+}
+
+/// A file and the hash of its content.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileHash {
+    /// The file, beside the one that names it.
+    pub file: String,
+    /// 64-bit FNV-1a hash of its bytes, in hexadecimal.
+    pub hash: String,
 }
 
 /// Which machine the images are for.
@@ -272,27 +285,4 @@ pub struct Home {
     /// The cycle at whose end the word takes the output's value, and after
     /// which nothing may be written into it.
     pub written: u32,
-}
-
-/// 64-bit FNV-1a, continued over several pieces.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Fnv(u64);
-
-impl Fnv {
-    /// The hash of nothing.
-    pub(super) fn new() -> Fnv {
-        Fnv(0xcbf2_9ce4_8422_2325)
-    }
-
-    /// Takes more bytes in.
-    pub(super) fn update(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-
-    /// Sixteen hexadecimal digits.
-    pub(super) fn text(self) -> String {
-        format!("{:016x}", self.0)
-    }
 }

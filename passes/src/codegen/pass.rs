@@ -309,10 +309,8 @@ fn refuse(error: SignatureError) -> PassError {
 
 fn explain(error: ImageError) -> PassError {
     let help = match &error {
-        ImageError::NotPlaced { .. } => Some("run 'place' before, or choose target=c"),
-        ImageError::OtherMachine { .. } => {
-            Some("place for this machine, or choose the machine of the schedule")
-        }
+        ImageError::NotPlaced { .. } => Some("run 'place' before, or choose target=c".to_owned()),
+        ImageError::OtherMachine(mismatch) => Some(mismatch.advice()),
         _ => None,
     };
     let explained = PassError::new(error.to_string());

@@ -97,12 +97,7 @@ impl<'a> Traffic<'a> {
                 level: function.level.name(),
             });
         };
-        if schedule.machine != machine.name {
-            return Err(ImageError::OtherMachine {
-                placed: schedule.machine.clone(),
-                asked: machine.name.clone(),
-            });
-        }
+        schedule.check_machine(machine)?;
         if machine.interconnect != Interconnect::Crossbar {
             return Err(ImageError::Interconnect {
                 machine: machine.name.clone(),

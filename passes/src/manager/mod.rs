@@ -7,12 +7,14 @@
 //! the standard output, which belongs to the result.
 
 mod bisect;
+mod given;
 mod instrument;
 mod measure;
 mod plan;
 mod walk;
 
 pub use bisect::{Executed, Limit};
+pub use given::check_schedules;
 pub(crate) use instrument::difference;
 pub use instrument::{Dump, DumpState, PassFilter, PrintChanged};
 pub use measure::usage;
@@ -174,6 +176,19 @@ pub enum RunError {
         /// What it panicked with.
         message: String,
     },
+    /// The verifier refuses what the pipeline was given: nothing a pass did.
+    #[error(
+        "function '{function}' is wrong as it was read, before any pass\n{}",
+        violations.join("\n")
+    )]
+    Given {
+        /// The function.
+        function: String,
+        /// What the verifier says.
+        violations: Vec<String>,
+        /// What the user can do.
+        help: String,
+    },
     /// The verifier refuses what a pass made: a mistake in the pass.
     #[error(
         "{pass}, function '{function}': the result is not well formed; this is a mistake in the pass\n{}",
@@ -215,6 +230,7 @@ pub fn run(
     config: Config<'_>,
 ) -> Result<Outcome, RunError> {
     plan::check(module, pipeline)?;
+    given::check(module, pipeline, config.machine)?;
     let rules = config.rules.map(Cow::Borrowed);
     let mut run = Run {
         rules: rules.unwrap_or_else(|| Cow::Owned(RuleSet::built_in())),

@@ -48,6 +48,7 @@ pub(super) fn finish(
     };
     let schedule = Schedule {
         machine: machine.name.clone(),
+        machine_hash: Some(machine.content_hash()),
         kinds: machine
             .elements
             .iter()

@@ -107,7 +107,7 @@ pub(super) fn run(
         },
     );
     let kind = match &result {
-        Ok(_) | Err(RunError::Plan(_) | RunError::Io(_)) => None,
+        Ok(_) | Err(RunError::Plan(_) | RunError::Io(_) | RunError::Given { .. }) => None,
         Err(RunError::Pass { .. }) => Some(ProblemKind::Refused),
         Err(RunError::Panic { .. }) => Some(ProblemKind::Panicked),
         Err(RunError::Verify { .. }) => Some(ProblemKind::Malformed),

@@ -136,17 +136,17 @@ impl<'a> File<'a> {
         };
         let mut files = vec![(format!("{stem}.{extension}"), file)];
         if self.language == Language::C {
-            files.push((format!("{stem}.h"), body.declarations));
+            let mut header = Text::new(self.language);
+            own_mark(&mut header);
+            let (header, _) = header.finish();
+            files.push((format!("{stem}.h"), header + &body.declarations));
         }
         Ok(files)
     }
 
     fn header(&self, text: &mut Text, flops: usize) {
         text.comment("");
-        text.comment(&format!(
-            "\trobovec - Version {}",
-            env!("CARGO_PKG_VERSION")
-        ));
+        own_mark(text);
         text.comment("");
         text.comment(&format!("\t==> Project name : {}", self.model));
         if self.all_parameter_symbols {
@@ -168,6 +168,14 @@ impl<'a> File<'a> {
         text.comment("");
         text.line("");
     }
+}
+
+/// The line by which files written by robovec are known.
+fn own_mark(text: &mut Text) {
+    text.comment(&format!(
+        "\trobovec - Version {}",
+        env!("CARGO_PKG_VERSION")
+    ));
 }
 
 /// The header's number of joints, else the length of what has one element per

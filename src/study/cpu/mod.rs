@@ -11,13 +11,15 @@ pub mod table;
 use crate::bench::contestant::Family;
 use crate::bench::own::{self, operations};
 use crate::bench::{Compiler, Question, bench};
+use crate::files::{Replace, TemporaryFolder, write_whole};
+use crate::process::Call;
 use robovec_ir::View;
+use robovec_ir::fnv::Fnv;
+use robovec_ir::print::print_file;
 use robovec_ir::states::States;
 use robovec_passes::codegen::c::{Real, c_files};
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::path::Path;
-use std::process::Command;
 
 /// Functions with more operations are not compiled unless asked for: C
 /// compilers take a second for some ten thousand operations.
@@ -35,6 +37,9 @@ pub struct CpuTime {
     /// The pipeline, or the formulation of a program that is made for
     /// processors.
     pub pipeline: String,
+    /// Hash of the text of the functions, in hexadecimal: a time is one of
+    /// these and no others.
+    pub program: String,
     /// Operations of the function, sines and cosines apart.
     pub operations: usize,
     /// Time of one evaluation in binary64 by straight-line C, sines and
@@ -59,7 +64,7 @@ impl CpuTime {
     pub fn is_of(&self, job: &Job<'_>, computer: &Computer) -> bool {
         self.model == job.model
             && self.pipeline == job.pipeline
-            && self.operations == operations(job.view)
+            && self.program == job.program()
             && self.compiler == computer.compiler
             && self.processor == computer.processor
             && self.microseconds.is_some()
@@ -94,6 +99,17 @@ pub struct Job<'a> {
     pub shorter: View<'a>,
 }
 
+impl Job<'_> {
+    /// Hash of the text of both functions.
+    pub fn program(&self) -> String {
+        let mut hash = Fnv::new();
+        for view in [self.view, self.shorter] {
+            hash.update(print_file(view).as_bytes());
+        }
+        hash.text()
+    }
+}
+
 /// Where the states come from that programs are timed at.
 const SEED: u64 = 1;
 /// How many states.
@@ -113,12 +129,8 @@ pub struct Computer {
 impl Computer {
     /// This computer.
     pub fn this() -> Computer {
-        let version = Command::new("cc").arg("--version").output();
-        let version = version.ok().filter(|output| output.status.success());
-        let compiler = version.map(|output| {
-            let text = String::from_utf8_lossy(&output.stdout).into_owned();
-            format!("{} {}", text.lines().next().unwrap_or("cc"), own::FLAGS)
-        });
+        let compiler = Compiler::find("cc").ok();
+        let compiler = compiler.map(|compiler| format!("{} {}", compiler.version, own::FLAGS));
         let information = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         let name = information
             .lines()
@@ -150,6 +162,7 @@ pub fn measure(job: &Job<'_>, computer: &Computer, largest: usize) -> CpuTime {
     CpuTime {
         model: job.model.to_owned(),
         pipeline: job.pipeline.to_owned(),
+        program: job.program(),
         operations,
         microseconds: microseconds(times.straight),
         rolled: microseconds(times.rolled),
@@ -188,8 +201,8 @@ impl Times {
 ///
 /// Why there is no time: no compiler, what it says, or another result.
 pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<Times, String> {
-    let folder = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
-    let compiler = Compiler::find("cc").ok_or("there is no C compiler 'cc'")?;
+    let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
+    let compiler = Compiler::find("cc")?;
     let question = Question {
         name: "function".to_owned(),
         view: regular,
@@ -233,30 +246,30 @@ pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<Times, String> {
 ///
 /// Why there is no time: no compiler, or what it says.
 pub fn compile_and_run(view: View<'_>, real: Real) -> Result<f64, String> {
-    let folder = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+    let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
     let [source, header] = c_files(view, real);
     let main = ("main.c".to_owned(), harness::main(view, &header.0, real));
     for (name, text) in [&source, &header, &main] {
-        fs::write(folder.path().join(name), text).map_err(|error| error.to_string())?;
+        write_whole(&folder.path().join(name), Replace::Anything, |writer| {
+            writer.write_all(text.as_bytes())
+        })
+        .map_err(|error| error.to_string())?;
     }
-    let run = |command: &mut Command| {
-        let output = command.current_dir(folder.path()).output();
-        let output = output.map_err(|error| format!("it does not run: {error}"))?;
-        if output.status.success() {
-            return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
+    let run = |call: Call| {
+        let run = call.folder(folder.path()).run();
+        let run = run.map_err(|error| error.to_string())?;
+        if run.status.success() {
+            return Ok(run.text());
         }
-        let messages = String::from_utf8_lossy(&output.stderr);
+        let messages = run.messages();
         Err(format!(
             "it failed: {}",
             messages.lines().next().unwrap_or("no message")
         ))
     };
-    let mut compiler = Command::new("cc");
-    compiler
-        .args(FLAGS)
-        .args(["-o", "program", "main.c", &source.0, "-lm"]);
-    run(&mut compiler)?;
-    let text = run(&mut Command::new(Path::new("./program")))?;
+    let names = ["-o", "program", "main.c", &source.0, "-lm"];
+    run(Call::new("cc").arguments(FLAGS).arguments(names))?;
+    let text = run(Call::new("./program"))?;
     let nanoseconds = text
         .split_whitespace()
         .next()

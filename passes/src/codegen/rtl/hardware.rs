@@ -10,14 +10,15 @@ use super::legs;
 use super::unit;
 use super::window::Window;
 use crate::codegen::layout::{Layout, Sizes, bits};
-use crate::codegen::manifest::{Buffer, Fnv};
+use crate::codegen::manifest::{Buffer, FileHash};
 use crate::codegen::traffic::Traffic;
+use robovec_ir::fnv::Fnv;
 use robovec_ir::machine::{ElementDescription, Interconnect, MemoryStyle, NumberFormat};
 use robovec_ir::{Format, Machine};
 use serde::{Deserialize, Serialize};
 
 /// The version of the description, raised at every incompatible change.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Bits of the host's address at most: 4 GiB of bytes.
 const MOST_ADDRESS_BITS: u32 = 30;
 /// Words of an instruction or operand memory at most.
@@ -79,6 +80,9 @@ pub struct Hardware {
     pub buffer: Option<Buffer>,
     /// The crossbar.
     pub crossbar: Crossbar,
+    /// The generated files beside the description; none as long as nothing is
+    /// generated.
+    pub files: Vec<FileHash>,
 }
 
 impl Hardware {
@@ -124,6 +128,7 @@ impl Hardware {
                 read_ports: buffer.reads.unwrap_or(usage.buffer_reads).max(1),
             }),
             crossbar: Crossbar::Full,
+            files: Vec::new(),
         };
         // Before anything is counted with these sizes.
         hardware.validate()?;
@@ -350,10 +355,8 @@ impl Hardware {
             &self.buffer,
             &self.crossbar,
         );
-        let mut hash = Fnv::new();
-        // All of it are numbers, texts and lists, which have a text.
-        hash.update(&serde_json::to_vec(&essence).unwrap_or_default());
-        hash.text()
+        let text = serde_json::to_vec(&essence).expect("hardware is numbers, texts and lists");
+        Fnv::of(&text).text()
     }
 }
 

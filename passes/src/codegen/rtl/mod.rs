@@ -30,10 +30,11 @@ pub use fits::{Demand, Fit, fits};
 pub use hardware::{Crossbar, CrossbarChoice, Group, Hardware};
 
 use super::images::write_traffic;
-use super::manifest::Manifest;
+use super::manifest::{FileHash, Manifest};
 use super::traffic::Traffic;
 use super::{Artifacts, ImageError};
 use cores::Core;
+use robovec_ir::fnv::Fnv;
 use robovec_ir::machine::MemoryStyle;
 use robovec_ir::{Machine, View};
 use std::io;
@@ -119,8 +120,7 @@ pub fn write_rtl(
         cycles: manifest.cycles,
         schedule_hash: &manifest.schedule_hash,
     };
-    write_files(&hardware, &program, artifacts)?;
-    Ok(hardware)
+    write_files(hardware, &program, artifacts)
 }
 
 /// The images of another placed function for hardware that is there, into
@@ -186,37 +186,47 @@ fn write_images_on(
     Ok(manifest)
 }
 
+/// Writes the hardware; gives it back with the hashes of its files.
 fn write_files(
-    hardware: &Hardware,
+    mut hardware: Hardware,
     program: &top::Program<'_>,
     artifacts: &mut dyn Artifacts,
-) -> Result<(), RtlError> {
+) -> Result<Hardware, RtlError> {
     let mut files: Vec<(String, String)> = Vec::new();
     let own: &[(&str, &str)] = match hardware.machine.memory.style {
         MemoryStyle::SideSplit => &SPLIT,
         MemoryStyle::Unified | MemoryStyle::FourPort => &PUMPED,
     };
     let mut fixed: Vec<(&str, &str)> = COMMON.iter().chain(own).copied().collect();
-    fixed.extend(core_files(hardware));
+    fixed.extend(core_files(&hardware));
     fixed.sort_unstable();
     for (name, text) in fixed {
         files.push((name.to_owned(), text.to_owned()));
     }
     for group in &hardware.elements {
         let name = element::module_name(group) + ".v";
-        files.push((name, element::text(hardware, group)));
+        files.push((name, element::text(&hardware, group)));
     }
-    files.push(("robovec_crossbar.v".to_owned(), crossbar::text(hardware)));
-    files.push(("robovec_machine.v".to_owned(), top::text(hardware, program)));
+    files.push(("robovec_crossbar.v".to_owned(), crossbar::text(&hardware)));
+    files.push((
+        "robovec_machine.v".to_owned(),
+        top::text(&hardware, program),
+    ));
     let list: String = files.iter().map(|(name, _)| format!("{name}\n")).collect();
     files.push(("files.f".to_owned(), list));
+    let hashes = files.iter().map(|(name, text)| FileHash {
+        file: name.clone(),
+        hash: Fnv::of(text.as_bytes()).text(),
+    });
+    hardware.files = hashes.collect();
+    // Behind all others, so that it stands only beside complete hardware.
     files.push((DESCRIPTION.to_owned(), hardware.text()?));
     for (name, text) in files {
         artifacts.file(&format!("rtl/{name}"), &mut |target| {
             target.write_all(text.as_bytes())
         })?;
     }
-    Ok(())
+    Ok(hardware)
 }
 
 /// The files of the cores that the elements instantiate, and of what these
@@ -248,17 +258,16 @@ fn core_files(hardware: &Hardware) -> Vec<(&'static str, &'static str)> {
 }
 
 /// What can be done about an error.
-pub fn advice(error: &RtlError) -> Option<&'static str> {
-    match error {
+pub fn advice(error: &RtlError) -> Option<String> {
+    let fixed = match error {
         RtlError::Images(ImageError::NotPlaced { .. }) => Some("run 'place' before"),
-        RtlError::Images(ImageError::OtherMachine { .. }) => {
-            Some("place for this machine, or choose the machine of the schedule")
-        }
+        RtlError::Images(ImageError::OtherMachine(mismatch)) => return Some(mismatch.advice()),
         RtlError::Number(_) => Some("choose a machine with a format such as f32 or float(8,17)"),
         RtlError::Interconnect(_) => Some("choose a machine with 'interconnect = \"crossbar\"'"),
         RtlError::FourPort => {
             Some("choose the style 'unified', whose schedules are the same, or 'side-split'")
         }
         _ => None,
-    }
+    };
+    fixed.map(str::to_owned)
 }

@@ -1,0 +1,55 @@
+//! Names of files that promise another content than they would get.
+
+use super::Failure;
+use std::path::Path;
+
+/// Ends of names of files that robovec's own text is not.
+const OTHER_LANGUAGES: [&str; 11] = [
+    "c", "h", "m", "py", "v", "sv", "mif", "hex", "json", "toml", "mbs",
+];
+
+/// Refuses to put a result into a file whose name promises another language:
+/// robovec's text into `x.c`, or C into `x.rvir`.
+pub(super) fn refuse_wrong(path: &Path, is_text: bool) -> Result<(), Failure> {
+    let end = path.extension().and_then(|end| end.to_str()).unwrap_or("");
+    let path = path.display();
+    if is_text && OTHER_LANGUAGES.contains(&end) {
+        let advice = match end {
+            "c" | "h" => "for C, end the pipeline with codegen{target=c} and name a folder",
+            "mif" | "hex" => "for images, end the pipeline with place,codegen{target=mif}",
+            "v" | "sv" => "for hardware, end the pipeline with place,codegen{target=rtl}",
+            "m" | "py" => "'robovec write' writes Matlab and Python",
+            _ => "what else is told of a program goes into other files: --report FILE",
+        };
+        let notes = vec![
+            "robovec's text goes into a file whose name ends in .rvir".to_owned(),
+            advice.to_owned(),
+        ];
+        let message = format!("the result is robovec's text, and {path} is no name for it");
+        return Err(Failure::advised(message, notes));
+    }
+    if !is_text && end == "rvir" {
+        return Err(Failure::advised(
+            format!("the result is generated code, and {path} is a name for robovec's text"),
+            vec!["name it for its language, for example x.c, or leave 'codegen' out".to_owned()],
+        ));
+    }
+    Ok(())
+}
+
+/// Refuses to make a folder with the name of a file: C is a source and a
+/// header, images are many files.
+pub(super) fn refuse_for_several(folder: &Path, count: usize) -> Result<(), Failure> {
+    let end = folder.extension().and_then(|end| end.to_str());
+    let is_file = end.is_some_and(|end| end == "rvir" || OTHER_LANGUAGES.contains(&end));
+    if !is_file || folder.is_dir() {
+        return Ok(());
+    }
+    Err(Failure::advised(
+        format!(
+            "the pipeline made {count} files, and {} is a name for one",
+            folder.display()
+        ),
+        vec!["name a folder for them: -o FOLDER".to_owned()],
+    ))
+}

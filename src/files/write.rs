@@ -1,0 +1,246 @@
+//! One file, written whole.
+
+use super::own::{self, Replace};
+use super::temporary;
+use std::fs::{self, File, Metadata, OpenOptions};
+use std::io::{self, Seek, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// Why a file was not written. What was there is then as it was.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// There is a file that robovec did not write.
+    #[error("{0} is there already, and robovec did not write it")]
+    Foreign(PathBuf),
+    /// The system refuses.
+    #[error("cannot write {0}: {1}")]
+    System(PathBuf, io::Error),
+}
+
+/// Symbolic links that are followed, one after the other.
+const MOST_LINKS: usize = 40;
+
+/// Makes a folder, with those above it.
+///
+/// # Errors
+///
+/// When the system refuses.
+pub fn make_folder(path: &Path) -> io::Result<()> {
+    fs::create_dir_all(path)
+}
+
+/// Writes a file whole or not at all.
+///
+/// What is there and is no ordinary file (a device such as `/dev/null`, a
+/// pipe) is written into as it is: taking its name would remove it. A link is
+/// followed. A file that has other names or another owner, or stands where no
+/// other file can be made, is written into as well, once all is known.
+///
+/// # Errors
+///
+/// When something is there that may not be replaced, or the system refuses.
+pub fn write_whole(
+    path: &Path,
+    replace: Replace,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), WriteError> {
+    let fail = |error: io::Error| WriteError::System(path.to_owned(), error);
+    // What these folders hold are the system's own doors.
+    let is_door = path.starts_with("/dev") || path.starts_with("/proc");
+    match fs::metadata(path) {
+        Ok(there) if is_door || !there.is_file() => {
+            let file = OpenOptions::new()
+                .write(true)
+                .truncate(there.is_file())
+                .open(path);
+            file.and_then(|mut file| {
+                write(&mut file)?;
+                file.flush()
+            })
+            .map_err(fail)
+        }
+        Ok(there) => {
+            let target = fs::canonicalize(path).map_err(fail)?;
+            if !own::may_replace(&target, replace).map_err(fail)? {
+                return Err(WriteError::Foreign(path.to_owned()));
+            }
+            over(&target, &there, write).map_err(fail)
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => anew(path, write).map_err(fail),
+        Err(error) => Err(fail(error)),
+    }
+}
+
+/// A file where none is.
+fn anew(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let path = end_of_links(path)?;
+    let mut file = temporary::file_in(parent(&path))?;
+    write(&mut file)?;
+    file.flush()?;
+    file.persist(&path).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// Where links lead that lead to nothing yet.
+fn end_of_links(path: &Path) -> io::Result<PathBuf> {
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        if !fs::symlink_metadata(&path).is_ok_and(|there| there.is_symlink()) {
+            return Ok(path);
+        }
+        let next = fs::read_link(&path)?;
+        path = parent(&path).join(next);
+    }
+    Err(io::Error::other("too many symbolic links"))
+}
+
+/// The folder of a file.
+fn parent(path: &Path) -> &Path {
+    let folder = path.parent();
+    folder
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."))
+}
+
+/// In the place of a file that is there.
+fn over(
+    path: &Path,
+    there: &Metadata,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    // A file that may not be written is not to be replaced either.
+    OpenOptions::new().write(true).open(path)?;
+    let mut file = match temporary::file_in(parent(path)) {
+        Ok(file) => file,
+        Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
+            let mut all = Vec::new();
+            write(&mut all)?;
+            return into(path, &mut all.as_slice());
+        }
+        Err(error) => return Err(error),
+    };
+    write(&mut file)?;
+    file.flush()?;
+    if takes_identity(&file, there)? {
+        file.persist(path).map_err(|error| error.error)?;
+        return Ok(());
+    }
+    file.as_file_mut().rewind()?;
+    into(path, file.as_file_mut())
+}
+
+/// Writes into a file.
+fn into(path: &Path, from: &mut dyn io::Read) -> io::Result<()> {
+    let mut target = File::options().write(true).truncate(true).open(path)?;
+    io::copy(from, &mut target)?;
+    target.flush()
+}
+
+/// Gives a new file the owner and the permissions of another; false when that
+/// cannot be, or the other has more names than one.
+#[cfg(unix)]
+fn takes_identity(file: &NamedTempFile, there: &Metadata) -> io::Result<bool> {
+    use std::os::unix::fs::{MetadataExt, fchown};
+    let own = file.as_file().metadata()?;
+    if there.nlink() > 1 {
+        return Ok(false);
+    }
+    let other = (own.uid(), own.gid()) != (there.uid(), there.gid());
+    if other && fchown(file.as_file(), Some(there.uid()), Some(there.gid())).is_err() {
+        return Ok(false);
+    }
+    file.as_file().set_permissions(there.permissions())?;
+    Ok(true)
+}
+
+#[cfg(not(unix))]
+fn takes_identity(file: &NamedTempFile, there: &Metadata) -> io::Result<bool> {
+    file.as_file().set_permissions(there.permissions())?;
+    Ok(true)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn text(path: &Path, replace: Replace, text: &str) -> Result<(), WriteError> {
+        write_whole(path, replace, |writer| writer.write_all(text.as_bytes()))
+    }
+
+    fn read(path: &Path) -> String {
+        fs::read_to_string(path).expect("it can be read")
+    }
+
+    #[test]
+    fn a_writer_that_fails_leaves_what_was_there() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("x.txt");
+        fs::write(&path, "before").expect("written");
+        let failed = write_whole(&path, Replace::Anything, |writer| {
+            writer.write_all(b"half")?;
+            Err(io::Error::other("no more"))
+        });
+        assert!(matches!(failed, Err(WriteError::System(..))));
+        assert_eq!(read(&path), "before");
+        let left = fs::read_dir(folder.path()).expect("it is there").count();
+        assert_eq!(left, 1, "nothing but the file");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn modes_links_and_names_stay() {
+        use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("x"), "before").expect("written");
+        fs::set_permissions(at("x"), fs::Permissions::from_mode(0o750)).expect("set");
+        symlink("x", at("link")).expect("made");
+        text(&at("link"), Replace::Anything, "after").expect("written");
+        assert!(
+            fs::symlink_metadata(at("link"))
+                .expect("there")
+                .is_symlink()
+        );
+        assert_eq!(read(&at("x")), "after");
+        let mode = fs::metadata(at("x")).expect("there").mode();
+        assert_eq!(mode & 0o7777, 0o750);
+        fs::hard_link(at("x"), at("other")).expect("made");
+        text(&at("x"), Replace::Anything, "short").expect("written");
+        assert_eq!(read(&at("other")), "short");
+        symlink("nothing/there", at("lost")).expect("made");
+        assert!(text(&at("lost"), Replace::Anything, "").is_err());
+        symlink("new", at("first")).expect("made");
+        text(&at("first"), Replace::Anything, "made").expect("written");
+        assert_eq!(read(&at("new")), "made");
+        symlink("round", at("round")).expect("made");
+        assert!(text(&at("round"), Replace::Anything, "").is_err());
+    }
+
+    #[test]
+    fn what_others_wrote_stays() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("x.c");
+        for (content, replace, replaced) in [
+            ("int x;", Replace::Own, false),
+            ("int x;", Replace::Results, false),
+            ("int x;", Replace::Nothing, false),
+            ("int x;", Replace::Anything, true),
+            ("// robovec 1\n", Replace::Own, true),
+            ("// robovec 1\n", Replace::Results, true),
+            ("// robovec 1\n", Replace::Nothing, false),
+            ("", Replace::Own, true),
+            ("", Replace::Nothing, true),
+        ] {
+            fs::write(&path, content).expect("written");
+            let done = text(&path, replace, "new");
+            assert_eq!(done.is_ok(), replaced, "{content:?} {replace:?}");
+            let expected = if replaced { "new" } else { content };
+            assert_eq!(read(&path), expected);
+        }
+        let table = folder.path().join("table.csv");
+        fs::write(&table, "1,2").expect("written");
+        text(&table, Replace::Results, "3,4").expect("a result");
+        assert!(text(&table, Replace::Own, "5,6").is_err());
+    }
+}

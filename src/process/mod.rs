@@ -1,0 +1,416 @@
+//! Programs of the user's that robovec runs: compilers, simulators of
+//! hardware, yosys, Python, and what the compilers made.
+//!
+//! None of them is trusted to end or to say little.
+//! **Invariant.** A run ends: after its time, or behind the last byte it may
+//! print, it is killed with everything it started. On Unix it also ends when
+//! robovec does, however that comes about, because a small watcher
+//! (`watch`) waits for it.
+
+mod watch;
+
+use std::ffi::{OsStr, OsString};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::OnceLock;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::{Duration, Instant};
+use watch::Watch;
+
+/// How long and how much.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Limits {
+    /// Time of a run by the clock on the wall.
+    pub time: Duration,
+    /// Bytes of the standard output, and of the standard error.
+    pub bytes: usize,
+}
+
+impl Limits {
+    /// Half an hour and 64 MiB: more than any tool needs that does its work.
+    pub const USUAL: Limits = Limits {
+        time: Duration::from_secs(1800),
+        bytes: 64 << 20,
+    };
+}
+
+static LIMITS: OnceLock<Limits> = OnceLock::new();
+
+/// Sets the limits of all runs; for the program's beginning. What was set
+/// first stays.
+pub fn set_limits(limits: Limits) {
+    let _ = LIMITS.set(limits);
+}
+
+/// A program that only tells its version takes no longer.
+const VERSION_TIME: Duration = Duration::from_secs(60);
+
+/// Time between two looks at a program.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Time in which the output must end behind the program itself: what it left
+/// running holds it open.
+const GRACE: Duration = Duration::from_secs(2);
+
+/// Why a program did not do its work. What it says itself is in [`Finished`].
+#[derive(Debug, thiserror::Error)]
+pub enum ToolError {
+    /// It cannot be started.
+    #[error("'{program}' does not run: {error}")]
+    Start {
+        /// The program.
+        program: String,
+        /// The reason.
+        error: io::Error,
+    },
+    /// It took too long.
+    #[error("'{program}' was stopped: it ran longer than {seconds} s")]
+    Time {
+        /// The program.
+        program: String,
+        /// Its limit.
+        seconds: u64,
+    },
+    /// It printed too much.
+    #[error("'{program}' was stopped: it printed more than {bytes} bytes")]
+    Output {
+        /// The program.
+        program: String,
+        /// Its limit.
+        bytes: usize,
+    },
+}
+
+/// A run that ended by itself.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Finished {
+    /// How.
+    pub status: ExitStatus,
+    /// What it printed to the standard output.
+    pub output: Vec<u8>,
+    /// And to the standard error.
+    pub errors: Vec<u8>,
+}
+
+impl Finished {
+    /// The standard output as text.
+    pub fn text(&self) -> String {
+        String::from_utf8_lossy(&self.output).into_owned()
+    }
+
+    /// The standard error as text.
+    pub fn messages(&self) -> String {
+        String::from_utf8_lossy(&self.errors).into_owned()
+    }
+}
+
+/// A program with its arguments.
+#[derive(Clone, Debug)]
+pub struct Call {
+    program: PathBuf,
+    name: String,
+    arguments: Vec<OsString>,
+    variables: Vec<(OsString, OsString)>,
+    folder: Option<PathBuf>,
+    limits: Limits,
+}
+
+impl Call {
+    /// A program by its name or path, without arguments.
+    pub fn new(program: impl AsRef<Path>) -> Call {
+        let program = program.as_ref().to_owned();
+        Call {
+            name: program.display().to_string(),
+            program,
+            arguments: Vec::new(),
+            variables: Vec::new(),
+            folder: None,
+            limits: LIMITS.get().copied().unwrap_or(Limits::USUAL),
+        }
+    }
+
+    /// A program asked for its version, which must answer soon.
+    pub fn version(program: impl AsRef<Path>, argument: &str) -> Call {
+        let mut call = Call::new(program).arguments([argument]);
+        call.limits.time = call.limits.time.min(VERSION_TIME);
+        call
+    }
+
+    /// The same under another name in messages: of a shell that runs a
+    /// program, that of the program.
+    #[must_use]
+    pub fn called(mut self, name: &str) -> Call {
+        name.clone_into(&mut self.name);
+        self
+    }
+
+    /// Adds arguments.
+    #[must_use]
+    pub fn arguments<T: AsRef<OsStr>>(mut self, arguments: impl IntoIterator<Item = T>) -> Call {
+        let arguments = arguments.into_iter();
+        self.arguments
+            .extend(arguments.map(|argument| argument.as_ref().to_owned()));
+        self
+    }
+
+    /// Sets a variable of its environment.
+    #[must_use]
+    pub fn variable(mut self, name: &str, value: impl AsRef<OsStr>) -> Call {
+        self.variables
+            .push((name.into(), value.as_ref().to_owned()));
+        self
+    }
+
+    /// The folder it runs in; a program whose path begins with `./` is in it.
+    #[must_use]
+    pub fn folder(mut self, folder: &Path) -> Call {
+        if let Ok(own) = self.program.strip_prefix("./") {
+            self.program = folder.join(own);
+        }
+        self.folder = Some(folder.to_owned());
+        self
+    }
+
+    /// Other limits than the usual ones.
+    #[must_use]
+    pub fn limits(mut self, limits: Limits) -> Call {
+        self.limits = limits;
+        self
+    }
+
+    /// Runs it to its end, without input.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be started or reaches a limit; all of it is then dead.
+    pub fn run(&self) -> Result<Finished, ToolError> {
+        let mut command = Command::new(&self.program);
+        command
+            .args(&self.arguments)
+            .envs(self.variables.iter().map(|(name, value)| (name, value)))
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        if let Some(folder) = &self.folder {
+            command.current_dir(folder);
+        }
+        own_group(&mut command);
+        let start = |error| ToolError::Start {
+            program: self.name.clone(),
+            error,
+        };
+        let mut running = Running::new(command.spawn().map_err(start)?);
+        self.follow(&mut running).map_err(start)?
+    }
+
+    /// Reads what a program prints until it ends.
+    fn follow(&self, running: &mut Running) -> io::Result<Result<Finished, ToolError>> {
+        let deadline = Instant::now() + self.limits.time;
+        let (sender, receiver) = mpsc::channel();
+        let child = &mut running.child;
+        let streams: [Option<Box<dyn Read + Send>>; 2] = [
+            child.stdout.take().map(|stream| Box::new(stream) as _),
+            child.stderr.take().map(|stream| Box::new(stream) as _),
+        ];
+        for (index, stream) in streams.into_iter().enumerate() {
+            let stream = stream.expect("the output was asked for as a pipe");
+            let sender = sender.clone();
+            let most = self.limits.bytes as u64 + 1;
+            thread::spawn(move || {
+                let mut bytes = Vec::new();
+                // What cannot be read any more has ended.
+                let _ = stream.take(most).read_to_end(&mut bytes);
+                let _ = sender.send((index, bytes));
+            });
+        }
+        let mut read: [Option<Vec<u8>>; 2] = [None, None];
+        let mut ended: Option<(ExitStatus, Instant)> = None;
+        loop {
+            match receiver.recv_timeout(PAUSE) {
+                Ok((_, bytes)) if bytes.len() > self.limits.bytes => {
+                    running.kill();
+                    return Ok(Err(ToolError::Output {
+                        program: self.name.clone(),
+                        bytes: self.limits.bytes,
+                    }));
+                }
+                Ok((index, bytes)) => read[index] = Some(bytes),
+                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {}
+            }
+            if ended.is_none() {
+                let status = match read.iter().all(Option::is_some) {
+                    true => running.wait_until(deadline)?,
+                    false => running.child.try_wait()?,
+                };
+                ended = status.map(|status| (status, Instant::now()));
+            }
+            if let (Some((status, _)), [Some(output), Some(errors)]) = (ended, &mut read) {
+                running.is_done = true;
+                return Ok(Ok(Finished {
+                    status,
+                    output: std::mem::take(output),
+                    errors: std::mem::take(errors),
+                }));
+            }
+            if ended.is_some_and(|(_, when)| when.elapsed() > GRACE) {
+                running.kill();
+            }
+            if Instant::now() > deadline {
+                running.kill();
+                return Ok(Err(ToolError::Time {
+                    program: self.name.clone(),
+                    seconds: self.limits.time.as_secs(),
+                }));
+            }
+        }
+    }
+}
+
+/// Makes the program the first of a group of processes, to which all belong
+/// that it starts.
+#[cfg(unix)]
+fn own_group(command: &mut Command) {
+    use std::os::unix::process::CommandExt;
+    command.process_group(0);
+}
+
+#[cfg(not(unix))]
+fn own_group(_command: &mut Command) {}
+
+/// A program that runs, and is killed when this value goes.
+struct Running {
+    child: Child,
+    is_done: bool,
+    _watch: Option<Watch>,
+}
+
+impl Running {
+    fn new(child: Child) -> Running {
+        Running {
+            _watch: Watch::over(child.id()),
+            child,
+            is_done: false,
+        }
+    }
+
+    /// Waits for the end of a program that has closed its output.
+    fn wait_until(&mut self, deadline: Instant) -> io::Result<Option<ExitStatus>> {
+        let mut pause = Duration::from_micros(100);
+        loop {
+            let status = self.child.try_wait()?;
+            if status.is_some() || Instant::now() > deadline {
+                return Ok(status);
+            }
+            thread::sleep(pause);
+            pause = (pause * 2).min(PAUSE);
+        }
+    }
+
+    /// Kills it and all that it started; it may be dead already.
+    fn kill(&mut self) {
+        #[cfg(unix)]
+        {
+            use nix::sys::signal::{Signal, killpg};
+            use nix::unistd::Pid;
+            if let Ok(group) = i32::try_from(self.child.id()) {
+                let _ = killpg(Pid::from_raw(group), Signal::SIGKILL);
+            }
+        }
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        self.is_done = true;
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if !self.is_done {
+            self.kill();
+        }
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    fn shell(script: &str) -> Call {
+        Call::new("sh").arguments(["-c", script])
+    }
+
+    /// A limit that only a program reaches which never ends.
+    fn short() -> Limits {
+        Limits {
+            time: Duration::from_millis(300),
+            bytes: 1000,
+        }
+    }
+
+    #[test]
+    fn output_errors_and_status_are_told_apart() {
+        let run = shell("echo out; echo err >&2; exit 3").run();
+        let run = run.expect("it ends");
+        assert_eq!(
+            (run.text(), run.messages()),
+            ("out\n".into(), "err\n".into())
+        );
+        assert_eq!(run.status.code(), Some(3));
+        let run = Call::new("sh")
+            .arguments(["-c", "echo $WORD; pwd"])
+            .variable("WORD", "said")
+            .folder(Path::new("/"))
+            .run();
+        assert_eq!(run.expect("it ends").text(), "said\n/\n");
+    }
+
+    #[test]
+    fn a_program_that_is_not_there_is_named() {
+        let error = Call::new("no-such-program-at-all").run();
+        let message = error.expect_err("it is not there").to_string();
+        assert!(message.starts_with("'no-such-program-at-all' does not run"));
+    }
+
+    #[test]
+    fn what_never_ends_is_stopped() {
+        for script in [
+            "sleep 1000",
+            "sleep 1000 & sleep 1000",
+            "exec >&- 2>&-; sleep 1000",
+        ] {
+            let error = shell(script).limits(short()).run();
+            assert!(matches!(error, Err(ToolError::Time { .. })), "{script}");
+        }
+    }
+
+    #[test]
+    fn what_prints_without_end_is_stopped() {
+        let limits = Limits {
+            time: Duration::from_secs(600),
+            bytes: 1000,
+        };
+        for script in ["yes", "yes >&2", "head -c 1001 /dev/zero"] {
+            let error = shell(script).limits(limits).run();
+            assert!(matches!(error, Err(ToolError::Output { .. })), "{script}");
+        }
+        let run = shell("head -c 1000 /dev/zero").limits(limits).run();
+        assert_eq!(run.expect("it is allowed").output.len(), 1000);
+    }
+
+    #[test]
+    fn what_a_program_leaves_running_is_killed() {
+        let limits = Limits {
+            time: Duration::from_secs(600),
+            bytes: 1000,
+        };
+        let run = shell("sleep 1000 & echo $!").limits(limits).run();
+        let text = run.expect("the program itself ends").text();
+        let process: i32 = text.trim().parse().expect("a number");
+        let there = nix::sys::signal::kill(nix::unistd::Pid::from_raw(process), None);
+        // It may wait for somebody to take note of its end.
+        let state = std::fs::read_to_string(format!("/proc/{process}/stat"));
+        let is_dead = there.is_err() || state.is_ok_and(|state| state.contains(") Z "));
+        assert!(is_dead);
+    }
+}

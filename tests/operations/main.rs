@@ -1,0 +1,83 @@
+//! Files that are written, tools that are run, and files that are no longer
+//! what they were: everything about a run that is not the equations.
+
+mod folders;
+mod machines;
+mod replaced;
+mod tools;
+mod written;
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Two sums and a product.
+const PROGRAM: &str = "// robovec 1
+
+function blend atomic {
+  in a
+  in b
+  out M
+
+  %p = a*b
+  %s = %p + b
+  %t = %s + a
+
+  M = %t
+}
+";
+
+/// A small model that ships.
+fn pendulum() -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let path = root.join("examples/models/double-pendulum.mbs");
+    path.display().to_string()
+}
+
+/// Runs `robovec-opt` in a folder.
+fn opt(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_robovec-opt"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("the program starts")
+}
+
+/// Runs `robovec` in a folder.
+fn robovec(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_robovec"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("the program starts")
+}
+
+/// What a run says that must succeed.
+fn said(output: &Output) -> String {
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// The messages of a run that must be refused.
+fn refused(output: &Output) -> String {
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(!errors.contains("panicked"), "{errors}");
+    assert!(!errors.contains("mistake in the pass"), "{errors}");
+    errors
+}
+
+/// A folder with the program in `blend.rvir`.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write(&folder.path().join("blend.rvir"), PROGRAM);
+    folder
+}
+
+fn write(path: &Path, text: &str) {
+    std::fs::write(path, text).expect("a folder of our own");
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).expect("it is there")
+}
