@@ -10,6 +10,7 @@ pub mod fit;
 pub mod front;
 pub mod generate;
 pub mod hexadecimal;
+pub mod limits;
 pub mod model;
 pub mod motion;
 pub mod report;

@@ -2,7 +2,7 @@
 
 use super::opt::select;
 use super::rtl_bench::{self, BenchArguments};
-use super::{Failure, input, output};
+use super::{Failure, files, input, output};
 use clap::{Args, ValueEnum};
 use robovec_ir::diagnostic::termcolor::ColorChoice;
 use robovec_ir::{Function, Machine, Module, View};
@@ -152,7 +152,7 @@ fn hardware(path: &Path) -> Result<Hardware, Failure> {
     let candidates = [path.join("rtl").join(DESCRIPTION), path.join(DESCRIPTION)];
     let found = candidates.into_iter().find(|file| file.is_file());
     let file = found.unwrap_or_else(|| path.to_owned());
-    let text = input::text(&file)?;
+    let text = input::text(&file, &files::IMAGE)?;
     Hardware::parse(&text).map_err(|error| {
         let notes = vec![format!(
             "'robovec rtl' writes one: FOLDER/rtl/{DESCRIPTION}"

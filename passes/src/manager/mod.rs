@@ -12,7 +12,7 @@ mod measure;
 mod plan;
 mod walk;
 
-pub use bisect::{Executed, Limit};
+pub use bisect::{Executed, LIMIT, Limit};
 pub(crate) use instrument::difference;
 pub use instrument::{Dump, DumpState, PassFilter, PrintChanged};
 pub use measure::usage;
