@@ -72,18 +72,13 @@ pub(crate) const ALL: [FileLimit; 10] = [
 
 /// Reads a file whole; `-` is the standard input.
 pub(crate) fn read(path: &Path, limit: &FileLimit) -> Result<Vec<u8>, Failure> {
-    let fail = |reason: String| {
-        Failure::plain(format!(
-            "cannot read the {} {}: {reason}",
-            limit.what,
-            path.display()
-        ))
-    };
+    let fail = |reason: String| Failure::plain(format!("cannot read {}: {reason}", path.display()));
     let too_large = || {
-        let reason = limit.bytes.reason();
         fail(format!(
-            "it has more than {} bytes, the most that is read, since {reason}",
-            limit.bytes.most()
+            "it has more than {} bytes, the most of a {}, since {}",
+            limit.bytes.most(),
+            limit.what,
+            limit.bytes.reason()
         ))
     };
     let most = limit.bytes.most_whole();

@@ -105,6 +105,7 @@ pub(super) type Programs = (String, Module, Vec<(Formulation, Module)>);
 pub(super) fn programs(subject: &str, function: &str) -> Result<Programs, Failure> {
     let path = Path::new(subject);
     let is_model = path.extension().is_some_and(|extension| extension == "mbs");
+    subjects::check_number(subject)?;
     let model = match subjects::built_in(subject) {
         Some(model) => Some(model),
         None if is_model => Some(input::model(path)?.model),

@@ -133,7 +133,7 @@ fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
         ("robovec simulate", _) => "img --inputs=1,1",
         ("robovec check", "--tolerance") => "f.rvir f.rvir --model p.mbs",
         ("robovec check", _) => "f.rvir f.rvir",
-        ("robovec rtl", _) => "f.rvir --passes=atomise,place -o out --check=icarus --runs=1",
+        ("robovec rtl", _) => "f.rvir --passes=atomise,place -o out --check=iverilog --runs=1",
         ("robovec rules check" | "robovec rules profile", _) => "r.rules",
         ("robovec rules find", _) => "f.rvir --operations=2 --variables=2 --terms=1000",
         ("robovec rules why", _) => "a f.rvir --before=atomise",
