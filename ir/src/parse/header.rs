@@ -13,8 +13,8 @@ use crate::placement::{Bank, ElementKind, Placement, Schedule, Word};
 /// The number of elements of all inputs or of all outputs.
 pub(super) const ELEMENTS: NumberLimit = NumberLimit::whole(
     0,
-    1 << 24,
-    "every evaluation keeps a number for each, 128 MB",
+    1 << 22,
+    "every evaluation and every check keeps several numbers for each, half a gigabyte",
 );
 
 impl Builder<'_> {
