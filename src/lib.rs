@@ -11,6 +11,7 @@ pub mod fit;
 pub mod front;
 pub mod generate;
 pub mod hexadecimal;
+pub mod limits;
 pub mod model;
 pub mod motion;
 pub mod process;

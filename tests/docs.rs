@@ -15,3 +15,17 @@ fn the_manual_of_passes_is_up_to_date() {
         "docs/passes.md is not up to date; INSTA_UPDATE=always cargo test --test docs writes it"
     );
 }
+
+#[test]
+fn the_table_of_limits_is_up_to_date() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/limits.md");
+    let manual = robovec::limits::manual();
+    if std::env::var_os("INSTA_UPDATE").is_some_and(|value| value == "always") {
+        std::fs::write(&path, &manual).expect("a writable folder");
+    }
+    let written = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        written == manual,
+        "docs/limits.md is not up to date; INSTA_UPDATE=always cargo test --test docs writes it"
+    );
+}

@@ -6,6 +6,7 @@
 //! (thesis 1.1 to 1.3). Nothing about a machine is a constant in code: all of
 //! it comes from a TOML file (`machines/`), described field by field below.
 
+pub mod fields;
 pub mod identity;
 pub mod interconnect;
 
@@ -26,6 +27,7 @@ pub struct Machine {
     #[serde(default)]
     pub description: String,
     /// Clock of the processing elements, in MHz.
+    #[serde(deserialize_with = "fields::clock_mhz::deserialize")]
     pub clock_mhz: f64,
     /// The number format of every word: a name as in
     /// [`Format::from_str`](Format), or a float's fields as a table.
@@ -55,8 +57,10 @@ pub struct Machine {
 #[serde(deny_unknown_fields)]
 pub struct NumberFormat {
     /// Width of the exponent, in bits.
+    #[serde(deserialize_with = "fields::exponent::deserialize")]
     pub exponent: u32,
     /// Width of the stored mantissa, in bits.
+    #[serde(deserialize_with = "fields::mantissa::deserialize")]
     pub mantissa: u32,
     /// Whether subnormal numbers are kept (true) or flushed to zero.
     pub subnormals: bool,
@@ -72,10 +76,13 @@ pub struct ElementDescription {
     /// `fma` (a*b + c), `fms` (a*b - c) and `fnma` (c - a*b).
     pub operations: Vec<String>,
     /// How many there are, unless a pass is told otherwise.
+    #[serde(deserialize_with = "fields::count::deserialize")]
     pub count: u32,
     /// Pipeline stages of the operator.
+    #[serde(deserialize_with = "fields::stages::deserialize")]
     pub stages: u32,
     /// Cycles for operand fetch and write-back together.
+    #[serde(deserialize_with = "fields::transfer::deserialize")]
     pub transfer: u32,
 }
 
@@ -137,11 +144,11 @@ pub struct MemoryDescription {
     /// How it is built.
     pub style: MemoryStyle,
     /// Words per memory (per side, when split); absent means unlimited.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fields::memory_words::deserialize")]
     pub words: Option<u32>,
     /// Words that can be written per cycle into one memory (per side, when
     /// split); absent means unlimited.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fields::writes::deserialize")]
     pub writes: Option<u32>,
 }
 
@@ -151,10 +158,10 @@ pub struct MemoryDescription {
 #[serde(deny_unknown_fields)]
 pub struct BufferDescription {
     /// Words; absent means unlimited.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fields::buffer_words::deserialize")]
     pub words: Option<u32>,
     /// Distinct words that can be read per cycle; absent means unlimited.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fields::reads::deserialize")]
     pub reads: Option<u32>,
 }
 
@@ -165,7 +172,7 @@ pub struct InstructionDescription {
     /// Words, and so cycles of the longest program; absent means as many as
     /// the program that hardware is generated for takes, rounded up to a
     /// power of two.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fields::instruction_words::deserialize")]
     pub words: Option<u32>,
 }
 
@@ -176,10 +183,13 @@ pub struct Resources {
     /// The device.
     pub device: String,
     /// Logic cells of the device (ALM).
+    #[serde(deserialize_with = "fields::logic::deserialize")]
     pub logic: u32,
     /// Memory blocks of the device (M10K).
+    #[serde(deserialize_with = "fields::memory_blocks::deserialize")]
     pub memory_blocks: u32,
     /// Multiplier blocks of the device.
+    #[serde(deserialize_with = "fields::multipliers::deserialize")]
     pub multipliers: u32,
 }
 
@@ -245,8 +255,8 @@ impl Machine {
     ///
     /// When the text is not TOML with the fields of [`Machine`], or describes
     /// something that cannot be built: no elements, an unknown operation, an
-    /// operation two kinds perform, a kind whose name is not letters, zero
-    /// stages, a clock that is not positive.
+    /// operation two kinds perform, a kind whose name is not letters, a number
+    /// beyond its limit ([`fields`]).
     pub fn parse(text: &str) -> Result<Machine, MachineError> {
         let machine: Machine = toml::from_str(text).map_err(|error| MachineError::Syntax {
             message: error.message().to_owned(),
@@ -267,12 +277,7 @@ impl Machine {
         if self.elements.is_empty() {
             return fail("a machine needs at least one kind of processing element".to_owned());
         }
-        if !(self.clock_mhz > 0.0 && self.clock_mhz.is_finite()) {
-            return fail(format!(
-                "the clock must be a positive number of MHz, not {}",
-                self.clock_mhz
-            ));
-        }
+        self.check_fields().map_err(MachineError::Meaning)?;
         if !self.number.is_possible() {
             return fail(format!(
                 "the number format {}: {}",
@@ -309,23 +314,6 @@ impl Machine {
                     "the kind '{kind}' must be a word of lower-case letters other than 'host'"
                 ));
             }
-            if element.count == 0 || element.stages == 0 {
-                return fail(format!(
-                    "the kind '{kind}' needs at least one element and one stage"
-                ));
-            }
-            if element.count > 4096 || element.stages > 4096 || element.transfer > 4096 {
-                return fail(format!(
-                    "the kind '{kind}' has a count, stages or transfer above 4096"
-                ));
-            }
-            if element.transfer != 2 {
-                return fail(format!(
-                    "the kind '{kind}' has a transfer of {} cycles; the crossbar machine takes 2, \
-                     one to fetch and one to write back",
-                    element.transfer
-                ));
-            }
             for name in &element.operations {
                 let known = Operation::ALL
                     .iter()
@@ -346,6 +334,42 @@ impl Machine {
                     ));
                 }
             }
+        }
+        Ok(())
+    }
+
+    /// Compares every number with its limit; a machine that is read from text
+    /// was compared on the way, which tells the place as well.
+    fn check_fields(&self) -> Result<(), String> {
+        fields::clock_mhz::check(&self.clock_mhz)?;
+        if let Format::Float(float) = &self.number {
+            fields::exponent::check(&float.exponent)?;
+            fields::mantissa::check(&float.mantissa)?;
+        }
+        for element in &self.elements {
+            let about = |reason| format!("the kind '{}': {reason}", element.kind);
+            fields::count::check(&element.count).map_err(about)?;
+            fields::stages::check(&element.stages).map_err(about)?;
+            fields::transfer::check(&element.transfer).map_err(about)?;
+        }
+        fields::memory_words::check(&self.memory.words)?;
+        fields::writes::check(&self.memory.writes)?;
+        if let Some(buffer) = &self.buffer {
+            fields::buffer_words::check(&buffer.words)?;
+            fields::reads::check(&buffer.reads)?;
+        }
+        if let Some(instructions) = &self.instructions {
+            fields::instruction_words::check(&instructions.words)?;
+        }
+        if let Interconnect::Network(network) = &self.interconnect {
+            fields::hop::check(&network.hop)?;
+            fields::link_words::check(&network.words)?;
+            fields::columns::check(&network.columns)?;
+        }
+        if let Some(resources) = &self.resources {
+            fields::logic::check(&resources.logic)?;
+            fields::memory_blocks::check(&resources.memory_blocks)?;
+            fields::multipliers::check(&resources.multipliers)?;
         }
         Ok(())
     }

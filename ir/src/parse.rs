@@ -36,11 +36,25 @@ lalrpop_util::lalrpop_mod!(
 );
 
 use crate::diagnostic::{Diagnostic, Label};
+use crate::limits::NumberLimit;
 use crate::machine::Machine;
 use crate::module::Module;
 use crate::print::HEADER;
 use builder::Builder;
 use lexer::Tokens;
+
+/// The limits of numbers in the text form: name, limit, and what it is when
+/// the text does not say.
+pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
+    (
+        "elements of all inputs, or of all outputs",
+        header::ELEMENTS,
+        "",
+    ),
+    ("cycle", builder::CYCLE, ""),
+    ("address", builder::ADDRESS, ""),
+    ("elements of a kind in a schedule", builder::ELEMENT, ""),
+];
 
 /// Texts of this many bytes and more are refused.
 const MOST_BYTES: usize = 1 << 31;

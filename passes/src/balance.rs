@@ -8,6 +8,7 @@ use crate::pass::{Context, Gives, Pass, PassError};
 use crate::reassociate::{Reach, Shape, reassociate_asking};
 use crate::rewrites::Rewrites;
 use crate::trail::Notes;
+use robovec_ir::limits::NumberLimit;
 use robovec_ir::{Function, Level, Tables};
 
 declare_pass! {
@@ -24,7 +25,8 @@ declare_pass! {
     pub struct Balance("balance") {
         /// Largest number of rounds; a round that gains nothing is the last,
         /// and functions of more than 200,000 operations have one.
-        pub rounds: u32 = 2,
+        pub rounds: u32 = 2 => NumberLimit::whole(
+            0, 64, "every round balances the whole function again"),
     }
     takes: [Equations, Atomic],
     gives: Gives::Same,

@@ -4,6 +4,7 @@ use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rewrite::{Rewriter, lay_out, output_symbol};
 use crate::rewrites::Rewrites;
+use robovec_ir::limits::NumberLimit;
 use robovec_ir::{
     Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Tables, Value,
 };
@@ -23,9 +24,11 @@ declare_pass! {
     /// no more than 63 nested parentheses.
     pub struct Inline("inline") {
         /// No equation gets more operations than this.
-        pub operations: u32 = 280,
+        pub operations: u32 = 280 => NumberLimit::whole(
+            1, 1_000_000, "an equation is read, printed and compiled as a whole"),
         /// Nor deeper parentheses.
-        pub nesting: u32 = 60,
+        pub nesting: u32 = 60 => NumberLimit::whole(
+            1, 1_000, "readers and compilers keep every open parenthesis"),
     }
     takes: [Equations, Atomic],
     gives: Gives::Level(Level::Equations),

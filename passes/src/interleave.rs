@@ -13,6 +13,7 @@ use crate::instances::{Instances, KEY, MOST, Names, numbered};
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rewrite::lay_out;
 use hashbrown::HashMap;
+use robovec_ir::limits::NumberLimit;
 use robovec_ir::{
     Array, Assignment, Boundary, Formats, Function, Input, Level, Name, Node, Operand, OperandKind,
     Output, Symbol, Tables, Value,
@@ -36,7 +37,8 @@ declare_pass! {
     /// points at which the instances differ.
     pub struct Interleave("interleave") {
         /// How many instances, from 1 to 64; one changes nothing.
-        pub instances: u32 = 2,
+        pub instances: u32 = 2 => NumberLimit::whole(
+            1, MOST as u64, "the function becomes so many times as large"),
         /// Input arrays that all instances read, such as `m+l+In+g`.
         pub shared: Names = Names::default(),
     }

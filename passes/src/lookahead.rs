@@ -9,6 +9,7 @@ use crate::choice::map::{Mapper, Mapping};
 use crate::choice::timing::Timing;
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
+use robovec_ir::limits::NumberLimit;
 use robovec_ir::{Function, Level, Tables};
 
 declare_pass! {
@@ -32,24 +33,33 @@ declare_pass! {
     /// is used. `balance,cse,dce` belong behind this pass.
     pub struct Lookahead("lookahead") {
         /// Operations allowed, in percent of those the function has.
-        pub growth: u32 = 100,
+        pub growth: u32 = 100 => NumberLimit::whole(
+            0, 10_000, "operations become up to a hundred times those there are"),
         /// Operations allowed, as a number; 0 leaves it to `growth`.
-        pub operations: u32 = 0,
+        pub operations: u32 = 0 => NumberLimit::whole(
+            0, 100_000_000, "no function has more operations"),
         /// Longest path wanted, in cycles: nothing is spent on a shorter one.
-        pub path: u32 = 0,
+        pub path: u32 = 0 => NumberLimit::whole(
+            0, 1_000_000_000, "no function takes more cycles"),
         /// Cycles from one frontier to the next.
-        pub grid: u32 = 10,
+        pub grid: u32 = 10 => NumberLimit::whole(
+            1, 1_000_000, "no frontier is left to look back to"),
         /// Frontiers looked back.
-        pub frontiers: u32 = 24,
+        pub frontiers: u32 = 24 => NumberLimit::whole(
+            0, 256, "every value gets up to two forms for every frontier"),
         /// How often the distance between frontiers is doubled, to look further
         /// back.
-        pub doublings: u32 = 0,
+        pub doublings: u32 = 0 => NumberLimit::whole(
+            0, 20, "every value gets forms at all frontiers of every distance"),
         /// Late terms a form may have.
-        pub width: u32 = 12,
+        pub width: u32 = 12 => NumberLimit::whole(
+            0, 64, "a form is composed of the forms of its terms, width times width products each"),
         /// A value ready so many cycles before a frontier counts as early.
-        pub window: u32 = 60,
+        pub window: u32 = 60 => NumberLimit::whole(
+            0, 1_000_000, "no value is ready earlier"),
         /// Rounds in which operations are saved again.
-        pub rounds: u32 = 6,
+        pub rounds: u32 = 6 => NumberLimit::whole(
+            0, 64, "operations are counted and chosen again for every value in every round"),
     }
     takes: [Atomic],
     gives: Gives::Level(Level::Atomic),

@@ -59,7 +59,7 @@ fn page(info: &PassInfo, text: &mut String) {
             text,
             "| `{}` | {} | `{}` | {} |",
             option.name,
-            (option.type_name)().replace('|', "or"),
+            option.type_text().replace('|', "or"),
             (option.default)(),
             words.join(" ").trim(),
         );

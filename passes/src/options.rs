@@ -2,13 +2,18 @@
 //!
 //! The fields of a pass's structure are its options: name, type, default and
 //! documentation stand in one place and nowhere else, so that the help, the
-//! parser and the printer cannot drift apart.
+//! parser and the printer cannot drift apart. A number cannot be declared
+//! without its limit: the compiler refuses it.
 
 use robovec_ir::Format;
 use robovec_ir::format::FormatError;
+use robovec_ir::limits::{Amount, LimitRow, NumberLimit};
 
 /// A type an option can have.
 pub trait OptionValue: Sized + PartialEq {
+    /// Whether values are numbers, so that an option of this type needs a
+    /// limit.
+    const IS_NUMBER: bool = false;
     /// What the help calls the type (`integer`, `first | preferential`).
     fn type_name() -> String;
     /// Reads a value from a pipeline's text; the error says what is wanted.
@@ -19,6 +24,10 @@ pub trait OptionValue: Sized + PartialEq {
     fn parse(text: &str) -> Result<Self, String>;
     /// Writes the value so that [`OptionValue::parse`] reads it back.
     fn print(&self) -> String;
+    /// The number that is compared with the limit, if the value has one.
+    fn amount(&self) -> Option<Amount> {
+        None
+    }
 }
 
 impl OptionValue for bool {
@@ -38,20 +47,25 @@ impl OptionValue for bool {
 }
 
 impl OptionValue for u32 {
+    const IS_NUMBER: bool = true;
     fn type_name() -> String {
         "integer".to_owned()
     }
     fn parse(text: &str) -> Result<u32, String> {
         text.parse()
-            .map_err(|_| format!("'{text}' is not an integer from 0 to {}", u32::MAX))
+            .map_err(|_| format!("'{text}' is not an integer"))
     }
     fn print(&self) -> String {
         self.to_string()
+    }
+    fn amount(&self) -> Option<Amount> {
+        Some(Amount::Whole(u64::from(*self)))
     }
 }
 
 /// An integer that may be left to the machine file.
 impl OptionValue for Option<u32> {
+    const IS_NUMBER: bool = true;
     fn type_name() -> String {
         "integer | machine".to_owned()
     }
@@ -66,6 +80,9 @@ impl OptionValue for Option<u32> {
             None => "machine".to_owned(),
             Some(number) => number.to_string(),
         }
+    }
+    fn amount(&self) -> Option<Amount> {
+        self.and_then(|number| number.amount())
     }
 }
 
@@ -93,6 +110,60 @@ pub struct OptionInfo {
     pub type_name: fn() -> String,
     /// Its default, as text.
     pub default: fn() -> String,
+    /// The numbers it can be, when it is one.
+    pub limit: Option<NumberLimit>,
+}
+
+impl OptionInfo {
+    /// Its type for people: `integer, 1 to 64`.
+    pub fn type_text(&self) -> String {
+        let name = (self.type_name)();
+        match &self.limit {
+            None => name,
+            Some(limit) => format!("{name}, {} to {}", limit.least(), limit.most()),
+        }
+    }
+}
+
+/// Reads an option's value and compares it with the option's limit.
+///
+/// # Errors
+///
+/// What is wrong with the text: no value of the type, or beyond the limit.
+pub fn read<T: OptionValue>(text: &str, limit: Option<NumberLimit>) -> Result<T, String> {
+    let read = T::parse(text);
+    let Some(limit) = limit else { return read };
+    match read {
+        Ok(value) => match value.amount() {
+            Some(amount) if !limit.admits(amount) => Err(limit.refusal(text)),
+            Some(_) | None => Ok(value),
+        },
+        // One too many for the type is a number as well.
+        Err(_) if text.parse::<f64>().is_ok() => Err(limit.refusal(text)),
+        Err(reason) => Err(reason),
+    }
+}
+
+/// The limits of all options of all passes, and of groups.
+pub fn rows() -> Vec<LimitRow> {
+    let mut rows = Vec::new();
+    for pass in crate::registry::PASSES {
+        for option in pass.options {
+            rows.extend(option.limit.map(|limit| LimitRow {
+                place: pass.name.to_owned(),
+                name: option.name.to_owned(),
+                limit,
+                usual: (option.default)(),
+            }));
+        }
+    }
+    rows.push(LimitRow {
+        place: "fixpoint".to_owned(),
+        name: "max".to_owned(),
+        limit: crate::pipeline::ROUNDS,
+        usual: crate::pipeline::DEFAULT_ROUNDS.to_string(),
+    });
+    rows
 }
 
 /// An option in a pipeline that its pass cannot take.
@@ -150,13 +221,15 @@ macro_rules! option_words {
 
 /// Declares a pass: a structure whose fields are its options, and its entry
 /// for the registry. The doc comment is the pass's page in the manual; its
-/// first line is the one-line description.
+/// first line is the one-line description. A field that is a number says
+/// behind `=>` what it can be: `pub rounds: u32 = 6 => NumberLimit::whole(0, 64,
+/// "every round takes as long as the first")`.
 #[macro_export]
 macro_rules! declare_pass {
     (
         $(#[doc = $documentation:expr])*
         pub struct $pass:ident($name:literal) {
-            $($(#[doc = $field_documentation:expr])* pub $field:ident: $type:ty = $default:expr),* $(,)?
+            $($(#[doc = $field_documentation:expr])* pub $field:ident: $type:ty = $default:expr $(=> $limit:expr)?),* $(,)?
         }
         takes: [$($takes:ident),+],
         gives: $gives:expr,
@@ -187,6 +260,16 @@ macro_rules! declare_pass {
                     documentation: concat!($($field_documentation, "\n"),*),
                     type_name: <$type as $crate::options::OptionValue>::type_name,
                     default: || $crate::options::OptionValue::print(&$pass::default().$field),
+                    limit: {
+                        #[allow(unused_mut, unused_assignments)]
+                        let mut limit: Option<robovec_ir::limits::NumberLimit> = None;
+                        $(limit = Some($limit);)?
+                        assert!(
+                            limit.is_some() || !<$type as $crate::options::OptionValue>::IS_NUMBER,
+                            "an option that is a number needs a limit"
+                        );
+                        limit
+                    },
                 }),*],
                 takes: &[$(robovec_ir::Level::$takes),+],
                 gives: $gives,
@@ -203,9 +286,13 @@ macro_rules! declare_pass {
             ) -> Result<Box<dyn $crate::pass::Pass>, $crate::options::OptionError> {
                 let mut pass = $pass::default();
                 for (name, text) in options {
+                    let limit = || {
+                        let known = $pass::INFO.options.iter();
+                        known.filter(|option| option.name == name).find_map(|option| option.limit)
+                    };
                     match name.as_str() {
                         $(known if known == $crate::options::plain_name(stringify!($field)) => {
-                            pass.$field = $crate::options::OptionValue::parse(text).map_err(
+                            pass.$field = $crate::options::read(text, limit()).map_err(
                                 |reason| $crate::options::OptionError::Value {
                                     name: name.clone(),
                                     reason,

@@ -8,6 +8,7 @@ use crate::choice::map::Mapper;
 use crate::choice::timing::Timing;
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
+use robovec_ir::limits::NumberLimit;
 use robovec_ir::{Function, Level};
 
 declare_pass! {
@@ -29,17 +30,23 @@ declare_pass! {
     /// its path does not become shorter. `balance,cse,dce` belong behind it.
     pub struct Recurrence("recurrence") {
         /// Longest path wanted, in cycles: nothing is spent on a shorter one.
-        pub path: u32 = 0,
+        pub path: u32 = 0 => NumberLimit::whole(
+            0, 1_000_000_000, "no function takes more cycles"),
         /// Smallest distance between points to look back to, in cycles.
-        pub grid: u32 = 40,
+        pub grid: u32 = 40 => NumberLimit::whole(
+            1, 1_000_000, "no point is left to look back to"),
         /// Points looked back to, of every distance.
-        pub frontiers: u32 = 3,
+        pub frontiers: u32 = 3 => NumberLimit::whole(
+            0, 256, "every value gets up to two forms for every point"),
         /// Late terms a form may have.
-        pub width: u32 = 12,
+        pub width: u32 = 12 => NumberLimit::whole(
+            0, 64, "a form is composed of the forms of its terms, width times width products each"),
         /// A value ready so many cycles before such a point counts as early.
-        pub window: u32 = 60,
+        pub window: u32 = 60 => NumberLimit::whole(
+            0, 1_000_000, "no value is ready earlier"),
         /// Rounds in which operations are saved again.
-        pub rounds: u32 = 6,
+        pub rounds: u32 = 6 => NumberLimit::whole(
+            0, 64, "operations are counted and chosen again for every value in every round"),
     }
     takes: [Atomic],
     gives: Gives::Level(Level::Atomic),

@@ -1,5 +1,6 @@
 //! `robovec accuracy`: what every pass does to the rounding errors.
 
+use super::flags::{SEED, states};
 use super::output_errors::{self, OutputArguments};
 use super::{Failure, input, output};
 use crate::accuracy::{self, Options, Subject};
@@ -27,10 +28,10 @@ pub(super) struct AccuracyArguments {
     pub(super) function: Option<String>,
     /// Random states; by default the more the smaller the function is
     #[arg(long, default_value_t = 0, hide_default_value = true,
-          value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+          add = states(0, 1_000_000))]
     pub(super) states: u32,
     /// Seed of the states
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, add = SEED)]
     pub(super) seed: u64,
     /// Folder for accuracy.csv, accuracy.json and accuracy.svg; with --outputs
     /// for outputs.csv and outputs.json

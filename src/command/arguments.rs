@@ -1,7 +1,8 @@
 //! The command line of `robovec-opt`.
 
+use super::flags::{SEED, whole};
 use clap::builder::{PossibleValuesParser, StyledStr};
-use clap::{Parser, ValueEnum};
+use clap::{CommandFactory, Parser, ValueEnum};
 use clap_complete::engine::{ArgValueCandidates, CompletionCandidate};
 use robovec_passes::manager::Limit;
 use robovec_passes::registry;
@@ -105,7 +106,7 @@ pub(crate) struct Arguments {
 
     /// Check after every pass, at N random points, that it kept the function
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "4",
-          require_equals = true, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+          require_equals = true, add = whole(1, 1_000_000, "every pass is checked at every point"))]
     pub(crate) check_each: Option<u32>,
 
     /// Run only the first P passes, of the last one only the first N rewrites, and say so
@@ -126,11 +127,12 @@ pub(crate) struct Arguments {
     pub(crate) auto_reduce: Option<PathBuf>,
 
     /// Most work of --auto-reduce: values of programs tried, times passes
-    #[arg(long, value_name = "N", default_value_t = robovec_passes::reduce::WORK)]
+    #[arg(long, value_name = "N", default_value_t = robovec_passes::reduce::WORK,
+          add = whole(0, 1_000_000_000_000, "every step of the search runs passes over a program"))]
     pub(crate) reduce_work: u64,
 
     /// Seed of all random points and states
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, add = SEED)]
     pub(crate) seed: u64,
 
     /// Print the time and memory of every pass
@@ -145,7 +147,7 @@ pub(crate) struct Arguments {
 
     /// Simulate the memory images on N random states and compare with the evaluator
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "1",
-          require_equals = true, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+          require_equals = true, add = whole(1, 100_000, "the program is run cycle by cycle on every state"))]
     pub(crate) simulate: Option<u32>,
 
     /// Print the pipeline with its presets expanded
@@ -168,6 +170,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SHELL",
           value_parser = PossibleValuesParser::new(["bash", "elvish", "fish", "powershell", "zsh"]))]
     pub(crate) completion: Option<String>,
+}
+
+/// The command line, with the limits of its numbers.
+pub(crate) fn command() -> clap::Command {
+    super::flags::enforce(Arguments::command())
 }
 
 /// The machine compiled for when nobody says.
@@ -247,11 +254,10 @@ fn machine_candidates() -> Vec<CompletionCandidate> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_consistent() {
-        Arguments::command().debug_assert();
+        command().debug_assert();
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! `robovec bench`: how fast the same function is in the hands of others.
 
+use super::flags::{SEED, states, whole};
 use super::{Failure, generation, input, output, subjects};
 use crate::bench::contestant::{Contestant, Family};
 use crate::bench::{self, Compiler, Question, own, peers, robotran, text};
@@ -29,22 +30,23 @@ pub(super) struct BenchArguments {
           value_parser = PossibleValuesParser::new(["none"].into_iter().chain(peers::NAMES)))]
     peers: Vec<String>,
     /// Operations up to which a function is compiled in one piece, as Robotran's is
-    #[arg(long, default_value_t = 60_000, value_name = "OPERATIONS")]
+    #[arg(long, default_value_t = 60_000, value_name = "OPERATIONS",
+          add = whole(0, 100_000_000, "no function has more operations"))]
     largest: usize,
     /// Random states
     #[arg(long, default_value_t = 16,
-          value_parser = clap::value_parser!(u32).range(16..=1024))]
+          add = states(16, 1024))]
     states: u32,
     /// Seed of the states
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
     /// Rounds in which everybody runs once
     #[arg(long, default_value_t = 5,
-          value_parser = clap::value_parser!(u32).range(1..=1000))]
+          add = whole(1, 100, "everybody runs in every round"))]
     rounds: u32,
     /// Time of everybody in a round, ms
     #[arg(long, default_value_t = 200,
-          value_parser = clap::value_parser!(u32).range(1..=60_000))]
+          add = whole(1, 1000, "a round takes so long for everybody"))]
     milliseconds: u32,
     /// Folder that keeps the programs, and bench.json
     #[arg(short, long, value_name = "FOLDER")]
@@ -113,6 +115,7 @@ impl Loaded {
 }
 
 fn load(subject: &str, arguments: &BenchArguments) -> Result<Loaded, Failure> {
+    subjects::check_number(subject)?;
     let path = Path::new(subject);
     let is_model = path.extension().is_some_and(|extension| extension == "mbs");
     let model = match subjects::built_in(subject) {

@@ -6,6 +6,7 @@
 //! that happens to be zero, and a user wants to know how far rounding takes
 //! the results apart.
 
+use super::flags::{SEED, real, whole};
 use super::{Failure, input};
 use crate::align;
 use crate::model::Model;
@@ -29,10 +30,10 @@ pub(super) struct CheckArguments {
     /// The other file
     after: PathBuf,
     /// Random points, or states
-    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, default_value_t = 8, add = whole(1, 1_000_000, "both functions are evaluated at every point"))]
     points: u32,
     /// Seed of the points
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
     /// Demand equal bits instead of equality over the real numbers
     #[arg(long)]
@@ -52,7 +53,8 @@ pub(super) struct CheckArguments {
     model: Option<PathBuf>,
     /// With --model: the largest difference allowed, relative to the largest
     /// element of the output array
-    #[arg(long, default_value_t = 1e-13, requires = "model")]
+    #[arg(long, default_value_t = 1e-13, requires = "model",
+          add = real(0.0, 1.0, "beyond 1 nothing is compared"))]
     tolerance: f64,
 }
 

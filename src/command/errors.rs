@@ -1,6 +1,7 @@
 //! `robovec errors`: how large errors are, can be, and where they come from.
 
 use super::arguments::InputLanguage;
+use super::flags::{SEED, states, whole};
 use super::{Failure, input};
 use crate::errors::{self, ErrorTable, Method, Settings};
 use crate::scene::SceneFile;
@@ -49,28 +50,30 @@ pub(super) struct ErrorsArguments {
     )]
     method: Vec<Method>,
     /// Seed of the states
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
     /// State of the table, counted from 0
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0,
+          add = whole(0, 1_000_000_000, "states are drawn by their number"))]
     state: u32,
     /// States that the shares of equations are averaged over
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, default_value_t = 1, add = states(1, 10_000))]
     states: u32,
     /// Scene (.scene.toml) whose ranges states are drawn from
     #[arg(long, value_name = "SCENE")]
     scene: Option<PathBuf>,
     /// Equations named as the hottest
-    #[arg(long, default_value_t = 12)]
+    #[arg(long, default_value_t = 12,
+          add = whole(0, 1_000_000, "every one is a line of the result"))]
     top: usize,
     /// Operations of a window, for the method interval
     #[arg(long, default_value_t = 1000,
-          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+          add = whole(1, 100_000, "intervals over more operations say nothing"))]
     window: u32,
     /// States from which ranges inside a function are assumed, for the method
     /// interval
     #[arg(long, default_value_t = 32,
-          value_parser = clap::value_parser!(u32).range(1..=10_000))]
+          add = whole(1, 10_000, "the function is evaluated at every state, and all values are kept"))]
     samples: u32,
     /// Write JSON instead of text
     #[arg(long, conflicts_with = "csv")]

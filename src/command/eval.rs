@@ -1,7 +1,8 @@
 //! `robovec eval`: outputs of functions at given or random states.
 
 use super::arguments::InputLanguage;
-use super::{Failure, generation, input};
+use super::flags::{SEED, states};
+use super::{Failure, files, generation, input};
 use crate::evaluate_command::{self, Format, Number, evaluate_at_states};
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::model::Model;
@@ -31,10 +32,10 @@ pub(super) struct EvalArguments {
     states: Option<PathBuf>,
     /// Draw this many states, with the scales of what the inputs mean
     #[arg(long, value_name = "N", conflicts_with = "states",
-          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+          add = states(1, 1_000_000))]
     random: Option<u32>,
     /// Seed of the random states
-    #[arg(long, default_value_t = 1, requires = "random")]
+    #[arg(long, default_value_t = 1, requires = "random", add = SEED)]
     seed: u64,
     /// Model (.mbs) that parameters are taken from where states do not give
     /// them; a model as FILE is its own
@@ -70,7 +71,10 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, Failure> {
         Some(model) if own => generated(arguments, model)?,
         _ => read(arguments)?,
     };
-    let text = arguments.states.as_deref().map(input::text).transpose()?;
+    let text = arguments.states.as_deref();
+    let text = text
+        .map(|path| input::text(path, &files::STATES))
+        .transpose()?;
     let states = match (&text, arguments.random) {
         (Some(text), _) => evaluate_command::Source::Text(text),
         (None, count) => evaluate_command::Source::Random {

@@ -1,5 +1,6 @@
 //! `robovec fit`: the cheapest program and machine for a scene.
 
+use super::flags::{SEED, states};
 use super::{Failure, input, output};
 use crate::fit::confirm::{self, Confirmation};
 use crate::fit::{self, Outcome, Place, Task};
@@ -32,10 +33,10 @@ pub(super) struct FitArguments {
     trigonometry: Option<Where>,
     /// Random states of the scene; by default the more the smaller the function is
     #[arg(long, default_value_t = 0, hide_default_value = true,
-          value_parser = clap::value_parser!(u32).range(0..=100_000))]
+          add = states(0, 100_000))]
     states: u32,
     /// Seed of the states
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
     /// Folder for the choice (program.rvir, machine.toml) and fit.html, fit.csv, fit.json, fit.svg
     #[arg(short, long, value_name = "FOLDER")]

@@ -1,5 +1,6 @@
 //! `robovec front`: speed against error.
 
+use super::flags::{SEED, real, states, whole};
 use super::{Failure, generation, input, output, subjects};
 use crate::front::{self, Front, Question};
 use crate::generate::{Formulation, FunctionKind, Options};
@@ -24,17 +25,18 @@ pub(super) struct FrontArguments {
     machine: String,
     /// Numbers of elements per kind
     #[arg(long, value_delimiter = ',', default_value = "4,16,64",
-          value_parser = clap::value_parser!(u32).range(1..=1024))]
+          add = whole(1, 1024, "a program is placed for every number of elements"))]
     elements: Vec<u32>,
     /// Positions q are drawn from -ANGLE to ANGLE (rad, m)
-    #[arg(long, default_value_t = 0.1)]
+    #[arg(long, default_value_t = 0.1,
+          add = real(1e-12, 1e6, "smaller positions are zero in every format, and no joint moves further"))]
     angle: f64,
     /// Random states; by default the more the smaller the function is
     #[arg(long, default_value_t = 0, hide_default_value = true,
-          value_parser = clap::value_parser!(u32).range(0..=100_000))]
+          add = states(0, 100_000))]
     states: u32,
     /// Seed of the states
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
     /// Also time every program on this computer, with the C compiler 'cc'
     #[arg(long)]
@@ -103,6 +105,7 @@ pub(super) type Programs = (String, Module, Vec<(Formulation, Module)>);
 pub(super) fn programs(subject: &str, function: &str) -> Result<Programs, Failure> {
     let path = Path::new(subject);
     let is_model = path.extension().is_some_and(|extension| extension == "mbs");
+    subjects::check_number(subject)?;
     let model = match subjects::built_in(subject) {
         Some(model) => Some(model),
         None if is_model => Some(input::model(path)?.model),

@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::arguments::InputLanguage;
+use super::files::{self, FileLimit};
 use crate::generate::{FunctionKind, Request, generate};
 use crate::model::mbs::{ReadModel, read_mbs};
 use crate::robotran::{self, Language};
@@ -9,8 +10,6 @@ use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::machine::{self, MachineError};
 use robovec_ir::{Machine, Module, parse};
 use robovec_passes::pipeline::{self, Pipeline};
-use std::fs;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Equations as read, with the text messages point into.
@@ -23,29 +22,6 @@ pub(crate) struct Input {
     pub(crate) path: PathBuf,
     /// What the reader remarked.
     pub(crate) warnings: Report,
-}
-
-/// The largest input, in bytes.
-const LARGEST: u64 = 1 << 30;
-
-fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
-    let fail = |reason: String| {
-        Err(Failure::plain(format!(
-            "cannot read {}: {reason}",
-            path.display()
-        )))
-    };
-    let mut bytes = Vec::new();
-    let result = if path == Path::new("-") {
-        std::io::stdin().take(LARGEST + 1).read_to_end(&mut bytes)
-    } else {
-        fs::File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
-    };
-    match result {
-        Err(error) => fail(error.to_string()),
-        Ok(_) if bytes.len() as u64 > LARGEST => fail("it has more than 1 GiB".to_owned()),
-        Ok(_) => Ok(bytes),
-    }
 }
 
 fn display_name(path: &Path) -> String {
@@ -69,7 +45,7 @@ impl Input {
         if self.path == Path::new("-") {
             return None;
         }
-        let bytes = fs::read(&self.path).ok()?;
+        let bytes = files::read(&self.path, &files::EQUATIONS).ok()?;
         Some(String::from_utf8_lossy(&bytes).into_owned())
     }
 }
@@ -114,7 +90,7 @@ pub(crate) fn equations_or_model(
 
 /// Reads equations in any language.
 pub(crate) fn equations(path: &Path, language: Option<InputLanguage>) -> Result<Input, Failure> {
-    let bytes = read_bytes(path)?;
+    let bytes = files::read(path, &files::EQUATIONS)?;
     let name = display_name(path);
     let is_own = match language {
         Some(language) => language == InputLanguage::Rvir,
@@ -162,13 +138,13 @@ fn own_text(path: &Path, name: String, bytes: Vec<u8>) -> Result<Input, Failure>
 
 /// Reads a model.
 pub(crate) fn model(path: &Path) -> Result<ReadModel, Failure> {
-    let bytes = read_bytes(path)?;
+    let bytes = files::read(path, &files::MODEL)?;
     read_mbs(&display_name(path), &bytes).map_err(|error| Failure(error.report))
 }
 
-/// Reads a text.
-pub(crate) fn text(path: &Path) -> Result<String, Failure> {
-    String::from_utf8(read_bytes(path)?).map_err(|error| {
+/// Reads a text of a kind.
+pub(crate) fn text(path: &Path, limit: &FileLimit) -> Result<String, Failure> {
+    String::from_utf8(files::read(path, limit)?).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let name = path.display();
         Failure::plain(format!(
@@ -182,7 +158,9 @@ pub(crate) fn text(path: &Path) -> Result<String, Failure> {
 pub(crate) fn passes(text: &str) -> Result<Pipeline, Failure> {
     let content = match text.strip_prefix('@') {
         None => text.to_owned(),
-        Some(file) => String::from_utf8_lossy(&read_bytes(Path::new(file))?).into_owned(),
+        Some(file) => {
+            String::from_utf8_lossy(&files::read(Path::new(file), &files::PIPELINE)?).into_owned()
+        }
     };
     pipeline::parse(&content).map_err(|error| Failure(error.0))
 }
@@ -206,7 +184,7 @@ pub(crate) fn machine(name: &str) -> Result<Machine, Failure> {
             notes,
         ));
     }
-    let text = String::from_utf8_lossy(&read_bytes(path)?).into_owned();
+    let text = String::from_utf8_lossy(&files::read(path, &files::MACHINE)?).into_owned();
     Machine::parse(&text).map_err(|error| {
         let diagnostic = Diagnostic::error().with_message(error.to_string());
         let diagnostic = match error {

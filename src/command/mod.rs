@@ -6,14 +6,16 @@
 //! exit code 2.
 
 mod accuracy;
-mod arguments;
+pub(crate) mod arguments;
 mod bench;
 mod compare;
 mod dump;
 mod errors;
 mod eval;
 mod explain;
+pub(crate) mod files;
 mod fit;
+pub(crate) mod flags;
 mod front;
 mod generation;
 pub(crate) mod input;

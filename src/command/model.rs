@@ -1,9 +1,10 @@
 //! `robovec model`: models to look at and to start from.
 
+use super::flags::{FlagLimit, SEED};
 use super::{Failure, input, output};
 use crate::files::Replace;
 use crate::model::Model;
-use crate::model::family::{Family, LARGEST};
+use crate::model::family::{self, Family};
 use crate::model::mbs::write_mbs;
 use crate::model::summary::summarise;
 use crate::stale;
@@ -25,10 +26,10 @@ pub(super) struct ModelArguments {
     #[arg(value_name = "FILE|FAMILY")]
     subject: PathBuf,
     /// Number of joints of a serial, semi-serial, parallel or random model
-    #[arg(long)]
+    #[arg(long, add = FlagLimit(family::JOINTS))]
     joints: Option<usize>,
     /// Seed of the parameters
-    #[arg(long)]
+    #[arg(long, add = SEED)]
     seed: Option<u64>,
     /// File for the model as compact .mbs text; of a family also without -o,
     /// to the standard output
@@ -146,11 +147,6 @@ fn member(family: Family, arguments: &ModelArguments) -> Result<Model, Failure> 
         (Some(only), _) => only,
         (None, asked) => asked.unwrap_or(DEFAULT_JOINTS),
     };
-    if joints == 0 || joints > LARGEST {
-        return Err(Failure::plain(format!(
-            "a model has 1 to {LARGEST} joints, not {joints}"
-        )));
-    }
     if arguments.seed.is_some() && !family.is_seeded() {
         return Err(Failure::plain(format!(
             "the parameters of a {} are fixed: --seed has no effect",

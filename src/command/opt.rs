@@ -5,11 +5,13 @@ use super::dump::DumpFolder;
 use super::explain;
 use super::input::{self, Input};
 use super::tables::{self, Stage};
-use super::{Failure, listing, names, output, placed, reduction, reproducer, rules, simulation};
+use super::{
+    Failure, files, listing, names, output, placed, reduction, reproducer, rules, simulation,
+};
 use crate::files::Replace;
 use crate::report;
 use crate::scene::SceneFile;
-use clap::{CommandFactory, FromArgMatches, Parser};
+use clap::FromArgMatches;
 use clap_complete::env::{CompleteEnv, Shells};
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, termcolor::ColorChoice};
@@ -28,9 +30,13 @@ use std::process::ExitCode;
 
 /// Runs the program.
 pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
-    CompleteEnv::with_factory(Arguments::command).complete();
+    CompleteEnv::with_factory(arguments::command).complete();
     let words = arguments::normalise(arguments);
-    let arguments = Arguments::parse_from(&words);
+    let matches = arguments::command().get_matches_from(&words);
+    let arguments = match Arguments::from_arg_matches(&matches) {
+        Ok(arguments) => arguments,
+        Err(error) => error.exit(),
+    };
     let result = match arguments.run_reproducer {
         true => reproduced(&arguments, &words).and_then(|arguments| run(&arguments)),
         false => run(&arguments),
@@ -50,7 +56,7 @@ fn reproduced(arguments: &Arguments, words: &[OsString]) -> Result<Arguments, Fa
     let Some(path) = &arguments.input else {
         return Err(Failure::plain("no reproducer to run"));
     };
-    let command = reproducer::command(path, &input::text(path)?)?;
+    let command = reproducer::command(path, &input::text(path, &files::EQUATIONS)?)?;
     let program = words.iter().take(1).cloned();
     let given = words
         .iter()
@@ -59,7 +65,7 @@ fn reproduced(arguments: &Arguments, words: &[OsString]) -> Result<Arguments, Fa
     let all = program
         .chain(command.into_iter().map(OsString::from))
         .chain(given.cloned());
-    let parsed = Arguments::command()
+    let parsed = arguments::command()
         .args_override_self(true)
         .try_get_matches_from(all)
         .and_then(|matches| Arguments::from_arg_matches(&matches));

@@ -1,6 +1,7 @@
 //! `robovec accuracy --outputs`: the errors of every output.
 
 use super::accuracy::AccuracyArguments;
+use super::flags::whole;
 use super::{Failure, input, output};
 use crate::accuracy::outputs;
 use crate::hexadecimal;
@@ -35,10 +36,12 @@ pub(super) struct OutputArguments {
     #[arg(long, value_name = "FILE", requires = "outputs")]
     scene: Option<PathBuf>,
     /// Outputs shown for each format: those with the largest mixed errors
-    #[arg(long, value_name = "N", requires = "outputs", default_value_t = 20)]
+    #[arg(long, value_name = "N", requires = "outputs", default_value_t = 20,
+          add = whole(0, 1_000_000, "every one is a line of the result"))]
     most: usize,
     /// Print the inputs of one state, as `robovec eval --states` reads them
-    #[arg(long, value_name = "N", requires = "outputs")]
+    #[arg(long, value_name = "N", requires = "outputs",
+          add = whole(0, 1_000_000_000, "states are drawn by their number"))]
     print_state: Option<u32>,
 }
 

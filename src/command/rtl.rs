@@ -2,7 +2,7 @@
 
 use super::opt::select;
 use super::rtl_bench::{self, BenchArguments};
-use super::{Failure, input, output, placed};
+use super::{Failure, files, input, output, placed};
 use crate::files::Replace;
 use crate::files::sealed::check_folder;
 use clap::{Args, ValueEnum};
@@ -165,7 +165,7 @@ fn hardware(path: &Path) -> Result<Hardware, Failure> {
     }
     let is_folder = found.is_some();
     let file = found.unwrap_or_else(|| path.to_owned());
-    let text = input::text(&file)?;
+    let text = input::text(&file, &files::IMAGE)?;
     let hardware = Hardware::parse(&text).map_err(|error| {
         let notes = vec![format!(
             "'robovec rtl' writes one: FOLDER/rtl/{DESCRIPTION}"

@@ -1,6 +1,7 @@
 //! `robovec rtl`: the benches beside the hardware, and `--check`.
 
 use super::Failure;
+use super::flags::{NUMBER, SEED, whole};
 use crate::process::ToolError;
 use crate::rtl::{CheckFailure, Checked, Door, Tool, bench_files, check};
 use clap::{Args, ValueEnum};
@@ -19,17 +20,18 @@ pub(super) struct BenchArguments {
     #[arg(long, value_enum, value_name = "WAYS", value_delimiter = ',')]
     through: Vec<Way>,
     /// States the benches run the program on, one after the other
-    #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "COUNT", default_value_t = 3, add = whole(1, 1000, "benches hold all states, and run the program on each"))]
     runs: u32,
     /// Seed of the random states
-    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, add = SEED)]
     seed: u64,
     /// The first state: one number per input element, in order of declaration
     #[arg(
         long,
         value_name = "NUMBERS",
         value_delimiter = ',',
-        allow_hyphen_values = true
+        allow_hyphen_values = true,
+        add = NUMBER
     )]
     inputs: Vec<f64>,
 }

@@ -1,6 +1,7 @@
 //! `robovec sim`: a model in motion.
 
-use super::{Failure, input, output};
+use super::flags::{real, whole};
+use super::{Failure, files, input, output};
 use crate::generate::Formulation;
 use crate::model::{Model, Nature};
 use crate::motion::{Laws, Method, MotionError, Plan, Run, Setting, System, plot, simulate};
@@ -30,23 +31,27 @@ pub(super) struct SimArguments {
     /// Model (.mbs)
     model: PathBuf,
     /// How long, s
-    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0,
+          add = real(1e-12, 1e6, "the run is given up after --max-steps"))]
     time: f64,
     /// Rows of the result after the first, at equal intervals
     #[arg(long, value_name = "N", default_value_t = 200,
-          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+          add = whole(1, 100_000, "every one is a row of the result"))]
     samples: u32,
     /// Integrator
     #[arg(long, value_enum, default_value_t = Integrator::Dopri)]
     method: Integrator,
     /// Step of rk4, s
-    #[arg(long, value_name = "SECONDS", default_value_t = 1e-3, value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 1e-3,
+          add = real(1e-9, 1e3, "the run is given up after --max-steps"))]
     step: f64,
     /// Tolerance of dopri per step, absolute and relative
-    #[arg(long, value_name = "NUMBER", default_value_t = 1e-8, value_parser = positive)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 1e-8,
+          add = real(1e-15, 1.0, "binary64 has no digits beyond, and beyond 1 nothing is right"))]
     tolerance: f64,
     /// Steps after which the run is given up
-    #[arg(long, value_name = "N", default_value_t = 10_000_000)]
+    #[arg(long, value_name = "N", default_value_t = 10_000_000,
+          add = whole(1, 1_000_000_000, "every step evaluates the model several times"))]
     max_steps: u64,
     /// Laws of springs, dampers, forces and driven joints (TOML)
     #[arg(long, value_name = "FILE")]
@@ -78,13 +83,6 @@ pub(super) struct SimArguments {
     /// Drawing of positions and energies to write (SVG)
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
-        _ => Err("expected a number above 0".to_owned()),
-    }
 }
 
 /// Runs the command: the text for the standard output.
@@ -149,7 +147,7 @@ fn hold(model: &mut Model, names: &[String]) -> Result<(), Failure> {
 }
 
 fn laws(model: &Model, path: &Path) -> Result<Laws, Failure> {
-    let text = input::text(path)?;
+    let text = input::text(path, &files::LAWS)?;
     Laws::parse(model, &text)
         .map_err(|diagnostics| Failure(Report::of(&path.display().to_string(), text, diagnostics)))
 }

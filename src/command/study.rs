@@ -1,5 +1,6 @@
 //! `robovec study`.
 
+use super::flags::{FlagLimit, whole};
 use super::subjects::{self, Files, locate};
 use super::{Failure, input, output};
 use crate::study::cpu::{self, Computer, CpuTime, Job};
@@ -33,7 +34,7 @@ pub(super) struct Arguments {
     machines: Option<Vec<String>>,
     /// Adders, and as many multipliers
     #[arg(long, value_delimiter = ',', value_name = "NUMBERS",
-        value_parser = clap::value_parser!(u32).range(1..=i64::from(plan::MOST_ELEMENTS)))]
+        add = FlagLimit(plan::ELEMENTS))]
     pe: Option<Vec<u32>>,
     /// Folder for the results
     #[arg(short, long, value_name = "FOLDER")]
@@ -46,10 +47,11 @@ pub(super) struct Arguments {
     #[arg(long)]
     cpu: bool,
     /// Leave functions with more operations than this out of --cpu
-    #[arg(long, value_name = "OPERATIONS", default_value_t = cpu::LARGEST)]
+    #[arg(long, value_name = "OPERATIONS", default_value_t = cpu::LARGEST,
+          add = whole(0, 100_000_000, "compiling takes minutes beyond some million"))]
     cpu_limit: usize,
     /// Threads; as many as there are processors by default
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, value_name = "N", add = whole(1, 1024, "every thread takes memory of its own"))]
     jobs: Option<u32>,
 }
 
@@ -79,7 +81,10 @@ fn read_plan(arguments: &Arguments) -> Result<Plan, Failure> {
     } else {
         let path = Path::new(&arguments.plan);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        (name.into_owned(), super::tool::read_text(path)?)
+        (
+            name.into_owned(),
+            super::input::text(path, &super::files::PLAN)?,
+        )
     };
     let folder = Path::new(&arguments.plan).parent().map(Path::to_owned);
     let folder = folder.filter(|_| arguments.plan != "thesis");

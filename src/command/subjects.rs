@@ -4,7 +4,7 @@
 use super::{Failure, generation, input};
 use crate::generate::{Formulation, FunctionKind, Options, TermOrder};
 use crate::model::Model;
-use crate::model::family::{Family, LARGEST};
+use crate::model::family::{Family, JOINTS};
 use crate::study::plan::Subject;
 use crate::study::program::Sources;
 use robovec_ir::Module;
@@ -35,6 +35,7 @@ pub(super) fn locate(subject: &Subject) -> Result<Source, Failure> {
     if let Some(model) = built_in(&subject.source) {
         return Ok(Source::Model(Box::new(model)));
     }
+    check_number(&subject.source)?;
     let near = subject.folder.as_ref();
     let near = near.map(|folder| folder.join(&subject.source));
     let near = near.filter(|path| path.is_file());
@@ -133,11 +134,23 @@ pub(super) fn built_in(name: &str) -> Option<Model> {
     }
     let (family, joints) = name.rsplit_once('-')?;
     let family = Family::from_name(family).filter(|family| family.joints().is_none())?;
-    let joints = joints
-        .parse()
-        .ok()
-        .filter(|joints| (1..=LARGEST).contains(joints))?;
-    Some(family.build(joints, SEED))
+    let joints = JOINTS.read_whole(joints).ok()?;
+    Some(family.build(joints as usize, SEED))
+}
+
+/// Refuses a name like `serial-1000000`, which is none of a file.
+pub(super) fn check_number(name: &str) -> Result<(), Failure> {
+    let Some((family, joints)) = name.rsplit_once('-') else {
+        return Ok(());
+    };
+    let is_family = Family::from_name(family).is_some_and(|family| family.joints().is_none());
+    if !is_family || !joints.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Ok(());
+    }
+    match JOINTS.read_whole(joints) {
+        Ok(_) => Ok(()),
+        Err(reason) => Err(Failure::plain(format!("the joints of '{name}': {reason}"))),
+    }
 }
 
 fn unknown(name: &str) -> Failure {

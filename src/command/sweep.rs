@@ -1,5 +1,6 @@
 //! `robovec sweep`: resources against time.
 
+use super::flags::whole;
 use super::front::programs;
 use super::{Failure, output};
 use crate::study::couples::couples;
@@ -31,15 +32,15 @@ pub(super) struct SweepArguments {
     passes: String,
     /// Numbers of adders
     #[arg(long, value_delimiter = ',', default_value = "1,2,4,8,16",
-          value_parser = clap::value_parser!(u32).range(1..=1024))]
+          add = whole(1, 1024, "a program is placed for every number of elements"))]
     adders: Vec<u32>,
     /// Numbers of multipliers
     #[arg(long, value_delimiter = ',', default_value = "1,2,4,8,16",
-          value_parser = clap::value_parser!(u32).range(1..=1024))]
+          add = whole(1, 1024, "a program is placed for every number of elements"))]
     multipliers: Vec<u32>,
     /// The largest quotient of the numbers of adders and multipliers
     #[arg(long, default_value_t = 2,
-          value_parser = clap::value_parser!(u32).range(1..=1024))]
+          add = whole(1, 1024, "there are at most as many elements of a kind"))]
     ratio: u32,
     /// Stages of adders and multipliers, as ADD-MULTI of the thesis' Table 1.3; all by default
     #[arg(long, value_delimiter = ',', value_name = "ADD-MULTI")]
@@ -49,11 +50,11 @@ pub(super) struct SweepArguments {
     memories: Vec<MemoryWord>,
     /// Words of buffers, or 0 for none
     #[arg(long, value_delimiter = ',', default_value = "16,0",
-          value_parser = clap::value_parser!(u32).range(0..=65_536))]
+          add = whole(0, 65_536, "buffers are memories of the device; 0 leaves them out"))]
     buffers: Vec<u32>,
     /// Instances evaluated at once
     #[arg(long, value_delimiter = ',', default_value = "1,4",
-          value_parser = clap::value_parser!(u32).range(1..=64))]
+          add = whole(1, 64, "the program becomes so many times as large"))]
     instances: Vec<u32>,
     /// Interconnects: crossbar, bus, mesh, torus, omega, hypercube
     #[arg(long, value_delimiter = ',', default_value = "crossbar")]

@@ -1,6 +1,7 @@
 //! `robovec synthesise`: hardware mapped to the cells of a Cyclone V.
 
 use super::Failure;
+use super::flags::whole;
 use crate::process::ToolError;
 use crate::report::table;
 use crate::study::couples::{ADDERS, MULTIPLIERS, Operator};
@@ -20,11 +21,11 @@ pub(super) struct SynthesiseArguments {
     /// Stages of the adders
     #[arg(long, value_name = "STAGES", value_delimiter = ',',
           default_value = "1,2,3,4,5,6,7,9,10,14",
-          value_parser = clap::value_parser!(u32).range(1..=64))]
+          add = whole(1, 64, "adders with more stages are no faster"))]
     add: Vec<u32>,
     /// Stages of the multipliers
     #[arg(long, value_name = "STAGES", value_delimiter = ',', default_value = "2,3,4,5,8,9",
-          value_parser = clap::value_parser!(u32).range(1..=64))]
+          add = whole(1, 64, "multipliers with more stages are no faster"))]
     multiply: Vec<u32>,
     /// Number format: f32, float(8,17,flush) ...
     #[arg(long, value_name = "FORMAT", default_value = "f32")]

@@ -7,15 +7,16 @@ use super::compare::{self, CheckArguments};
 use super::errors::{self, ErrorsArguments};
 use super::eval::{self, EvalArguments};
 use super::fit::{self, FitArguments};
+use super::flags::NUMBER;
 use super::front::{self, FrontArguments};
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
 use super::scene::{self, SceneArguments};
 use super::sim::{self, SimArguments};
-use super::{Failure, input, output, write};
+use super::{Failure, files, flags, input, output, write};
 use crate::process::{Limits, set_limits};
 use crate::simulate::Program;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::fs;
@@ -72,7 +73,8 @@ enum Command {
             long,
             value_name = "NUMBERS",
             value_delimiter = ',',
-            allow_hyphen_values = true
+            allow_hyphen_values = true,
+            add = NUMBER
         )]
         inputs: Vec<f64>,
     },
@@ -90,9 +92,18 @@ enum Command {
     Write(write::WriteArguments),
 }
 
+/// The command line, with the limits of its numbers.
+pub(crate) fn command() -> clap::Command {
+    flags::enforce(Arguments::command())
+}
+
 /// Runs the program.
 pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
-    let arguments = Arguments::parse_from(arguments);
+    let matches = command().get_matches_from(arguments);
+    let arguments = match Arguments::from_arg_matches(&matches) {
+        Ok(arguments) => arguments,
+        Err(error) => error.exit(),
+    };
     set_limits(Limits {
         time: Duration::from_secs(arguments.tool_seconds),
         ..Limits::USUAL
@@ -132,11 +143,6 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     }
 }
 
-pub(super) fn read_text(path: &Path) -> Result<String, Failure> {
-    fs::read_to_string(path)
-        .map_err(|error| Failure::plain(format!("cannot read {}: {error}", path.display())))
-}
-
 fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, Failure> {
     let machine = input::machine(machine)?;
     let listing = fs::read_dir(folder)
@@ -147,7 +153,7 @@ fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, Fail
         if path.is_file() {
             files.push((
                 entry.file_name().to_string_lossy().into_owned(),
-                read_text(&path)?,
+                input::text(&path, &files::IMAGE)?,
             ));
         }
     }

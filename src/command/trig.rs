@@ -1,5 +1,6 @@
 //! `robovec trig`: what series for sines and cosines do to the outputs.
 
+use super::flags::{SEED, real, states, whole};
 use super::{Failure, input, output};
 use crate::study::plot;
 use crate::trigonometry::{self, Effect, Setting};
@@ -26,18 +27,19 @@ pub(super) struct TrigArguments {
     files: Vec<PathBuf>,
     /// Orders of the polynomials: the largest power of the angle
     #[arg(long, value_name = "ORDERS", value_delimiter = ',', default_value = "1,3,5,7",
-          value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_ORDER)))]
+          add = whole(1, MOST_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"))]
     orders: Vec<u32>,
     /// Ranges of the joints: they move between minus and plus each, rad
     #[arg(long, value_name = "ANGLES", value_delimiter = ',',
-          default_value = "0.01,0.1,0.5,1", value_parser = angle)]
+          default_value = "0.01,0.1,0.5,1",
+          add = real(1e-12, LARGEST_RANGE, "no series reaches larger angles"))]
     angles: Vec<f64>,
     /// Polynomials
     #[arg(long, value_enum, default_value_t = Series::Taylor)]
     method: Series,
     /// How often angles are halved before the polynomials
     #[arg(long, value_name = "N", default_value_t = 0,
-          value_parser = clap::value_parser!(u32).range(0..=16))]
+          add = whole(0, 16, "every halving doubles the rounding error and adds operations"))]
     halvings: u32,
     /// Format the outputs are computed in: f32, f64, float(8,17) ...
     #[arg(long, value_name = "FORMAT", default_value = "f32")]
@@ -50,23 +52,14 @@ pub(super) struct TrigArguments {
     function: Option<String>,
     /// Random states of every range
     #[arg(long, default_value_t = 100,
-          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+          add = states(1, 100_000))]
     states: u32,
     /// Seed of the states
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
     /// Folder for trig.csv, trig.json and trig.svg
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-}
-
-fn angle(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number > 0.0 && number <= LARGEST_RANGE => Ok(number),
-        _ => Err(format!(
-            "expected a number above 0 and up to {LARGEST_RANGE}"
-        )),
-    }
 }
 
 /// Runs the command.

@@ -10,7 +10,7 @@ mod given;
 mod number;
 
 pub use format::Format;
-pub use number::Number;
+pub use number::{BITS, Number};
 
 use crate::model::Model;
 use crate::motion::{element_name, parameter};

@@ -9,6 +9,7 @@ use robovec_ir::double_double::DoubleDouble;
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::field::{Field, PrimeField};
 use robovec_ir::format::{Format as NumberFormat, FormatError};
+use robovec_ir::limits::NumberLimit;
 use robovec_ir::soft_float::FormatArithmetic;
 use std::cell::RefCell;
 use std::str::FromStr;
@@ -31,6 +32,13 @@ pub enum Number {
 /// The widest floats; an operation on them still takes microseconds.
 const WIDEST: usize = 16_384;
 
+/// Bits of floats.
+pub const BITS: NumberLimit = NumberLimit::whole(
+    1,
+    WIDEST as u64,
+    "the time of an operation grows with the square of its bits",
+);
+
 impl Default for Number {
     fn default() -> Number {
         Number::Format(NumberFormat::BINARY64)
@@ -44,11 +52,13 @@ impl FromStr for Number {
         match text {
             "double-double" => Ok(Number::DoubleDouble),
             "field" => Ok(Number::Field),
-            _ => match (text.parse(), text.parse::<NumberFormat>()) {
-                (Ok(bits), _) if (1..=WIDEST).contains(&bits) => Ok(Number::Bits(bits)),
-                (_, Ok(format)) => Ok(Number::Format(format)),
-                (_, Err(error @ FormatError::Width)) => Err(error.to_string()),
-                (_, Err(FormatError::Unreadable)) => Err(format!(
+            _ if text.parse::<f64>().is_ok() => BITS
+                .read_whole(text)
+                .map(|bits| Number::Bits(bits as usize)),
+            _ => match text.parse::<NumberFormat>() {
+                Ok(format) => Ok(Number::Format(format)),
+                Err(error @ FormatError::Width) => Err(error.to_string()),
+                Err(FormatError::Unreadable) => Err(format!(
                     "expected f16, bf16, f32, f64, float(EXPONENT,MANTISSA), \
                      fixed(INTEGER,FRACTION), double-double, field, or a number of bits up to \
                      {WIDEST}"

@@ -10,12 +10,18 @@
 //! to the last bit. Inertias are those of clouds of points, hence physically
 //! possible.
 
+use robovec_ir::limits::NumberLimit;
+
 use super::build::{BASE, BodyRef, Builder, Place};
 use super::random::{Random, four_digits};
 use super::{Axis, JointKind, Model, systems};
 
-/// The most joints a family is made with.
-pub const LARGEST: usize = super::mbs::JOINT_LIMIT;
+/// The joints a family is made with.
+pub const JOINTS: NumberLimit = NumberLimit::whole(
+    1,
+    super::mbs::JOINT_LIMIT as u64,
+    "a mass matrix has as many rows and columns",
+);
 
 /// A kind of model that can be asked for by name.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

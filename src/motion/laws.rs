@@ -35,9 +35,31 @@
 
 use crate::model::{Model, Nature};
 use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
+use robovec_ir::limits::{Amount, NumberLimit};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use toml::Spanned;
+
+/// Numbers of laws, in SI units.
+const LAW: NumberLimit = NumberLimit::real(
+    -1e15,
+    1e15,
+    "motions that stiff have no digits left in binary64",
+);
+
+/// The limits of the numbers of laws: name, limit, and what it is when the
+/// file does not say.
+pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
+    ("stiffness", LAW, "0"),
+    ("damping", LAW, "0"),
+    ("neutral", LAW, "initial"),
+    ("force", LAW, "0"),
+    ("torque", LAW, "0"),
+    ("offset", LAW, "initial"),
+    ("amplitude", LAW, "0"),
+    ("frequency", LAW, "0"),
+    ("phase", LAW, "0"),
+];
 
 /// A linear spring and damper with a constant force. On a joint it acts
 /// against displacement and velocity; on a link it pulls the ends together.
@@ -151,8 +173,8 @@ impl Laws {
     /// # Errors
     ///
     /// Messages that point into the text (file 0): what is no TOML or no law,
-    /// a name the model does not have or that comes twice, a number that is
-    /// not finite, a driven motion of a joint that is not driven or whose
+    /// a name the model does not have or that comes twice, a number beyond
+    /// its limit, a driven motion of a joint that is not driven or whose
     /// equations hold no velocity.
     pub fn parse(model: &Model, text: &str) -> Result<Laws, Vec<Diagnostic>> {
         let file: File = toml::from_str(text).map_err(|error| vec![syntax(&error)])?;
@@ -233,9 +255,8 @@ impl Reader<'_> {
             let span = name.span();
             let mut entry = entry.clone();
             entry.remove("name");
-            if let Some(key) = not_finite(&entry) {
-                let message = format!("'{}' is no finite number", clip(&key));
-                self.errors.push(wrong(span.clone(), &message, None));
+            if let Some(reason) = refused(&entry) {
+                self.errors.push(wrong(span.clone(), &reason, None));
             }
             let law: T = match entry.try_into() {
                 Ok(law) => law,
@@ -275,19 +296,23 @@ impl Reader<'_> {
     }
 }
 
-fn not_finite(entry: &toml::Table) -> Option<String> {
-    entry
-        .iter()
-        .find(|(_, value)| {
-            let numbers = match value {
-                toml::Value::Array(list) => list.as_slice(),
-                _ => std::slice::from_ref(*value),
-            };
-            numbers
-                .iter()
-                .any(|value| value.as_float().is_some_and(|number| !number.is_finite()))
-        })
-        .map(|(key, _)| key.clone())
+/// What is wrong with a number of an entry, if anything is.
+fn refused(entry: &toml::Table) -> Option<String> {
+    entry.iter().find_map(|(key, value)| {
+        let numbers = match value {
+            toml::Value::Array(list) => list.as_slice(),
+            _ => std::slice::from_ref(value),
+        };
+        let amounts = numbers.iter().filter_map(|value| match value {
+            toml::Value::Integer(number) => Some(*number as f64),
+            toml::Value::Float(number) => Some(*number),
+            _ => None,
+        });
+        let mut refusals = amounts.filter_map(|number| LAW.check(Amount::Real(number)).err());
+        refusals
+            .next()
+            .map(|reason| format!("'{}': {reason}", clip(key)))
+    })
 }
 
 fn syntax(error: &toml::de::Error) -> Diagnostic {

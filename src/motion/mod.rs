@@ -11,7 +11,7 @@ mod error;
 mod free;
 mod inputs;
 pub mod integrate;
-mod laws;
+pub mod laws;
 pub mod linear;
 mod loops;
 mod partition;

@@ -1,9 +1,26 @@
 //! What the comments at the head and foot of a file say.
 
 use super::Language;
+use crate::model::mbs::JOINT_LIMIT;
+use robovec_ir::limits::NumberLimit;
+use std::ops::Range;
 
 /// How many lines a header has at most.
 const HEADER_LINES: usize = 120;
+
+/// Joints that a header may state: matrices get as many rows and columns.
+pub(super) const JOINTS: NumberLimit = NumberLimit::whole(
+    0,
+    JOINT_LIMIT as u64,
+    "a mass matrix has as many rows and columns",
+);
+
+/// Rows and columns that a header may state.
+pub(super) const EXTENT: NumberLimit = NumberLimit::whole(
+    0,
+    super::tokens::LARGEST_INDEX as u64,
+    "no multibody model has arrays like this",
+);
 
 /// The facts of a header.
 #[derive(Clone, Default, Debug)]
@@ -21,6 +38,8 @@ pub(super) struct Header {
     /// Arrays whose extent does not follow from their use: rows, and columns
     /// or 0.
     pub(super) extents: Vec<(String, u32, u32)>,
+    /// Sizes that no file can have: where they stand, and why not.
+    pub(super) refused: Vec<(Range<usize>, String)>,
 }
 
 impl Header {
@@ -35,7 +54,7 @@ impl Header {
                 .trim_start_matches([' ', '\t', '%', '#', '/', '*'])
                 .trim();
             if let Some(fact) = line.strip_prefix("==>") {
-                header.fact(fact.trim());
+                header.fact(fact.trim(), text);
             } else if let Some(rest) = line.strip_prefix("ROBOTRAN - Version ") {
                 header.generator = first_word(rest).map(|version| format!("ROBOTRAN {version}"));
             } else if let Some(rest) = line.strip_prefix("MBsysTran - Release ") {
@@ -51,7 +70,36 @@ impl Header {
         header
     }
 
-    fn fact(&mut self, fact: &str) {
+    /// A size of a comment, or `None` when no number stands there. One that
+    /// is not allowed is remembered, with its place in the text.
+    fn size(&mut self, written: &str, what: &str, limit: NumberLimit, text: &str) -> Option<u32> {
+        // Both are pieces of one text.
+        let start = written.as_ptr() as usize - text.as_ptr() as usize;
+        written.parse::<f64>().ok()?;
+        match limit.read_whole(written) {
+            Ok(number) => Some(number as u32),
+            Err(reason) => {
+                let span = start..start + written.len();
+                self.refused.push((span, format!("{what}: {reason}")));
+                None
+            }
+        }
+    }
+
+    /// `dpt(3,12)` or `h(4)`.
+    fn extent(&mut self, written: &str, text: &str) -> Option<(String, u32, u32)> {
+        let (name, rest) = written.split_once('(')?;
+        let inner = rest.strip_suffix(')')?;
+        let what = format!("the extent of '{name}' in a comment");
+        let (rows, columns) = match inner.split_once(',') {
+            Some((rows, columns)) => (rows, self.size(columns, &what, EXTENT, text)?),
+            None => (inner, 0),
+        };
+        let rows = self.size(rows, &what, EXTENT, text)?;
+        Some((name.to_owned(), rows, columns))
+    }
+
+    fn fact(&mut self, fact: &str, text: &str) {
         if fact.starts_with("All Parameter Symbols included") {
             self.all_parameter_symbols = true;
         }
@@ -62,12 +110,14 @@ impl Header {
         match key.trim() {
             "Project name" => self.model = Some(value.to_owned()),
             "Generation Date" => self.date = Some(value.to_owned()),
-            "Number of joints" => self.joints = value.parse().ok(),
+            "Number of joints" => {
+                self.joints = self.size(value, "the number of joints in a comment", JOINTS, text);
+            }
             "Array extents" => {
-                let largest = super::tokens::LARGEST_INDEX;
-                self.extents = value.split_whitespace().filter_map(extent).collect();
-                self.extents
-                    .retain(|&(_, rows, columns)| rows <= largest && columns <= largest);
+                let extents = value.split_whitespace();
+                self.extents = extents
+                    .filter_map(|written| self.extent(written, text))
+                    .collect();
             }
             "Flops complexity" => self.flops = Some(value.to_owned()),
             "Function" => {
@@ -124,17 +174,6 @@ impl Header {
     }
 }
 
-/// `dpt(3,12)` or `h(4)`.
-fn extent(text: &str) -> Option<(String, u32, u32)> {
-    let (name, rest) = text.split_once('(')?;
-    let inner = rest.strip_suffix(')')?;
-    let (rows, columns) = match inner.split_once(',') {
-        Some((rows, columns)) => (rows.parse().ok()?, columns.parse().ok()?),
-        None => (inner.parse().ok()?, 0),
-    };
-    Some((name.to_owned(), rows, columns))
-}
-
 fn first_word(text: &str) -> Option<&str> {
     text.split_whitespace().next()
 }
@@ -170,6 +209,35 @@ mod tests {
         assert_eq!(ours.generator.as_deref(), Some("robovec 0.1.0"));
         let expected = [("dpt".to_owned(), 3, 12), ("h".to_owned(), 4, 0)];
         assert_eq!(ours.extents, expected);
+        assert!(ours.refused.is_empty());
         assert!(ours.missing_end("x = y").is_some());
+    }
+
+    #[test]
+    fn sizes_that_no_model_has_are_refused_where_they_stand() {
+        for (line, part) in [
+            ("Number of joints : 2147483647", "2147483647"),
+            ("Number of joints : 2001", "2001"),
+            (
+                "Number of joints : 99999999999999999999",
+                "99999999999999999999",
+            ),
+            ("Array extents : dpt(3,12) h(4000000000)", "4000000000"),
+            ("Array extents : dpt(3,1000001)", "1000001"),
+        ] {
+            let text = format!("% first\n%\t==> {line}\n");
+            let header = Header::read(&text);
+            let [(span, reason)] = header.refused.as_slice() else {
+                panic!("{line} is taken");
+            };
+            assert_eq!(&text[span.clone()], part);
+            assert!(reason.contains("is not allowed"), "{reason}");
+        }
+        let strange = Header::read("%\t==> Number of joints : many\n");
+        assert_eq!((strange.joints, strange.refused.len()), (None, 0));
+        assert_eq!(
+            Header::read("%\t==> Number of joints : 2000\n").joints,
+            Some(2000)
+        );
     }
 }

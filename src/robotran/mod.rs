@@ -46,11 +46,20 @@ use self::syntax::{Builder, CAPACITY, Syntax};
 use self::token::Span;
 use self::tokens::{TokenSource, Tokens};
 use robovec_ir::diagnostic::{Diagnostic, Report};
+use robovec_ir::limits::NumberLimit;
 use robovec_ir::{Module, Symbols};
 use std::fmt;
 
 /// No more errors, and no more warnings, than this are reported for one file.
 const ERROR_LIMIT: usize = 20;
+
+/// The limits of sizes in these files: name, limit, and what it is when the
+/// file does not say.
+pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
+    ("Number of joints (comment)", header::JOINTS, "as used"),
+    ("Array extents (comment)", header::EXTENT, "as used"),
+    ("index", header::EXTENT, ""),
+];
 
 /// A language Robotran writes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -274,6 +283,10 @@ fn build(
                 .with_note(note),
         );
     }
+    errors.extend(header.refused.iter().map(|(span, reason)| {
+        let span = Span::new(span.start, span.end);
+        refusal(reason, span, "this size", "correct or remove the comment")
+    }));
     let has_equations = !syntax.nodes.is_empty();
     if let Some(mark) = header.missing_end(text)
         && has_equations

@@ -448,7 +448,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
             inside = byte.is_ascii_digit();
         }
         if indices.iter().any(|&index| index > LARGEST_INDEX) {
-            return Err(self.index_error("an index above 1000000"));
+            return Err(self.index_error("an index above 1000000 is not allowed"));
         }
         Ok((slice[..at].trim_end(), indices[0], indices[1]))
     }

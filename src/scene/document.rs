@@ -2,6 +2,7 @@
 //! messages about it.
 
 use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
+use robovec_ir::limits::{Amount, NumberLimit};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
@@ -135,17 +136,20 @@ pub(super) fn number(value: &Value<'_>, problems: &mut Problems) -> Option<f64> 
     finite
 }
 
-/// A positive number.
-pub(super) fn positive(value: &Value<'_>, problems: &mut Problems) -> Option<f64> {
+/// A number within a limit.
+pub(super) fn limited(
+    value: &Value<'_>,
+    (name, limit): (&str, NumberLimit),
+    problems: &mut Problems,
+) -> Option<f64> {
     let number = number(value, problems)?;
-    if number <= 0.0 {
-        problems.add(
-            value.span(),
-            format!("{number} is not a number greater than 0"),
-        );
-        return None;
+    match limit.check(Amount::Real(number)) {
+        Ok(()) => Some(number),
+        Err(reason) => {
+            problems.add(value.span(), format!("'{name}': {reason}"));
+            None
+        }
     }
-    Some(number)
 }
 
 /// A text.

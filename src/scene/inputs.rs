@@ -1,8 +1,9 @@
 //! What a scene file says of inputs: parameters, numbers, ranges, and the
 //! joints that are held.
 
+use super::INPUT;
 use super::arrays::Arrays;
-use super::document::{Problems, Span, Table, Value, array, get, number, string, strings, table};
+use super::document::{Problems, Span, Table, Value, array, get, limited, string, strings, table};
 use super::known::{Known, Rank, Words};
 use crate::model::Model;
 use crate::motion;
@@ -135,7 +136,7 @@ impl InputReader<'_> {
             return;
         }
         let DeValue::Array(list) = value.get_ref() else {
-            if let Some(number) = number(value, self.problems) {
+            if let Some(number) = limited(value, ("bind", INPUT), self.problems) {
                 self.say(place, pattern, Known::Bound(number), span);
             }
             return;
@@ -154,7 +155,7 @@ impl InputReader<'_> {
             return;
         }
         for (item, row) in list.iter().zip(1..) {
-            let Some(number) = number(item, self.problems) else {
+            let Some(number) = limited(item, ("bind", INPUT), self.problems) else {
                 continue;
             };
             let mut indices = vec![IndexPattern::Between(row, row)];
@@ -180,7 +181,7 @@ impl InputReader<'_> {
             self.problems.add(value.span(), message);
             return None;
         };
-        let (first, last) = (number(low, self.problems), number(high, self.problems));
+        let [first, last] = [low, high].map(|end| limited(end, ("range", INPUT), self.problems));
         let (low, high) = (first?, last?);
         if low > high {
             let message = format!("the low end {low} is above the high end {high}");
@@ -241,7 +242,7 @@ impl InputReader<'_> {
     /// Where a locked joint stays.
     fn position(&mut self, joint: u32, value: &Value<'_>) -> Option<f64> {
         let DeValue::String(text) = value.get_ref() else {
-            return number(value, self.problems);
+            return limited(value, ("locked", INPUT), self.problems);
         };
         match (text.as_ref(), self.model) {
             ("initial", Some(model)) => Some(model.joints[joint as usize - 1].initial[0]),

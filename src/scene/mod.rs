@@ -45,12 +45,44 @@ pub use effect::{Effect, EffectError, PIPELINE, USUAL, effects};
 pub use read::read;
 pub use subject::{ModelSubject, Subject};
 
-use crate::command::input;
+use crate::command::{files, input};
 use crate::generate::{Formulation, GenerateError};
 use robovec_ir::Module;
 use robovec_ir::diagnostic::Report;
+use robovec_ir::limits::NumberLimit;
 use robovec_passes::scene::Scene;
 use std::path::Path;
+
+/// The time allowed, in microseconds.
+const DEADLINE: NumberLimit = NumberLimit::real(
+    1e-6,
+    1e12,
+    "no machine has a shorter cycle, and every program is done in 11 days",
+);
+
+/// The error allowed, in the unit of its measure.
+const ERROR: NumberLimit = NumberLimit::real(
+    1e-30,
+    1e30,
+    "no program is free of rounding errors, and a larger error allows everything",
+);
+
+/// Numbers of inputs, in SI units.
+const INPUT: NumberLimit = NumberLimit::real(
+    -1e30,
+    1e30,
+    "products of such numbers must be numbers of binary64",
+);
+
+/// The limits of the numbers of a scene: name, limit, and what it is when the
+/// scene does not say.
+pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
+    ("deadline", DEADLINE, "none"),
+    ("output.error", ERROR, "none"),
+    ("bind", INPUT, ""),
+    ("range", INPUT, ""),
+    ("locked", INPUT, ""),
+];
 
 /// A scene with what it is about.
 #[derive(Debug)]
@@ -70,7 +102,7 @@ impl SceneFile {
     ///
     /// Messages that point into the scene, or into the file it names.
     pub fn load(path: &Path) -> Result<SceneFile, Report> {
-        let text = input::text(path).map_err(|failure| failure.0)?;
+        let text = input::text(path, &files::SCENE).map_err(|failure| failure.0)?;
         let name = path.file_name().unwrap_or(path.as_os_str());
         let folder = path.parent().unwrap_or(Path::new(""));
         read(&name.to_string_lossy(), &text, folder)

@@ -2,11 +2,11 @@
 
 use super::arrays::Arrays;
 use super::document::{
-    Problems, Span, Table, get, number, only_keys, parse, positive, string, strings, table,
+    Problems, Span, Table, get, limited, only_keys, parse, string, strings, table,
 };
 use super::inputs::InputReader;
 use super::known::Words;
-use super::{ModelSubject, SceneFile, Subject};
+use super::{DEADLINE, ERROR, ModelSubject, SceneFile, Subject};
 use crate::command::input;
 use crate::generate::{Formulation, FunctionKind, Options};
 use robovec_ir::diagnostic::{Report, clip};
@@ -132,7 +132,8 @@ fn wishes(
             }
         }
     }
-    scene.deadline = get(file, "deadline").and_then(|value| positive(value, problems));
+    scene.deadline =
+        get(file, "deadline").and_then(|value| limited(value, ("deadline", DEADLINE), problems));
     if let (Some(value), Some(wish)) = (get(file, "formulation"), &scene.formulation)
         && Formulation::from_name(wish).is_none()
     {
@@ -353,13 +354,7 @@ fn tolerance(section: &Table<'_>, problems: &mut Problems) -> Option<Tolerance> 
         let message = "a measure without an error says nothing";
         problems.add(value.span(), message);
     }
-    let bound = number(value?, problems)?;
-    if bound <= 0.0 {
-        let note = "no program is free of rounding errors".to_owned();
-        let message = format!("{bound} is not an error greater than 0");
-        problems.advise(value?.span(), message, Some(note));
-        return None;
-    }
+    let bound = limited(value?, ("error", ERROR), problems)?;
     Some(Tolerance {
         measure: measure.unwrap_or_default(),
         bound,

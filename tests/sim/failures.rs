@@ -157,7 +157,7 @@ fn wrong_laws_are_pointed_at() {
         (
             "[[joint]]\nname = 'R2_1'\ndamping = nan",
             "'R2_1'",
-            "no finite number",
+            "NaN is not allowed",
         ),
         ("[[joints]]\nname = 'R2_1'", "joints", "unknown field"),
         (

@@ -18,6 +18,7 @@
 //! taking turns (`add0`, `multi0`, `add1`, `multi1`, …), so that elements that
 //! work together are neighbours.
 
+use super::fields;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -119,20 +120,9 @@ impl Network {
     /// What no network can be, or `None`.
     pub(super) fn fault(&self) -> Option<String> {
         let name = self.topology.name();
-        if !(1..=256).contains(&self.words) || self.hop > 64 {
-            return Some(format!(
-                "the interconnect '{name}' carries from 1 to 256 words and takes at most 64 \
-                 cycles for a hop"
-            ));
-        }
-        match self.columns {
-            None => None,
-            Some(_) if !matches!(self.topology, Topology::Mesh | Topology::Torus) => {
-                Some(format!("the interconnect '{name}' has no columns"))
-            }
-            Some(columns) => (!(1..=4096).contains(&columns))
-                .then(|| format!("the interconnect '{name}' has from 1 to 4096 columns")),
-        }
+        let square = matches!(self.topology, Topology::Mesh | Topology::Torus);
+        (self.columns.is_some() && !square)
+            .then(|| format!("the interconnect '{name}' has no columns"))
     }
 }
 
@@ -179,11 +169,23 @@ const CROSSBAR: &str = "crossbar";
 #[serde(deny_unknown_fields)]
 struct Table {
     kind: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "fields::hop::deserialize"
+    )]
     hop: Option<u32>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "fields::link_words::deserialize"
+    )]
     words: Option<u32>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "fields::columns::deserialize"
+    )]
     columns: Option<u32>,
 }
 

@@ -3,7 +3,7 @@
 //! Attributes may stand in any order. They are collected here and given to
 //! the definition or assignment when its line ends.
 
-use super::builder::{Builder, Span};
+use super::builder::{ADDRESS, Builder, CYCLE, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;
@@ -81,7 +81,7 @@ impl Builder<'_> {
                 None
             }
             Some(cycle) => {
-                let cycle = self.integer(cycle);
+                let cycle = self.limited(cycle, "cycle", CYCLE);
                 let element = self.element(element);
                 element.map(|element| Slot { cycle, element })
             }
@@ -98,8 +98,11 @@ impl Builder<'_> {
     pub(super) fn read(&mut self, addresses: [Option<Span>; Operand::MOST], span: Span) {
         let first = self.attributes.reads.map(|(_, span)| span);
         if self.belongs_to(Level::Placed, span, "addresses") && self.once(first, span, "'read'") {
-            let reads = addresses
-                .map(|address| address.map_or(Placement::NONE, |address| self.integer(address)));
+            let reads = addresses.map(|address| {
+                address.map_or(Placement::NONE, |address| {
+                    self.limited(address, "address", ADDRESS)
+                })
+            });
             self.attributes.reads = Some((reads, span));
         }
     }
@@ -108,7 +111,8 @@ impl Builder<'_> {
     pub(super) fn buffer(&mut self, word: Span, span: Span) {
         let first = self.attributes.buffer.map(|(_, span)| span);
         if self.belongs_to(Level::Placed, span, "buffers") && self.once(first, span, "'buffer'") {
-            self.attributes.buffer = Some((self.integer(word), span));
+            self.attributes.buffer =
+                Some((self.limited(word, "word of the buffer", ADDRESS), span));
         }
     }
 
@@ -117,7 +121,7 @@ impl Builder<'_> {
         if !self.belongs_to(Level::Placed, span, "writes") {
             return;
         }
-        let cycle = self.integer(cycle);
+        let cycle = self.limited(cycle, "cycle", CYCLE);
         if let Some(word) = self.word(element, address) {
             self.writes.push(Write { word, cycle });
         }
@@ -181,7 +185,7 @@ impl Builder<'_> {
     /// `asap 3` between braces.
     pub(super) fn timing_entry(&mut self, key: Span, number: Span) {
         let text = self.slice(key);
-        let number = self.integer(number);
+        let number = self.limited(number, "time", CYCLE);
         let Some(index) = TIMING_KEYS.iter().position(|known| *known == text) else {
             let message = format!("there is no time '{}'", clip(text));
             let help = match did_you_mean(text, TIMING_KEYS) {

@@ -15,6 +15,7 @@ use crate::entity::{Operand, Output, Value};
 use crate::fnv::Fnv;
 use crate::function::{Function, Level};
 use crate::history::History;
+use crate::limits::NumberLimit;
 use crate::module::Module;
 use crate::placement::{Word, Write};
 use crate::source::SourceSet;
@@ -22,6 +23,23 @@ use crate::symbol::Name;
 use hashbrown::HashMap;
 use rustc_hash::FxBuildHasher;
 use std::ops::Range;
+
+/// Cycles of a schedule, and times of values.
+pub(super) const CYCLE: NumberLimit = NumberLimit::whole(
+    0,
+    1 << 30,
+    "images have a line for every cycle, and sums of cycles are numbers of 32 bits",
+);
+
+/// Addresses of memories and buffers.
+pub(super) const ADDRESS: NumberLimit = NumberLimit::whole(
+    0,
+    1 << 24,
+    "images have a line for every word, and the simulator loads 2^24 words",
+);
+
+/// Elements of a kind in a schedule.
+pub(super) const ELEMENT: NumberLimit = crate::machine::fields::count::LIMIT;
 
 pub(super) type FastMap<Key, Content> = HashMap<Key, Content, FxBuildHasher>;
 
@@ -256,6 +274,18 @@ impl<'t> Builder<'t> {
             self.error(span, message);
             0
         })
+    }
+
+    /// An integer within a limit.
+    pub(super) fn limited(&mut self, span: Span, what: &str, limit: NumberLimit) -> u32 {
+        let digits = self.slice(span);
+        match limit.read_whole(digits) {
+            Ok(number) => number as u32,
+            Err(reason) => {
+                self.error(span, format!("the {what} {reason}"));
+                0
+            }
+        }
     }
 
     /// The content of a quoted text.

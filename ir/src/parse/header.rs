@@ -1,16 +1,21 @@
 //! Statements that come before the definitions: functions, arrays, places,
 //! user calls, schedules.
 
-use super::builder::{Builder, Indices, Open, PendingPreload, Span};
+use super::builder::{ADDRESS, Builder, CYCLE, ELEMENT, Indices, Open, PendingPreload, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;
 use crate::function::{Boundary, Level, Shape};
 use crate::history::{History, Step};
+use crate::limits::{Amount, NumberLimit};
 use crate::placement::{Bank, ElementKind, Placement, Schedule, Word};
 
-/// The largest number of elements of all inputs or of all outputs.
-const MOST_ELEMENTS: u64 = 1 << 28;
+/// The number of elements of all inputs or of all outputs.
+pub(super) const ELEMENTS: NumberLimit = NumberLimit::whole(
+    0,
+    1 << 22,
+    "every evaluation and every check keeps several numbers for each, half a gigabyte",
+);
 
 impl Builder<'_> {
     /// `source 0 "file"`.
@@ -138,8 +143,9 @@ impl Builder<'_> {
             self.conflict(name, message, first, "first declared here");
             return self.next_statement();
         }
-        if total as u64 + shape.len() as u64 > MOST_ELEMENTS {
-            let message = format!("the {kind} arrays have more than {MOST_ELEMENTS} elements");
+        let elements = (total as u64).saturating_add(shape.len() as u64);
+        if let Err(reason) = ELEMENTS.check(Amount::Whole(elements)) {
+            let message = format!("elements of all {kind} arrays: {reason}");
             open.broken.insert(text, ());
             self.error(name, message);
             return self.next_statement();
@@ -212,7 +218,7 @@ impl Builder<'_> {
 
     /// `add*4` of a schedule.
     pub(super) fn kind(&mut self, name: Span, count: Span) {
-        let count = self.integer(count);
+        let count = self.limited(count, "number of elements", ELEMENT);
         self.kinds.push((name, count));
     }
 
@@ -258,8 +264,8 @@ impl Builder<'_> {
                     })
                     .collect(),
                 slots: Vec::new(),
-                cycles: self.integer(cycles),
-                lower_bound: self.integer(bound),
+                cycles: self.limited(cycles, "number of cycles", CYCLE),
+                lower_bound: self.limited(bound, "bound", CYCLE),
             });
             if level == Level::Placed {
                 self.open.function.placement = Some(Placement {
@@ -317,7 +323,7 @@ impl Builder<'_> {
         Some(Word {
             element: self.element(name)?,
             bank,
-            address: self.integer(address),
+            address: self.limited(address, "address", ADDRESS),
         })
     }
 

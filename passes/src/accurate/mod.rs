@@ -18,6 +18,7 @@ use crate::pass::{Context, Gives, Pass, PassError};
 use compensate::Budget;
 use measure::{Errors, Reference};
 use profile::{LANES, Profile};
+use robovec_ir::limits::{Amount, NumberLimit};
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
 
@@ -31,6 +32,7 @@ pub enum Cycles {
 }
 
 impl OptionValue for Cycles {
+    const IS_NUMBER: bool = true;
     fn type_name() -> String {
         "integer | same".to_owned()
     }
@@ -44,6 +46,12 @@ impl OptionValue for Cycles {
         match self {
             Cycles::Same => "same".to_owned(),
             Cycles::AtMost(cycles) => cycles.to_string(),
+        }
+    }
+    fn amount(&self) -> Option<Amount> {
+        match self {
+            Cycles::Same => None,
+            Cycles::AtMost(cycles) => cycles.amount(),
         }
     }
 }
@@ -79,14 +87,18 @@ declare_pass! {
     pub struct Accurate("accurate") {
         /// The longest path allowed, in cycles of the machine; `same` for its
         /// length before the pass.
-        pub cycles: Cycles = Cycles::Same,
+        pub cycles: Cycles = Cycles::Same => NumberLimit::whole(
+            0, 1_000_000_000, "no function takes more cycles"),
         /// Cycles allowed beyond that, in per cent of it.
-        pub slack: u32 = 0,
+        pub slack: u32 = 0 => NumberLimit::whole(
+            0, 10_000, "no longer path rounds less"),
         /// Operations allowed beyond those there are, in per cent.
-        pub growth: u32 = 0,
+        pub growth: u32 = 0 => NumberLimit::whole(
+            0, 10_000, "operations become up to a hundred times those there are"),
         /// Random states at which the result is measured; 0 for as many as
         /// the size of the function suggests.
-        pub states: u32 = 0,
+        pub states: u32 = 0 => NumberLimit::whole(
+            0, 10_000, "the function is measured at every state, and all results are kept"),
         /// The number format whose rounding counts.
         pub format: Format = Format::BINARY32,
     }

@@ -9,6 +9,7 @@ use super::{Artifacts, ImageError, write_images};
 use crate::options::OptionValue;
 use crate::pass::{Artifact, Context, Gives, Pass, PassError};
 use crate::{declare_pass, option_words};
+use robovec_ir::limits::NumberLimit;
 use robovec_ir::{Format, Function, View};
 use std::io;
 
@@ -156,7 +157,8 @@ declare_pass! {
         /// The type C code computes in; images follow the machine file.
         pub number: Real = Real::Double,
         /// States of a vector of batch code.
-        pub lanes: u32 = 8,
+        pub lanes: u32 = 8 => NumberLimit::whole(
+            1, 16, "processors have vectors of 1, 4, 8 and 16 numbers"),
         /// Whose the parameters of a model are in batch code.
         pub parameters: Parameters = Parameters::Shared,
         /// How the C function is called.
@@ -166,7 +168,8 @@ declare_pass! {
         /// The order of statements in C.
         pub order: Order = Order::Depth,
         /// Operations per function in C.
-        pub part: u32 = 500,
+        pub part: u32 = 500 => NumberLimit::whole(
+            1, 1_000_000, "compilers take a time that grows faster than the length of a function"),
         /// How rolled code computes sines and cosines of inputs.
         pub circular: Circular = Circular::Vector,
     }

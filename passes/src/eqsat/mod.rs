@@ -23,6 +23,7 @@ use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rules::RuleSet;
 use pattern::BagRule;
 use robovec_ir::Function;
+use robovec_ir::limits::NumberLimit;
 use round::{Budget, Settings};
 use saturate::{Limits, STRUCTURE};
 
@@ -42,17 +43,23 @@ declare_pass! {
     /// path no shorter, and with the same path saves no operation, is undone.
     pub struct Eqsat("eqsat") {
         /// Operations per window.
-        pub window: u32 = 12,
+        pub window: u32 = 12 => NumberLimit::whole(
+            1, 256, "rules are matched against all of a window at once"),
         /// Forms in the e-graph of one window.
-        pub nodes: u32 = 600,
+        pub nodes: u32 = 600 => NumberLimit::whole(
+            1, 100_000, "the e-graph of a window holds all its forms"),
         /// Rounds of rules per window.
-        pub iterations: u32 = 3,
+        pub iterations: u32 = 3 => NumberLimit::whole(
+            0, 64, "every round of rules matches each rule against every form"),
         /// Steps of matching, per rule and round.
-        pub steps: u32 = 1000,
+        pub steps: u32 = 1000 => NumberLimit::whole(
+            0, 1_000_000, "every rule may take them in every round of every window"),
         /// Rounds over the function.
-        pub rounds: u32 = 12,
+        pub rounds: u32 = 12 => NumberLimit::whole(
+            0, 64, "every round visits all windows of the function"),
         /// Operations the function may grow by, in percent.
-        pub growth: u32 = 10,
+        pub growth: u32 = 10 => NumberLimit::whole(
+            0, 10_000, "operations become up to a hundred times those there are"),
         /// Use the rules of class real-trig too: sines and cosines then lie on
         /// the circle, and the pass is of that class itself.
         pub trig: bool = false,

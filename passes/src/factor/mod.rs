@@ -17,6 +17,7 @@ use crate::pass::{Context, Gives, Pass, PassError};
 use crate::{declare_pass, option_words};
 use network::Network;
 use robovec_ir::Function;
+use robovec_ir::limits::NumberLimit;
 use times::Times;
 
 option_words! {
@@ -46,7 +47,8 @@ declare_pass! {
         /// path of the balanced function.
         pub path: PathChoice = PathChoice::Keep,
         /// Largest number of rounds; a round that gains nothing is the last.
-        pub rounds: u32 = 8,
+        pub rounds: u32 = 8 => NumberLimit::whole(
+            0, 64, "every round looks for factors in the whole function"),
     }
     takes: [Atomic],
     gives: Gives::Same,
@@ -65,7 +67,8 @@ declare_pass! {
         /// path of the balanced function.
         pub path: PathChoice = PathChoice::Keep,
         /// Largest number of rounds; a round that gains nothing is the last.
-        pub rounds: u32 = 8,
+        pub rounds: u32 = 8 => NumberLimit::whole(
+            0, 64, "every round looks for factors in the whole function"),
     }
     takes: [Atomic],
     gives: Gives::Same,

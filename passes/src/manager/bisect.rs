@@ -5,6 +5,7 @@
 //! or before the rewrite, is had again by running with a limit.
 
 use crate::pipeline::PassStep;
+use robovec_ir::limits::NumberLimit;
 use std::str::FromStr;
 
 /// How far a run goes: passes are counted over all functions, in the order
@@ -18,15 +19,16 @@ pub struct Limit {
     pub rewrites: Option<u64>,
 }
 
+/// Numbers of passes and rewrites.
+pub const LIMIT: NumberLimit =
+    NumberLimit::whole(0, u64::MAX, "a run that stops later costs no more");
+
 /// `P` or `P:N`.
 impl FromStr for Limit {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Limit, String> {
-        let number = |text: &str| {
-            text.parse()
-                .map_err(|_| format!("'{text}' is not a number of passes or rewrites"))
-        };
+        let number = |text: &str| LIMIT.read_whole(text);
         let (passes, rewrites) = match text.split_once(':') {
             None => (text, None),
             Some((passes, rewrites)) => (passes, Some(number(rewrites)?)),

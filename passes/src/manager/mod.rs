@@ -13,7 +13,7 @@ mod measure;
 mod plan;
 mod walk;
 
-pub use bisect::{Executed, Limit};
+pub use bisect::{Executed, LIMIT, Limit};
 pub use given::check_schedules;
 pub(crate) use instrument::difference;
 pub use instrument::{Dump, DumpState, PassFilter, PrintChanged};

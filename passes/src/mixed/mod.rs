@@ -12,6 +12,7 @@ use crate::pass::{Context, Gives, Pass, PassError};
 use assign::{Assignment, Choices};
 pub use measure::Allowed;
 use measure::Check;
+use robovec_ir::limits::{Amount, NumberLimit};
 use robovec_ir::machine::NumberFormat;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Formats, Function, View};
@@ -21,18 +22,20 @@ use robovec_ir::{Format, Formats, Function, View};
 pub struct Bound(pub f64);
 
 impl OptionValue for Bound {
+    const IS_NUMBER: bool = true;
     fn type_name() -> String {
         "number".to_owned()
     }
     fn parse(text: &str) -> Result<Bound, String> {
-        let number = text.parse::<f64>().ok();
-        let positive = number.filter(|number| number.is_finite() && *number > 0.0);
-        positive
+        text.parse()
             .map(Bound)
-            .ok_or_else(|| format!("'{text}' is not a positive number"))
+            .map_err(|_| format!("'{text}' is not a number"))
     }
     fn print(&self) -> String {
         format!("{:e}", self.0)
+    }
+    fn amount(&self) -> Option<Amount> {
+        Some(Amount::Real(self.0))
     }
 }
 
@@ -65,17 +68,20 @@ declare_pass! {
     pub struct Mixed("mixed") {
         /// The largest error of an output, relative to the largest element of
         /// its array.
-        pub error: Bound = Bound(1e-6),
+        pub error: Bound = Bound(1e-6) => NumberLimit::real(
+            1e-30, 1e3, "no number format keeps a smaller error, and no larger one is of use"),
         /// The widest format.
         pub wide: Format = Format::BINARY64,
         /// The narrowest format.
         pub narrow: Format = Format::BINARY32,
         /// How many formats there are between the two: their mantissas are
         /// equally far apart, their exponent is that of the wide one.
-        pub between: u32 = 0,
+        pub between: u32 = 0 => NumberLimit::whole(
+            0, 50, "there are no more mantissas between the narrowest and the widest"),
         /// Random states at which errors are measured, for choosing and again
         /// for checking; 0 for as many as the size of the function suggests.
-        pub states: u32 = 0,
+        pub states: u32 = 0 => NumberLimit::whole(
+            0, 10_000, "the function is measured at every state, and all results are kept"),
     }
     takes: [Atomic],
     gives: Gives::Same,

@@ -21,6 +21,8 @@ use crate::option_words;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::place::{ElementCounts, explain, with_counts};
 use robovec_ir::Function;
+use robovec_ir::limits::NumberLimit;
+use robovec_ir::machine::fields;
 
 option_words! {
     /// What a variant is chosen for.
@@ -64,20 +66,21 @@ declare_pass! {
         /// What the variant is chosen for.
         pub r#for: Goal = Goal::default(),
         /// Adders; the machine file says how many otherwise.
-        pub n_add: Option<u32> = None,
+        pub n_add: Option<u32> = None => fields::count::LIMIT,
         /// Multipliers; the machine file says how many otherwise.
-        pub n_multi: Option<u32> = None,
+        pub n_multi: Option<u32> = None => fields::count::LIMIT,
         /// Dividers, on machines that have them.
-        pub n_div: Option<u32> = None,
+        pub n_div: Option<u32> = None => fields::count::LIMIT,
         /// Square-root extractors, on machines that have them.
-        pub n_sqrt: Option<u32> = None,
+        pub n_sqrt: Option<u32> = None => fields::count::LIMIT,
         /// Elements that multiply and add in one operation, on machines that
         /// have them.
-        pub n_fma: Option<u32> = None,
+        pub n_fma: Option<u32> = None => fields::count::LIMIT,
         /// The operations of all variants together after which no further one
         /// is made: all for a model of 100,000 operations, a few for a larger
         /// one.
-        pub budget: u32 = 4_000_000,
+        pub budget: u32 = 4_000_000 => NumberLimit::whole(
+            0, 1_000_000_000, "variants are made until they have so many operations together"),
     }
     takes: [Equations, Atomic],
     gives: Gives::Level(robovec_ir::Level::Atomic),

@@ -17,6 +17,7 @@ mod token;
 pub use read::{PipelineError, parse};
 
 use crate::pass::PassInfo;
+use robovec_ir::limits::NumberLimit;
 use std::fmt;
 use std::ops::Range;
 
@@ -47,6 +48,10 @@ pub struct PassStep {
 
 /// How often a group is repeated when the pipeline does not say.
 pub const DEFAULT_ROUNDS: u32 = 8;
+
+/// How often a group can be repeated.
+pub const ROUNDS: NumberLimit =
+    NumberLimit::whole(1, 1000, "every round runs all passes of the group again");
 
 /// The deepest nesting of groups.
 pub const DEEPEST: usize = 16;

@@ -2,7 +2,7 @@
 //! mistake.
 
 use super::token::Token;
-use super::{DEEPEST, DEFAULT_ROUNDS, PassStep, Pipeline, Step};
+use super::{DEEPEST, DEFAULT_ROUNDS, PassStep, Pipeline, ROUNDS, Step};
 use crate::options::OptionError;
 use crate::pass::PassInfo;
 use crate::registry;
@@ -223,13 +223,15 @@ impl Builder {
         }
         let mut max = DEFAULT_ROUNDS;
         for setting in settings {
-            match (
-                setting.name.as_str(),
-                setting.value.as_deref().map(str::parse::<u32>),
-            ) {
-                ("max", Some(Ok(rounds))) if rounds > 0 => max = rounds,
-                ("max", _) => {
-                    self.error(setting.span, "'max' is a number of rounds, at least 1");
+            let rounds = setting.value.as_deref().map(|text| ROUNDS.read_whole(text));
+            match (setting.name.as_str(), rounds) {
+                ("max", Some(Ok(rounds))) => max = rounds as u32,
+                ("max", Some(Err(reason))) => {
+                    let message = format!("option 'max' of 'fixpoint': {reason}");
+                    self.error(setting.span, &message);
+                }
+                ("max", None) => {
+                    self.error(setting.span, "option 'max' of 'fixpoint' needs a value");
                 }
                 (other, _) => {
                     let message = format!("'fixpoint' has no option '{other}'");
@@ -280,7 +282,7 @@ fn option_notes(info: &PassInfo, misspelt: Option<&str>) -> Vec<String> {
         notes.push(format!(
             "{}=<{}> (default {}): {}",
             option.name,
-            (option.type_name)(),
+            option.type_text(),
             (option.default)(),
             option.documentation.lines().next().unwrap_or("").trim(),
         ));
@@ -328,7 +330,8 @@ mod tests {
         assert!(message("atomise,,cse").contains("<-passes>:1:9"));
         assert!(message("cse{turbo}").contains("the pass 'cse' has no option 'turbo'"));
         assert!(message("fixpoint").contains("needs a group"));
-        assert!(message("fixpoint{max=0}(cse)").contains("at least 1"));
+        assert!(message("fixpoint{max=0}(cse)").contains("an integer from 1 to 1000 is"));
+        assert!(message("fixpoint{max}(cse)").contains("needs a value"));
         assert!(message("").contains("empty"));
         assert!(message("cse;dce").contains("no place in a pipeline"));
         assert!(message("$fpgo").contains("did you mean '$fpga'?"));

@@ -3,6 +3,7 @@
 use super::{Choice, PlaceError, PlaceOptions, Priority, place};
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::{declare_pass, instances};
+use robovec_ir::machine::fields;
 use robovec_ir::{Function, Level, Machine, Value};
 
 declare_pass! {
@@ -40,16 +41,16 @@ declare_pass! {
     /// The bound does not know of that.
     pub struct Place("place") {
         /// Adders; the machine file says how many otherwise.
-        pub n_add: Option<u32> = None,
+        pub n_add: Option<u32> = None => fields::count::LIMIT,
         /// Multipliers; the machine file says how many otherwise.
-        pub n_multi: Option<u32> = None,
+        pub n_multi: Option<u32> = None => fields::count::LIMIT,
         /// Dividers, on machines that have them.
-        pub n_div: Option<u32> = None,
+        pub n_div: Option<u32> = None => fields::count::LIMIT,
         /// Square-root extractors, on machines that have them.
-        pub n_sqrt: Option<u32> = None,
+        pub n_sqrt: Option<u32> = None => fields::count::LIMIT,
         /// Elements that multiply and add in one operation, on machines that
         /// have them.
-        pub n_fma: Option<u32> = None,
+        pub n_fma: Option<u32> = None => fields::count::LIMIT,
         /// Which operation goes first.
         pub priority: Priority = Priority::default(),
         /// Which element it goes to.
@@ -62,9 +63,6 @@ declare_pass! {
     sets: [],
     destroys: [],
 }
-
-/// The most elements of one kind.
-const MOST_ELEMENTS: u32 = 4096;
 
 /// Numbers of elements of each kind, where a user gave them.
 pub(crate) type ElementCounts = [(&'static str, &'static str, Option<u32>); 5];
@@ -79,10 +77,8 @@ pub(crate) fn with_counts(machine: &Machine, counts: ElementCounts) -> Result<Ma
     let mut machine = machine.clone();
     for (option, kind, count) in counts {
         let Some(count) = count else { continue };
-        if !(1..=MOST_ELEMENTS).contains(&count) {
-            return Err(PassError::new(format!(
-                "{option} is {count}; it must be from 1 to {MOST_ELEMENTS}"
-            )));
+        if let Err(reason) = fields::count::check(&count) {
+            return Err(PassError::new(format!("{option}: {reason}")));
         }
         let name = machine.name.clone();
         let element = machine

@@ -29,6 +29,7 @@ use ranges::Angles;
 pub use recipe::Recipe;
 use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::limits::NumberLimit;
 use robovec_ir::states::Ranges;
 use robovec_ir::trigonometry::halving::MOST_HALVINGS;
 use robovec_ir::trigonometry::{Halved, Interval, LARGEST_RANGE, MOST_ORDER};
@@ -73,14 +74,18 @@ declare_pass! {
         /// How sines and cosines are computed.
         pub method: Method = Method::Minimax,
         /// The largest power of the angle; 0 for what `error` needs.
-        pub order: u32 = 0,
+        pub order: u32 = 0 => NumberLimit::whole(
+            0, MOST_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"),
         /// The largest error allowed where no order is given; `machine` is
         /// the rounding of the machine's number format.
-        pub error: Tolerance = Tolerance(None),
+        pub error: Tolerance = Tolerance(None) => NumberLimit::real(
+            1e-30, 1e3, "no number format keeps a smaller error, and sines are never larger than 1"),
         /// The size that inputs of angles do not exceed, in radians.
-        pub range: Angle = Angle(std::f64::consts::PI),
+        pub range: Angle = Angle(std::f64::consts::PI) => NumberLimit::real(
+            1e-12, 1e6, "smaller angles are numbers, and no series reaches larger ones"),
         /// How often angles are halved.
-        pub halvings: u32 = 0,
+        pub halvings: u32 = 0 => NumberLimit::whole(
+            0, MOST_HALVINGS as u64, "every halving doubles the rounding error and adds operations"),
         /// The order of evaluation.
         pub scheme: Scheme = Scheme::Shortest,
         /// Coefficients are numbers of the machine's format.
@@ -88,13 +93,17 @@ declare_pass! {
         /// By processing elements or before the run.
         pub on: Place = Place::Elements,
         /// Of a table: entries for an eighth of a turn, a power of two.
-        pub entries: u32 = 64,
+        pub entries: u32 = 64 => NumberLimit::whole(
+            1, 65_536, "the table is kept in memory and in every manifest"),
         /// Of a table: the largest power of the rest of the angle.
-        pub degree: u32 = 3,
+        pub degree: u32 = 3 => NumberLimit::whole(
+            1, MOST_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"),
         /// Of `cordic`: rotations.
-        pub iterations: u32 = 24,
+        pub iterations: u32 = 24 => NumberLimit::whole(
+            1, 60, "later rotations are smaller than any number of 64 bits"),
         /// On the host: bits behind the point.
-        pub bits: u32 = 32,
+        pub bits: u32 = 32 => NumberLimit::whole(
+            8, 50, "products must fit into 128 bits, and results into binary64"),
     }
     takes: [Equations, Atomic],
     gives: Gives::Same,

@@ -2,6 +2,7 @@
 
 use crate::option_words;
 use crate::options::OptionValue;
+use robovec_ir::limits::Amount;
 use std::f64::consts::PI;
 
 option_words! {
@@ -48,6 +49,7 @@ option_words! {
 pub struct Angle(pub f64);
 
 impl OptionValue for Angle {
+    const IS_NUMBER: bool = true;
     fn type_name() -> String {
         "number | pi | 0.25pi | 45deg".to_owned()
     }
@@ -74,6 +76,9 @@ impl OptionValue for Angle {
             _ => self.0.to_string(),
         }
     }
+    fn amount(&self) -> Option<Amount> {
+        Some(Amount::Real(self.0))
+    }
 }
 
 /// An error that may be left to the machine's number format.
@@ -81,6 +86,7 @@ impl OptionValue for Angle {
 pub struct Tolerance(pub Option<f64>);
 
 impl OptionValue for Tolerance {
+    const IS_NUMBER: bool = true;
     fn type_name() -> String {
         "number | machine".to_owned()
     }
@@ -99,6 +105,9 @@ impl OptionValue for Tolerance {
             None => "machine".to_owned(),
             Some(number) => format!("{number:e}"),
         }
+    }
+    fn amount(&self) -> Option<Amount> {
+        self.0.map(Amount::Real)
     }
 }
 

@@ -1,5 +1,6 @@
 //! `robovec rules check`.
 
+use super::super::flags::whole;
 use super::super::{Failure, output};
 use super::{list, read};
 use crate::report::table;
@@ -16,7 +17,7 @@ pub(super) struct CheckArguments {
     files: Vec<String>,
     /// Random trials in floating point per rule
     #[arg(long, value_name = "N", default_value_t = TRIALS as u32,
-          value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+          add = whole(1, 10_000_000, "every rule is evaluated at every trial"))]
     trials: u32,
     /// Write the findings as JSON
     #[arg(long)]

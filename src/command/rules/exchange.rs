@@ -1,6 +1,6 @@
 //! `robovec rules import` and `robovec rules export`.
 
-use super::super::{Failure, input, output};
+use super::super::{Failure, files, input, output};
 use super::{list, read};
 use clap::{Args, ValueEnum};
 use robovec_ir::diagnostic::termcolor::ColorChoice;
@@ -58,7 +58,7 @@ pub(super) struct ExportArguments {
 /// Reads rules of another tool, finds their classes, and gives them as a rule
 /// file. Rules that are not sound are told and become comments.
 pub(super) fn import(arguments: &ImportArguments) -> Result<String, Failure> {
-    let text = input::text(&arguments.file)?;
+    let text = input::text(&arguments.file, &files::RULES)?;
     let name = arguments.file.display().to_string();
     let (mut set, mut warnings) =
         syntax::import(&text, &name, arguments.syntax.syntax()).map_err(Failure)?;

@@ -1,6 +1,7 @@
 //! `robovec rules find`.
 
-use super::super::subjects::built_in;
+use super::super::flags::{NUMBER, whole};
+use super::super::subjects::{built_in, check_number};
 use super::super::{Failure, input};
 use super::exchange::deliver;
 use super::{list, read};
@@ -29,21 +30,21 @@ pub(super) struct FindArguments {
     files: Vec<String>,
     /// Operations of a term, at most
     #[arg(long, value_name = "N", default_value_t = 4,
-          value_parser = clap::value_parser!(u32).range(1..=6))]
+          add = whole(1, 6, "terms grow in number by a factor of some hundred with every operation"))]
     operations: u32,
     /// Variables of a term
     #[arg(long, value_name = "N", default_value_t = 3,
-          value_parser = clap::value_parser!(u32).range(1..=5))]
+          add = whole(1, 5, "terms grow in number with every variable"))]
     variables: u32,
     /// Numbers that may occur in terms
-    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, add = NUMBER)]
     numbers: Vec<f64>,
     /// Add sine and cosine of an angle, which lie on the circle
     #[arg(long)]
     trigonometric: bool,
     /// Terms tried at most
     #[arg(long, value_name = "N", default_value_t = 200_000,
-          value_parser = clap::value_parser!(u32).range(1..=5_000_000))]
+          add = whole(1, 5_000_000, "all terms are kept and compared"))]
     terms: u32,
     /// Rules that are known, beside those that ship: a file, or a name of 'robovec rules list'
     #[arg(long, value_name = "FILE")]
@@ -55,7 +56,8 @@ pub(super) struct FindArguments {
     #[arg(long, default_value = "thesis")]
     machine: String,
     /// Rules shown, best first
-    #[arg(long, value_name = "N", default_value_t = 20)]
+    #[arg(long, value_name = "N", default_value_t = 20,
+          add = whole(0, 1_000_000, "every one is a line of the result"))]
     top: usize,
     /// Also write the rules that are shown as a file of rules
     #[arg(short, long, value_name = "PATH")]
@@ -124,6 +126,7 @@ fn modules(arguments: &FindArguments, machine: &Machine) -> Result<Vec<Module>, 
     let pipeline = pipeline::parse(PIPELINE).map_err(|error| Failure(error.0))?;
     let mut modules = Vec::new();
     for name in &arguments.files {
+        check_number(name)?;
         let mut module = match built_in(name) {
             Some(model) => generate(&model, &Request::new(FunctionKind::Dirdyna))
                 .map_err(|error| Failure::plain(format!("{name}: {error}")))?,

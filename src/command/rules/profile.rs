@@ -1,5 +1,6 @@
 //! `robovec rules profile`.
 
+use super::super::flags::whole;
 use super::super::{Failure, input};
 use super::{list, read};
 use crate::report::table;
@@ -20,7 +21,7 @@ pub(super) struct ProfileArguments {
     machine: String,
     /// Random points for the errors
     #[arg(long, value_name = "N", default_value_t = POINTS as u32,
-          value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+          add = whole(1, 10_000_000, "every rule is evaluated at every point"))]
     points: u32,
     /// Also find the pairs of rules that make a graph grow exponentially:
     /// each of the rules with each other, and with those that ship

@@ -1,5 +1,6 @@
 //! `robovec rules why`.
 
+use super::super::flags::whole;
 use super::super::{Failure, input};
 use super::{read, why_not};
 use clap::Args;
@@ -35,7 +36,7 @@ pub(super) struct WhyArguments {
     machine: String,
     /// Nodes in the graph of equal terms
     #[arg(long, value_name = "N", default_value_t = 20_000,
-          value_parser = clap::value_parser!(u32).range(10..=2_000_000))]
+          add = whole(10, 2_000_000, "the graph keeps them all"))]
     nodes: u32,
 }
 

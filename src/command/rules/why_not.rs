@@ -1,6 +1,7 @@
 //! `robovec rules why-not`.
 
 use super::super::Failure;
+use super::super::flags::whole;
 use super::read;
 use clap::Args;
 use robovec_passes::NumericClass;
@@ -29,11 +30,11 @@ pub(super) struct WhyNotArguments {
     trig: bool,
     /// Nodes in the graph of equal terms
     #[arg(long, value_name = "N", default_value_t = 20_000,
-          value_parser = clap::value_parser!(u32).range(10..=2_000_000))]
+          add = whole(10, 2_000_000, "the graph keeps them all"))]
     nodes: u32,
     /// Rounds of all rules
     #[arg(long, value_name = "N", default_value_t = 10,
-          value_parser = clap::value_parser!(u32).range(1..=100))]
+          add = whole(1, 100, "every round matches each rule against the whole graph"))]
     iterations: u32,
 }
 

@@ -1,12 +1,12 @@
 //! The base and the bodies with their masses.
 
-use super::JOINT_LIMIT;
 use super::fields::{Fields, Messages, place, second};
 use super::joints::{read_joint, repeated_joints};
 use super::number::{coordinates, number, numbers};
 use super::points::read_point;
 use super::scope::{BASE, Scope, body_title};
 use super::tree::hang;
+use super::{JOINT_LIMIT, JOINTS};
 use crate::model::{Body, Model};
 use robovec_ir::diagnostic::clip;
 use roxmltree::Node;
@@ -59,8 +59,8 @@ fn within_limit(bodies: &[Node<'_, '_>], messages: &mut Messages) -> bool {
         messages.error(
             place(*first_beyond),
             &format!(
-                "the model has {} bodies, more than the {JOINT_LIMIT} joints that are allowed",
-                bodies.len()
+                "bodies of the model: {}",
+                JOINTS.refusal(&bodies.len().to_string())
             ),
             &format!("body {}", JOINT_LIMIT + 1),
             "every body has a joint; split the model, or replace chains of small bodies by fewer ones",
@@ -75,7 +75,10 @@ fn within_limit(bodies: &[Node<'_, '_>], messages: &mut Messages) -> bool {
     let count = JOINT_LIMIT + 1 + joints.count();
     messages.error(
         place(first_beyond),
-        &format!("the model has {count} joints, more than the {JOINT_LIMIT} that are allowed"),
+        &format!(
+            "joints of the model: {}",
+            JOINTS.refusal(&count.to_string())
+        ),
         &format!("joint {}", JOINT_LIMIT + 1),
         "split the model, or replace chains of small bodies by fewer ones",
     );

@@ -27,6 +27,7 @@ mod write;
 
 use super::Model;
 use robovec_ir::diagnostic::Report;
+use robovec_ir::limits::NumberLimit;
 use std::fmt;
 
 pub use write::write_mbs;
@@ -34,6 +35,25 @@ pub use write::write_mbs;
 /// The largest number of joints of a model. The largest public models have
 /// about a hundred, and the equations of a chain grow with the square.
 pub const JOINT_LIMIT: usize = 2000;
+
+/// Joints of a model.
+pub const JOINTS: NumberLimit = NumberLimit::whole(
+    0,
+    JOINT_LIMIT as u64,
+    "a mass matrix has as many rows and columns",
+);
+
+/// The numbers of a model, in SI units.
+pub const NUMBER: NumberLimit = NumberLimit::real(
+    -1e30,
+    1e30,
+    "products of such numbers must be numbers of binary64",
+);
+
+/// The limits of a model: name, limit, and what it is when the model does not
+/// say.
+pub const FIELDS: &[(&str, NumberLimit, &str)] =
+    &[("joint", JOINTS, ""), ("any number", NUMBER, "0")];
 
 /// A model that was read.
 #[derive(Debug)]

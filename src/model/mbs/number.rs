@@ -1,7 +1,9 @@
 //! Numbers and triples of numbers.
 
+use super::NUMBER;
 use super::fields::{Fields, Messages, content, place};
 use robovec_ir::diagnostic::clip;
+use robovec_ir::limits::Amount;
 use roxmltree::Node;
 
 /// The number in an element; zero, with an error, when there is none.
@@ -13,7 +15,12 @@ pub(super) fn number(node: Node<'_, '_>, owner: &str, messages: &mut Messages) -
         0.0
     };
     match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => value,
+        Ok(value) if NUMBER.admits(Amount::Real(value)) => value,
+        Ok(value) if value.is_finite() => fail(
+            format!("`{what}` of {owner}: {}", NUMBER.refusal(&text)),
+            "this value",
+            "models are in SI units",
+        ),
         Ok(value) => {
             let kind = if value.is_nan() {
                 "not a number"

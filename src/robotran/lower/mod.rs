@@ -104,11 +104,7 @@ impl Lowering<'_, '_> {
             head: head.as_ref(),
             statements: first..last,
             elements,
-            joints: self
-                .header
-                .joints
-                .unwrap_or(0)
-                .min(super::tokens::LARGEST_INDEX),
+            joints: self.header.joints.unwrap_or(0),
             extents: &self.header.extents,
             errors: Vec::new(),
             warnings: Vec::new(),

@@ -10,6 +10,7 @@ mod resolve;
 mod sweeps;
 
 use robovec_ir::Machine;
+use robovec_ir::limits::NumberLimit;
 use robovec_passes::pipeline::Pipeline;
 use robovec_passes::place::{Choice, PlaceOptions, Priority};
 use serde::{Deserialize, Serialize};
@@ -25,6 +26,20 @@ pub const DEFAULT_MACHINE: &str = "thesis";
 
 /// The most adders or multipliers of a placement.
 pub const MOST_ELEMENTS: u32 = 1024;
+
+/// Adders or multipliers of a placement.
+pub const ELEMENTS: NumberLimit = NumberLimit::whole(
+    1,
+    MOST_ELEMENTS as u64,
+    "a program is placed for every number of elements",
+);
+
+/// The limits of the numbers of a plan: name, limit, and what it is when the
+/// plan does not say.
+pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
+    ("sweep.elements", ELEMENTS, ""),
+    ("sweep.grid", ELEMENTS, ""),
+];
 
 /// A resolved plan. Indices point into its lists.
 #[derive(Clone, Debug)]

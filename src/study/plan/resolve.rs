@@ -15,7 +15,7 @@ use std::path::Path;
 pub(super) const HEADLINE: &str = "headline";
 
 /// The most placements of a study; what lies beyond is a slip of the pen.
-const MOST_PLACEMENTS: usize = 1_000_000;
+pub(super) const MOST_PLACEMENTS: usize = 1_000_000;
 
 /// Reads a machine by name or file; messages are the reader's own.
 pub(super) type ReadMachine<'a> = &'a dyn Fn(&str) -> Result<robovec_ir::Machine, Report>;

@@ -1,11 +1,12 @@
 //! Resolving sweeps: names become indices, lists become placements.
 
 use super::file::{ElementsEntry, SweepEntry};
-use super::resolve::{HEADLINE, Resolver, suggestion};
-use super::{ChoiceKey, DEFAULT_MACHINE, MOST_ELEMENTS, NamedMachine, PriorityKey, Request};
+use super::resolve::{HEADLINE, MOST_PLACEMENTS, Resolver, suggestion};
+use super::{ChoiceKey, DEFAULT_MACHINE, ELEMENTS, NamedMachine, PriorityKey, Request};
 use crate::study::couples;
 use robovec_ir::Operation;
 use robovec_ir::diagnostic::{Diagnostic, Report, did_you_mean};
+use robovec_ir::limits::Amount;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
@@ -18,11 +19,30 @@ impl Resolver<'_> {
         let pipelines = self.sweep_pipelines(sweep);
         let machines = self.sweep_machines(sweep);
         let elements = self.sweep_elements(sweep);
+        let mut elements = elements;
+        elements.sort_unstable();
+        elements.dedup();
         let priorities = sweep.priority.clone().unwrap_or(vec![PriorityKey::Best]);
         let choices = sweep
             .choice
             .clone()
             .unwrap_or(vec![ChoiceKey::Preferential]);
+        // Counted before they are made.
+        let lists = [
+            models.len(),
+            pipelines.len(),
+            machines.len(),
+            elements.len(),
+            priorities.len(),
+            choices.len(),
+        ];
+        let count = lists.into_iter().fold(1, usize::saturating_mul);
+        if count > MOST_PLACEMENTS {
+            let message =
+                format!("a sweep asks for {count} placements; there can be {MOST_PLACEMENTS}");
+            self.problem(0..0, message, Vec::new());
+            return;
+        }
         for &model in &models {
             for &pipeline in &pipelines {
                 for &machine in &machines {
@@ -194,23 +214,28 @@ impl Resolver<'_> {
         }
         if let Some(grid) = &sweep.grid {
             self.check_elements(grid.get_ref(), &grid.span());
-            for &adders in grid.get_ref() {
-                elements.extend(
-                    grid.get_ref()
-                        .iter()
-                        .map(|&multipliers| [adders, multipliers]),
-                );
+            // Each number once, so that a long list is not squared.
+            let counts: BTreeSet<u32> = grid.get_ref().iter().copied().collect();
+            // What is beyond the limit was refused, and is not made either.
+            let allowed = |count: &u32| ELEMENTS.admits(Amount::Whole(u64::from(*count)));
+            let counts: Vec<u32> = counts.into_iter().filter(allowed).collect();
+            for &adders in &counts {
+                elements.extend(counts.iter().map(|&multipliers| [adders, multipliers]));
             }
         }
         elements
     }
 
     fn check_elements(&mut self, counts: &[u32], span: &Range<usize>) {
-        let wrong = |count: &&u32| !(1..=MOST_ELEMENTS).contains(*count);
-        if let Some(count) = counts.iter().find(wrong) {
-            let message =
-                format!("there can be 1 to {MOST_ELEMENTS} elements of a kind, not {count}");
-            self.problem(span.clone(), message, Vec::new());
+        let checks = counts
+            .iter()
+            .map(|&count| ELEMENTS.check(Amount::Whole(u64::from(count))));
+        if let Some(reason) = checks.filter_map(Result::err).next() {
+            self.problem(
+                span.clone(),
+                format!("elements of a kind: {reason}"),
+                Vec::new(),
+            );
         }
     }
 }

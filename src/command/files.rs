@@ -1,0 +1,184 @@
+//! Reading files that a user names: only files with an end, and no more of
+//! them than their kind may have.
+//!
+//! A device has no end, and a pipe that lies in a folder has no beginning
+//! until somebody writes into it; both are refused. The standard input (`-`)
+//! and pipes that a shell makes (`<(…)`) have a writer, and are read up to
+//! the limit.
+
+use super::Failure;
+use robovec_ir::limits::NumberLimit;
+use std::fs::{self, File, FileType};
+use std::io::{self, Read};
+use std::path::Path;
+
+/// The largest file of a kind, in bytes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FileLimit {
+    /// What such files are called.
+    pub(crate) what: &'static str,
+    /// Bytes.
+    pub(crate) bytes: NumberLimit,
+}
+
+const fn limit(what: &'static str, most: u64, reason: &'static str) -> FileLimit {
+    FileLimit {
+        what,
+        bytes: NumberLimit::whole(0, most, reason),
+    }
+}
+
+/// Equations, in any language.
+pub(crate) const EQUATIONS: FileLimit = limit(
+    "file of equations",
+    1 << 30,
+    "10^6 operations take 100 MB, and places in a text are numbers of 32 bits",
+);
+/// Models.
+pub(crate) const MODEL: FileLimit = limit("model", 16 << 20, "a model of 2000 joints takes 3 MB");
+/// Pipelines.
+pub(crate) const PIPELINE: FileLimit = limit("pipeline", 1 << 20, "every pass of it runs");
+/// Machines.
+pub(crate) const MACHINE: FileLimit = limit("machine", 1 << 20, "the largest takes 2 kB");
+/// Scenes.
+pub(crate) const SCENE: FileLimit = limit(
+    "scene",
+    16 << 20,
+    "a line for every input of 2000 joints takes 1 MB",
+);
+/// Laws of forces.
+pub(crate) const LAWS: FileLimit = limit(
+    "file of laws",
+    16 << 20,
+    "a law for each of 2000 joints takes 1 MB",
+);
+/// Plans of studies.
+pub(crate) const PLAN: FileLimit = limit("plan", 1 << 20, "the thesis takes 8 kB");
+/// Rules.
+pub(crate) const RULES: FileLimit = limit("file of rules", 16 << 20, "every rule is proved");
+/// States.
+pub(crate) const STATES: FileLimit = limit(
+    "file of states",
+    1 << 28,
+    "all states are kept while functions are evaluated",
+);
+/// Memory images, and manifests.
+pub(crate) const IMAGE: FileLimit = limit("memory image", 1 << 28, "a run loads 2^24 words");
+
+/// All kinds.
+pub(crate) const ALL: [FileLimit; 10] = [
+    EQUATIONS, MODEL, PIPELINE, MACHINE, SCENE, LAWS, PLAN, RULES, STATES, IMAGE,
+];
+
+/// Reads a file whole; `-` is the standard input.
+pub(crate) fn read(path: &Path, limit: &FileLimit) -> Result<Vec<u8>, Failure> {
+    let fail = |reason: String| Failure::plain(format!("cannot read {}: {reason}", path.display()));
+    let too_large = || {
+        fail(format!(
+            "it has more than {} bytes, the most of a {}, since {}",
+            limit.bytes.most(),
+            limit.what,
+            limit.bytes.reason()
+        ))
+    };
+    let most = limit.bytes.most_whole();
+    let attempt = || -> io::Result<Result<Vec<u8>, Failure>> {
+        if path == Path::new("-") {
+            return up_to(io::stdin(), 0, most).map(|bytes| bytes.ok_or_else(too_large));
+        }
+        // Asked before it is opened: opening a pipe waits for its writer.
+        let there = fs::metadata(path)?;
+        if let Some(kind) = endless(path, there.file_type()) {
+            return Ok(Err(fail(kind.to_owned())));
+        }
+        if there.is_file() && there.len() > most {
+            return Ok(Err(too_large()));
+        }
+        // Memory for a file of known size is had at once, not twice while it
+        // grows.
+        let known = if there.is_file() { there.len() } else { 0 };
+        up_to(File::open(path)?, known, most).map(|bytes| bytes.ok_or_else(too_large))
+    };
+    attempt().map_err(|error| fail(error.to_string()))?
+}
+
+/// Everything a reader gives, or `None` when that is too much.
+fn up_to(reader: impl Read, known: u64, most: u64) -> io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::with_capacity(known as usize + 1);
+    reader.take(most + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= most).then_some(bytes))
+}
+
+/// Why a file of this type is not read.
+#[cfg(unix)]
+fn endless(path: &Path, kind: FileType) -> Option<&'static str> {
+    use std::os::unix::fs::FileTypeExt;
+    // Pipes of a shell, and the standard input by another name.
+    let is_shells = path.starts_with("/dev/fd") || path.starts_with("/proc/self/fd");
+    let is_stdin = path == Path::new("/dev/stdin");
+    if kind.is_dir() {
+        Some("it is a folder")
+    } else if kind.is_block_device()
+        || (kind.is_char_device() && path != Path::new("/dev/null") && !is_stdin)
+    {
+        Some("it is a device, which has no end")
+    } else if kind.is_fifo() && !is_shells && !is_stdin {
+        Some("it is a named pipe, which waits for a writer; give its content to '-' instead")
+    } else if kind.is_socket() {
+        Some("it is a socket")
+    } else {
+        None
+    }
+}
+
+/// Why a file of this type is not read.
+#[cfg(not(unix))]
+fn endless(_: &Path, kind: FileType) -> Option<&'static str> {
+    kind.is_dir().then_some("it is a folder")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(path: &Path, limit: &FileLimit) -> String {
+        read(path, limit)
+            .expect_err("it is refused")
+            .0
+            .render_plain()
+    }
+
+    #[test]
+    fn a_file_is_read_up_to_its_limit_and_not_beyond() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("some.toml");
+        let limit = limit("plan", 8, "8 bytes are enough");
+        fs::write(&path, "12345678").expect("written");
+        assert_eq!(read(&path, &limit).ok().as_deref(), Some(&b"12345678"[..]));
+        fs::write(&path, "123456789").expect("written");
+        let message = message(&path, &limit);
+        assert!(message.contains("more than 8 bytes"), "{message}");
+        assert!(message.contains("since 8 bytes are enough"), "{message}");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn what_has_no_end_is_refused() {
+        for (path, part) in [
+            ("/", "a folder"),
+            ("/dev/zero", "a device"),
+            ("/dev/full", "a device"),
+        ] {
+            let message = message(Path::new(path), &EQUATIONS);
+            assert!(message.contains(part), "{message}");
+        }
+        let nothing = read(Path::new("/dev/null"), &EQUATIONS);
+        assert_eq!(nothing.ok(), Some(Vec::new()));
+        let folder = tempfile::tempdir().expect("a folder");
+        let pipe = folder.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        if made.is_ok_and(|status| status.success()) {
+            assert!(message(&pipe, &PIPELINE).contains("a named pipe"));
+        }
+    }
+}
