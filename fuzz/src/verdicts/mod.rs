@@ -150,11 +150,24 @@ mod tests {
     #[test]
     #[ignore = "takes minutes"]
     fn ten_thousand_false_rules_and_five_hundred_true_ones() {
-        let judged = run(500, 10_000, 2);
+        let parts = std::thread::scope(|scope| {
+            let start = |part: u64| scope.spawn(move || run(63, 1_250, 100 + part));
+            let threads: Vec<_> = (0..8).map(start).collect();
+            let join = |thread: std::thread::ScopedJoinHandle<'_, _>| thread.join();
+            threads
+                .into_iter()
+                .map(join)
+                .collect::<std::thread::Result<Vec<_>>>()
+        });
+        let mut judged = [Vec::new(), Vec::new()];
+        for [truths, falsehoods] in parts.expect("no rule is misjudged") {
+            judged[0].extend(truths);
+            judged[1].extend(falsehoods);
+        }
         let (proved, _) = report(&judged, true);
         assert!(
-            proved >= 475,
-            "at most one true rule in twenty is not proved"
+            proved * 20 >= judged[0].len() * 19,
+            "one true rule in twenty is not proved"
         );
     }
 
@@ -163,9 +176,11 @@ mod tests {
         let mut seen = 0;
         for case in 0..200u64 {
             arbtest::arbtest(|bytes| {
-                let rule = theorems::theorem(bytes)?;
-                assert!(!precise::is_false(&rule, 12), "{rule}");
-                seen += 1;
+                // Not all bytes make a rule.
+                if let Ok(rule) = theorems::theorem(bytes) {
+                    assert!(!precise::is_false(&rule, 12), "{rule}");
+                    seen += 1;
+                }
                 Ok(())
             })
             .budget_ms(0)
