@@ -138,7 +138,11 @@ fn false_rules_are_not_used_whatever_they_look_like() {
     assert_eq!(check.status.code(), Some(1));
     let found: serde_json::Value = serde_json::from_slice(&check.stdout).expect("JSON");
     for rule in found.as_array().expect("a list") {
-        let verdict = if rule["rule"] == "fine" { "proved" } else { "FALSE" };
+        let verdict = if rule["rule"] == "fine" {
+            "proved"
+        } else {
+            "FALSE"
+        };
         assert_eq!(rule["verdict"], verdict, "{rule:#}");
         assert!(rule["verdict"] != "proved" || rule["equal_bits"].as_f64() > Some(0.0));
     }
@@ -179,14 +183,30 @@ fn theorems_of_others_are_not_called_unsound() {
                 (Mul (Num 0.0) (Sqrt (Sub a (Num 2.0))))) (Sub a (Num 1.0)))\n";
     let output = import(&format!("{sum}{open}"));
     assert!(output.status.success(), "{}", both(&output));
-    assert!(text(&output.stdout).contains("\n# not proved: rule egglog-2"), "{}", both(&output));
-    assert!(text(&output.stderr).contains("warning: the rule 'egglog-2'"), "{}", both(&output));
+    assert!(
+        text(&output.stdout).contains("\n# not proved: rule egglog-2"),
+        "{}",
+        both(&output)
+    );
+    assert!(
+        text(&output.stderr).contains("warning: the rule 'egglog-2'"),
+        "{}",
+        both(&output)
+    );
 
     // A false one is an error; the others are written all the same.
     let output = import(&format!("{sum}(rewrite (Sub a b) (Sub b a))\n"));
     assert_eq!(output.status.code(), Some(1), "{}", both(&output));
-    assert!(text(&output.stdout).contains("# false: rule egglog-2"), "{}", both(&output));
-    assert!(text(&output.stdout).contains("rule sine-of-sum"), "{}", both(&output));
+    assert!(
+        text(&output.stdout).contains("# false: rule egglog-2"),
+        "{}",
+        both(&output)
+    );
+    assert!(
+        text(&output.stdout).contains("rule sine-of-sum"),
+        "{}",
+        both(&output)
+    );
     assert!(text(&output.stderr).contains("error: the rule 'egglog-2' is false"));
 }
 
@@ -215,7 +235,11 @@ fn an_error_is_an_exit_code() {
     ] {
         let output = rules(arguments);
         assert!(!output.status.success(), "{arguments:?}: {}", both(&output));
-        assert!(both(&output).contains("error: "), "{arguments:?}: {}", both(&output));
+        assert!(
+            both(&output).contains("error: "),
+            "{arguments:?}: {}",
+            both(&output)
+        );
     }
 }
 

@@ -51,7 +51,7 @@ pub(super) fn agree(joined: &Joined<'_>, circle: bool, signs: &[(usize, i32)]) -
     let [left, right] = joined.roots();
     let all = 0..joined.pattern.nodes.len();
     let with_roots = joined.uses(Operation::Sqrt, all);
-    let (mut needed, mut seen) = (POINTS, 0);
+    let (mut needed, mut seen) = (POINTS, [0; 2]);
     let mut limit = 64 * u64::from(POINTS);
     if with_roots {
         limit = MOST_TRIED;
@@ -72,15 +72,16 @@ pub(super) fn agree(joined: &Joined<'_>, circle: bool, signs: &[(usize, i32)]) -
         if values[left].value != values[right].value {
             return Agreement::Different;
         }
-        if with_roots && seen == 0 {
+        if with_roots && seen == [0; 2] {
             match points_for(joined, &values) {
                 Some(points) => needed = points,
                 None => return Agreement::Never,
             }
         }
-        seen += 1;
-        if seen == needed {
-            return Agreement::Equal(seen);
+        // Each field has to say so by itself.
+        seen[(point % 2) as usize] += 1;
+        if seen.iter().all(|&seen| seen >= needed / 2) {
+            return Agreement::Equal(needed);
         }
     }
     Agreement::Never
