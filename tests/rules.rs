@@ -133,6 +133,117 @@ fn what_cannot_be_read_is_an_error_and_no_panic() {
 }
 
 #[test]
+fn false_rules_are_not_used_whatever_they_look_like() {
+    let check = rules(&["check", "holes.rules", "--json"]);
+    assert_eq!(check.status.code(), Some(1));
+    let found: serde_json::Value = serde_json::from_slice(&check.stdout).expect("JSON");
+    for rule in found.as_array().expect("a list") {
+        let verdict = if rule["rule"] == "fine" {
+            "proved"
+        } else {
+            "FALSE"
+        };
+        assert_eq!(rule["verdict"], verdict, "{rule:#}");
+        assert!(rule["verdict"] != "proved" || rule["equal_bits"].as_f64() > Some(0.0));
+    }
+    let input =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension/mbs_dirdyna_suspension.m");
+    let output = Command::new(env!("CARGO_BIN_EXE_robovec-opt"))
+        .arg(input)
+        .args(["-passes=atomise,eqsat", "--rules", "holes.rules", "-stats"])
+        .current_dir(file(""))
+        .output()
+        .expect("the program starts");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{message}");
+    let warnings = message.matches("is false").count();
+    assert_eq!(warnings, 9, "{message}");
+}
+
+#[test]
+fn theorems_of_others_are_not_called_unsound() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("theorems.egg");
+    let import = |text: &str| {
+        std::fs::write(&path, text).expect("written");
+        let path = path.to_str().expect("a plain path");
+        rules(&["import", "--syntax", "egglog", path])
+    };
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let sum = "; sine-of-sum: angles\n(rewrite (Sin (Add a b)) \
+               (Add (Mul (Sin a) (Cos b)) (Mul (Cos a) (Sin b))))\n";
+    let output = import(sum);
+    assert!(output.status.success(), "{}", both(&output));
+    let shown = text(&output.stdout);
+    assert!(shown.starts_with("rule sine-of-sum: sin(a + b)"), "{shown}");
+    assert!(shown.contains("class=real-trig"), "{shown}");
+
+    // True, but beyond the proof: a warning and a comment that says so.
+    let open = "(rewrite (Add (Sqrt (Mul (Sub a (Num 1.0)) (Sub a (Num 1.0)))) \
+                (Mul (Num 0.0) (Sqrt (Sub a (Num 2.0))))) (Sub a (Num 1.0)))\n";
+    let output = import(&format!("{sum}{open}"));
+    assert!(output.status.success(), "{}", both(&output));
+    assert!(
+        text(&output.stdout).contains("\n# not proved: rule egglog-2"),
+        "{}",
+        both(&output)
+    );
+    assert!(
+        text(&output.stderr).contains("warning: the rule 'egglog-2'"),
+        "{}",
+        both(&output)
+    );
+
+    // A false one is an error; the others are written all the same.
+    let output = import(&format!("{sum}(rewrite (Sub a b) (Sub b a))\n"));
+    assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+    assert!(
+        text(&output.stdout).contains("# false: rule egglog-2"),
+        "{}",
+        both(&output)
+    );
+    assert!(
+        text(&output.stdout).contains("rule sine-of-sum"),
+        "{}",
+        both(&output)
+    );
+    assert!(text(&output.stderr).contains("error: the rule 'egglog-2' is false"));
+}
+
+#[test]
+fn an_error_is_an_exit_code() {
+    let suspension = "../../examples/suspension/mbs_dirdyna_suspension.m";
+    for arguments in [
+        &["check", "one-false.rules"][..],
+        &["check", "proud.rules"],
+        &["check", "malformed.rules"],
+        &["check", "nothing.rules"],
+        &["list", "nothing.rules"],
+        &["list", "malformed.rules"],
+        &["profile", "nothing.rules"],
+        &["export", "--syntax", "herbie", "malformed.rules"],
+        &["import", "--syntax", "herbie", "nothing.rkt"],
+        &["find", "nothing.mbs"],
+        &["find", "bogie", "--rules", "malformed.rules"],
+        &["bench", "nothing.mbs"],
+        &["bench", suspension, "--rules", "malformed.rules"],
+        &["why", "NOTHING", suspension],
+        &["why", "NOTHING", "nothing.m"],
+        &["why-not", "a +", "a"],
+        &["why-not", "a*b", "b*a", "--rules", "nothing.rules"],
+        &["why-not", "a*b", "b*a", "--rules", "malformed.rules"],
+    ] {
+        let output = rules(arguments);
+        assert!(!output.status.success(), "{arguments:?}: {}", both(&output));
+        assert!(
+            both(&output).contains("error: "),
+            "{arguments:?}: {}",
+            both(&output)
+        );
+    }
+}
+
+#[test]
 fn factoring_is_found_again() {
     let known = ["signs", "commutativity", "associativity"];
     let mut arguments = vec![

@@ -21,6 +21,7 @@ pub mod series;
 pub mod statistics;
 mod term;
 pub mod text;
+pub mod verdicts;
 pub mod written;
 
 pub use adjoints::errors_are_predicted;
@@ -34,4 +35,5 @@ pub use robotran::read_robotran;
 pub use rules::false_rules_are_caught;
 pub use series::series_keep_their_errors;
 pub use text::{parse_text, round_trip};
+pub use verdicts::rules_are_judged;
 pub use written::written_reads_back;

@@ -64,7 +64,7 @@ impl CircleField {
         };
         // Four times a point of the circle lies in the subgroup of order r;
         // it generates it unless it is the neutral point.
-        let neutral = (plain.prime.field.one, 0);
+        let neutral = (plain.prime.field.one(), 0);
         let generator = (0..)
             .map(|trial| {
                 let point = plain.circle_point(plain.draw(trial, Role::Generator));
@@ -85,15 +85,15 @@ impl CircleField {
     fn add_points(&self, (c, s): (u64, u64), (d, t): (u64, u64)) -> (u64, u64) {
         let field = &self.plain.prime.field;
         (
-            field.subtract(field.multiply(c, d), field.multiply(s, t)),
-            field.add(field.multiply(c, t), field.multiply(s, d)),
+            field.sub(field.mul(c, d), field.mul(s, t)),
+            field.add(field.mul(c, t), field.mul(s, d)),
         )
     }
 
     /// Cosine and sine of an angle.
     fn point_at(&self, angle: u64) -> (u64, u64) {
-        let mut rest = self.plain.prime.order.leave(angle);
-        let (mut result, mut double) = ((self.plain.prime.field.one, 0), self.generator);
+        let mut rest = self.plain.prime.order.plain(angle);
+        let (mut result, mut double) = ((self.plain.prime.field.one(), 0), self.generator);
         while rest > 0 {
             if rest & 1 == 1 {
                 result = self.add_points(result, double);
@@ -117,7 +117,7 @@ impl CircleField {
         };
         Angular {
             value,
-            angle: if negative { order.negate(angle) } else { angle },
+            angle: if negative { order.neg(angle) } else { angle },
         }
     }
 }
@@ -139,7 +139,7 @@ impl Arithmetic for CircleField {
     fn neg(&self, a: Angular) -> Angular {
         Angular {
             value: self.plain.neg(a.value),
-            angle: self.plain.prime.order.negate(a.angle),
+            angle: self.plain.prime.order.neg(a.angle),
         }
     }
 
@@ -155,7 +155,7 @@ impl Arithmetic for CircleField {
     fn sub(&self, a: Angular, b: Angular) -> Angular {
         Angular {
             value: self.plain.sub(a.value, b.value),
-            angle: self.plain.prime.order.subtract(a.angle, b.angle),
+            angle: self.plain.prime.order.sub(a.angle, b.angle),
         }
     }
 
@@ -163,7 +163,7 @@ impl Arithmetic for CircleField {
     fn mul(&self, a: Angular, b: Angular) -> Angular {
         Angular {
             value: self.plain.mul(a.value, b.value),
-            angle: self.plain.prime.order.multiply(a.angle, b.angle),
+            angle: self.plain.prime.order.mul(a.angle, b.angle),
         }
     }
 
@@ -174,7 +174,7 @@ impl Arithmetic for CircleField {
         let order = &self.plain.prime.order;
         Angular {
             value: self.plain.div(a.value, b.value),
-            angle: order.multiply(a.angle, order.invert(b.angle)),
+            angle: order.mul(a.angle, order.invert(b.angle)),
         }
     }
 

@@ -31,7 +31,7 @@ mod circle;
 mod prime;
 
 pub use circle::{Angular, CircleField};
-pub use prime::Prime;
+pub use prime::{Modulus, Prime, is_prime};
 
 use crate::arithmetic::Arithmetic;
 
@@ -144,9 +144,9 @@ impl PrimeField {
         }
         let half = self.prime.modulus() / 2;
         // Montgomery's form of 1 can lie in either half.
-        let negative = number != 0 && (number > half) != (self.prime.field.one > half);
+        let negative = number != 0 && (number > half) != (self.prime.field.one() > half);
         if negative {
-            (self.prime.field.negate(number), true)
+            (self.prime.field.neg(number), true)
         } else {
             (number, false)
         }
@@ -180,7 +180,7 @@ impl PrimeField {
         match self.without_sign(number) {
             (0, _) => 0,
             (size, false) => self.draw(size, role),
-            (size, true) => self.prime.field.negate(self.draw(size, role)),
+            (size, true) => self.prime.field.neg(self.draw(size, role)),
         }
     }
 
@@ -188,11 +188,11 @@ impl PrimeField {
     /// inverse for every `t`, since −1 is not a square.
     fn circle_point(&self, t: u64) -> (u64, u64) {
         let field = &self.prime.field;
-        let square = field.multiply(t, t);
-        let scale = field.invert(field.add(field.one, square));
+        let square = field.mul(t, t);
+        let scale = field.invert(field.add(field.one(), square));
         (
-            field.multiply(field.subtract(field.one, square), scale),
-            field.multiply(field.add(t, t), scale),
+            field.mul(field.sub(field.one(), square), scale),
+            field.mul(field.add(t, t), scale),
         )
     }
 
@@ -204,10 +204,9 @@ impl PrimeField {
         (-15..=15).find_map(|exponent: i32| {
             let scale = field.literal(f64::from(exponent).exp2());
             let shrink = field.literal(f64::from(-2 * exponent).exp2());
-            let square = field.leave(field.multiply(a, shrink));
+            let square = field.plain(field.mul(a, shrink));
             let root = square.isqrt();
-            (root < 1 << 12 && root * root == square)
-                .then(|| field.multiply(field.enter(root), scale))
+            (root < 1 << 12 && root * root == square).then(|| field.mul(field.number(root), scale))
         })
     }
 }
@@ -234,7 +233,7 @@ impl Field for PrimeField {
     }
 
     fn residue(&self, value: u64) -> Option<u64> {
-        (!PrimeField::is_undefined(value)).then(|| self.prime.field.leave(value))
+        (!PrimeField::is_undefined(value)).then(|| self.prime.field.plain(value))
     }
 }
 
@@ -253,7 +252,7 @@ impl Arithmetic for PrimeField {
         if PrimeField::is_undefined(a) {
             return PrimeField::UNDEFINED;
         }
-        self.prime.field.negate(a)
+        self.prime.field.neg(a)
     }
 
     #[inline]
@@ -269,7 +268,7 @@ impl Arithmetic for PrimeField {
         if either_undefined(a, b) {
             return PrimeField::UNDEFINED;
         }
-        self.prime.field.subtract(a, b)
+        self.prime.field.sub(a, b)
     }
 
     #[inline]
@@ -277,14 +276,14 @@ impl Arithmetic for PrimeField {
         if either_undefined(a, b) {
             return PrimeField::UNDEFINED;
         }
-        self.prime.field.multiply(a, b)
+        self.prime.field.mul(a, b)
     }
 
     fn div(&self, a: u64, b: u64) -> u64 {
         if either_undefined(a, b) || b == 0 {
             return PrimeField::UNDEFINED;
         }
-        self.prime.field.multiply(a, self.prime.field.invert(b))
+        self.prime.field.mul(a, self.prime.field.invert(b))
     }
 
     fn sin(&self, a: u64) -> u64 {
@@ -306,7 +305,7 @@ impl Arithmetic for PrimeField {
             return self.circle_point(self.odd(a, Role::Sine)).0;
         }
         match self.without_sign(a).0 {
-            0 => self.prime.field.one,
+            0 => self.prime.field.one(),
             size => self.draw(size, Role::Cosine),
         }
     }

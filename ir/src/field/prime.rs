@@ -20,19 +20,20 @@ use super::mix;
 /// An odd number below 2⁶¹ to compute modulo. Numbers are in Montgomery's
 /// form and below the modulus.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Modulus {
+pub struct Modulus {
     /// The modulus itself.
-    pub(super) modulus: u64,
+    modulus: u64,
     /// `-1/modulus` modulo 2⁶⁴.
     inverse: u64,
     /// The number 1.
-    pub(super) one: u64,
+    one: u64,
     /// 2¹²⁸ modulo the modulus: what brings a number into Montgomery's form.
     square: u64,
 }
 
 impl Modulus {
-    fn new(modulus: u64) -> Modulus {
+    /// The arithmetic of an odd modulus below 2⁶².
+    pub fn new(modulus: u64) -> Modulus {
         // Newton's iteration doubles the correct bits, of which an odd number
         // as its own inverse has three.
         let inverse = (0..5).fold(modulus, |inverse, _| {
@@ -53,36 +54,53 @@ impl Modulus {
         number.min(number.wrapping_sub(self.modulus))
     }
 
+    /// The modulus itself.
     #[inline]
-    pub(super) fn add(&self, a: u64, b: u64) -> u64 {
+    pub fn modulus(&self) -> u64 {
+        self.modulus
+    }
+
+    /// The number 1.
+    #[inline]
+    pub fn one(&self) -> u64 {
+        self.one
+    }
+
+    /// `a + b`.
+    #[inline]
+    pub fn add(&self, a: u64, b: u64) -> u64 {
         self.fold(a + b)
     }
 
+    /// `-a`.
     #[inline]
-    pub(super) fn negate(&self, a: u64) -> u64 {
+    pub fn neg(&self, a: u64) -> u64 {
         self.fold(self.modulus - a)
     }
 
+    /// `a - b`.
     #[inline]
-    pub(super) fn subtract(&self, a: u64, b: u64) -> u64 {
+    pub fn sub(&self, a: u64, b: u64) -> u64 {
         self.fold(a + (self.modulus - b))
     }
 
+    /// `a * b`.
     #[inline]
-    pub(super) fn multiply(&self, a: u64, b: u64) -> u64 {
+    pub fn mul(&self, a: u64, b: u64) -> u64 {
         let product = u128::from(a) * u128::from(b);
         let factor = (product as u64).wrapping_mul(self.inverse);
         let sum = product + u128::from(factor) * u128::from(self.modulus);
         self.fold((sum >> 64) as u64)
     }
 
-    pub(super) fn power(&self, base: u64, exponent: u64) -> u64 {
+    /// `base` to a natural power.
+    pub fn power(&self, base: u64, exponent: u64) -> u64 {
         let (mut result, mut square, mut rest) = (self.one, base, exponent);
         while rest > 0 {
             if rest & 1 == 1 {
-                result = self.multiply(result, square);
+                result = self.mul(result, square);
             }
-            square = self.multiply(square, square);
+            square = self.mul(square, square);
             rest >>= 1;
         }
         result
@@ -90,22 +108,22 @@ impl Modulus {
 
     /// The inverse of a number that is not zero, for a modulus that is prime
     /// (Fermat).
-    pub(super) fn invert(&self, a: u64) -> u64 {
+    pub fn invert(&self, a: u64) -> u64 {
         self.power(a, self.modulus - 2)
     }
 
     /// A natural number in Montgomery's form.
-    pub(super) fn enter(&self, number: u64) -> u64 {
-        self.multiply(number % self.modulus, self.square)
+    pub fn number(&self, number: u64) -> u64 {
+        self.mul(number % self.modulus, self.square)
     }
 
     /// The natural number below the modulus that a number stands for.
-    pub(super) fn leave(&self, number: u64) -> u64 {
-        self.multiply(number, 1)
+    pub fn plain(&self, number: u64) -> u64 {
+        self.mul(number, 1)
     }
 
     /// The exact value of a finite literal, a dyadic rational.
-    pub(super) fn literal(&self, number: f64) -> u64 {
+    pub fn literal(&self, number: f64) -> u64 {
         let bits = number.to_bits();
         let exponent = (bits >> 52 & 0x7ff) as i64;
         let fraction = bits & ((1 << 52) - 1);
@@ -120,10 +138,10 @@ impl Modulus {
         } else {
             2
         };
-        let scale = self.power(self.enter(two), power.unsigned_abs());
-        let magnitude = self.multiply(self.enter(mantissa), scale);
+        let scale = self.power(self.number(two), power.unsigned_abs());
+        let magnitude = self.mul(self.number(mantissa), scale);
         if number < 0.0 {
-            self.negate(magnitude)
+            self.neg(magnitude)
         } else {
             magnitude
         }
@@ -131,7 +149,7 @@ impl Modulus {
 
     /// A number from 64 random bits; no number is more than an eighth likelier
     /// than another.
-    pub(super) fn spread(&self, bits: u64) -> u64 {
+    pub fn spread(&self, bits: u64) -> u64 {
         (u128::from(bits) * u128::from(self.modulus) >> 64) as u64
     }
 }
@@ -170,11 +188,7 @@ impl Prime {
         let mut order = LOWEST | bits >> 7 | 1;
         loop {
             let modulus = 4 * order - 1;
-            if !has_small_divisor(order)
-                && !has_small_divisor(modulus)
-                && is_prime(order)
-                && is_prime(modulus)
-            {
+            if !has_small_divisor(modulus) && is_prime(order) && is_prime(modulus) {
                 return Prime {
                     field: Modulus::new(modulus),
                     order: Modulus::new(order),
@@ -195,17 +209,20 @@ fn has_small_divisor(number: u64) -> bool {
         .any(|divisor| number.is_multiple_of(divisor))
 }
 
-/// The test of Miller and Rabin; these bases decide every odd number above 37
-/// and below 2⁶⁴ (J. Sorenson and J. Webster, "Strong pseudoprimes to twelve
+/// True for a prime, for odd numbers between 59 and 2⁶²: the test of Miller
+/// and Rabin; these bases decide every such number (J. Sorenson and J. Webster, "Strong pseudoprimes to twelve
 /// prime bases", Mathematics of Computation 86, 2017).
-fn is_prime(number: u64) -> bool {
+pub fn is_prime(number: u64) -> bool {
+    if has_small_divisor(number) {
+        return false;
+    }
     let modulus = Modulus::new(number);
-    let minus_one = modulus.negate(modulus.one);
+    let minus_one = modulus.neg(modulus.one());
     let twos = (number - 1).trailing_zeros();
     [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37]
         .into_iter()
         .all(|base| {
-            let mut power = modulus.power(modulus.enter(base), (number - 1) >> twos);
+            let mut power = modulus.power(modulus.number(base), (number - 1) >> twos);
             if power == modulus.one {
                 return true;
             }
@@ -213,7 +230,7 @@ fn is_prime(number: u64) -> bool {
                 if power == minus_one {
                     return true;
                 }
-                power = modulus.multiply(power, power);
+                power = modulus.mul(power, power);
             }
             power == minus_one
         })
@@ -245,8 +262,8 @@ mod tests {
             assert_ne!(first.modulus(), second.modulus());
             for prime in [first, second] {
                 assert!((1 << 60..1 << 61).contains(&prime.modulus()));
-                assert_eq!(prime.modulus(), 4 * prime.order.modulus - 1);
-                assert!(slowly(prime.modulus()) && slowly(prime.order.modulus));
+                assert_eq!(prime.modulus(), 4 * prime.order.modulus() - 1);
+                assert!(slowly(prime.modulus()) && slowly(prime.order.modulus()));
             }
         }
         assert_ne!(Prime::pair(1), Prime::pair(2));
@@ -254,7 +271,7 @@ mod tests {
 
     #[test]
     fn small_numbers_are_told_apart_by_the_test() {
-        for number in (39..20_000u64).step_by(2) {
+        for number in (59..20_000u64).step_by(2) {
             let divisible = (3..200).any(|divisor| number > divisor && number % divisor == 0);
             assert_eq!(is_prime(number), !divisible, "{number}");
         }
@@ -270,10 +287,10 @@ mod tests {
         // The doublings that binary64 numbers can differ by.
         for seed in 0..4 {
             for prime in Prime::pair(seed) {
-                let (field, mut power) = (prime.field, prime.field.one);
+                let (field, mut power) = (prime.field, prime.field.one());
                 for doubling in 1..=4400 {
                     power = field.add(power, power);
-                    assert!(power != field.one && power != field.negate(field.one));
+                    assert!(power != field.one() && power != field.neg(field.one()));
                     assert_ne!(power, 0, "after {doubling} doublings");
                 }
             }

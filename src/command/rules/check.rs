@@ -5,7 +5,7 @@ use super::super::{Failure, output};
 use super::{list, read};
 use crate::report::table;
 use clap::Args;
-use robovec_passes::rules::check::{self, Finding, POINTS, TRIALS, Verdict};
+use robovec_passes::rules::check::{self, Finding, Proof, TRIALS, Verdict};
 use robovec_passes::rules::{Rule, RuleSet};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -54,12 +54,47 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<String, Failure> {
 }
 
 fn verdict(finding: &Finding) -> &'static str {
-    match finding.verdict {
-        Verdict::Proved { circle: false, .. } => "proved",
-        Verdict::Proved { circle: true, .. } => "proved on the circle",
+    match &finding.verdict {
+        Verdict::Proved(proof) if proof.circle => "proved on the circle",
+        Verdict::Proved(_) => "proved",
         Verdict::False(_) => "FALSE",
-        Verdict::Unproved => "not proved",
+        Verdict::Unproved(_) => "not proved",
     }
+}
+
+/// A part of random points in percent; what is not nothing is not written as
+/// nothing.
+fn percent(part: f64) -> String {
+    match 100.0 * part {
+        percent if percent > 0.0 && percent < 0.05 => "<0.1".to_owned(),
+        percent => format!("{percent:.1}"),
+    }
+}
+
+/// What was established of all rules that are proved.
+fn established(findings: &[Finding]) -> String {
+    let proofs: Vec<Proof> = findings
+        .iter()
+        .filter_map(|finding| match finding.verdict {
+            Verdict::Proved(proof) => Some(proof),
+            Verdict::False(_) | Verdict::Unproved(_) => None,
+        })
+        .collect();
+    let count = format!("{} of {} rules proved", proofs.len(), findings.len());
+    let least = |number: fn(&Proof) -> u32| proofs.iter().map(number).min();
+    let (Some(points), Some(states)) = (least(|proof| proof.points), least(|proof| proof.states))
+    else {
+        return format!("{count}.");
+    };
+    let distance = proofs
+        .iter()
+        .map(|proof| proof.distance)
+        .fold(0.0, f64::max);
+    format!(
+        "{count}: both sides are defined in the same places, and equal at {points} points or \
+         more\nof each of two prime fields and at {states} states or more within {distance:.0e} \
+         of the largest\nnumber there."
+    )
 }
 
 /// The table, and with `examples` one for each special value.
@@ -78,7 +113,7 @@ fn to_text(set: &RuleSet, findings: &[Finding], examples: bool) -> String {
             verdict(finding).to_owned(),
             rule.class.name().to_owned(),
             found.to_owned(),
-            format!("{:.1}", 100.0 * finding.equal_bits),
+            percent(finding.equal_bits),
             words.join(" "),
         ]);
         for note in &finding.notes {
@@ -95,20 +130,12 @@ fn to_text(set: &RuleSet, findings: &[Finding], examples: bool) -> String {
         "found",
         "equal bits %",
     ];
-    let sound = findings.iter().filter(|finding| finding.is_sound()).count();
-    let degree = findings.iter().filter_map(|finding| match finding.verdict {
-        Verdict::Proved { degree, .. } => Some(degree),
-        _ => None,
-    });
-    let degree = degree.max().unwrap_or(0);
     let mut text = table(&head, &rows, &[5]);
     let _ = write!(
         text,
-        "\n\n{sound} of {} rules proved at {POINTS} points of the field of 2^61-1; \
-         degree at most {degree}, so a false rule passes with probability at most \
-         {:.0e}.\nEqual bits: in binary32, random inputs from 1e-3 to 1e3.\n",
-        findings.len(),
-        (degree as f64 / 2f64.powi(61)).powi(POINTS as i32),
+        "\n\n{}\nEqual bits: in binary32, random inputs from 1e-3 to 1e3; in binary64 or nearer to \
+         the numbers\nof a rule where binary32 has none.\n",
+        established(findings),
     );
     if examples && !notes.is_empty() {
         text.push_str(
@@ -150,18 +177,25 @@ fn one_json(rule: &Rule, finding: &Finding) -> Value {
             json!({
                 "backwards": found.backwards,
                 "values": values,
+                "near": found.near,
                 "left": found.left,
                 "right": found.right,
                 "difference": found.difference,
             })
         }
-        Verdict::Proved { .. } | Verdict::Unproved => Value::Null,
+        Verdict::Proved(_) | Verdict::Unproved(_) => Value::Null,
+    };
+    let established = match &finding.verdict {
+        Verdict::Proved(proof) => proof.to_string(),
+        Verdict::False(found) => found.to_string(),
+        Verdict::Unproved(doubt) => doubt.to_string(),
     };
     json!({
         "rule": rule.name,
         "file": rule.group,
         "text": rule.to_string(),
         "verdict": verdict(finding),
+        "established": established,
         "sound": finding.is_sound(),
         "declared": rule.class.name(),
         "found": finding.is_sound().then(|| finding.class.name()),

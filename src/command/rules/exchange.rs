@@ -3,8 +3,8 @@
 use super::super::{Failure, files, input, output};
 use super::{list, read};
 use clap::{Args, ValueEnum};
-use robovec_ir::diagnostic::termcolor::ColorChoice;
-use robovec_passes::rules::check::{check, diagnose};
+use robovec_ir::diagnostic::{Severity, termcolor::ColorChoice};
+use robovec_passes::rules::check::{Verdict, check, diagnose};
 use robovec_passes::rules::syntax::{self, Syntax};
 use std::path::{Path, PathBuf};
 
@@ -56,25 +56,39 @@ pub(super) struct ExportArguments {
 }
 
 /// Reads rules of another tool, finds their classes, and gives them as a rule
-/// file. Rules that are not sound are told and become comments.
+/// file. Rules that are false or not proved are told and become comments; a
+/// false one is an error, which comes after all others have been written.
 pub(super) fn import(arguments: &ImportArguments) -> Result<String, Failure> {
     let text = input::text(&arguments.file, &files::RULES)?;
     let name = arguments.file.display().to_string();
-    let (mut set, mut warnings) =
+    let (mut set, mut report) =
         syntax::import(&text, &name, arguments.syntax.syntax()).map_err(Failure)?;
     let mut lines = String::new();
     for rule in &mut set.rules {
         let finding = check(rule, TRIALS);
         rule.class = finding.class;
-        let sound = finding.is_sound();
-        warnings.extend(diagnose(rule, &finding));
-        lines += &format!("{}{rule}\n", if sound { "" } else { "# not sound: " });
+        let before = match finding.verdict {
+            Verdict::Proved(_) => "",
+            Verdict::False(_) => "# false: ",
+            Verdict::Unproved(_) => "# not proved: ",
+        };
+        report.extend(diagnose(rule, &finding).map(|mut found| {
+            // It may well be true.
+            if let Verdict::Unproved(_) = finding.verdict {
+                found.severity = Severity::Warning;
+            }
+            found
+        }));
+        lines += &format!("{before}{rule}\n");
+    }
+    let text = deliver(lines, arguments.output.as_deref())?;
+    if report.has_errors() {
+        output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))?;
+        return Err(Failure(report));
     }
     // When the standard error is closed there is nobody left to tell.
-    warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
-    deliver(lines, arguments.output.as_deref())
+    report.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();
+    Ok(text)
 }
 
 /// Writes rules for another tool.

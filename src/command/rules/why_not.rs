@@ -60,14 +60,14 @@ pub(super) fn run(arguments: &WhyNotArguments) -> Result<String, Failure> {
                 "No rules lead there, since the terms are not equal: {example}.\n"
             ));
         }
-        Verdict::Proved { circle: true, .. } if !arguments.trig => {
+        Verdict::Proved(proof) if proof.circle && !arguments.trig => {
             return Ok(
                 "The terms are equal only where sine and cosine lie on the circle: \
                        ask with --trig.\n"
                     .to_owned(),
             );
         }
-        Verdict::Proved { .. } | Verdict::Unproved => {}
+        Verdict::Proved(_) | Verdict::Unproved(_) => {}
     }
     let effort = Effort {
         nodes: arguments.nodes as usize,

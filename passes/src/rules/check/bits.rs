@@ -10,6 +10,7 @@
 use super::super::random::Random;
 use super::super::rule::Rule;
 use super::counterexample;
+use super::states::{States, numbers};
 use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
 
 /// A remark on special values, with an example.
@@ -143,9 +144,13 @@ fn number(format: &str, value: f64) -> String {
     }
 }
 
+/// Random points for the part of equal bits at least, however few trials are
+/// asked for.
+const FEWEST: usize = 2_000;
+
 /// Tries a rule at special values and at so many random points.
 pub(super) fn try_bits(rule: &Rule, trials: usize) -> Bits {
-    let [single, double] = formats();
+    let [mut single, mut double] = formats();
     let mut bench = Bench {
         rule,
         exact: true,
@@ -153,12 +158,32 @@ pub(super) fn try_bits(rule: &Rule, trials: usize) -> Bits {
         equal: 0,
         compared: 0,
     };
+    for format in [&mut single, &mut double] {
+        // The numbers in the rule are as special as any.
+        for number in numbers(&[&rule.left, &rule.right]).into_iter().take(4) {
+            format
+                .specials
+                .extend([number, -number, number * 1.000_000_1]);
+        }
+    }
     bench.specials(&Binary32, &single, trials);
     bench.specials(&Binary64, &double, trials);
-    (bench.equal, bench.compared) = (0, 0);
-    bench.random(&Binary32, &single, (-10, 9), trials);
-    let equal = bench.equal as f64 / bench.compared.max(1) as f64;
+    let enough = trials.max(FEWEST);
+    bench.start_counting();
+    bench.random(&Binary32, &single, (-10, 9), enough);
+    let mut equal = bench.part();
+    bench.start_counting();
     bench.random(&Binary64, &double, (-10, 9), trials);
+    // A number in the rule may be out of the reach of binary32, or next to
+    // all others too large or too small.
+    if equal == 0.0 {
+        equal = bench.part();
+    }
+    if equal == 0.0 {
+        bench.start_counting();
+        bench.states(&Binary64, &double, enough);
+        equal = bench.part();
+    }
     bench.random(&Binary32, &single, single.exponents, trials / 4);
     bench.random(&Binary64, &double, double.exponents, trials / 4);
     Bits {
@@ -214,6 +239,26 @@ impl Bench<'_> {
         }
     }
 
+    /// At the points at which rules are proved.
+    fn states<A>(&mut self, arithmetic: &A, format: &Format, trials: usize)
+    where
+        A: Arithmetic<Number: Into<f64>>,
+    {
+        let mut states = States::of(self.rule, 11);
+        for _ in 0..trials {
+            self.trial(arithmetic, format.name, &states.next());
+        }
+    }
+
+    fn start_counting(&mut self) {
+        (self.equal, self.compared) = (0, 0);
+    }
+
+    /// The part of trials with equal bits since counting started.
+    fn part(&self) -> f64 {
+        self.equal as f64 / self.compared.max(1) as f64
+    }
+
     fn trial<A>(&mut self, arithmetic: &A, format: &'static str, values: &[f64])
     where
         A: Arithmetic<Number: Into<f64>>,
@@ -251,6 +296,8 @@ impl Bench<'_> {
                 return;
             }
         } else if finite_inputs {
+            // What was no number becomes one: that is not exact.
+            self.exact &= left == right || left.is_nan() && right.is_nan();
             if left.is_finite() || !right.is_finite() {
                 return;
             }

@@ -1,9 +1,13 @@
-//! The smallest numbers that refute a rule.
+//! Numbers that refute a rule, the smallest if they do.
+//!
+//! Whatever is found is certain: the sides are computed with bounds of their
+//! errors, and lie apart, or the right side is not defined.
 
-use super::super::random::Random;
-use super::super::rule::Rule;
-use robovec_ir::arithmetic::Binary64;
-use robovec_ir::double_double::DoubleDouble;
+use super::ball::Ball;
+use super::joined::Joined;
+use super::point::{Outcome, Place, evaluate};
+use super::states::States;
+use super::zeros;
 use std::fmt;
 
 /// Numbers at which the two sides of a rule differ.
@@ -12,13 +16,18 @@ pub struct Counterexample {
     /// True when the rule fails from right to left; left and right are then
     /// those of the reversed rule.
     pub backwards: bool,
+    /// True when the numbers are next to where the rule fails, which is at
+    /// none that binary64 can write.
+    pub near: bool,
     /// The variables' names and numbers.
     pub values: Vec<(String, f64)>,
-    /// The left side there.
+    /// The left side there; infinite beyond the range of binary64.
     pub left: f64,
-    /// The right side there; not finite where it is not defined.
+    /// The right side there; NaN where it is not defined.
     pub right: f64,
-    /// Left less right, in about 106 bits.
+    /// False where the right side is not defined.
+    pub defined: bool,
+    /// Left less right, computed in about 106 bits.
     pub difference: f64,
 }
 
@@ -32,6 +41,9 @@ impl fmt::Display for Counterexample {
         if self.backwards {
             formatter.write_str("backwards, ")?;
         }
+        if self.near {
+            formatter.write_str("near ")?;
+        }
         let place = match values[..] {
             [] => "always".to_owned(),
             _ => values.join(", "),
@@ -41,7 +53,7 @@ impl fmt::Display for Counterexample {
             formatter,
             "{place}: the left side is {left}, the right side "
         )?;
-        if !self.right.is_finite() {
+        if !self.defined {
             return write!(formatter, "is not defined");
         }
         if left == right {
@@ -68,56 +80,28 @@ pub(super) fn number(number: f64) -> String {
 }
 
 /// Points tried one after the other, smallest first.
-const EXHAUSTIVE: usize = 60_000;
+const EXHAUSTIVE: usize = 20_000;
 /// Points tried at random when no small one refutes the rule.
-const RANDOM: usize = 20_000;
+const RANDOM: usize = 3_000;
 
-/// Where the right side must be defined although the left side is.
-pub(super) fn undefined(rule: &Rule) -> Option<Counterexample> {
-    in_each_direction(rule, &|rule| {
-        smallest(rule, EXHAUSTIVE / 20, &|rule, values| {
-            let found = compare(rule, values)?;
-            (!found.right.is_finite()).then_some(found)
+/// Numbers that refute a rule of one direction: the smallest integers at
+/// which the sides differ; if there are none, numbers near those that stand
+/// in the rule, and near the zeros of what it divides by and of what is under
+/// its roots.
+pub(super) fn search(joined: &Joined<'_>) -> Option<Counterexample> {
+    smallest(joined)
+        .or_else(|| {
+            let mut states = States::of(joined.rule, 1);
+            (0..RANDOM).find_map(|_| compare(joined, &Place::exactly(states.next())))
         })
-    })
+        .or_else(|| zeros::search(joined))
 }
 
-/// The smallest integers at which the sides differ; larger ones at random
-/// when there are no small ones.
-pub(super) fn search(rule: &Rule) -> Option<Counterexample> {
-    in_each_direction(rule, &|rule| smallest(rule, EXHAUSTIVE, &compare)).or_else(|| {
-        let mut random = Random::new(1);
-        (0..RANDOM).find_map(|_| {
-            let draw = |_| random.below(2001) as f64 - 1000.0;
-            let values: Vec<f64> = rule.variables.iter().map(draw).collect();
-            compare(rule, &values)
-        })
-    })
-}
-
-fn in_each_direction(
-    rule: &Rule,
-    search: &dyn Fn(&Rule) -> Option<Counterexample>,
-) -> Option<Counterexample> {
-    let directions = rule.directed();
-    directions.iter().enumerate().find_map(|(index, rule)| {
-        let found = search(rule)?;
-        Some(Counterexample {
-            backwards: index > 0,
-            ..found
-        })
-    })
-}
-
-/// The first point that a test takes, by largest magnitude, then in the order
-/// 0, 1, -1, 2, -2 … of the last variable, the one before, ….
-fn smallest(
-    rule: &Rule,
-    budget: usize,
-    test: &dyn Fn(&Rule, &[f64]) -> Option<Counterexample>,
-) -> Option<Counterexample> {
-    let count = rule.variables.len();
-    let mut left = budget;
+/// The first point that refutes a rule, by largest magnitude, then in the
+/// order 0, 1, -1, 2, -2 … of the last variable, the one before, ….
+pub(super) fn smallest(joined: &Joined<'_>) -> Option<Counterexample> {
+    let count = joined.rule.variables.len();
+    let mut left = EXHAUSTIVE;
     for magnitude in 0..=64usize {
         let choices = 2 * magnitude + 1;
         let mut digits = vec![0usize; count];
@@ -126,7 +110,7 @@ fn smallest(
             let largest = digits.iter().map(|digit| digit.div_ceil(2)).max();
             if largest.unwrap_or(0) == magnitude {
                 let values: Vec<f64> = digits.iter().map(|&digit| integer(digit)).collect();
-                if let Some(found) = test(rule, &values) {
+                if let Some(found) = compare(joined, &Place::exactly(values)) {
                     return Some(found);
                 }
             }
@@ -162,45 +146,42 @@ fn next(digits: &mut [usize], base: usize) -> bool {
 }
 
 /// The sides at a point, when the conditions hold there, the left side is
-/// defined, and they differ by more than rounding.
-fn compare(rule: &Rule, values: &[f64]) -> Option<Counterexample> {
-    let meets = |(variable, value): (usize, &f64)| {
-        let mut needed = rule.requirements(variable as u32);
-        needed.all(|requirement| requirement.holds_for(*value))
-    };
-    if !values.iter().enumerate().all(meets) {
+/// defined, and for certain the right side is not or has another value.
+pub(super) fn compare(joined: &Joined<'_>, place: &Place) -> Option<Counterexample> {
+    if !place.meets(joined.rule) {
         return None;
     }
-    let left = rule.left.evaluate(&Binary64, values);
-    if !left.is_finite() {
+    let left = evaluate(&joined.rule.left, place, &joined.fields).value()?;
+    let right = match evaluate(&joined.rule.right, place, &joined.fields) {
+        Outcome::Unknown => return None,
+        Outcome::Undefined => None,
+        outcome => outcome.value(),
+    };
+    if right.is_some_and(|right| !left.is_apart_from(right)) {
         return None;
     }
-    let right = rule.right.evaluate(&Binary64, values);
-    let doubles: Vec<_> = values.iter().map(|&value| value.into()).collect();
-    let reference = rule.left.evaluate_all(&DoubleDouble, &doubles);
-    let other = rule.right.evaluate_all(&DoubleDouble, &doubles);
-    // What cancels leaves the rounding of what was there before.
-    let scale = reference
-        .iter()
-        .chain(&other)
-        .map(|double| double.high.abs());
-    let scale = scale.filter(|size| size.is_finite()).fold(0.0, f64::max);
-    let difference = match (reference.last(), other.last()) {
-        (Some(&reference), Some(&other)) => (reference - other).high,
-        _ => return None,
-    };
-    let differs = !right.is_finite() || difference.abs() > 1e-24 * scale;
-    differs.then(|| Counterexample {
+    Some(example(joined, place, left, right))
+}
+
+/// A place in which the right side is not defined somewhere; a counterexample
+/// when the left side is defined everywhere in it.
+pub(super) fn hole(joined: &Joined<'_>, place: &Place) -> Option<Counterexample> {
+    if !place.meets(joined.rule) {
+        return None;
+    }
+    let left = evaluate(&joined.rule.left, place, &joined.fields).value()?;
+    Some(example(joined, place, left, None))
+}
+
+fn example(joined: &Joined<'_>, place: &Place, left: Ball, right: Option<Ball>) -> Counterexample {
+    let names = joined.rule.variables.iter().cloned();
+    Counterexample {
         backwards: false,
-        values: rule
-            .variables
-            .iter()
-            .cloned()
-            .zip(values.iter().copied())
-            .collect(),
-        // One zero is enough for people.
-        left: left + 0.0,
-        right: right + 0.0,
-        difference,
-    })
+        near: place.radii.iter().any(|&radius| radius > 0.0),
+        values: names.zip(place.values.iter().copied()).collect(),
+        left: left.middle(),
+        right: right.map_or(f64::NAN, Ball::middle),
+        defined: right.is_some(),
+        difference: right.map_or(f64::NAN, |right| left.plus(right.negative()).middle()),
+    }
 }

@@ -1,40 +1,54 @@
 //! Proving and refuting rules.
 //!
-//! Over the reals a rule without roots is an identity of rational functions
-//! of its variables and of sines and cosines, so it is decided at random
-//! points of a prime field (Schwartz and Zippel): two sides that differ agree
-//! at one point with probability at most degree/2⁶¹, and eight points must
-//! agree. First sine and cosine are independent (class real), then they lie
-//! on the circle (class real-trig). A rule that fails both is refuted by
-//! small integers; when none refute it, it is neither proved nor refuted
-//! (the field knows neither sums of angles nor which sums are positive) and
-//! no pass uses it.
+//! A rule is true when, wherever its conditions hold and its left side is
+//! defined, its right side is defined and has the same value. A proof has
+//! three parts, and a difference in any of them is a difference:
 //!
-//! The field decides at points in general position. A rule whose right side
-//! divides by zero at a point where the left side does not changes the
-//! function there, and is false as well.
+//! - *The same function.* Without roots a rule is an identity of rational
+//!   functions of its variables and of sines and cosines, so it is decided at
+//!   random points of two prime fields (Schwartz and Zippel): first with sine
+//!   and cosine independent (class real), then with angles on the circle
+//!   (class real-trig). With roots the points are so many that every way of
+//!   choosing the signs occurs. See [`agree`].
+//! - *Defined where the left side is.* No divisor of the right side can be
+//!   zero there and no number under its roots negative. That is proved by
+//!   bounds and by factors, not by trying. See [`domain`].
+//! - *The same numbers.* At states near and far, whole and broken, of either
+//!   sign, the sides are computed with bounds of the errors and must not lie
+//!   apart; and in binary64 or binary32 some bits must be equal.
+//!
+//! A rule that fails is refuted by numbers, the smallest when there are any,
+//! else next to zeros of what it divides by and takes roots of. When none
+//! refute it, it is neither proved nor refuted, and no pass uses it.
 
+mod agree;
+mod ball;
 mod bits;
 mod counterexample;
+mod domain;
+mod facts;
 mod field;
+mod joined;
+mod line;
+mod point;
+mod polynomial;
+mod primes;
+mod proof;
+mod range;
+mod states;
 #[cfg(test)]
 mod tests;
+mod zeros;
 
 pub use bits::{Note, NoteKind};
 pub use counterexample::Counterexample;
-pub(super) use field::RuleField;
+pub(super) use field::{Residue, RuleField};
+pub use proof::{Doubt, Proof};
 
 use super::RuleSet;
-use super::pattern::{Pattern, PatternNode};
-use super::rule::{Requirement, Rule};
+use super::rule::Rule;
 use crate::NumericClass;
-use robovec_ir::Operation;
-use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
-use robovec_ir::field::{Field, PrimeField};
-
-/// Points of the field at which both sides must agree.
-pub const POINTS: u32 = 8;
 
 /// Random trials in floating point for a report.
 pub const TRIALS: usize = 20_000;
@@ -46,19 +60,11 @@ const FEW_TRIALS: usize = 2_000;
 #[derive(Clone, PartialEq, Debug)]
 pub enum Verdict {
     /// Equal over the reals wherever the left side is defined.
-    Proved {
-        /// True when sine and cosine must lie on the circle.
-        circle: bool,
-        /// A bound on the degree of the difference of the sides, as a
-        /// polynomial: a wrong rule passes one point with probability at most
-        /// this over 2⁶¹.
-        degree: u64,
-    },
+    Proved(Proof),
     /// Refuted.
     False(Counterexample),
-    /// Not equal in the field, but no numbers were found that refute it; or
-    /// never defined in the field.
-    Unproved,
+    /// Neither proved nor refuted.
+    Unproved(Doubt),
 }
 
 /// What is known of a rule.
@@ -69,8 +75,8 @@ pub struct Finding {
     /// What it does to numbers, as found; that of the declaration when the
     /// rule is not proved.
     pub class: NumericClass,
-    /// The part of random points in binary32 where both sides have the same
-    /// bits, from 0 to 1.
+    /// The part of random points where both sides have the same bits, from 0
+    /// to 1: in binary32 or, where none have in that, in binary64.
     pub equal_bits: f64,
     /// What happens at special values.
     pub notes: Vec<Note>,
@@ -79,7 +85,7 @@ pub struct Finding {
 impl Finding {
     /// True when a pass may use the rule.
     pub fn is_sound(&self) -> bool {
-        matches!(self.verdict, Verdict::Proved { .. })
+        matches!(self.verdict, Verdict::Proved(_))
     }
 
     /// True when the rule keeps what its author declares.
@@ -89,19 +95,28 @@ impl Finding {
 }
 
 /// Proves or refutes a rule, with so many random trials in floating point.
+/// The verdict does not depend on their number.
 pub fn check(rule: &Rule, trials: usize) -> Finding {
-    let verdict = verdict(rule);
-    let mut class = match verdict {
-        Verdict::Proved { circle: false, .. } => NumericClass::Real,
-        Verdict::Proved { circle: true, .. } => NumericClass::RealTrig,
-        Verdict::False(_) | Verdict::Unproved => rule.class,
+    let mut verdict = proof::verdict(rule);
+    let trials = match verdict {
+        // What a false rule does to bits is of little interest.
+        Verdict::False(_) => trials.min(FEW_TRIALS),
+        _ => trials,
     };
     let mut bits = bits::try_bits(rule, trials);
+    if let (Verdict::Proved(_), true) = (&verdict, bits.equal == 0.0) {
+        verdict = Verdict::Unproved(Doubt::Bits);
+    }
+    let mut class = match &verdict {
+        Verdict::Proved(proof) if proof.circle => NumericClass::RealTrig,
+        Verdict::Proved(_) => NumericClass::Real,
+        Verdict::False(_) | Verdict::Unproved(_) => rule.class,
+    };
     if let Verdict::False(_) = verdict {
         // What it does to zeros is then of no interest.
         bits.notes.clear();
     }
-    if class == NumericClass::Real && bits.exact {
+    if class == NumericClass::Real && bits.exact && matches!(verdict, Verdict::Proved(_)) {
         class = NumericClass::Exact;
     }
     Finding {
@@ -110,86 +125,6 @@ pub fn check(rule: &Rule, trials: usize) -> Finding {
         equal_bits: bits.equal,
         notes: bits.notes,
     }
-}
-
-fn verdict(rule: &Rule) -> Verdict {
-    let degree = degree(&rule.left).saturating_add(degree(&rule.right));
-    for circle in [false, true] {
-        if agrees(rule, circle) == Some(true) {
-            return match counterexample::undefined(rule) {
-                Some(hole) => Verdict::False(hole),
-                None => Verdict::Proved { circle, degree },
-            };
-        }
-    }
-    match counterexample::search(rule) {
-        Some(found) => Verdict::False(found),
-        None => Verdict::Unproved,
-    }
-}
-
-/// Whether the sides agree at points of the field; `None` when they are
-/// hardly ever defined there.
-fn agrees(rule: &Rule, circle: bool) -> Option<bool> {
-    let mut seen = 0;
-    for seed in 1..=u64::from(64 * POINTS) {
-        // The two primes of the seed take turns.
-        let field = RuleField(PrimeField::pair(seed / 2, circle)[(seed % 2) as usize]);
-        let mut values = field.0.point(rule.variables.len());
-        for condition in &rule.conditions {
-            let value = &mut values[condition.variable as usize];
-            // Squares play the part of positive numbers.
-            if condition.requirement == Requirement::Positive {
-                *value = field.mul(*value, *value);
-            }
-        }
-        let left = rule.left.evaluate(&field, &values);
-        let right = rule.right.evaluate(&field, &values);
-        if PrimeField::is_undefined(left) || PrimeField::is_undefined(right) {
-            continue;
-        }
-        if left != right {
-            return Some(false);
-        }
-        seen += 1;
-        if seen == POINTS {
-            return Some(true);
-        }
-    }
-    None
-}
-
-/// A bound on the degrees of numerator and denominator together. A sine is a
-/// quotient of polynomials of degree 2 in a parameter of the circle.
-fn degree(pattern: &Pattern) -> u64 {
-    let mut degrees: Vec<(u64, u64)> = Vec::with_capacity(pattern.nodes.len());
-    for node in &pattern.nodes {
-        let found = match *node {
-            PatternNode::Variable(_) => (1, 0),
-            PatternNode::Number(_) => (0, 0),
-            PatternNode::Operation(operation, [a, b]) => {
-                let ((p, q), (r, s)) = (degrees[a as usize], degrees[b as usize]);
-                match operation {
-                    Operation::Copy | Operation::Neg => (p, q),
-                    Operation::Add | Operation::Sub => (
-                        p.saturating_add(s).max(r.saturating_add(q)),
-                        q.saturating_add(s),
-                    ),
-                    Operation::Mul => (p.saturating_add(r), q.saturating_add(s)),
-                    Operation::Div => (p.saturating_add(s), q.saturating_add(r)),
-                    Operation::Sin | Operation::Cos => (2, 2),
-                    Operation::Sqrt => (p, q),
-                    // No pattern has three operands.
-                    Operation::Fma | Operation::Fms | Operation::Fnma => {
-                        (p.saturating_add(r), q.saturating_add(s))
-                    }
-                }
-            }
-        };
-        degrees.push(found);
-    }
-    let (numerator, denominator) = degrees.last().copied().unwrap_or_default();
-    numerator.saturating_add(denominator)
 }
 
 impl RuleSet {
@@ -229,25 +164,20 @@ pub fn diagnose(rule: &Rule, finding: &Finding) -> Option<Diagnostic> {
             let diagnostic = Diagnostic::error()
                 .with_message(format!("the rule '{name}' is false"))
                 .with_labels(vec![label(&sides).with_message(found.to_string())]);
-            let advice = if found.right.is_finite() {
+            let advice = if found.defined {
                 "no pass uses it; the other rules are used"
             } else {
                 "no pass uses it; a condition such as 'when nonzero(a)' may save it"
             };
             Some(diagnostic.with_note(advice))
         }
-        Verdict::Unproved => Some(
+        Verdict::Unproved(doubt) => Some(
             Diagnostic::error()
                 .with_message(format!("the rule '{name}' is neither proved nor refuted"))
-                .with_labels(vec![label(&sides)])
-                .with_notes(vec![
-                    "the proof knows sin^2+cos^2=1 and square roots of squares, but neither \
-                     sums of angles nor the signs of sums"
-                        .to_owned(),
-                    "no pass uses it".to_owned(),
-                ]),
+                .with_labels(vec![label(&sides).with_message(doubt.to_string())])
+                .with_note("no pass uses it"),
         ),
-        Verdict::Proved { .. } if finding.class > rule.class => Some(
+        Verdict::Proved(_) if finding.class > rule.class => Some(
             Diagnostic::error()
                 .with_message(format!("the rule '{name}' is true, but not {}", rule.class))
                 .with_labels(vec![
@@ -255,6 +185,6 @@ pub fn diagnose(rule: &Rule, finding: &Finding) -> Option<Diagnostic> {
                 ])
                 .with_note("passes use it with the class that was found"),
         ),
-        Verdict::Proved { .. } => None,
+        Verdict::Proved(_) => None,
     }
 }

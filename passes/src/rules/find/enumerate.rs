@@ -1,16 +1,15 @@
 //! All terms up to a size, told apart by their values.
 //!
 //! Terms are built from the smallest ones up, only from representatives: of
-//! terms with equal values at points of the prime field, which are equal
-//! terms but for a chance of about 2⁻¹⁸⁰, the first one. Every other term of
-//! that value is one side of a candidate, the representative the other.
+//! terms with equal values at points of two prime fields the first one. Every
+//! other term of that value is one side of a candidate, the representative the
+//! other; whether they are equal is then proved like any rule.
 
-use super::super::check::RuleField;
+use super::super::check::{Residue, RuleField};
 use super::super::pattern::{Pattern, PatternNode, apply};
 use hashbrown::HashMap;
 use robovec_ir::Operation::{self, Add, Cos, Mul, Sin, Sub};
 use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::field::{Field, PrimeField};
 
 /// Which terms are tried.
 #[derive(Clone, PartialEq, Debug)]
@@ -39,10 +38,17 @@ impl Default for Space {
     }
 }
 
-/// Points of the field that tell terms apart.
-const POINTS: usize = 3;
+/// Points that tell terms apart: two of each field.
+const POINTS: usize = 4;
 
-type Fingerprint = [u64; POINTS];
+/// Selects the fields.
+const SEED: u64 = 1;
+
+type Fingerprint = [Residue; POINTS];
+
+fn key(fingerprint: &Fingerprint) -> [u64; POINTS] {
+    fingerprint.map(|number| number.value)
+}
 
 /// Two terms of equal value; the first one is the larger.
 pub(super) struct Candidate {
@@ -74,19 +80,19 @@ struct Terms {
     fields: Vec<RuleField>,
     terms: Vec<Term>,
     values: Vec<Fingerprint>,
-    known: HashMap<Fingerprint, u32>,
+    /// By value: what a value is as an angle is of no interest here.
+    known: HashMap<[u64; POINTS], u32>,
     /// Representatives by number of operations.
     levels: Vec<Vec<u32>>,
 }
 
 /// Tries all terms of a space, in a fixed order.
 pub(super) fn enumerate(space: &Space) -> Enumeration {
-    let fields = (1..=POINTS as u64).map(|seed| {
-        let [field, _] = PrimeField::pair(seed << 32, space.trigonometric);
-        RuleField(field)
-    });
+    let pair = RuleField::pair(SEED).map(|field| field.on_circle(space.trigonometric));
     let mut terms = Terms {
-        fields: fields.collect(),
+        fields: (0..POINTS)
+            .map(|point| pair[point % 2].at(point as u64))
+            .collect(),
         terms: Vec::new(),
         values: Vec::new(),
         known: HashMap::new(),
@@ -113,16 +119,17 @@ pub(super) fn enumerate(space: &Space) -> Enumeration {
 impl Terms {
     fn leaves(&mut self, space: &Space) {
         let count = (space.variables + u32::from(space.trigonometric)) as usize;
-        let points: Vec<Vec<u64>> = self
+        let points: Vec<Vec<Residue>> = self
             .fields
             .iter()
-            .map(|field| field.0.point(count))
+            .map(|field| field.inputs(&vec![false; count]))
             .collect();
         let at = |variable: u32| -> Fingerprint {
             std::array::from_fn(|point| points[point][variable as usize])
         };
         // Nothing is built from zero: known rules remove it again.
-        self.push(Term::Leaf(PatternNode::Number(0.0)), [0; POINTS]);
+        let zero = std::array::from_fn(|point| self.fields[point].literal(0.0));
+        self.push(Term::Leaf(PatternNode::Number(0.0)), zero);
         for variable in 0..space.variables {
             self.leaf(Term::Leaf(PatternNode::Variable(variable)), at(variable));
         }
@@ -151,11 +158,12 @@ impl Terms {
 
     /// Adds a term unless one of its value is known.
     fn push(&mut self, term: Term, value: Fingerprint) -> Option<u32> {
-        if self.known.contains_key(&value) {
+        let key = key(&value);
+        if self.known.contains_key(&key) {
             return None;
         }
         let index = self.terms.len() as u32;
-        self.known.insert(value, index);
+        self.known.insert(key, index);
         self.terms.push(term);
         self.values.push(value);
         Some(index)
@@ -189,7 +197,7 @@ impl Terms {
                         self.levels[first + second + 1].push(index);
                         continue;
                     }
-                    let same = self.known[&value];
+                    let same = self.known[&key(&value)];
                     enumeration.candidates.push(Candidate {
                         left: self.pattern(term),
                         right: self.pattern(self.terms[same as usize]),

@@ -1,0 +1,45 @@
+//! Whether the right side of a rule is defined wherever the left side is.
+//!
+//! Every number that the right side divides by must be one that cannot be
+//! zero there, every number that it takes the root of one that cannot be
+//! negative: by its bounds, because it is a multiple of a number that is
+//! known, or because all its factors are factors of divisors of the left side
+//! and of what else is not zero. A point where that fails is looked for
+//! elsewhere ([`super::counterexample`]); without a proof a rule is not proved
+//! even when none is found.
+
+use super::super::pattern::PatternNode;
+use super::facts::Facts;
+use super::line::Lines;
+use super::range::Range;
+use robovec_ir::Operation;
+
+/// Proves that the right side is defined wherever the left side is. What was
+/// learnt of its nodes is added to the facts. The error is the first operand
+/// of which it could not be proved.
+pub(super) fn prove(facts: &mut Facts<'_>) -> Result<(), usize> {
+    let nodes = facts.joined.left..facts.joined.pattern.nodes.len();
+    let mut lines = None;
+    for node in nodes {
+        facts.defined = node;
+        if let PatternNode::Operation(operation, [a, b]) = facts.joined.pattern.nodes[node] {
+            let (a, b) = (a as usize, b as usize);
+            if matches!(operation, Operation::Div | Operation::Sqrt) {
+                facts.propagate();
+            }
+            if operation == Operation::Div && !facts.ranges[b].nonzero {
+                let lines = lines.get_or_insert_with(|| Lines::of(facts));
+                if !lines.is_nonzero(facts, b) {
+                    return Err(b);
+                }
+                facts.add(b, Range::NONZERO);
+            }
+            if operation == Operation::Sqrt && facts.ranges[a].low < 0.0 {
+                return Err(a);
+            }
+        }
+    }
+    facts.defined = facts.joined.pattern.nodes.len();
+    facts.propagate();
+    Ok(())
+}

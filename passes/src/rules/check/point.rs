@@ -1,0 +1,148 @@
+//! Both sides of a rule at one point of the reals, with certainty.
+
+use super::super::pattern::{Pattern, PatternNode};
+use super::super::rule::Rule;
+use super::ball::Ball;
+use super::field::{Residue, RuleField};
+use robovec_ir::Operation;
+
+/// What a side is at a point.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) enum Outcome {
+    /// The numbers of all nodes.
+    Defined(Vec<Ball>),
+    /// Some operation is not defined for certain: a division by zero, the
+    /// root of a negative number.
+    Undefined,
+    /// Too close to such a place to tell.
+    Unknown,
+}
+
+impl Outcome {
+    /// The numbers of all nodes, where they are defined.
+    pub(super) fn numbers(self) -> Option<Vec<Ball>> {
+        match self {
+            Outcome::Defined(numbers) => Some(numbers),
+            Outcome::Undefined | Outcome::Unknown => None,
+        }
+    }
+
+    /// The value of the whole side.
+    pub(super) fn value(self) -> Option<Ball> {
+        self.numbers()?.last().copied()
+    }
+}
+
+/// A point of the reals.
+#[derive(Clone, Debug)]
+pub(super) struct Place {
+    /// The variables.
+    pub(super) values: Vec<f64>,
+    /// How far each variable can be from its value.
+    pub(super) radii: Vec<f64>,
+}
+
+impl Place {
+    /// Exactly these numbers.
+    pub(super) fn exactly(values: Vec<f64>) -> Place {
+        Place {
+            radii: vec![0.0; values.len()],
+            values,
+        }
+    }
+
+    /// True when the conditions of a rule hold, on all of a place.
+    pub(super) fn meets(&self, rule: &Rule) -> bool {
+        rule.conditions.iter().all(|condition| {
+            let variable = condition.variable as usize;
+            let (value, radius) = (self.values[variable], self.radii[variable]);
+            [value - radius, value + radius]
+                .iter()
+                .all(|&end| condition.requirement.holds_for(end))
+                && (value.abs() > radius || radius == 0.0)
+        })
+    }
+}
+
+/// Evaluates a pattern in balls. Whether a number that can be zero is zero is
+/// decided by two prime fields.
+pub(super) fn evaluate(pattern: &Pattern, place: &Place, fields: &[RuleField; 2]) -> Outcome {
+    let mut numbers: Vec<Ball> = Vec::with_capacity(pattern.nodes.len());
+    let mut zeros = Zeros {
+        pattern,
+        place,
+        fields,
+        residues: None,
+    };
+    for node in &pattern.nodes {
+        let number = match *node {
+            PatternNode::Variable(variable) => {
+                let variable = variable as usize;
+                Ball::between(place.values[variable], place.radii[variable])
+            }
+            PatternNode::Number(number) => Ball::exact(number),
+            PatternNode::Operation(operation, [first, second]) => {
+                let (a, b) = (numbers[first as usize], numbers[second as usize]);
+                match operation {
+                    Operation::Div => match a.over(b) {
+                        Some(quotient) => quotient,
+                        None if zeros.is_zero(second) => return Outcome::Undefined,
+                        None => return Outcome::Unknown,
+                    },
+                    Operation::Sqrt => match a.sign() {
+                        1 => a.root(),
+                        0 if zeros.is_zero(first) => Ball::exact(0.0),
+                        0 => return Outcome::Unknown,
+                        _ => return Outcome::Undefined,
+                    },
+                    _ => total(operation, a, b),
+                }
+            }
+        };
+        numbers.push(number);
+    }
+    Outcome::Defined(numbers)
+}
+
+/// An operation that is defined everywhere.
+fn total(operation: Operation, a: Ball, b: Ball) -> Ball {
+    match operation {
+        Operation::Neg => a.negative(),
+        Operation::Add => a.plus(b),
+        Operation::Sub => a.plus(b.negative()),
+        Operation::Mul | Operation::Fma | Operation::Fms => a.times(b),
+        Operation::Fnma => a.times(b).negative(),
+        Operation::Sin => a.sine(),
+        Operation::Cos => a.cosine(),
+        // The partial ones are not for this.
+        Operation::Copy | Operation::Div | Operation::Sqrt => a,
+    }
+}
+
+/// Decides which nodes are exactly zero, when that is first asked.
+struct Zeros<'a> {
+    pattern: &'a Pattern,
+    place: &'a Place,
+    fields: &'a [RuleField; 2],
+    residues: Option<[Vec<Residue>; 2]>,
+}
+
+impl Zeros<'_> {
+    /// True when a node that can be zero is. A number that is zero in both
+    /// fields is zero unless two primes near 2⁶¹, drawn from the rule, divide
+    /// its numerator.
+    fn is_zero(&mut self, node: u32) -> bool {
+        if self.place.radii.iter().any(|&radius| radius > 0.0) {
+            return false;
+        }
+        let residues = self.residues.get_or_insert_with(|| {
+            self.fields.map(|field| {
+                use robovec_ir::arithmetic::Arithmetic;
+                let literal = |&value: &f64| field.literal(value);
+                let inputs: Vec<Residue> = self.place.values.iter().map(literal).collect();
+                self.pattern.evaluate_all(&field, &inputs)
+            })
+        });
+        residues.iter().all(|all| all[node as usize].value == 0)
+    }
+}
