@@ -13,8 +13,10 @@ mod decode;
 pub mod drop_in;
 mod explain;
 mod header;
+mod literal;
 mod lower;
 mod places;
+mod preprocessor;
 mod raw;
 mod storage;
 mod structure;
@@ -39,6 +41,7 @@ lalrpop_util::lalrpop_mod!(
 pub(crate) use self::decode::decode_text;
 use self::explain::{explain, refusal};
 use self::header::Header;
+use self::literal::Arithmetic;
 use self::lower::Lowering;
 use self::places::Places;
 use self::raw::{C, Matlab, Python, Surface};
@@ -186,6 +189,11 @@ fn limited(mut errors: Vec<Diagnostic>, warnings: Vec<Diagnostic>) -> Vec<Diagno
 fn parse(text: &str, language: Language, symbols: &mut Symbols) -> Result<Syntax, Vec<Diagnostic>> {
     let mut builder = Builder::default();
     builder.extents_from_zero = language != Language::Matlab;
+    builder.arithmetic = match language {
+        Language::C => Arithmetic::C,
+        Language::Matlab => Arithmetic::Floats,
+        Language::Python => Arithmetic::Python,
+    };
     let errors = match language {
         Language::C => parse_tokens(
             text,
@@ -256,10 +264,11 @@ fn build(
 ) -> (Module, Vec<Diagnostic>, Vec<Diagnostic>) {
     let file = module.tables.sources.add_file(name);
     let mut places = Places::new(text, file);
-    let blocks = match structure::functions(&syntax, language, &mut places, text) {
-        Ok(blocks) => blocks,
-        Err(errors) => return (module, errors, Vec::new()),
-    };
+    let blocks =
+        match structure::functions(&syntax, language, &mut places, &module.tables.symbols, text) {
+            Ok(blocks) => blocks,
+            Err(errors) => return (module, errors, Vec::new()),
+        };
     let header = Header::read(text);
     let mut errors = Vec::new();
     if blocks.is_empty() {
