@@ -1,12 +1,15 @@
 //! C as C: every construct gives the number that gcc gives, or is refused.
 //!
 //! The functions of `semantics/c.txt`, with what is said about those that are
-//! refused; the examples; and the examples changed at random.
+//! refused; the examples; and the examples changed at random. The same with
+//! Python, and with Matlab where there is an Octave.
 
 mod compiled;
 mod mutation;
 
-use compiled::{Outcome, Subject, compare, has_gcc};
+use compiled::{
+    Outcome, Subject, compare, compare_octave, compare_python, compare_within, has_gcc,
+};
 use mutation::Mutator;
 use robovec::robotran::{Language, read};
 use std::path::{Path, PathBuf};
@@ -86,13 +89,7 @@ fn constructs_of_c_give_the_numbers_of_gcc() {
     if !has_gcc() {
         return;
     }
-    let subjects: Vec<Subject> = functions("c.txt", in_c)
-        .into_iter()
-        .map(|(name, text)| Subject {
-            name: format!("{name}.c"),
-            text,
-        })
-        .collect();
+    let subjects = named(functions("c.txt", in_c), "c");
     let counts = Counts::of(&subjects, &compare(&subjects, &[]));
     assert!(counts.equal >= 40 && counts.refused >= 60, "{counts:?}");
 }
@@ -128,16 +125,65 @@ impl Counts {
     }
 }
 
+fn has(program: &str) -> bool {
+    let found = std::process::Command::new(program)
+        .arg("--version")
+        .output()
+        .is_ok();
+    if !found {
+        eprintln!("no {program}: nothing is compared with it");
+    }
+    found
+}
+
+#[test]
+fn constructs_of_python_give_the_numbers_of_python() {
+    if !has("python3") {
+        return;
+    }
+    let subjects = named(functions("python.txt", in_python), "py");
+    let counts = Counts::of(&subjects, &compare_python(&subjects));
+    assert!(counts.equal >= 12 && counts.refused >= 20, "{counts:?}");
+    let subjects = files(&examples(), "py");
+    let counts = Counts::of(&subjects, &compare_python(&subjects));
+    assert_eq!(counts.equal, subjects.len());
+}
+
+#[test]
+fn constructs_of_matlab_give_the_numbers_of_octave() {
+    if has("octave-cli") {
+        let subjects = named(functions("matlab.txt", in_matlab), "m");
+        let counts = Counts::of(&subjects, &compare_octave(&subjects));
+        assert!(counts.equal >= 10 && counts.refused >= 20, "{counts:?}");
+    }
+}
+
+#[test]
+fn changed_examples_of_python_give_the_numbers_of_python_or_are_refused() {
+    if has("python3") {
+        let counts = mutants(2, 210, Language::Python);
+        assert!(counts.equal > 20 && counts.refused > 20, "{counts:?}");
+    }
+}
+
+fn named(functions: Vec<(String, String)>, extension: &str) -> Vec<Subject> {
+    let subjects = functions.into_iter().map(|(name, text)| Subject {
+        name: format!("{name}.{extension}"),
+        text,
+    });
+    subjects.collect()
+}
+
 fn examples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension")
 }
 
-/// The C files of a folder.
-fn c_files(folder: &Path) -> Vec<Subject> {
+/// The files of a folder in a language.
+fn files(folder: &Path, extension: &str) -> Vec<Subject> {
     let entries = std::fs::read_dir(folder).expect("a readable folder");
     let paths = entries.map(|entry| entry.expect("a readable folder").path());
     let mut paths: Vec<PathBuf> = paths
-        .filter(|path| path.extension().is_some_and(|extension| extension == "c"))
+        .filter(|path| path.extension().is_some_and(|found| found == extension))
         .collect();
     paths.sort();
     let subject = |path: &PathBuf| {
@@ -159,31 +205,36 @@ fn examples_give_the_numbers_of_gcc() {
     if !has_gcc() {
         return;
     }
-    let subjects = c_files(&examples());
+    let subjects = files(&examples(), "c");
     let counts = Counts::of(&subjects, &compare(&subjects, &[examples()]));
     assert_eq!(counts.equal, subjects.len());
 }
 
 /// Changes the examples at random and compares what is still read.
-fn mutants(seed: u64, count: usize) -> Counts {
-    let bases = c_files(&examples());
+fn mutants(seed: u64, count: usize, language: Language) -> Counts {
+    let extension = if language == Language::C { "c" } else { "py" };
+    let bases = files(&examples(), extension);
     let mut mutator = Mutator::new(seed);
     let subjects: Vec<Subject> = (0..count)
         .map(|index| {
             let base = &bases[index % bases.len()];
             Subject {
                 name: base.name.clone(),
-                text: mutator.mutant(&base.text, Language::C),
+                text: mutator.mutant(&base.text, language),
             }
         })
         .collect();
-    Counts::of(&subjects, &compare(&subjects, &[examples()]))
+    let outcomes = match language {
+        Language::Python => compare_python(&subjects),
+        Language::C | Language::Matlab => compare(&subjects, &[examples()]),
+    };
+    Counts::of(&subjects, &outcomes)
 }
 
 #[test]
 fn changed_examples_give_the_numbers_of_gcc_or_are_refused() {
     if has_gcc() {
-        let counts = mutants(1, 210);
+        let counts = mutants(1, 210, Language::C);
         assert!(counts.equal > 20 && counts.refused > 20, "{counts:?}");
     }
 }
@@ -195,7 +246,8 @@ fn many_changed_examples() {
     let count = std::env::var("ROBOVEC_MUTANTS").ok();
     let count = count.and_then(|text| text.parse().ok()).unwrap_or(3000);
     for seed in 0..count / 500 {
-        mutants(1000 + seed as u64, 500);
+        mutants(1000 + seed, 500, Language::C);
+        mutants(2000 + seed, 500, Language::Python);
     }
 }
 
@@ -217,7 +269,7 @@ fn files_elsewhere() {
             text: String::from_utf8_lossy(&bytes).into_owned(),
         };
         let folder = std::path::absolute(path.parent().unwrap_or(Path::new(".")));
-        let outcome = &compare(&[subject], &[folder.expect("a folder")])[0];
+        let outcome = &compare_within(400, &[subject], &[folder.expect("a folder")])[0];
         println!("{}: {outcome:?}", path.display());
         assert!(!matches!(outcome, Outcome::Differs(_)));
     }

@@ -18,6 +18,7 @@ use robovec_ir::{
     Array, Assignment, Function, Input, Machine, Module, Name, Node, Operand, OperandKind, Output,
     Symbol, View, same_equations,
 };
+use robovec_passes::codegen::c::{Options, Real, Signature as CSignature, Sines, files as c_files};
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline;
 use robovec_passes::rewrite::lay_out;
@@ -280,6 +281,93 @@ fn written_c_compiles_to_the_same_numbers() {
             );
         }
     }
+}
+
+/// The C for processors reads back where it is one straight-line function,
+/// and says what it is where it is not.
+#[test]
+fn c_for_processors_reads_back_or_says_why_not() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension");
+    let straight = Options {
+        sines: Sines::Library,
+        ..Options::default()
+    };
+    let plain = Options {
+        signature: CSignature::Plain,
+        ..straight.clone()
+    };
+    let refused = [
+        (Options::default(), "sines of this file as a loop"),
+        (
+            Options {
+                part: 20,
+                ..straight.clone()
+            },
+            "in several parts",
+        ),
+        (
+            Options {
+                real: Real::Float,
+                ..plain.clone()
+            },
+            "another type than `double`",
+        ),
+    ];
+    for kind in ["dirdyna", "invdyna", "cons_hJ", "cons_jdqd"] {
+        let module = read_file(&root.join(format!("mbs_{kind}_suspension.m"))).expect("good");
+        let view = View {
+            tables: &module.tables,
+            function: &module.functions[0],
+        };
+        let again = |options: &Options| {
+            let (name, text) = c_files(view, options).expect("it is C").swap_remove(0);
+            read(&name, text.as_bytes(), None)
+        };
+        for options in [&straight, &plain] {
+            let read =
+                again(options).unwrap_or_else(|error| panic!("{}", error.report.render_plain()));
+            let found = View {
+                tables: &read.module.tables,
+                function: &read.module.functions[0],
+            };
+            assert_eq!(numbers(view), numbers(found), "{kind}");
+        }
+        if kind == "dirdyna" {
+            for (options, why) in &refused {
+                let text = again(options)
+                    .expect_err("it is refused")
+                    .report
+                    .render_plain();
+                assert!(text.contains(why), "{text}");
+            }
+        }
+    }
+}
+
+/// `robovec check` takes the C that robovec writes.
+#[test]
+fn check_compares_c_that_robovec_wrote() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension");
+    let original = root.join("mbs_dirdyna_suspension.c");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let module = read_file(&original).expect("a good file");
+    let written = write(&module, Language::C, &WriteOptions::default()).expect("it is C");
+    let path = folder.path().join(&written[0].0);
+    let check = |text: &str| {
+        std::fs::write(&path, text).expect("a temporary file");
+        Command::new(env!("CARGO_BIN_EXE_robovec"))
+            .arg("check")
+            .args([&original, &path])
+            .output()
+            .expect("it runs")
+            .status
+            .success()
+    };
+    assert!(check(&written[0].1));
+    let place = written[0].1.find("*C2").expect("a product with a cosine");
+    let mut changed = written[0].1.clone();
+    changed.replace_range(place..place + 3, "*S2");
+    assert!(!check(&changed));
 }
 
 /// What a pipeline of exact passes makes of an example is written, read and

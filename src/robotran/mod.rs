@@ -157,6 +157,11 @@ pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read
             .with_note("name the file .c, .m or .py, or force the language");
         return Err(fail(&text, vec![error]));
     };
+    if language == Language::C
+        && let Some(error) = loops_of_robovec(&text)
+    {
+        return Err(fail(&text, vec![error]));
+    }
     let mut module = Module::new();
     let syntax = parse(&text, language, &mut module.tables.symbols)
         .map_err(|errors| fail(&text, limited(errors, Vec::new())))?;
@@ -171,6 +176,37 @@ pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read
         });
     }
     Err(fail(&text, limited(errors, warnings)))
+}
+
+/// Why a file of robovec's own C for processors cannot be read, where it
+/// holds more than one straight-line function of 64-bit floats.
+fn loops_of_robovec(text: &str) -> Option<Diagnostic> {
+    let head = text.lines().next()?;
+    if !head.starts_with("/*") || !head.contains(" by robovec") {
+        return None;
+    }
+    let kinds = [
+        (
+            "ROBOVEC_ANGLES",
+            "robovec wrote the sines of this file as a loop",
+            "they are not the library's to the last bit; write it with `sines=library`, or compare the file it was written from",
+        ),
+        (
+            "ROBOVEC_APART",
+            "robovec wrote this file in several parts",
+            "write it with a `part` that holds all operations, or compare the file it was written from",
+        ),
+        (
+            "for (",
+            "robovec wrote this file with loops",
+            "only straight-line C is read; compare the file it was written from",
+        ),
+    ];
+    kinds.into_iter().find_map(|(mark, message, note)| {
+        let start = text.find(mark)?;
+        let span = Span::new(start, start + mark.len());
+        Some(refusal(message, span, "the first of it", note))
+    })
 }
 
 /// At most [`ERROR_LIMIT`] errors, then the warnings.

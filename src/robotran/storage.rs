@@ -67,6 +67,8 @@ pub(super) struct Storage {
     /// The arrays of the structure that are used under its name (`s->q`), and
     /// those that the prologue or a call gives.
     members: HashSet<Symbol, FxBuildHasher>,
+    /// Pointers that are declared without an array, with the statement.
+    pointers: HashMap<Name, usize, FxBuildHasher>,
     given: HashSet<Name, FxBuildHasher>,
     /// The extents of the input arrays; several arrays may begin as the same
     /// one (Matlab's `frc` and `s.frc`).
@@ -168,6 +170,13 @@ impl StorageBuilder<'_> {
             first_uses.insert(name, index as u32);
             arrays.insert(name.symbol());
         }
+        let statements = self.statements.clone();
+        storage.pointers = (statements.clone())
+            .filter_map(|index| match self.syntax.statements[index].kind {
+                Kind::Pointer(name) => Some((name, index)),
+                _ => None,
+            })
+            .collect();
         let first_writings = match storage.joined {
             true => HashMap::default(),
             false => self.first_writings(),
@@ -199,7 +208,8 @@ impl StorageBuilder<'_> {
             let again = storage.bound.insert(target, original);
             if storage.joined {
                 let changed = again.is_some_and(|before| before != original);
-                if changed || target.is_of_data() || (!same && used(target)) {
+                let own = same && !storage.pointers.contains_key(&target);
+                if changed || target.is_of_data() || (!own && used(target)) {
                     self.late_meaning(target, statement.span);
                 }
             } else {
@@ -465,6 +475,19 @@ impl StorageBuilder<'_> {
             let name = storage.arrays[number].name;
             storage.arrays[number].initial = Initial::Input(name.symbol());
             storage.arrays[number].known = self.is_known(storage, name);
+            let declared = storage.pointers.get(&name);
+            if let Some(&declared) = declared
+                && !storage.given.contains(&name)
+                && !storage.bound.contains_key(&name)
+            {
+                let text = self.symbols.text(name.symbol());
+                self.errors.push(refusal(
+                    &format!("the pointer `{text}` points at no array"),
+                    self.syntax.statements[declared].span,
+                    "declared here",
+                    "let it point at an array of the structure before its first use: `q = s->q;`",
+                ));
+            }
         }
         let mut copies = std::mem::take(&mut storage.copies).into_iter().peekable();
         for index in self.statements.clone() {
@@ -530,6 +553,7 @@ impl StorageBuilder<'_> {
             }
             let known = storage.input_shapes.entry(name).or_insert(array.shape);
             *known = match (*known, array.shape) {
+                (Shape::Scalar, Shape::Scalar) => Shape::Scalar,
                 (Shape::Vector(a), Shape::Vector(b)) => Shape::Vector(a.max(b)),
                 (Shape::Matrix(a, b), Shape::Matrix(c, d)) => Shape::Matrix(a.max(c), b.max(d)),
                 _ => {

@@ -219,6 +219,7 @@ impl Cutter<'_> {
             | Kind::Call(_)
             | Kind::Extent(_)
             | Kind::Counter(_)
+            | Kind::Pointer(_)
             | Kind::Prologue => {
                 self.plain(index, span);
                 self.close_single();

@@ -112,6 +112,8 @@ pub(super) enum Kind {
     Extent(u32),
     /// An integer variable of the solver: `int iter = 0;`.
     Counter(Name),
+    /// A pointer of C that is declared and points at nothing yet.
+    Pointer(Name),
     /// A whole-array assignment such as `q = s->q;`, already taken in.
     Prologue,
     /// An entry of [`Syntax::heads`].
@@ -217,6 +219,7 @@ pub(super) struct Builder {
     whole_parameters: Vec<Name>,
     initialised: Vec<(Name, Leaf)>,
     declared: Vec<Name>,
+    pointers: Vec<Name>,
     /// Arrays among the declarators of a statement of C.
     declares_array: bool,
     /// Rows of matrices that have names of their own in C
@@ -251,6 +254,7 @@ impl Builder {
         self.whole_parameters.clear();
         self.initialised.clear();
         self.declared.clear();
+        self.pointers.clear();
         self.declares_array = false;
         self.chain = statements;
     }
@@ -548,7 +552,10 @@ impl Builder {
         self.finish();
     }
 
-    pub(super) fn declare_scalar(&mut self, name: Name) {
+    pub(super) fn declare_scalar(&mut self, pointer: bool, name: Name) {
+        if pointer {
+            self.pointers.push(name);
+        }
         self.declared.push(name);
     }
 
@@ -668,6 +675,9 @@ impl Builder {
             self.statement(kind, start, end);
         }
         let declared = std::mem::take(&mut self.declared);
+        for name in std::mem::take(&mut self.pointers) {
+            self.statement(Kind::Pointer(name), start, end);
+        }
         if !double {
             for name in declared {
                 self.statement(Kind::Counter(name), start, end);

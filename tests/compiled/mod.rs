@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// Arrays of the compiled program have this many elements in each direction,
-/// element 0 included.
-const EXTENT: u32 = 48;
+/// element 0 included, unless a test wants more.
+pub const EXTENT: u32 = 48;
 const STATES: u64 = 2;
 
 /// A file of equations.
@@ -76,6 +76,11 @@ struct Callable {
 
 /// Reads and compiles the files, calls them, and compares.
 pub fn compare(subjects: &[Subject], headers: &[PathBuf]) -> Vec<Outcome> {
+    compare_within(EXTENT, subjects, headers)
+}
+
+/// The same with arrays of any number of elements in each direction.
+pub fn compare_within(extent: u32, subjects: &[Subject], headers: &[PathBuf]) -> Vec<Outcome> {
     let mut outcomes = vec![Outcome::NotCompared; subjects.len()];
     let mut callables = Vec::new();
     for (subject, Subject { name, text }) in subjects.iter().enumerate() {
@@ -85,13 +90,14 @@ pub fn compare(subjects: &[Subject], headers: &[PathBuf]) -> Vec<Outcome> {
                 let first = text.lines().next().unwrap_or_default();
                 outcomes[subject] = Outcome::Refused(first.to_owned());
             }
-            Ok(read) => callables.extend(callable(subject, read.module, text)),
+            Ok(read) => callables.extend(callable(subject, read.module, text, extent)),
         }
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
     let program = Program {
         folder: folder.path(),
         headers,
+        extent,
     };
     program.write_files(subjects, &callables);
     let refused = program.refused(&callables);
@@ -110,27 +116,29 @@ pub fn compare(subjects: &[Subject], headers: &[PathBuf]) -> Vec<Outcome> {
     for callable in &callables {
         outcomes[callable.subject] = Outcome::Equal(0);
     }
-    for ((state, call), changed) in &found {
-        let (place, function) = calls[*call];
+    for (call, &(place, function)) in calls.iter().enumerate() {
         let callable = &callables[place];
-        let outcome = &mut outcomes[callable.subject];
-        let Outcome::Equal(count) = outcome else {
-            continue;
-        };
         let view = View {
             tables: &callable.module.tables,
             function: &callable.module.functions[function],
         };
-        match differences(view, *state, changed) {
-            Ok(equal) => *count += equal,
-            Err(difference) => *outcome = Outcome::Differs(difference),
+        for state in 1..=STATES {
+            let Outcome::Equal(count) = &mut outcomes[callable.subject] else {
+                continue;
+            };
+            let compared = found.get(&(state, call));
+            match compared.map(|changed| differences(view, state, changed)) {
+                None => outcomes[callable.subject] = Outcome::OnlyRead,
+                Some(Ok(equal)) => *count += equal,
+                Some(Err(difference)) => outcomes[callable.subject] = Outcome::Differs(difference),
+            }
         }
     }
     outcomes
 }
 
 /// What can be called as MBsysC calls it: one function of a known kind, whole.
-fn callable(subject: usize, module: Module, text: &str) -> Option<Callable> {
+fn callable(subject: usize, module: Module, text: &str, extent: u32) -> Option<Callable> {
     let first = module.functions.first()?;
     let part = |function: &Function| function.metadata.iter().any(|(key, _)| key == "part");
     let kind = kind_of(first);
@@ -144,7 +152,7 @@ fn callable(subject: usize, module: Module, text: &str) -> Option<Callable> {
                 0 => ([0, 0], 0),
                 length => array.shape.indices(length as u32 - 1),
             };
-            indices.iter().all(|&index| index < EXTENT)
+            indices.iter().all(|&index| index < extent)
         })
     };
     let tables = &module.tables;
@@ -203,6 +211,7 @@ type Changes = BTreeMap<(String, u32, u32), u64>;
 struct Program<'a> {
     folder: &'a Path,
     headers: &'a [PathBuf],
+    extent: u32,
 }
 
 impl Program<'_> {
@@ -237,7 +246,7 @@ impl Program<'_> {
         gcc.current_dir(self.folder)
             .args(["-O0", "-ffp-contract=off", "-w", "-I."])
             .args(["-include", "stub.h"])
-            .arg(format!("-DEXTENT={EXTENT}"))
+            .arg(format!("-DEXTENT={}", self.extent))
             .arg(format!("-DSTATES={STATES}"));
         for folder in self.headers {
             gcc.arg("-I").arg(folder);
@@ -341,6 +350,10 @@ pub fn parse_changes(text: &str) -> BTreeMap<(u64, usize), Changes> {
                 );
                 found.insert(current, Changes::new());
             }
+            ["refused", ..] => {
+                found.remove(&current);
+            }
+            [""] => {}
             [name, i, j, bits] => {
                 let place = |text: &str| text.parse().expect("an index");
                 let bits = u64::from_str_radix(bits, 16).expect("hexadecimal");
@@ -443,4 +456,142 @@ fn input_number(view: View<'_>, input: Input, state: u64) -> f64 {
         (_, 1) => number(state, name, indices[0], 0),
         (_, _) => number(state, name, indices[0], indices[1]),
     }
+}
+
+/// Runs files of Python at the same states and compares; what Python refuses
+/// is [`Outcome::OnlyRead`].
+pub fn compare_python(subjects: &[Subject]) -> Vec<Outcome> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let script = folder.path().join("run.py");
+    std::fs::write(&script, include_str!("run.py")).expect("a temporary file");
+    let mut outcomes = vec![Outcome::NotCompared; subjects.len()];
+    let (mut list, mut calls) = (String::new(), Vec::new());
+    for (subject, Subject { name, text }) in subjects.iter().enumerate() {
+        let module = match read(name, text.as_bytes(), Some(Language::Python)) {
+            Err(error) => {
+                let text = error.report.render_plain();
+                let first = text.lines().next().unwrap_or_default();
+                outcomes[subject] = Outcome::Refused(first.to_owned());
+                continue;
+            }
+            Ok(read) => read.module,
+        };
+        let Some(callable) = callable(subject, module, text, EXTENT) else {
+            continue;
+        };
+        outcomes[subject] = Outcome::Equal(0);
+        let file = folder.path().join(format!("file_{subject}.py"));
+        std::fs::write(&file, text).expect("a temporary file");
+        let function = kind_of(&callable.module.functions[0]);
+        for (index, case) in callable.module.functions.iter().map(case_of).enumerate() {
+            for state in 1..=STATES {
+                let call = calls.len();
+                writeln!(list, "{state} {call} {} {function} {case}", file.display())
+                    .expect("a string");
+            }
+            calls.push((callable.module.clone(), subject, index));
+        }
+    }
+    let input = folder.path().join("calls");
+    std::fs::write(&input, list).expect("a temporary file");
+    let output = Command::new("python3")
+        .arg(&script)
+        .stdin(std::fs::File::open(&input).expect("a temporary file"))
+        .output()
+        .expect("python3 is there");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let found = parse_changes(&String::from_utf8_lossy(&output.stdout));
+    for (call, (module, subject, index)) in calls.iter().enumerate() {
+        for state in 1..=STATES {
+            let view = View {
+                tables: &module.tables,
+                function: &module.functions[*index],
+            };
+            let Outcome::Equal(count) = &mut outcomes[*subject] else {
+                continue;
+            };
+            match found
+                .get(&(state, call))
+                .map(|changed| differences(view, state, changed))
+            {
+                None => outcomes[*subject] = Outcome::OnlyRead,
+                Some(Ok(equal)) => *count += equal,
+                Some(Err(difference)) => outcomes[*subject] = Outcome::Differs(difference),
+            }
+        }
+    }
+    outcomes
+}
+
+/// Runs functions `invdyna` of Matlab in Octave at the same states.
+pub fn compare_octave(subjects: &[Subject]) -> Vec<Outcome> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut outcomes = Vec::new();
+    let (mut names, mut modules) = (Vec::new(), Vec::new());
+    for (subject, Subject { name, text }) in subjects.iter().enumerate() {
+        match read(name, text.as_bytes(), Some(Language::Matlab)) {
+            Err(error) => {
+                let text = error.report.render_plain();
+                let first = text.lines().next().unwrap_or_default();
+                outcomes.push(Outcome::Refused(first.to_owned()));
+            }
+            Ok(read) => {
+                outcomes.push(Outcome::Equal(0));
+                let file = folder.path().join(format!("file_{subject}.m"));
+                // A script file: its first statement is no function.
+                std::fs::write(&file, format!("1;\n{text}\nend\n")).expect("a temporary file");
+                names.push(format!("'{}'", file.display()));
+                modules.push((subject, read.module));
+            }
+        }
+    }
+    let script = format!(
+        "STATES = {STATES}; EXTENT = 9; NAMES = {{{}}};\n{}",
+        names.join(", "),
+        include_str!("run.m")
+    );
+    let file = folder.path().join("run.m");
+    std::fs::write(&file, script).expect("a temporary file");
+    let output = Command::new("octave-cli")
+        .args(["--no-init-file", "--quiet"])
+        .arg(&file)
+        .output()
+        .expect("octave is there");
+    let found = parse_changes(&String::from_utf8_lossy(&output.stdout));
+    for (call, (subject, module)) in modules.iter().enumerate() {
+        for state in 1..=STATES {
+            let view = View {
+                tables: &module.tables,
+                function: &module.functions[0],
+            };
+            let Outcome::Equal(count) = &mut outcomes[*subject] else {
+                continue;
+            };
+            match found.get(&(state, call)) {
+                None => outcomes[*subject] = Outcome::OnlyRead,
+                Some(changed) => match same_outputs(view, state, changed) {
+                    Ok(equal) => *count += equal,
+                    Err(difference) => outcomes[*subject] = Outcome::Differs(difference),
+                },
+            }
+        }
+    }
+    outcomes
+}
+
+/// Compares the elements that robovec sets with those Octave gives back.
+fn same_outputs(view: View<'_>, state: u64, results: &Changes) -> Result<usize, String> {
+    let outputs = view.function.assignments.iter().map(|assignment| {
+        let (_, indices, _) = view.function.output_element(assignment.output);
+        ("Qq".to_owned(), indices[0], 0)
+    });
+    let set: Vec<_> = outputs.collect();
+    let mut given = results.clone();
+    // What the function does not set is zero in Octave.
+    given.retain(|key, _| set.contains(key));
+    differences(view, state, &given)
 }
