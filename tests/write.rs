@@ -1,6 +1,7 @@
 //! The writer of Robotran's files: what it writes reads back as the function
 //! it was, in every language, and compiles to the same numbers.
 
+#[allow(dead_code)]
 mod compiled;
 
 use compiled::{Outcome, Subject, compare, has_gcc};
@@ -320,7 +321,7 @@ fn c_for_processors_reads_back_or_says_why_not() {
             function: &module.functions[0],
         };
         let again = |options: &Options| {
-            let (name, text) = c_files(view, options).expect("it is C").swap_remove(0);
+            let [(name, text), _] = c_files(view, options).expect("it is C");
             read(&name, text.as_bytes(), None)
         };
         for options in [&straight, &plain] {

@@ -16,19 +16,19 @@ use std::process::{Command, Output};
 
 /// Arrays of the compiled program have this many elements in each direction,
 /// element 0 included, unless a test wants more.
-pub const EXTENT: u32 = 48;
+pub(crate) const EXTENT: u32 = 48;
 const STATES: u64 = 2;
 
 /// A file of equations.
-pub struct Subject {
+pub(crate) struct Subject {
     /// What messages call it, and what its kind is told from.
-    pub name: String,
-    pub text: String,
+    pub(crate) name: String,
+    pub(crate) text: String,
 }
 
 /// What gcc and robovec make of a file.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Outcome {
+pub(crate) enum Outcome {
     /// robovec refuses it, with this message.
     Refused(String),
     /// gcc refuses it, robovec reads it.
@@ -43,7 +43,7 @@ pub enum Outcome {
 }
 
 /// True when there is a gcc; says so where there is none.
-pub fn has_gcc() -> bool {
+pub(crate) fn has_gcc() -> bool {
     let found = Command::new("gcc").arg("--version").output().is_ok();
     if !found {
         eprintln!("no gcc: nothing is compared with it");
@@ -52,7 +52,7 @@ pub fn has_gcc() -> bool {
 }
 
 /// The number of an element in a state; the compiled program has the same.
-pub fn number(state: u64, name: &str, i: u32, j: u32) -> f64 {
+pub(crate) fn number(state: u64, name: &str, i: u32, j: u32) -> f64 {
     let mut x = 1_469_598_103_934_665_603_u64.wrapping_add(state);
     for byte in name.bytes() {
         x = (x ^ u64::from(byte)).wrapping_mul(1_099_511_628_211);
@@ -75,12 +75,16 @@ struct Callable {
 }
 
 /// Reads and compiles the files, calls them, and compares.
-pub fn compare(subjects: &[Subject], headers: &[PathBuf]) -> Vec<Outcome> {
+pub(crate) fn compare(subjects: &[Subject], headers: &[PathBuf]) -> Vec<Outcome> {
     compare_within(EXTENT, subjects, headers)
 }
 
 /// The same with arrays of any number of elements in each direction.
-pub fn compare_within(extent: u32, subjects: &[Subject], headers: &[PathBuf]) -> Vec<Outcome> {
+pub(crate) fn compare_within(
+    extent: u32,
+    subjects: &[Subject],
+    headers: &[PathBuf],
+) -> Vec<Outcome> {
     let mut outcomes = vec![Outcome::NotCompared; subjects.len()];
     let mut callables = Vec::new();
     for (subject, Subject { name, text }) in subjects.iter().enumerate() {
@@ -337,7 +341,7 @@ impl Program<'_> {
 }
 
 /// The changes a program printed, by state and call.
-pub fn parse_changes(text: &str) -> BTreeMap<(u64, usize), Changes> {
+pub(crate) fn parse_changes(text: &str) -> BTreeMap<(u64, usize), Changes> {
     let mut found: BTreeMap<(u64, usize), Changes> = BTreeMap::new();
     let mut current = (0, 0);
     for line in text.lines() {
@@ -368,7 +372,7 @@ pub fn parse_changes(text: &str) -> BTreeMap<(u64, usize), Changes> {
 
 /// Compares the evaluation with what a call changed: the number of equal
 /// elements, or the first that differs.
-pub fn differences(view: View<'_>, state: u64, changed: &Changes) -> Result<usize, String> {
+pub(crate) fn differences(view: View<'_>, state: u64, changed: &Changes) -> Result<usize, String> {
     let inputs: Vec<f64> = (0..view.function.input_len() as u32)
         .map(|input| input_number(view, Input(input), state))
         .collect();
@@ -460,7 +464,7 @@ fn input_number(view: View<'_>, input: Input, state: u64) -> f64 {
 
 /// Runs files of Python at the same states and compares; what Python refuses
 /// is [`Outcome::OnlyRead`].
-pub fn compare_python(subjects: &[Subject]) -> Vec<Outcome> {
+pub(crate) fn compare_python(subjects: &[Subject]) -> Vec<Outcome> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let script = folder.path().join("run.py");
     std::fs::write(&script, include_str!("run.py")).expect("a temporary file");
@@ -528,7 +532,7 @@ pub fn compare_python(subjects: &[Subject]) -> Vec<Outcome> {
 }
 
 /// Runs functions `invdyna` of Matlab in Octave at the same states.
-pub fn compare_octave(subjects: &[Subject]) -> Vec<Outcome> {
+pub(crate) fn compare_octave(subjects: &[Subject]) -> Vec<Outcome> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut outcomes = Vec::new();
     let (mut names, mut modules) = (Vec::new(), Vec::new());

@@ -101,10 +101,10 @@ const LINES: [&str; 60] = [
 ];
 
 /// A source of changes that depends on its seed alone.
-pub struct Mutator(u64);
+pub(crate) struct Mutator(u64);
 
 impl Mutator {
-    pub fn new(seed: u64) -> Mutator {
+    pub(crate) fn new(seed: u64) -> Mutator {
         Mutator(seed)
     }
 
@@ -122,7 +122,7 @@ impl Mutator {
     }
 
     /// A text with a change, or two, behind its head.
-    pub fn mutant(&mut self, text: &str, language: Language) -> String {
+    pub(crate) fn mutant(&mut self, text: &str, language: Language) -> String {
         let marks = match language {
             Language::C => ["void mbs_", "int mbs_"],
             Language::Matlab => ["function ", "function "],

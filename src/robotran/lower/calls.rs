@@ -73,7 +73,20 @@ impl Emitter<'_, '_, '_> {
                 "has no name under which it could be handed over",
                 "assign it to a name first and pass that",
             )),
-            LeafKind::Element(_) | LeafKind::Number(_) => {}
+            LeafKind::Number(_) => {
+                // The text goes into files of all languages.
+                let text = &self.shared.text[span.range()];
+                let plain = text.bytes().all(|byte| byte.is_ascii_digit());
+                if !plain || (text.len() > 1 && text.starts_with('0')) {
+                    self.errors.push(refusal(
+                        "a user function is called with a number that is not a plain whole number",
+                        span,
+                        "the number of the call is expected here",
+                        "write it in decimal digits, or assign another number to a name and pass that",
+                    ));
+                }
+            }
+            LeafKind::Element(_) => {}
         }
     }
 
