@@ -390,7 +390,7 @@ impl StorageBuilder<'_> {
         for (name, used) in storage.names.clone().into_iter().zip(uses) {
             let text = self.symbols.text(name.symbol());
             if self.foreign && self.language != Language::C && is_known_otherwise(text, used.rank) {
-                self.unknown_rank(name);
+                self.unknown_rank(storage, name);
             }
             let mut stated = self.extents.iter();
             let known = match stated.find(|(name, _, _)| name == text) {
@@ -598,10 +598,10 @@ impl StorageBuilder<'_> {
         ));
     }
 
-    fn unknown_rank(&mut self, name: Name) {
+    fn unknown_rank(&mut self, storage: &Storage, name: Name) {
         let mut elements = self.elements.clone();
         let first =
-            elements.find(|&index| self.syntax.elements[index].name.symbol() == name.symbol());
+            elements.find(|&index| storage.canonical(self.syntax.elements[index].name) == name);
         let element = first.unwrap_or(0) as u32;
         let span = statement_of_element(self.syntax, self.statements.clone(), element);
         let text = self.symbols.text(name.symbol());
