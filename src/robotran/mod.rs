@@ -178,11 +178,16 @@ pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read
     Err(fail(&text, limited(errors, warnings)))
 }
 
+/// True for robovec's own C for processors, by its first line.
+fn is_for_processors(text: &str) -> bool {
+    let head = text.lines().next().unwrap_or_default();
+    head.starts_with("/*") && head.contains(" by robovec")
+}
+
 /// Why a file of robovec's own C for processors cannot be read, where it
 /// holds more than one straight-line function of 64-bit floats.
 fn loops_of_robovec(text: &str) -> Option<Diagnostic> {
-    let head = text.lines().next()?;
-    if !head.starts_with("/*") || !head.contains(" by robovec") {
+    if !is_for_processors(text) {
         return None;
     }
     let kinds = [

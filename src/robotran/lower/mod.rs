@@ -403,7 +403,10 @@ impl Lowering<'_, '_> {
         // that sets only some of the outputs; that nothing was lost, their
         // closing comment tells.
         let ours = self.header.generator.as_deref();
-        if !has_equations || ours.is_some_and(|name| name.starts_with("robovec ")) {
+        if !has_equations
+            || ours.is_some_and(|name| name.starts_with("robovec "))
+            || crate::robotran::is_for_processors(self.text)
+        {
             return;
         }
         let declared = head.map_or(&[][..], |head| &head.outputs);
