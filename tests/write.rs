@@ -1,6 +1,10 @@
 //! The writer of Robotran's files: what it writes reads back as the function
 //! it was, in every language, and compiles to the same numbers.
 
+#[allow(dead_code)]
+mod compiled;
+
+use compiled::{Outcome, Subject, compare, has_gcc};
 use robovec::generate::{FunctionKind, Request, generate};
 use robovec::model::mbs::read_mbs;
 use robovec::robotran::write::{WriteOptions, write};
@@ -15,6 +19,7 @@ use robovec_ir::{
     Array, Assignment, Function, Input, Machine, Module, Name, Node, Operand, OperandKind, Output,
     Symbol, View, same_equations,
 };
+use robovec_passes::codegen::c::{Options, Real, Signature as CSignature, Sines, files as c_files};
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline;
 use robovec_passes::rewrite::lay_out;
@@ -241,8 +246,7 @@ fn examples_read_back_in_every_language() {
 /// bit for bit.
 #[test]
 fn written_c_compiles_to_the_same_numbers() {
-    if Command::new("gcc").arg("--version").output().is_err() {
-        eprintln!("no gcc: the written C is not compiled");
+    if !has_gcc() {
         return;
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -251,21 +255,120 @@ fn written_c_compiles_to_the_same_numbers() {
     equation_files(&root.join("examples/suspension"), &mut files);
     files.retain(|path| path.extension().is_some_and(|extension| extension != "c"));
     assert!(files.len() >= 14);
-    for path in files {
-        let module = read_file(&path).expect("a good file");
-        let written = write(&module, Language::C, &WriteOptions::default()).expect("it is C");
-        for (name, text) in &written {
-            std::fs::write(folder.path().join(name), text).expect("a temporary file");
+    // Files of Matlab and Python have the same names in C.
+    for language in ["m", "py"] {
+        let mut subjects = Vec::new();
+        for path in &files {
+            if path
+                .extension()
+                .is_none_or(|extension| extension != language)
+            {
+                continue;
+            }
+            let module = read_file(path).expect("a good file");
+            let written = write(&module, Language::C, &WriteOptions::default()).expect("it is C");
+            for (name, text) in &written {
+                std::fs::write(folder.path().join(name), text).expect("a temporary file");
+            }
+            let (name, text) = written[0].clone();
+            subjects.push(Subject { name, text });
         }
-        let compared = Command::new("bash")
-            .arg(root.join("scripts/compare-with-gcc.sh"))
-            .arg(folder.path().join(&written[0].0))
-            .env("ROBOVEC", env!("CARGO_BIN_EXE_robovec"))
-            .output()
-            .expect("bash is there");
-        let message = String::from_utf8_lossy(&compared.stderr);
-        assert!(compared.status.success(), "{}: {message}", path.display());
+        let headers = [folder.path().to_owned()];
+        for (subject, outcome) in subjects.iter().zip(compare(&subjects, &headers)) {
+            assert!(
+                matches!(outcome, Outcome::Equal(_)),
+                "{}: {outcome:?}",
+                subject.name
+            );
+        }
     }
+}
+
+/// The C for processors reads back where it is one straight-line function,
+/// and says what it is where it is not.
+#[test]
+fn c_for_processors_reads_back_or_says_why_not() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension");
+    let straight = Options {
+        sines: Sines::Library,
+        ..Options::default()
+    };
+    let plain = Options {
+        signature: CSignature::Plain,
+        ..straight.clone()
+    };
+    let refused = [
+        (Options::default(), "sines of this file as a loop"),
+        (
+            Options {
+                part: 20,
+                ..straight.clone()
+            },
+            "in several parts",
+        ),
+        (
+            Options {
+                real: Real::Float,
+                ..plain.clone()
+            },
+            "another type than `double`",
+        ),
+    ];
+    for kind in ["dirdyna", "invdyna", "cons_hJ", "cons_jdqd"] {
+        let module = read_file(&root.join(format!("mbs_{kind}_suspension.m"))).expect("good");
+        let view = View {
+            tables: &module.tables,
+            function: &module.functions[0],
+        };
+        let again = |options: &Options| {
+            let [(name, text), _] = c_files(view, options).expect("it is C");
+            read(&name, text.as_bytes(), None)
+        };
+        for options in [&straight, &plain] {
+            let read =
+                again(options).unwrap_or_else(|error| panic!("{}", error.report.render_plain()));
+            let found = View {
+                tables: &read.module.tables,
+                function: &read.module.functions[0],
+            };
+            assert_eq!(numbers(view), numbers(found), "{kind}");
+        }
+        if kind == "dirdyna" {
+            for (options, why) in &refused {
+                let text = again(options)
+                    .expect_err("it is refused")
+                    .report
+                    .render_plain();
+                assert!(text.contains(why), "{text}");
+            }
+        }
+    }
+}
+
+/// `robovec check` takes the C that robovec writes.
+#[test]
+fn check_compares_c_that_robovec_wrote() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension");
+    let original = root.join("mbs_dirdyna_suspension.c");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let module = read_file(&original).expect("a good file");
+    let written = write(&module, Language::C, &WriteOptions::default()).expect("it is C");
+    let path = folder.path().join(&written[0].0);
+    let check = |text: &str| {
+        std::fs::write(&path, text).expect("a temporary file");
+        Command::new(env!("CARGO_BIN_EXE_robovec"))
+            .arg("check")
+            .args([&original, &path])
+            .output()
+            .expect("it runs")
+            .status
+            .success()
+    };
+    assert!(check(&written[0].1));
+    let place = written[0].1.find("*C2").expect("a product with a cosine");
+    let mut changed = written[0].1.clone();
+    changed.replace_range(place..place + 3, "*S2");
+    assert!(!check(&changed));
 }
 
 /// What a pipeline of exact passes makes of an example is written, read and

@@ -13,8 +13,10 @@ mod decode;
 pub mod drop_in;
 mod explain;
 mod header;
+mod literal;
 mod lower;
 mod places;
+mod preprocessor;
 mod raw;
 mod storage;
 mod structure;
@@ -39,6 +41,7 @@ lalrpop_util::lalrpop_mod!(
 pub(crate) use self::decode::decode_text;
 use self::explain::{explain, refusal};
 use self::header::Header;
+use self::literal::Arithmetic;
 use self::lower::Lowering;
 use self::places::Places;
 use self::raw::{C, Matlab, Python, Surface};
@@ -163,6 +166,11 @@ pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read
             .with_note("name the file .c, .m or .py, or force the language");
         return Err(fail(&text, vec![error]));
     };
+    if language == Language::C
+        && let Some(error) = loops_of_robovec(&text)
+    {
+        return Err(fail(&text, vec![error]));
+    }
     let mut module = Module::new();
     let syntax = parse(&text, language, &mut module.tables.symbols)
         .map_err(|errors| fail(&text, limited(errors, Vec::new())))?;
@@ -177,6 +185,42 @@ pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read
         });
     }
     Err(fail(&text, limited(errors, warnings)))
+}
+
+/// True for robovec's own C for processors, by its first line.
+fn is_for_processors(text: &str) -> bool {
+    let head = text.lines().next().unwrap_or_default();
+    head.starts_with("/*") && head.contains(" by robovec")
+}
+
+/// Why a file of robovec's own C for processors cannot be read, where it
+/// holds more than one straight-line function of 64-bit floats.
+fn loops_of_robovec(text: &str) -> Option<Diagnostic> {
+    if !is_for_processors(text) {
+        return None;
+    }
+    let kinds = [
+        (
+            "ROBOVEC_ANGLES",
+            "robovec wrote the sines of this file as a loop",
+            "they are not the library's to the last bit; write it with `sines=library`, or compare the file it was written from",
+        ),
+        (
+            "ROBOVEC_APART",
+            "robovec wrote this file in several parts",
+            "write it with a `part` that holds all operations, or compare the file it was written from",
+        ),
+        (
+            "for (",
+            "robovec wrote this file with loops",
+            "only straight-line C is read; compare the file it was written from",
+        ),
+    ];
+    kinds.into_iter().find_map(|(mark, message, note)| {
+        let start = text.find(mark)?;
+        let span = Span::new(start, start + mark.len());
+        Some(refusal(message, span, "the first of it", note))
+    })
 }
 
 /// At most [`ERROR_LIMIT`] errors, then the warnings.
@@ -195,6 +239,11 @@ fn limited(mut errors: Vec<Diagnostic>, warnings: Vec<Diagnostic>) -> Vec<Diagno
 fn parse(text: &str, language: Language, symbols: &mut Symbols) -> Result<Syntax, Vec<Diagnostic>> {
     let mut builder = Builder::default();
     builder.extents_from_zero = language != Language::Matlab;
+    builder.arithmetic = match language {
+        Language::C => Arithmetic::C,
+        Language::Matlab => Arithmetic::Floats,
+        Language::Python => Arithmetic::Python,
+    };
     let errors = match language {
         Language::C => parse_tokens(
             text,
@@ -265,10 +314,11 @@ fn build(
 ) -> (Module, Vec<Diagnostic>, Vec<Diagnostic>) {
     let file = module.tables.sources.add_file(name);
     let mut places = Places::new(text, file);
-    let blocks = match structure::functions(&syntax, language, &mut places, text) {
-        Ok(blocks) => blocks,
-        Err(errors) => return (module, errors, Vec::new()),
-    };
+    let blocks =
+        match structure::functions(&syntax, language, &mut places, &module.tables.symbols, text) {
+            Ok(blocks) => blocks,
+            Err(errors) => return (module, errors, Vec::new()),
+        };
     let header = Header::read(text);
     let mut errors = Vec::new();
     if blocks.is_empty() {

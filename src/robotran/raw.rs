@@ -16,7 +16,10 @@ pub(super) enum Raw {
     /// A member with literal indices.
     MemberElement,
     Zeros,
+    /// A number of Matlab.
     Number,
+    /// What C or Python takes for one number, with its suffix: `0x1Fu`.
+    Numeral,
     Text,
     Preprocessor,
     LineEnd,
@@ -110,17 +113,23 @@ surface!(C {
     Element,
     #[regex(r"[A-Za-z_][A-Za-z0-9_]*->[A-Za-z_][A-Za-z0-9_]*[ \t]*\[[ \t]*[0-9]+[ \t]*\]([ \t]*\[[ \t]*[0-9]+[ \t]*\])?", priority = 20)]
     MemberElement,
-    #[regex(r#""([^"\\\n]|\\[^\n])*""#)]
+    #[regex(r"\.?[0-9]([eEpP][+-]|[0-9A-Za-z_.])*", priority = 20)]
+    Numeral,
+    #[token("\"", quoted)]
+    #[token("'", quoted, priority = 20)]
     Text,
-    #[regex(r"#[^\n]*", allow_greedy = true)]
+    #[token("#", directive)]
+    #[token("%:", directive)]
     Preprocessor,
 } skip {
     #[regex(r"[ \t\r\n\f\v]+", logos::skip)]
     Blank,
-    #[regex(r"//[^\n]*", logos::skip, allow_greedy = true)]
+    #[token("//", line_comment)]
     LineComment,
     #[token("/*", block_comment)]
     BlockComment,
+    #[regex(r"\\[ \t\r\f\v]*\n", joined_lines, priority = 20)]
+    Continuation,
 });
 
 surface!(Matlab {
@@ -132,7 +141,8 @@ surface!(Matlab {
     Element,
     #[regex(r"[A-Za-z_][A-Za-z0-9_]*\.[A-Za-z_][A-Za-z0-9_]*[ \t]*\([ \t]*[0-9]+[ \t]*(,[ \t]*[0-9]+[ \t]*)?\)", priority = 20)]
     MemberElement,
-    #[regex(r#""[^"\n]*"|'[^'\n]*'"#)]
+    // Octave has escapes in a text in double quotes, Matlab has not.
+    #[regex(r#""[^"\n\\]*"|'[^'\n]*'"#)]
     Text,
 } skip {
     #[regex(r"[ \t\r\f\v]+", logos::skip)]
@@ -152,6 +162,8 @@ surface!(Python {
     Element,
     #[regex(r"[A-Za-z_][A-Za-z0-9_]*\.[A-Za-z_][A-Za-z0-9_]*[ \t]*\[[ \t]*[0-9]+[ \t]*(,[ \t]*[0-9]+[ \t]*)?\]([ \t]*\[[ \t]*[0-9]+[ \t]*\])?", priority = 20)]
     MemberElement,
+    #[regex(r"\.?[0-9]([eE][+-]|[0-9A-Za-z_.])*", priority = 20)]
+    Numeral,
     #[regex(r"((np|numpy)\.)?zeros[ \t]*\([ \t]*\(?[ \t]*[0-9]+[ \t]*(,[ \t]*[0-9]+[ \t]*)?\)?[ \t]*\)", priority = 40)]
     Zeros,
     #[regex(r#""([^"\\\n]|\\[^\n])*"|'([^'\\\n]|\\[^\n])*'"#)]
@@ -178,18 +190,121 @@ fn block_comment(lexer: &mut Lexer<'_, C>) -> Result<Skip, ()> {
     }
 }
 
+/// The length of a line of C with the lines that a `\` before the line end
+/// joins to it, without the last line end.
+fn joined_length(text: &str) -> usize {
+    let mut length = 0;
+    for line in text.split_inclusive('\n') {
+        let bare = line.trim_end_matches([' ', '\t', '\r', '\n', '\x0b', '\x0c']);
+        if !bare.ends_with('\\') || !line.ends_with('\n') {
+            return length + line.trim_end_matches('\n').len();
+        }
+        length += line.len();
+    }
+    length
+}
+
+/// Skips a comment of C to the end of its line, and of the lines joined to it.
+/// Whether `??/` joins lines depends on how the compiler is called.
+fn line_comment(lexer: &mut Lexer<'_, C>) -> Result<Skip, ()> {
+    let length = joined_length(lexer.remainder());
+    let trigraph = lexer.remainder()[..length].trim_end().ends_with("??/");
+    lexer.bump(length);
+    if trigraph { Err(()) } else { Ok(Skip) }
+}
+
+/// Skips a `\` at a line end; within a word or an operator it would join the
+/// two halves, and is refused.
+fn joined_lines(lexer: &mut Lexer<'_, C>) -> Result<Skip, ()> {
+    let before = lexer.source()[..lexer.span().start].chars().next_back();
+    let behind = lexer.remainder().chars().next();
+    let apart = |character: Option<char>| character.is_none_or(char::is_whitespace);
+    if apart(before) || apart(behind) {
+        Ok(Skip)
+    } else {
+        Err(())
+    }
+}
+
+/// Takes a text or a character of C; one that is not closed ends with its
+/// line and is an error.
+fn quoted(lexer: &mut Lexer<'_, C>) -> Result<(), ()> {
+    let quote = lexer.slice().as_bytes()[0];
+    let mut escaped = false;
+    for (at, byte) in lexer.remainder().bytes().enumerate() {
+        if byte == quote && !escaped {
+            lexer.bump(at + 1);
+            return Ok(());
+        }
+        if byte == b'\n' && !escaped {
+            lexer.bump(at);
+            return Err(());
+        }
+        escaped = match byte {
+            b'\\' => !escaped,
+            b'\r' => escaped,
+            _ => false,
+        };
+    }
+    lexer.bump(lexer.remainder().len());
+    Err(())
+}
+
+/// Takes a line of the preprocessor, with the lines that a `\` or a comment
+/// over several lines joins to it.
+fn directive(lexer: &mut Lexer<'_, C>) -> Result<(), ()> {
+    let before = &lexer.source()[..lexer.span().start];
+    let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+    let rest = lexer.remainder();
+    if lexer.slice() != "#" || !before[line_start..].trim().is_empty() {
+        lexer.bump(rest.find('\n').unwrap_or(rest.len()));
+        return Err(());
+    }
+    let bytes = rest.as_bytes();
+    let (mut at, mut joined, mut text) = (0, false, false);
+    while at < bytes.len() && (bytes[at] != b'\n' || joined) {
+        if !text && bytes[at..].starts_with(b"//") {
+            at += joined_length(&rest[at..]);
+            break;
+        }
+        if !text && bytes[at..].starts_with(b"/*") {
+            let Some(length) = rest[at + 2..].find("*/") else {
+                lexer.bump(rest.len());
+                return Err(());
+            };
+            at += length + 4;
+            joined = false;
+            continue;
+        }
+        text ^= bytes[at] == b'"';
+        joined = match bytes[at] {
+            b'\\' => true,
+            b' ' | b'\t' | b'\r' => joined,
+            _ => false,
+        };
+        at += 1;
+    }
+    lexer.bump(at);
+    Ok(())
+}
+
 /// Skips a Matlab comment: the rest of the line, or, when the line is `%{`
-/// and nothing else, everything to the line `%}`.
+/// and nothing else, everything to the line `%}` that closes it.
 fn matlab_comment(lexer: &mut Lexer<'_, Matlab>) -> Result<Skip, ()> {
     let before = &lexer.source()[..lexer.span().start];
     let line_start = before.rfind('\n').map_or(0, |at| at + 1);
     if lexer.slice().trim_end() != "%{" || !before[line_start..].trim().is_empty() {
         return Ok(Skip);
     }
-    let mut length = 0;
+    let (mut length, mut open) = (0, 1);
     for line in lexer.remainder().split_inclusive('\n') {
         length += line.len();
-        if line.trim() == "%}" {
+        match line.trim() {
+            "%{" => open += 1,
+            "%}" => open -= 1,
+            _ => {}
+        }
+        if open == 0 {
             lexer.bump(length);
             return Ok(Skip);
         }

@@ -7,13 +7,16 @@
 use super::Language;
 use super::conventions::known_extent;
 use super::explain::refusal;
-use super::syntax::{Head, Kind, Leaf, LeafKind, Syntax};
+use super::syntax::{Head, Kind, Leaf, LeafKind, Statement, Syntax};
 use super::token::{Name, Span};
-use hashbrown::HashMap;
+use hashbrown::{HashMap, HashSet};
 use robovec_ir::diagnostic::Diagnostic;
 use robovec_ir::{Shape, Symbol, Symbols};
 use rustc_hash::FxBuildHasher;
 use std::ops::Range;
+
+/// The rank in [`Use`] of what a pointer points at.
+const POINTED_AT: u32 = 3;
 
 /// More elements than this are taken for a slip in an index.
 const LARGEST_STORAGE: u64 = 4_000_000;
@@ -40,6 +43,11 @@ pub(super) struct StoredArray {
     pub(super) initial: Initial,
     /// True when only the function itself sees it.
     pub(super) local: bool,
+    /// Rows and columns that hold something from the start, where `initial`
+    /// is zero.
+    pub(super) held: (u32, u32),
+    /// False for an array that nothing says where its numbers come from.
+    pub(super) known: bool,
 }
 
 /// The arrays of a function, in order of first appearance.
@@ -52,8 +60,16 @@ pub(super) struct Storage {
     numbers: HashMap<Name, u32, FxBuildHasher>,
     /// Other names of an array (`Qq = phi`).
     aliases: HashMap<Name, Name, FxBuildHasher>,
-    /// Matlab's `frc = s.frc`: the copy and the original.
-    copies: Vec<(Name, Name)>,
+    /// Matlab's `frc = s.frc`: the statement, the copy and the original.
+    copies: Vec<(usize, Name, Name)>,
+    /// Arrays that a statement of the prologue names.
+    bound: HashMap<Name, Name, FxBuildHasher>,
+    /// The arrays of the structure that are used under its name (`s->q`), and
+    /// those that the prologue or a call gives.
+    members: HashSet<Symbol, FxBuildHasher>,
+    /// Pointers that are declared without an array, with the statement.
+    pointers: HashMap<Name, usize, FxBuildHasher>,
+    given: HashSet<Name, FxBuildHasher>,
     /// The extents of the input arrays; several arrays may begin as the same
     /// one (Matlab's `frc` and `s.frc`).
     input_shapes: HashMap<Symbol, Shape, FxBuildHasher>,
@@ -63,11 +79,10 @@ pub(super) struct Storage {
 impl Storage {
     /// The name under which an array is stored.
     pub(super) fn canonical(&self, name: Name) -> Name {
-        let name = if self.joined {
-            Name::local(name.symbol())
-        } else {
-            name
-        };
+        // `s->qd` is the array of the structure whatever `qd` means.
+        if self.joined && name.is_of_data() {
+            return Name::local(name.symbol());
+        }
         self.aliases.get(&name).copied().unwrap_or(name)
     }
 
@@ -91,6 +106,16 @@ fn is_array_name(name: &str) -> bool {
         || matches!(name, "h" | "Jdqd" | "lrod" | "Z" | "Zd" | "Flink" | "Flnk")
 }
 
+/// True where one of Robotran's arrays has another number of indices: one
+/// index into a matrix means another element in Matlab and a row in Python.
+fn is_known_otherwise(name: &str, rank: u32) -> bool {
+    match name {
+        "q" | "qd" | "qdd" | "Qq" | "c" | "m" => rank == 2,
+        "M" | "Jac" | "l" | "In" | "frc" | "trq" | "dpt" | "sens.R" | "sens.J" => rank == 1,
+        _ => false,
+    }
+}
+
 /// Builds the storage of a function and replaces, in its elements, the column
 /// by the array's number and the row by the number of the element.
 pub(super) struct StorageBuilder<'a> {
@@ -101,6 +126,8 @@ pub(super) struct StorageBuilder<'a> {
     pub(super) statements: Range<usize>,
     pub(super) elements: Range<usize>,
     pub(super) joints: u32,
+    /// Not written by robovec, whose functions may have any arrays.
+    pub(super) foreign: bool,
     /// Extents the header states.
     pub(super) extents: &'a [(String, u32, u32)],
     pub(super) errors: Vec<Diagnostic>,
@@ -136,17 +163,31 @@ impl StorageBuilder<'_> {
 
     /// Whole-array assignments of the prologue: `q = s->q;`, `Qq = phi`.
     fn find_aliases(&mut self, storage: &mut Storage) {
-        let arrays: hashbrown::HashSet<Symbol, FxBuildHasher> = self.syntax.elements
-            [self.elements.clone()]
-        .iter()
-        .map(|element| element.name.symbol())
-        .collect();
+        let mut first_uses: HashMap<Name, u32, FxBuildHasher> = HashMap::default();
+        let mut arrays: HashSet<Symbol, FxBuildHasher> = HashSet::default();
+        for index in self.elements.clone().rev() {
+            let name = self.syntax.elements[index].name;
+            first_uses.insert(name, index as u32);
+            arrays.insert(name.symbol());
+        }
+        let statements = self.statements.clone();
+        storage.pointers = (statements.clone())
+            .filter_map(|index| match self.syntax.statements[index].kind {
+                Kind::Pointer(name) => Some((name, index)),
+                _ => None,
+            })
+            .collect();
+        let first_writings = match storage.joined {
+            true => HashMap::default(),
+            false => self.first_writings(),
+        };
         let symbols = self.symbols;
         let is_array = |name: Name| {
             arrays.contains(&name.symbol()) || is_array_name(symbols.text(name.symbol()))
         };
         for index in self.statements.clone() {
-            let Kind::Equation { target, root, .. } = self.syntax.statements[index].kind else {
+            let statement = self.syntax.statements[index];
+            let Kind::Equation { target, root, .. } = statement.kind else {
                 continue;
             };
             let (LeafKind::Scalar(target), LeafKind::Scalar(root)) = (target.kind(), root.kind())
@@ -157,20 +198,69 @@ impl StorageBuilder<'_> {
             if !whole_array {
                 continue;
             }
+            self.syntax.statements[index].kind = Kind::Prologue;
+            let used = |name: Name| {
+                let first = first_uses.get(&name);
+                first.is_some_and(|&first| first < statement.elements)
+            };
+            let original = storage.canonical(root);
+            let same = storage.joined && target.symbol() == root.symbol();
+            let again = storage.bound.insert(target, original);
+            if storage.joined {
+                let changed = again.is_some_and(|before| before != original);
+                let own = same && !storage.pointers.contains_key(&target);
+                if changed || target.is_of_data() || (!own && used(target)) {
+                    self.late_meaning(target, statement.span);
+                }
+            } else {
+                // The copy, or the original, has other numbers by now.
+                let written = first_writings.get(&root);
+                if used(target) || written.is_some_and(|&first| first < index) {
+                    self.late_meaning(target, statement.span);
+                }
+                storage.copies.push((index, target, root));
+                continue;
+            }
             let parameter = self
                 .head
                 .is_some_and(|head| head.parameters.contains(&root));
-            self.syntax.statements[index].kind = Kind::Prologue;
-            if !storage.joined {
-                storage.copies.push((target, root));
-            } else if target.symbol() == root.symbol() {
-                // The same array under the same name.
-            } else if root.is_of_data() {
-                storage.aliases.insert(target, Name::local(root.symbol()));
-            } else if parameter {
+            if root.is_of_data() || parameter || storage.given.contains(&original) {
+                storage.given.insert(original);
+                storage.given.insert(target);
+            }
+            if same {
+                continue;
+            }
+            if parameter && !is_array_name(symbols.text(root.symbol())) {
                 storage.aliases.insert(root, target);
+            } else {
+                storage.aliases.insert(target, original);
             }
         }
+    }
+
+    /// For every array the statement that first sets an element of it.
+    fn first_writings(&self) -> HashMap<Name, usize, FxBuildHasher> {
+        let mut first = HashMap::default();
+        for index in self.statements.clone() {
+            if let Kind::Equation { target, .. } = self.syntax.statements[index].kind
+                && let LeafKind::Element(element) = target.kind()
+            {
+                let name = self.syntax.elements[element as usize].name;
+                first.entry(name).or_insert(index);
+            }
+        }
+        first
+    }
+
+    fn late_meaning(&mut self, name: Name, span: Span) {
+        let text = self.symbols.text(name.symbol());
+        self.errors.push(refusal(
+            &format!("`{text}` means another array from here on"),
+            span,
+            "its elements are used before, or it has a meaning already",
+            "give every array one name, before its first element is used",
+        ));
     }
 
     fn collect_uses(&mut self, storage: &mut Storage) -> Vec<Use> {
@@ -178,13 +268,20 @@ impl StorageBuilder<'_> {
         let mut last = (Name::local(Symbol(u32::MAX >> 1)), 0);
         for index in self.elements.clone() {
             let element = self.syntax.elements[index];
+            if element.name != last.0 && element.name.is_of_data() {
+                storage.members.insert(element.name.symbol());
+            }
             let number = if element.name == last.0 {
                 last.1
             } else {
                 storage.number(element.name, &mut uses)
             };
             last = (element.name, number);
-            let rank = if element.column == 0 { 1 } else { 2 };
+            let rank = match (element.row, element.column) {
+                (0, 0) => POINTED_AT,
+                (_, 0) => 1,
+                _ => 2,
+            };
             let used = &mut uses[number as usize];
             if used.rank != 0 && used.rank != rank {
                 self.wrong_rank(index, element.name);
@@ -194,6 +291,7 @@ impl StorageBuilder<'_> {
             used.rows = used.rows.max(element.row);
             used.columns = used.columns.max(element.column);
         }
+        self.check_extents(storage, &uses);
         for statement in self.statements.clone() {
             if let Kind::Extent(extent) = self.syntax.statements[statement].kind {
                 let extent = self.syntax.extents[extent as usize];
@@ -210,8 +308,66 @@ impl StorageBuilder<'_> {
         uses
     }
 
+    /// Refuses declarations that C and Python would take for other arrays
+    /// than one per name, elements outside them, and `zeros` that come late.
+    fn check_extents(&mut self, storage: &Storage, uses: &[Use]) {
+        let mut first_uses: HashMap<Name, u32, FxBuildHasher> = HashMap::default();
+        for index in self.elements.clone().rev() {
+            first_uses.insert(self.syntax.elements[index].name, index as u32);
+        }
+        let mut declared: HashSet<Name, FxBuildHasher> = HashSet::default();
+        for statement in self.statements.clone() {
+            let Statement {
+                kind: Kind::Extent(extent),
+                span,
+                elements,
+            } = self.syntax.statements[statement]
+            else {
+                continue;
+            };
+            let extent = self.syntax.extents[extent as usize];
+            let first = first_uses.get(&extent.name);
+            let late = first.is_some_and(|&first| first < elements);
+            let twice = !declared.insert(extent.name);
+            let of_data = Name::of_data(extent.name.symbol());
+            let hides = storage.joined
+                && (storage.bound.contains_key(&extent.name)
+                    || first_uses.contains_key(&of_data)
+                    || (self.language == Language::Python
+                        && self
+                            .head
+                            .is_some_and(|head| head.parameters.contains(&extent.name))));
+            if late || (twice && storage.joined) || hides {
+                self.late_meaning(extent.name, span);
+                continue;
+            }
+            let outside = storage.find(extent.name).is_some_and(|number| {
+                let used = uses[number as usize];
+                used.rows > extent.rows || (used.rank == 2 && used.columns > extent.columns)
+            });
+            if outside && storage.joined {
+                let text = self.symbols.text(extent.name.symbol());
+                self.errors.push(refusal(
+                    &format!("an element outside the array `{text}` is used"),
+                    span,
+                    "the array is declared here",
+                    "declare the array large enough, or correct the index",
+                ));
+            }
+        }
+    }
+
     /// The result of an external force has nine numbers.
     fn add_results(&mut self, storage: &mut Storage, uses: &mut Vec<Use>) {
+        for statement in self.statements.clone() {
+            if let Kind::Call(call) = self.syntax.statements[statement].kind
+                && let call = self.syntax.calls[call as usize]
+                && let Some(LeafKind::Scalar(target)) = call.target.map(Leaf::kind)
+            {
+                let target = storage.canonical(target);
+                storage.given.insert(target);
+            }
+        }
         for statement in self.statements.clone() {
             if let Kind::Call(call) = self.syntax.statements[statement].kind
                 && let call = self.syntax.calls[call as usize]
@@ -233,6 +389,9 @@ impl StorageBuilder<'_> {
         let mut total = 0u64;
         for (name, used) in storage.names.clone().into_iter().zip(uses) {
             let text = self.symbols.text(name.symbol());
+            if self.foreign && self.language != Language::C && is_known_otherwise(text, used.rank) {
+                self.unknown_rank(storage, name);
+            }
             let mut stated = self.extents.iter();
             let known = match stated.find(|(name, _, _)| name == text) {
                 Some(&(_, rows, columns)) => Some((rows, columns)),
@@ -244,6 +403,7 @@ impl StorageBuilder<'_> {
             let columns = columns.max(used.columns).max(1);
             let shape = match used.rank {
                 2 => Shape::Matrix(rows, columns),
+                POINTED_AT => Shape::Scalar,
                 _ => Shape::Vector(rows),
             };
             storage.arrays.push(StoredArray {
@@ -252,6 +412,8 @@ impl StorageBuilder<'_> {
                 offset: total.min(LARGEST_STORAGE) as u32,
                 initial: Initial::Nothing,
                 local: false,
+                held: (0, 0),
+                known: true,
             });
             total = total.saturating_add(shape.len() as u64);
             if total > LARGEST_STORAGE {
@@ -294,7 +456,11 @@ impl StorageBuilder<'_> {
             let array = storage.arrays[last.1 as usize];
             let column = element.column;
             let indices = [element.row, column];
-            let rank = if column == 0 { 1 } else { 2 };
+            let rank = match (element.row, column) {
+                (0, 0) => 0,
+                (_, 0) => 1,
+                _ => 2,
+            };
             // Extents cover every use; a use of the wrong rank is an error
             // reported before.
             let offset = array.shape.offset(&indices[..rank]).unwrap_or(0);
@@ -305,16 +471,44 @@ impl StorageBuilder<'_> {
     }
 
     fn find_initials(&mut self, storage: &mut Storage) {
-        for array in &mut storage.arrays {
-            array.initial = Initial::Input(array.name.symbol());
+        for number in 0..storage.arrays.len() {
+            let name = storage.arrays[number].name;
+            storage.arrays[number].initial = Initial::Input(name.symbol());
+            storage.arrays[number].known = self.is_known(storage, name);
+            let declared = storage.pointers.get(&name);
+            if let Some(&declared) = declared
+                && !storage.given.contains(&name)
+                && !storage.bound.contains_key(&name)
+            {
+                let text = self.symbols.text(name.symbol());
+                self.errors.push(refusal(
+                    &format!("the pointer `{text}` points at no array"),
+                    self.syntax.statements[declared].span,
+                    "declared here",
+                    "let it point at an array of the structure before its first use: `q = s->q;`",
+                ));
+            }
         }
-        for statement in &self.syntax.statements[self.statements.clone()] {
+        let mut copies = std::mem::take(&mut storage.copies).into_iter().peekable();
+        for index in self.statements.clone() {
+            let statement = self.syntax.statements[index];
+            if let Some((_, copy, original)) = copies.next_if(|&(at, _, _)| at == index)
+                && let Some(copy) = storage.find(copy)
+            {
+                let begins = match storage.find(original) {
+                    Some(known) if !original.is_of_data() => storage.arrays[known as usize].initial,
+                    Some(_) | None => Initial::Input(original.symbol()),
+                };
+                storage.arrays[copy as usize].initial = begins;
+                storage.arrays[copy as usize].known = true;
+            }
             if let Kind::Extent(extent) = statement.kind
                 && let extent = self.syntax.extents[extent as usize]
                 && let Some(number) = storage.find(extent.name)
             {
                 let local = !self.is_visible(extent.name);
                 let array = &mut storage.arrays[number as usize];
+                array.held = (extent.rows, extent.columns.max(1));
                 array.local = local;
                 array.initial = match extent.zeroed {
                     true => Initial::Zero,
@@ -332,11 +526,20 @@ impl StorageBuilder<'_> {
                 storage.arrays[number].local = name.is_of_data() || !visible;
             }
         }
-        for (copy, original) in std::mem::take(&mut storage.copies) {
-            if let Some(copy) = storage.find(copy) {
-                storage.arrays[copy as usize].initial = Initial::Input(original.symbol());
-            }
-        }
+    }
+
+    /// True for an array whose first numbers are the caller's: one of
+    /// Robotran's, a parameter, one that the prologue or a call gives.
+    fn is_known(&self, storage: &Storage, name: Name) -> bool {
+        let text = self.symbols.text(name.symbol());
+        let structure = text.split_once('.').map(|(structure, _)| structure);
+        let of_data = storage.members.contains(&name.symbol());
+        self.head.is_none()
+            || name.is_of_data()
+            || of_data
+            || structure.is_none() && is_array_name(text)
+            || self.is_visible(name)
+            || storage.given.contains(&name)
     }
 
     fn find_input_shapes(&mut self, storage: &mut Storage, uses: &[Use]) {
@@ -350,6 +553,7 @@ impl StorageBuilder<'_> {
             }
             let known = storage.input_shapes.entry(name).or_insert(array.shape);
             *known = match (*known, array.shape) {
+                (Shape::Scalar, Shape::Scalar) => Shape::Scalar,
                 (Shape::Vector(a), Shape::Vector(b)) => Shape::Vector(a.max(b)),
                 (Shape::Matrix(a, b), Shape::Matrix(c, d)) => Shape::Matrix(a.max(c), b.max(d)),
                 _ => {
@@ -391,6 +595,21 @@ impl StorageBuilder<'_> {
             span,
             "uses an extreme index",
             &format!("together they may have {LARGEST_STORAGE} elements; correct the index"),
+        ));
+    }
+
+    fn unknown_rank(&mut self, storage: &Storage, name: Name) {
+        let mut elements = self.elements.clone();
+        let first =
+            elements.find(|&index| storage.canonical(self.syntax.elements[index].name) == name);
+        let element = first.unwrap_or(0) as u32;
+        let span = statement_of_element(self.syntax, self.statements.clone(), element);
+        let text = self.symbols.text(name.symbol());
+        self.errors.push(refusal(
+            &format!("Robotran's array `{text}` has another number of indices"),
+            span,
+            "used here",
+            "a vector has one index, a matrix two",
         ));
     }
 

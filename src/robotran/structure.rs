@@ -8,6 +8,7 @@ use super::explain::refusal;
 use super::places::Places;
 use super::syntax::{Kind, Statement, Syntax};
 use super::token::{Name, Span};
+use robovec_ir::Symbols;
 use robovec_ir::diagnostic::{Diagnostic, Label};
 use std::ops::Range;
 
@@ -18,6 +19,8 @@ pub(super) enum Region {
     Common,
     /// In these cases of `switch(isens)`.
     Cases(Vec<u32>),
+    /// In the `else` behind conditions on these cases: in all others.
+    Others(Vec<u32>),
     /// In a loop or a condition, whose head this is.
     Control(Span),
     /// Where control never comes: `default`, or behind a `return`.
@@ -71,6 +74,8 @@ enum Block {
         filled: bool,
     },
     SensorCase(u32),
+    /// The `else` behind the conditions on these cases.
+    Others(Vec<u32>),
     Control(Span),
     Dead,
 }
@@ -93,16 +98,20 @@ pub(super) fn functions(
     syntax: &Syntax,
     language: Language,
     places: &mut Places<'_>,
+    symbols: &Symbols,
     text: &str,
 ) -> Result<Vec<FunctionBlock>, Vec<Diagnostic>> {
     let mut cutter = Cutter {
         syntax,
         language,
+        symbols,
         text,
         functions: Vec::new(),
         stack: Vec::new(),
         pending: None,
         returned: false,
+        chain: None,
+        earlier: Vec::new(),
         current: None,
         errors: Vec::new(),
     };
@@ -122,24 +131,36 @@ pub(super) fn functions(
 struct Cutter<'a> {
     syntax: &'a Syntax,
     language: Language,
+    symbols: &'a Symbols,
     text: &'a str,
     functions: Vec<FunctionBlock>,
     stack: Vec<Open>,
     /// A block whose `{` is to come, or its only statement.
     pending: Option<(Block, Span)>,
     returned: bool,
+    /// The cases of the conditions that the statement before closed, to which
+    /// an `else` may belong.
+    chain: Option<Vec<u32>>,
+    /// The cases of the conditions before the one whose block is open.
+    earlier: Vec<u32>,
     current: Option<Run>,
     errors: Vec<Diagnostic>,
 }
 
 impl Cutter<'_> {
     fn statement(&mut self, index: usize, column: u32) {
-        let Statement { kind, span } = self.syntax.statements[index];
+        let Statement { kind, span, .. } = self.syntax.statements[index];
         if self.language == Language::Python {
             self.close_to_column(column);
         }
         if !matches!(kind, Kind::BlockOpen) {
             self.open_pending_without_brace();
+        }
+        if !matches!(
+            kind,
+            Kind::BlockOpen | Kind::BlockClose | Kind::Else | Kind::ElseIf
+        ) {
+            self.chain = None;
         }
         match kind {
             Kind::Head(head) => self.head(index, head, span, column),
@@ -162,16 +183,7 @@ impl Cutter<'_> {
             Kind::DefaultCase => self.default_case(span),
             Kind::Break => self.leave(),
             Kind::Return => {
-                if matches!(
-                    self.stack.last(),
-                    Some(Open {
-                        block: Block::Function,
-                        ..
-                    })
-                ) {
-                    self.end_run();
-                    self.returned = true;
-                }
+                self.give_back(span);
                 self.close_single();
             }
             Kind::While => self.block(Block::Control(span), span, column, None),
@@ -183,20 +195,23 @@ impl Cutter<'_> {
                 self.block(block, span, column, None);
             }
             Kind::ElseIf => {
-                let block = match self.sensor_case(span) {
-                    Some(number) => Block::SensorCase(number),
-                    None => Block::Control(span),
-                };
                 self.close_for_else();
+                let chain = self.chain.take();
+                let block = match (self.sensor_case(span), chain) {
+                    (Some(number), Some(chain)) if !chain.contains(&number) => {
+                        self.earlier = chain;
+                        Block::SensorCase(number)
+                    }
+                    (Some(_), Some(_)) => Block::Dead,
+                    _ => Block::Control(span),
+                };
                 self.block(block, span, column, None);
             }
             Kind::Else => {
-                let sensor = self.after_sensor_case();
                 self.close_for_else();
-                let block = if sensor {
-                    Block::Dead
-                } else {
-                    Block::Control(span)
+                let block = match self.chain.take() {
+                    Some(chain) => Block::Others(chain),
+                    None => Block::Control(span),
                 };
                 self.block(block, span, column, None);
             }
@@ -204,6 +219,7 @@ impl Cutter<'_> {
             | Kind::Call(_)
             | Kind::Extent(_)
             | Kind::Counter(_)
+            | Kind::Pointer(_)
             | Kind::Prologue => {
                 self.plain(index, span);
                 self.close_single();
@@ -219,25 +235,32 @@ impl Cutter<'_> {
             .chars()
             .filter(|c| !c.is_whitespace() && !matches!(c, '(' | ')' | ':'))
             .collect();
-        bare.strip_prefix("isens==")?.parse().ok()
+        let number = bare.strip_prefix("isens==")?;
+        // `010` is 8 in C, and no number in Python.
+        let decimal = number.len() == 1 || !number.starts_with('0');
+        number.parse().ok().filter(|_| decimal)
     }
 
-    fn after_sensor_case(&self) -> bool {
-        // In Python and C the case is closed by now; its run is the last one.
-        let last = self.current.as_ref().map(|run| &run.region);
-        let before = self
-            .functions
-            .last()
-            .and_then(|function| function.runs.last());
-        let region = last.or(before.map(|run| &run.region));
-        matches!(region, Some(Region::Cases(_)))
-            || matches!(
-                self.stack.last(),
-                Some(Open {
-                    block: Block::SensorCase(_),
-                    ..
-                })
-            )
+    /// A `return`: nothing behind it in the function is reached. Within a case
+    /// it would also skip what stands behind all cases.
+    fn give_back(&mut self, span: Span) {
+        let innermost = self.stack.last().map(|open| open.meaning);
+        match innermost.map(|place| &self.stack[place].block) {
+            Some(Block::Function) => {
+                self.end_run();
+                self.returned = true;
+            }
+            Some(Block::Switch { dead: false, .. } | Block::SensorCase(_) | Block::Others(_)) => {
+                self.errors.push(refusal(
+                    "a `return` within the equations of a sensor",
+                    span,
+                    "skips what stands behind the cases",
+                    "end the case with `break`, or remove the `return`",
+                ));
+                self.leave();
+            }
+            Some(Block::Plain | Block::Switch { .. } | Block::Control(_) | Block::Dead) | None => {}
+        }
     }
 
     /// Matlab closes `if`, `elseif`, `else` by one `end`.
@@ -246,7 +269,10 @@ impl Cutter<'_> {
             && matches!(
                 self.stack.last(),
                 Some(Open {
-                    block: Block::SensorCase(_) | Block::Control(_) | Block::Dead,
+                    block: Block::SensorCase(_)
+                        | Block::Others(_)
+                        | Block::Control(_)
+                        | Block::Dead,
                     ..
                 })
             )
@@ -306,6 +332,13 @@ impl Cutter<'_> {
                 "starts here",
                 "each case of a sensor file must be straight-line code",
             ));
+        } else if matches!(block, Block::Control(_)) && !self.may_decide() {
+            self.errors.push(refusal(
+                "a condition or loop around equations",
+                span,
+                "robovec compiles straight-line code, and this decides what is computed",
+                "write the function without it; only the reduced functions (accelred, invdynared) are cut into parts at their loops",
+            ));
         }
         let parameters = self
             .functions
@@ -326,6 +359,22 @@ impl Cutter<'_> {
             Language::C => self.pending = Some((block, span)),
             Language::Matlab | Language::Python => self.open(block, column, span, false),
         }
+    }
+
+    /// True outside functions, and in those that are cut into parts at loops
+    /// and conditions: Robotran closes the loops of a model in them.
+    fn may_decide(&self) -> bool {
+        if self.stack.is_empty() {
+            return !self.syntax.heads.is_empty();
+        }
+        let head = self.functions.last().and_then(|function| function.head);
+        head.is_some_and(|head| {
+            let name = self.symbols.text(self.syntax.heads[head as usize].name);
+            matches!(
+                name.strip_prefix("mbs_").unwrap_or(name),
+                "accelred" | "invdynared"
+            )
+        })
     }
 
     fn open(&mut self, block: Block, column: u32, span: Span, single: bool) {
@@ -350,12 +399,19 @@ impl Cutter<'_> {
 
     fn close(&mut self) {
         self.end_run();
-        if let Some(Open {
-            block: Block::Function,
-            ..
-        }) = self.stack.pop()
-        {
-            self.returned = false;
+        match self.stack.pop().map(|open| open.block) {
+            Some(Block::Function) => self.returned = false,
+            Some(Block::SensorCase(number)) => {
+                let mut chain = std::mem::take(&mut self.earlier);
+                chain.push(number);
+                self.chain = Some(chain);
+            }
+            // `else if` of C: a condition within an `else`.
+            Some(Block::Others(mut chain)) => {
+                chain.extend(self.chain.take().unwrap_or_default());
+                self.chain = Some(chain);
+            }
+            Some(Block::Plain | Block::Switch { .. } | Block::Control(_) | Block::Dead) | None => {}
         }
     }
 
@@ -434,7 +490,13 @@ impl Cutter<'_> {
 
     fn default_case(&mut self, span: Span) {
         self.end_run();
+        let runs_on = self.language != Language::Matlab;
         match self.stack.last_mut() {
+            // A case without `break` runs into the statements of `default`.
+            Some(Open {
+                block: Block::Switch { cases, dead, .. },
+                ..
+            }) if runs_on && !*dead && !cases.is_empty() => {}
             Some(Open {
                 block: Block::Switch { cases, dead, .. },
                 ..
@@ -448,10 +510,11 @@ impl Cutter<'_> {
 
     fn leave(&mut self) {
         self.end_run();
+        let innermost = self.stack.last().map(|open| open.meaning);
         if let Some(Open {
             block: Block::Switch { cases, dead, .. },
             ..
-        }) = self.stack.last_mut()
+        }) = innermost.and_then(|place| self.stack.get_mut(place))
         {
             cases.clear();
             *dead = true;
@@ -468,10 +531,21 @@ impl Cutter<'_> {
             None | Some(Block::Function | Block::Plain) => Region::Common,
             Some(Block::Switch { cases, dead, .. }) if *dead || cases.is_empty() => Region::Dead,
             Some(Block::Switch { cases, .. }) => Region::Cases(cases.clone()),
+            Some(Block::SensorCase(number)) if self.excluded(innermost, *number) => Region::Dead,
             Some(Block::SensorCase(number)) => Region::Cases(vec![*number]),
+            Some(Block::Others(chain)) => Region::Others(chain.clone()),
             Some(Block::Control(span)) => Region::Control(*span),
             Some(Block::Dead) => Region::Dead,
         }
+    }
+
+    /// True where the block around a condition is an `else` that this case
+    /// does not reach.
+    fn excluded(&self, place: Option<usize>, number: u32) -> bool {
+        let around = place
+            .and_then(|place| place.checked_sub(1))
+            .map(|below| &self.stack[self.stack[below].meaning].block);
+        matches!(around, Some(Block::Others(chain)) if chain.contains(&number))
     }
 
     fn plain(&mut self, index: usize, span: Span) {
@@ -500,10 +574,11 @@ impl Cutter<'_> {
             }
             return;
         }
+        let innermost = self.stack.last().map(|open| open.meaning);
         if let Some(Open {
             block: Block::Switch { filled, .. },
             ..
-        }) = self.stack.last_mut()
+        }) = innermost.and_then(|place| self.stack.get_mut(place))
         {
             *filled = true;
         }

@@ -4,8 +4,12 @@
 //! Invariant: the nodes of an expression stand in one run of the arena, every
 //! operand before its user. Lowering is therefore one loop over the run.
 
-use super::token::{Element, Name, Span};
+use super::literal::{Arithmetic, Literal, Unkept};
+use super::token::{Element, Name, Span, TypeWords};
+use super::tokens::LexicalError;
+use hashbrown::HashMap;
 use robovec_ir::{Operation, Symbol};
+use rustc_hash::FxBuildHasher;
 
 /// What an expression reads, packed into 32 bits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -71,6 +75,10 @@ impl Leaf {
 pub(super) struct SyntaxNode {
     pub(super) operands: [Leaf; 2],
     pub(super) operation: Operation,
+    /// It stands in parentheses.
+    pub(super) grouped: bool,
+    /// In Python: how many bits it may have as a whole number; 0 for a float.
+    pub(super) whole_bits: u8,
 }
 
 impl SyntaxNode {
@@ -84,6 +92,8 @@ impl SyntaxNode {
 pub(super) struct Statement {
     pub(super) kind: Kind,
     pub(super) span: Span,
+    /// How many [`Syntax::elements`] stand before it and in it.
+    pub(super) elements: u32,
 }
 
 /// What a statement says.
@@ -102,6 +112,8 @@ pub(super) enum Kind {
     Extent(u32),
     /// An integer variable of the solver: `int iter = 0;`.
     Counter(Name),
+    /// A pointer of C that is declared and points at nothing yet.
+    Pointer(Name),
     /// A whole-array assignment such as `q = s->q;`, already taken in.
     Prologue,
     /// An entry of [`Syntax::heads`].
@@ -150,6 +162,8 @@ pub(super) struct Extent {
 pub(super) struct Head {
     pub(super) name: Symbol,
     pub(super) parameters: Vec<Name>,
+    /// The parameters of C that are whole numbers.
+    pub(super) whole: Vec<Name>,
     /// What a Matlab function returns.
     pub(super) outputs: Vec<Name>,
     /// The first entry of [`Syntax::elements`] that belongs to the function.
@@ -161,12 +175,28 @@ pub(super) struct Head {
 pub(super) struct Syntax {
     pub(super) nodes: Vec<SyntaxNode>,
     pub(super) elements: Vec<Element>,
-    pub(super) numbers: Vec<f64>,
+    pub(super) numbers: Vec<Literal>,
     pub(super) statements: Vec<Statement>,
     pub(super) calls: Vec<Call>,
     pub(super) arguments: Vec<Argument>,
     pub(super) extents: Vec<Extent>,
     pub(super) heads: Vec<Head>,
+}
+
+/// What an action of the grammar refuses with.
+pub(super) type ParseFailure = lalrpop_util::ParseError<u32, super::token::Token, LexicalError>;
+
+fn refused(span: Span, message: &'static str, note: &'static str) -> ParseFailure {
+    let error = LexicalError {
+        span,
+        message,
+        note,
+    };
+    lalrpop_util::ParseError::User { error }
+}
+
+fn unkept(Unkept { message, note }: Unkept, span: Span) -> ParseFailure {
+    refused(span, message, note)
 }
 
 /// What the actions of the grammar write to.
@@ -176,6 +206,8 @@ pub(super) struct Builder {
     /// One past the number of `zeros` and declared extents: C and Python
     /// count from 0 and leave element 0 unused.
     pub(super) extents_from_zero: bool,
+    /// Whose whole numbers the literals are.
+    pub(super) arithmetic: Arithmetic,
     /// Lengths of the arenas behind the last complete statement.
     complete: [usize; 4],
     /// Where the statements of the current chained assignment start.
@@ -183,9 +215,18 @@ pub(super) struct Builder {
     outputs: Vec<Name>,
     parameters: Vec<Name>,
     parameter: Option<Name>,
+    parameter_types: TypeWords,
+    whole_parameters: Vec<Name>,
     initialised: Vec<(Name, Leaf)>,
     declared: Vec<Name>,
-    pub(super) floats: Vec<Name>,
+    pointers: Vec<Name>,
+    /// Arrays among the declarators of a statement of C.
+    declares_array: bool,
+    /// Rows of matrices that have names of their own in C
+    /// (`double *dpt1 = s->dpt[1];`): the matrix and the row.
+    rows: HashMap<Name, Element, FxBuildHasher>,
+    /// Names that are whole numbers in Python, with their bits.
+    whole_names: HashMap<Name, u8, FxBuildHasher>,
 }
 
 impl Builder {
@@ -209,8 +250,12 @@ impl Builder {
         self.outputs.clear();
         self.parameters.clear();
         self.parameter = None;
+        self.parameter_types = TypeWords::default();
+        self.whole_parameters.clear();
         self.initialised.clear();
         self.declared.clear();
+        self.pointers.clear();
+        self.declares_array = false;
         self.chain = statements;
     }
 
@@ -221,7 +266,12 @@ impl Builder {
 
     fn statement(&mut self, kind: Kind, start: u32, end: u32) {
         let span = Span { start, end };
-        self.syntax.statements.push(Statement { kind, span });
+        let elements = self.syntax.elements.len() as u32;
+        self.syntax.statements.push(Statement {
+            kind,
+            span,
+            elements,
+        });
     }
 
     fn simple(&mut self, kind: Kind, start: u32, end: u32) {
@@ -229,22 +279,181 @@ impl Builder {
         self.finish();
     }
 
-    pub(super) fn node(&mut self, operation: Operation, left: Leaf, right: Leaf) -> Leaf {
+    fn push_node(&mut self, operation: Operation, left: Leaf, right: Leaf) -> Leaf {
         let index = self.syntax.nodes.len() as u32;
         self.syntax.nodes.push(SyntaxNode {
             operands: [left, right],
             operation,
+            grouped: false,
+            whole_bits: 0,
         });
         Leaf::node(index)
     }
 
+    /// How many bits an operand may have as a whole number of Python, and 0
+    /// for a float. Names stand for whole numbers where any equation says so.
+    fn whole_bits(&self, leaf: Leaf) -> u8 {
+        match leaf.kind() {
+            LeafKind::Node(index) => self.syntax.nodes[index as usize].whole_bits,
+            LeafKind::Number(index) => match self.syntax.numbers[index as usize] {
+                Literal::Whole { value, .. } => (64 - value.abs().leading_zeros() as u8).max(1),
+                Literal::Single(_) | Literal::Double(_) => 0,
+            },
+            LeafKind::Scalar(name) => self.whole_names.get(&name).copied().unwrap_or(0),
+            LeafKind::Element(_) => 0,
+        }
+    }
+
+    /// An operation on whole numbers of Python: exact there, and in a 64-bit
+    /// float up to 53 bits.
+    fn exact(&self, operation: Operation, left: Leaf, right: Leaf) -> Result<u8, Unkept> {
+        let (a, b) = (self.whole_bits(left), self.whole_bits(right));
+        if a == 0 || b == 0 {
+            return Ok(0);
+        }
+        let bits = match operation {
+            Operation::Add | Operation::Sub => a.max(b) + 1,
+            Operation::Mul => a + b,
+            _ => return Ok(0),
+        };
+        if bits > 53 {
+            return Err(Unkept {
+                message: "whole numbers that may be too large for a 64-bit float",
+                note: "Python computes them exactly; write them with decimal points",
+            });
+        }
+        Ok(bits)
+    }
+
+    /// The literal that an operand is.
+    fn literal(&self, leaf: Leaf) -> Option<Literal> {
+        match leaf.kind() {
+            LeafKind::Number(index) => Some(self.syntax.numbers[index as usize]),
+            LeafKind::Node(_) | LeafKind::Element(_) | LeafKind::Scalar(_) => None,
+        }
+    }
+
+    /// An operation on two operands. Literals that are not both 64-bit floats
+    /// are combined here, as the language combines them.
+    pub(super) fn node(
+        &mut self,
+        operation: Operation,
+        (start, left): (u32, Leaf),
+        (right, end): (Leaf, u32),
+    ) -> Result<Leaf, ParseFailure> {
+        if let (Some(a), Some(b)) = (self.literal(left), self.literal(right)) {
+            let span = Span { start, end };
+            let combined = a
+                .combined(operation, b, self.arithmetic)
+                .map_err(|error| unkept(error, span))?;
+            if let Some(number) = combined {
+                return Ok(self.number(number));
+            }
+        }
+        let whole_bits = match self.arithmetic {
+            Arithmetic::Python => self
+                .exact(operation, left, right)
+                .map_err(|error| unkept(error, Span { start, end }))?,
+            Arithmetic::C | Arithmetic::Floats => 0,
+        };
+        let node = self.push_node(operation, left, right);
+        if let Some(last) = self.syntax.nodes.last_mut() {
+            last.whole_bits = whole_bits;
+        }
+        Ok(node)
+    }
+
+    /// The sine, cosine or root of an operand.
+    pub(super) fn apply(&mut self, function: Operation, argument: Leaf) -> Leaf {
+        self.push_node(function, argument, Leaf::NONE)
+    }
+
+    /// A minus before an operand, which may be a product.
+    pub(super) fn negated(
+        &mut self,
+        start: u32,
+        operand: Leaf,
+        end: u32,
+    ) -> Result<Leaf, ParseFailure> {
+        if let Some(number) = self.literal(operand) {
+            let span = Span { start, end };
+            if let Some(negative) = number.negative().map_err(|error| unkept(error, span))? {
+                return Ok(self.number(negative));
+            }
+        }
+        // The minus belongs to the first factor, and a whole 0 has no sign.
+        let mut first = operand;
+        while let LeafKind::Node(index) = first.kind() {
+            let node = self.syntax.nodes[index as usize];
+            if node.grouped || !matches!(node.operation, Operation::Mul | Operation::Div) {
+                break;
+            }
+            first = node.operands[0];
+        }
+        if first != operand && self.literal(first).is_some_and(Literal::is_whole_zero) {
+            return Ok(operand);
+        }
+        let whole_bits = self.whole_bits(operand);
+        let node = self.push_node(Operation::Neg, operand, Leaf::NONE);
+        if let Some(last) = self.syntax.nodes.last_mut() {
+            last.whole_bits = whole_bits;
+        }
+        Ok(node)
+    }
+
+    /// An expression in parentheses.
+    pub(super) fn grouped(&mut self, leaf: Leaf) -> Leaf {
+        if let LeafKind::Node(index) = leaf.kind() {
+            self.syntax.nodes[index as usize].grouped = true;
+        }
+        leaf
+    }
+
+    /// C's conversion to another type; every operand but a literal is a
+    /// 64-bit float already.
+    pub(super) fn converted(
+        &mut self,
+        start: u32,
+        words: TypeWords,
+        operand: Leaf,
+        end: u32,
+    ) -> Result<Leaf, ParseFailure> {
+        if !words.is_double() {
+            return Err(refused(
+                Span { start, end },
+                "a conversion to another type than `double`",
+                "it would round the number; write the rounded number, or leave the conversion out",
+            ));
+        }
+        Ok(match self.literal(operand) {
+            Some(number) => self.number(Literal::Double(number.number())),
+            None => operand,
+        })
+    }
+
     pub(super) fn element(&mut self, element: Element) -> Leaf {
+        let element = match self.rows.get(&element.name) {
+            Some(row) if element.column == 0 && element.row > 0 => Element {
+                column: element.row,
+                ..*row
+            },
+            Some(_) | None => element,
+        };
         let index = self.syntax.elements.len() as u32;
         self.syntax.elements.push(element);
         Leaf(ELEMENT | index)
     }
 
-    pub(super) fn number(&mut self, number: f64) -> Leaf {
+    /// What a pointer of C points at.
+    pub(super) fn pointed_at(&mut self, name: Name) -> Leaf {
+        self.element(Element {
+            name,
+            row: 0,
+            column: 0,
+        })
+    }
+
+    pub(super) fn number(&mut self, number: Literal) -> Leaf {
         let index = self.syntax.numbers.len() as u32;
         self.syntax.numbers.push(number);
         Leaf(NUMBER | index)
@@ -261,6 +470,14 @@ impl Builder {
     }
 
     fn push_equation(&mut self, start: u32, target: Leaf, root: Leaf) {
+        let bits = self.whole_bits(root);
+        if self.arithmetic == Arithmetic::Python
+            && bits > 0
+            && let LeafKind::Scalar(name) = target.kind()
+        {
+            let known = self.whole_names.entry(name).or_insert(0);
+            *known = bits.max(*known);
+        }
         let (first, end) = self.run();
         let kind = Kind::Equation {
             target,
@@ -335,32 +552,110 @@ impl Builder {
         self.finish();
     }
 
-    pub(super) fn declare_scalar(&mut self, name: Name) {
+    pub(super) fn declare_scalar(&mut self, pointer: bool, name: Name) {
+        if pointer {
+            self.pointers.push(name);
+        }
         self.declared.push(name);
     }
 
-    pub(super) fn declare_array(&mut self, element: Element) {
+    pub(super) fn declare_array(&mut self, element: Element, zeroed: bool) {
         let kind = self.extent(Extent {
             name: element.name,
             rows: element.row,
             columns: element.column,
-            zeroed: false,
+            zeroed,
         });
+        self.declares_array = true;
         self.statement(kind, 0, 0);
     }
 
-    pub(super) fn initialise(&mut self, name: Name, root: Leaf) {
+    /// A first value of an array of C.
+    pub(super) fn first_value(
+        &mut self,
+        start: u32,
+        number: Literal,
+        end: u32,
+    ) -> Result<(), ParseFailure> {
+        if number.number() == 0.0 {
+            return Ok(());
+        }
+        Err(refused(
+            Span { start, end },
+            "an array with first values other than 0",
+            "assign to its elements one by one",
+        ))
+    }
+
+    /// `double *q = s->q` and `double *dpt1 = s->dpt[1]`, where a `pointer` is
+    /// declared; else a number with its first value.
+    pub(super) fn initialise(&mut self, pointer: bool, name: Name, root: Leaf) {
+        if pointer
+            && let LeafKind::Element(index) = root.kind()
+            && let row = self.syntax.elements[index as usize]
+            && row.column == 0
+            && row.row > 0
+            && index as usize + 1 == self.syntax.elements.len()
+        {
+            self.syntax.elements.pop();
+            self.rows.insert(name, row);
+            return;
+        }
         self.initialised.push((name, root));
     }
 
-    pub(super) fn declaration(&mut self, start: u32, float: bool, end: u32) {
+    /// A name that the declaration declares and that is a parameter already:
+    /// in an inner block it would be another variable.
+    fn hidden_parameter(&self) -> bool {
+        let Some(head) = self.syntax.heads.last() else {
+            return false;
+        };
+        let arrays = self.syntax.statements[self.chain..].iter();
+        let arrays = arrays.filter_map(|statement| match statement.kind {
+            Kind::Extent(extent) => Some(self.syntax.extents[extent as usize].name),
+            _ => None,
+        });
+        let initialised = self.initialised.iter().map(|&(name, _)| name);
+        let mut names = self
+            .declared
+            .iter()
+            .copied()
+            .chain(initialised)
+            .chain(arrays);
+        names.any(|name| head.parameters.contains(&name))
+    }
+
+    pub(super) fn declaration(
+        &mut self,
+        start: u32,
+        words: TypeWords,
+        end: u32,
+    ) -> Result<(), ParseFailure> {
+        let span = Span { start, end };
+        let double = words.is_double();
+        if words.is_other_float() || (self.declares_array && !double) {
+            return Err(refused(
+                span,
+                "variables of another type than `double`",
+                "their numbers would be rounded; robovec computes in 64-bit floats: declare them `double`",
+            ));
+        }
+        if self.hidden_parameter() {
+            return Err(refused(
+                span,
+                "a parameter's name is declared once more",
+                "the two would be different variables; give the new one another name",
+            ));
+        }
+        let elements = self.syntax.elements.len() as u32;
         for statement in &mut self.syntax.statements[self.chain..] {
-            statement.span = Span { start, end };
+            statement.span = span;
+            statement.elements = elements;
         }
         let mut first = self.complete[0] as u32;
         let last = self.syntax.nodes.len() as u32;
         for (name, root) in std::mem::take(&mut self.initialised) {
-            if !float {
+            if !double {
                 self.statement(Kind::Counter(name), start, end);
                 continue;
             }
@@ -380,14 +675,17 @@ impl Builder {
             self.statement(kind, start, end);
         }
         let declared = std::mem::take(&mut self.declared);
-        if float {
-            self.floats.extend(declared);
-        } else {
+        for name in std::mem::take(&mut self.pointers) {
+            self.statement(Kind::Pointer(name), start, end);
+        }
+        if !double {
             for name in declared {
                 self.statement(Kind::Counter(name), start, end);
             }
         }
+        self.declares_array = false;
         self.finish();
+        Ok(())
     }
 
     pub(super) fn output(&mut self, name: Name) {
@@ -398,17 +696,35 @@ impl Builder {
         self.parameter = Some(name);
     }
 
-    pub(super) fn parameter_end(&mut self) {
+    pub(super) fn parameter_type(&mut self, words: TypeWords) {
+        self.parameter_types = self.parameter_types.and(words);
+    }
+
+    pub(super) fn parameter_end(&mut self, start: u32, end: u32) -> Result<(), ParseFailure> {
+        let words = std::mem::take(&mut self.parameter_types);
+        if words.is_other_float() {
+            return Err(refused(
+                Span { start, end },
+                "a parameter of another type than `double`",
+                "its numbers would be rounded; robovec computes in 64-bit floats",
+            ));
+        }
+        if words.is_whole() {
+            self.whole_parameters.extend(self.parameter);
+        }
         self.parameters.extend(self.parameter.take());
+        Ok(())
     }
 
     pub(super) fn head(&mut self, start: u32, name: Name, end: u32) {
         let head = Head {
             name: name.symbol(),
             parameters: std::mem::take(&mut self.parameters),
+            whole: std::mem::take(&mut self.whole_parameters),
             outputs: std::mem::take(&mut self.outputs),
             first_element: self.syntax.elements.len() as u32,
         };
+        self.rows.clear();
         let index = self.syntax.heads.len() as u32;
         self.syntax.heads.push(head);
         self.simple(Kind::Head(index), start, end);
@@ -426,9 +742,23 @@ impl Builder {
         self.simple(Kind::Switch(name), start, end);
     }
 
-    pub(super) fn case(&mut self, start: u32, number: f64, end: u32) {
-        // Saturates; a case that is no whole number names no sensor.
-        self.simple(Kind::Case(number as u32), start, end);
+    pub(super) fn case(
+        &mut self,
+        start: u32,
+        number: Literal,
+        end: u32,
+    ) -> Result<(), ParseFailure> {
+        let whole = number.number();
+        // Exact below 2^32, and nothing else is the number of a sensor.
+        if whole.fract() != 0.0 || !(0.0..4e9).contains(&whole) {
+            return Err(refused(
+                Span { start, end },
+                "a case that is not a whole number",
+                "the cases of a sensor file are the numbers of sensors",
+            ));
+        }
+        self.simple(Kind::Case(whole as u32), start, end);
+        Ok(())
     }
 
     pub(super) fn default_case(&mut self, start: u32, end: u32) {

@@ -4,6 +4,7 @@
 //! (`s->dpt[3][1]`, `s.dpt(3,1)`, `s.dpt[3,1]`): this keeps the grammar free
 //! of the languages' index syntax and halves the work of the parser.
 
+use super::literal::Literal;
 use robovec_ir::{Operation, Symbol};
 
 /// A byte range of the source text; files are refused beyond 4 GiB.
@@ -52,7 +53,8 @@ impl Name {
     }
 }
 
-/// An array element; indices count from 1, the second is 0 for a vector.
+/// An array element; indices count from 1, the second is 0 for a vector, and
+/// both are for what a pointer of C points at (`*power`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Element {
     pub(super) name: Name,
@@ -60,20 +62,59 @@ pub(super) struct Element {
     pub(super) column: u32,
 }
 
+/// What the words before a name in a C declaration say.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub(super) struct TypeWords(u8);
+
+impl TypeWords {
+    /// `const` and its like, which change no number.
+    pub(super) const QUALIFIER: TypeWords = TypeWords(0);
+    /// `double`.
+    pub(super) const DOUBLE: TypeWords = TypeWords(1);
+    /// `float`.
+    pub(super) const SINGLE: TypeWords = TypeWords(2);
+    /// `int` and its like.
+    pub(super) const WHOLE: TypeWords = TypeWords(4);
+    /// `void`.
+    pub(super) const NOTHING: TypeWords = TypeWords(8);
+    /// Robotran's structures.
+    pub(super) const STRUCTURE: TypeWords = TypeWords(16);
+
+    /// All words of both.
+    pub(super) fn and(self, other: TypeWords) -> TypeWords {
+        TypeWords(self.0 | other.0)
+    }
+
+    /// True for 64-bit floats.
+    pub(super) fn is_double(self) -> bool {
+        self == TypeWords::DOUBLE
+    }
+
+    /// True for whole numbers.
+    pub(super) fn is_whole(self) -> bool {
+        self == TypeWords::WHOLE
+    }
+
+    /// True for floating-point numbers of another length than 64 bits.
+    pub(super) fn is_other_float(self) -> bool {
+        self.0 & TypeWords::SINGLE.0 != 0 || self == TypeWords::DOUBLE.and(TypeWords::WHOLE)
+    }
+}
+
 /// A terminal of the grammar.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Token {
     Name(Name),
     Element(Element),
-    Number(f64),
+    Number(Literal),
     /// `sin`, `cos` or `sqrt`.
     Function(Operation),
     /// `zeros(3,6)` and its like; the extents as an element's indices.
     Zeros((u32, u32)),
     /// A string literal.
     Text,
-    /// A word of a C declaration; true for a floating-point type.
-    Type(bool),
+    /// A word of a C declaration.
+    Type(TypeWords),
     Plus,
     Minus,
     Star,

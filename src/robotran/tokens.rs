@@ -2,16 +2,16 @@
 //!
 //! What happens here is what a grammar says badly: keywords that only one
 //! language has, line ends that end a statement or not, conditions (never
-//! computed by a straight-line function, so they travel as text), and the
-//! preprocessor, where a macro counts as defined when the file defines it.
+//! computed by a straight-line function, so they travel as text), and what
+//! the preprocessor makes of a word.
 
 use super::Language;
+use super::literal::{self, Literal};
+use super::preprocessor::{Expansion, Preprocessor};
 use super::raw::{Raw, Surface};
-use super::token::{Element, Name, Span, Token};
-use hashbrown::{HashMap, HashSet};
+use super::token::{Element, Name, Span, Token, TypeWords};
 use logos::Lexer;
-use robovec_ir::{Operation, Symbol, Symbols};
-use rustc_hash::FxBuildHasher;
+use robovec_ir::{Operation, Symbols};
 
 /// The largest index of an array element; more is taken for a slip.
 pub(super) const LARGEST_INDEX: u32 = 1_000_000;
@@ -45,12 +45,7 @@ pub(super) struct Tokens<'s, 't, L: Surface<'s>> {
     open: Vec<u32>,
     pending: Vec<Spanned>,
     recent: [Option<Spanned>; 2],
-    /// For every `#if` that is open: whether its text counts.
-    conditions: Vec<bool>,
-    /// How many of them are false.
-    skipping: usize,
-    macros: HashMap<Symbol, Symbol, FxBuildHasher>,
-    defined: HashSet<&'s str, FxBuildHasher>,
+    preprocessor: Preprocessor,
     buffer: String,
 }
 
@@ -67,10 +62,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
             open: Vec::new(),
             pending: Vec::new(),
             recent: [None; 2],
-            conditions: Vec::new(),
-            skipping: 0,
-            macros: HashMap::default(),
-            defined: HashSet::default(),
+            preprocessor: Preprocessor::default(),
             buffer: String::new(),
         }
     }
@@ -89,12 +81,13 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
                 return self.finish();
             };
             let span = self.span();
-            let skipped = self.skipping > 0;
+            let skipped = self.preprocessor.skips();
             let token = match raw.map(Surface::raw) {
                 Ok(Raw::Preprocessor) => match self.preprocessor() {
                     Ok(()) => continue,
                     Err(error) => Err(error),
                 },
+                Err(()) if self.lexer.slice().starts_with("%:") => Err(self.unreadable(span)),
                 _ if skipped => continue,
                 Ok(raw) => match self.token(raw) {
                     Ok(None) => continue,
@@ -115,7 +108,22 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
 
     fn unreadable(&mut self, span: Span) -> LexicalError {
         let text = &self.lexer.source()[span.range()];
-        let (message, note) = if text.starts_with("/*") || text.starts_with("%{") {
+        let (message, note) = if self.language == Language::C && text.starts_with("//") {
+            (
+                "a comment that ends with `??/`",
+                "some compilers take it for a line joined to the next one; remove it",
+            )
+        } else if self.language == Language::C && text.starts_with('\\') {
+            (
+                "a line is joined to the next one within a word",
+                "write the word on one line",
+            )
+        } else if self.language == Language::C && text.starts_with(['#', '%']) {
+            (
+                "this line of the preprocessor is not understood",
+                "its `#` must be the first character of a line, and its comments must be closed",
+            )
+        } else if text.starts_with("/*") || text.starts_with("%{") {
             self.lexer.bump(self.lexer.remainder().len());
             (
                 "this comment is never closed",
@@ -153,9 +161,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
                 note: "close it, or check that the file is complete",
             }));
         }
-        if !self.conditions.is_empty() {
-            self.conditions.clear();
-            self.skipping = 0;
+        if self.preprocessor.end() {
             return Some(Err(LexicalError {
                 span: Span { start: end, end },
                 message: "the file ends inside an `#if`",
@@ -169,13 +175,13 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
     fn token(&mut self, raw: Raw) -> Result<Option<Token>, LexicalError> {
         Ok(Some(match raw {
             Raw::Word => return self.word(),
-            Raw::Member => self.member(self.lexer.slice()),
+            Raw::Member => return self.member(self.lexer.slice()).map(Some),
             Raw::Element | Raw::MemberElement => return self.element(raw).map(Some),
             Raw::Zeros => {
                 let (_, rows, columns) = self.indices()?;
                 Token::Zeros((rows, columns))
             }
-            Raw::Number => self.number()?,
+            Raw::Number | Raw::Numeral => Token::Number(self.number()?),
             Raw::Text => Token::Text,
             Raw::LineEnd => {
                 let inside = self.language == Language::Python && !self.open.is_empty();
@@ -225,29 +231,60 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         }
         let mut ahead = self.lexer.clone();
         let mut next = || ahead.next().map(|raw| raw.map(Surface::raw));
-        if next() != Some(Ok(Raw::Number)) || next() != Some(Ok(Raw::Close)) {
+        if !matches!(next(), Some(Ok(Raw::Number | Raw::Numeral))) || next() != Some(Ok(Raw::Close))
+        {
             return Ok(Token::Minus);
         }
         self.lexer.next();
-        Ok(match self.number()? {
-            Token::Number(number) => Token::Number(-number),
-            other => other,
-        })
+        let number = self.number()?;
+        let negative = number.negative().map_err(|error| self.unkept(error))?;
+        // A 64-bit float is left to here.
+        Ok(Token::Number(
+            negative.unwrap_or_else(|| Literal::Double(-number.number())),
+        ))
     }
 
-    fn number(&self) -> Result<Token, LexicalError> {
-        match self.lexer.slice().parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(Token::Number(number)),
-            Ok(_) | Err(_) => Err(LexicalError {
-                span: self.span(),
-                message: "this number is too large for a 64-bit float",
-                note: "it would be read as infinity",
-            }),
+    fn number(&self) -> Result<Literal, LexicalError> {
+        let text = self.lexer.slice();
+        let number = match self.language {
+            Language::C => literal::c(text),
+            Language::Matlab => literal::matlab(text),
+            Language::Python => literal::python(text),
+        };
+        number.map_err(|error| self.unkept(error))
+    }
+
+    fn unkept(&self, literal::Unkept { message, note }: literal::Unkept) -> LexicalError {
+        self.refusal((message, note))
+    }
+
+    fn refusal(&self, (message, note): (&'static str, &'static str)) -> LexicalError {
+        LexicalError {
+            span: self.span(),
+            message,
+            note,
         }
     }
 
     fn word(&mut self) -> Result<Option<Token>, LexicalError> {
         let word = self.lexer.slice();
+        if self.preprocessor.is_empty() {
+            return self.plain_word(word);
+        }
+        let expansion = self.preprocessor.expand(word);
+        match expansion.map_err(|reason| self.refusal(reason))? {
+            None => self.plain_word(word),
+            Some(Expansion::Nothing) => Ok(None),
+            Some(Expansion::Number(number)) => Ok(Some(Token::Number(number))),
+            Some(Expansion::Words(None, word)) => self.plain_word(&word),
+            Some(Expansion::Words(Some(structure), member)) => {
+                Ok(Some(Token::Name(self.member_name(&structure, &member))))
+            }
+        }
+    }
+
+    /// A word that is no macro.
+    fn plain_word(&mut self, word: &str) -> Result<Option<Token>, LexicalError> {
         // Keywords and types start like this, hardly any name of Robotran's
         // does.
         let candidate = word.len() > 1 && (word.as_bytes()[0].is_ascii_lowercase())
@@ -256,15 +293,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         if candidate && let Some(token) = self.keyword(word) {
             return token;
         }
-        let symbol = self.symbols.intern(word);
-        Ok(Some(Token::Name(Name::local(self.expanded(symbol)))))
-    }
-
-    fn expanded(&self, symbol: Symbol) -> Symbol {
-        if self.macros.is_empty() {
-            return symbol;
-        }
-        self.macros.get(&symbol).copied().unwrap_or(symbol)
+        Ok(Some(Token::Name(Name::local(self.symbols.intern(word)))))
     }
 
     fn keyword(&mut self, word: &str) -> Option<Result<Option<Token>, LexicalError>> {
@@ -273,19 +302,24 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
             ("sin", _) => Token::Function(Operation::Sin),
             ("cos", _) => Token::Function(Operation::Cos),
             ("sqrt", _) => Token::Function(Operation::Sqrt),
-            ("double" | "float", Language::C) => Token::Type(true),
+            ("double", Language::C) => Token::Type(TypeWords::DOUBLE),
+            ("float", Language::C) => Token::Type(TypeWords::SINGLE),
+            ("int" | "unsigned" | "signed" | "long" | "short" | "char", Language::C) => {
+                Token::Type(TypeWords::WHOLE)
+            }
+            ("void", Language::C) => Token::Type(TypeWords::NOTHING),
             (
-                "int" | "void" | "const" | "static" | "extern" | "inline" | "struct" | "unsigned"
-                | "long" | "char" | "MbsData" | "MBSdataStruct" | "MbsSensor" | "MBSsensorStruct",
+                "const" | "static" | "extern" | "inline" | "register" | "restrict" | "volatile",
                 Language::C,
-            ) => Token::Type(false),
+            ) => Token::Type(TypeWords::QUALIFIER),
+            (
+                "struct" | "MbsData" | "MBSdataStruct" | "MbsSensor" | "MBSsensorStruct",
+                Language::C,
+            ) => Token::Type(TypeWords::STRUCTURE),
             ("function", Language::Matlab) => Token::FunctionHead,
             ("end" | "endfunction" | "endswitch" | "endif", Language::Matlab) => Token::BlockEnd,
             ("def", Language::Python) => Token::Def,
-            ("from" | "import", Language::Python) => {
-                self.skip_line();
-                return Some(Ok(None));
-            }
+            ("from" | "import", Language::Python) => return Some(self.import()),
             ("pass", Language::Python) => return Some(Ok(None)),
             ("switch", Language::C | Language::Matlab) => Token::Switch,
             ("case", Language::C | Language::Matlab) => Token::Case,
@@ -304,10 +338,42 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         Some(Ok(Some(token)))
     }
 
-    /// Skips to the line end, which stays to be read.
-    fn skip_line(&mut self) {
+    /// Skips an import, to the line end, which stays to be read; one that
+    /// gives another meaning to sines, cosines, roots or `zeros` is refused.
+    fn import(&mut self) -> Result<Option<Token>, LexicalError> {
         let rest = self.lexer.remainder();
-        self.lexer.bump(rest.find('\n').unwrap_or(rest.len()));
+        let line = &rest[..rest.find('\n').unwrap_or(rest.len())];
+        let statement = line.split('#').next().unwrap_or_default();
+        let from = self.lexer.slice() == "from";
+        self.lexer.bump(line.len());
+        let mut words = statement
+            .split(|c: char| c.is_whitespace() || c == ',')
+            .filter(|word| !word.is_empty());
+        let understood = if from {
+            let known = matches!(words.next(), Some("math" | "numpy"));
+            let ours = ["sin", "cos", "sqrt", "zeros", "*", "as"];
+            known && !statement.contains(" as ") || !words.any(|word| ours.contains(&word))
+        } else {
+            let modules = statement.split(',').map(str::trim);
+            let ours = ["np", "numpy", "math", "sin", "cos", "sqrt", "zeros"];
+            modules
+                .into_iter()
+                .all(|module| match module.split_once(" as ") {
+                    Some((module, name)) => {
+                        let (module, name) = (module.trim(), name.trim());
+                        !ours.contains(&name) || (module, name) == ("numpy", "np")
+                    }
+                    None => true,
+                })
+        };
+        if understood && !statement.contains(';') {
+            Ok(None)
+        } else {
+            Err(self.refusal((
+                "an import that may give another meaning to a function",
+                "import sin, cos, sqrt and zeros from math or numpy under their own names, on a line of its own",
+            )))
+        }
     }
 
     /// Takes in the condition behind `if` or `while`.
@@ -349,14 +415,26 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         }
     }
 
-    fn member(&mut self, text: &str) -> Token {
+    fn member(&mut self, text: &str) -> Result<Token, LexicalError> {
         let (structure, name) = split_member(text);
-        match (structure, name) {
+        self.refuse_macros([structure, name])?;
+        Ok(match (structure, name) {
             ("np" | "numpy" | "math", "sin") => Token::Function(Operation::Sin),
             ("np" | "numpy" | "math", "cos") => Token::Function(Operation::Cos),
             ("np" | "numpy" | "math", "sqrt") => Token::Function(Operation::Sqrt),
             _ => Token::Name(self.member_name(structure, name)),
+        })
+    }
+
+    /// Within `s->q` no macro is replaced here.
+    fn refuse_macros(&self, words: [&str; 2]) -> Result<(), LexicalError> {
+        if words.iter().any(|word| self.preprocessor.defines(word)) {
+            return Err(self.refusal((
+                "a macro within the name of a member",
+                "run the file through the preprocessor first (`cpp -P`), or give the macro another name",
+            )));
         }
+        Ok(())
     }
 
     /// The name of a member: the data structure `s` is dropped, that of a
@@ -388,12 +466,20 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         if self.language == Language::Matlab && word == "zeros" {
             return Ok(Token::Zeros((row, column)));
         }
+        if matches!(word, "sin" | "cos" | "sqrt") {
+            return Err(self.refusal((
+                "an index, or two arguments, behind a function of one number",
+                "write its argument in parentheses: sin(x)",
+            )));
+        }
         let name = if raw == Raw::MemberElement {
             let (structure, name) = split_member(word);
+            self.refuse_macros([structure, name])?;
             self.member_name(structure, name)
+        } else if self.preprocessor.is_empty() {
+            Name::local(self.symbols.intern(word))
         } else {
-            let symbol = self.symbols.intern(word);
-            Name::local(self.expanded(symbol))
+            self.expanded(word)?
         };
         if row == 0 || (column == 0 && self.has_second_index()) {
             return Err(LexicalError {
@@ -405,11 +491,27 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         Ok(Token::Element(Element { name, row, column }))
     }
 
+    /// The array that a word before an index means.
+    fn expanded(&mut self, word: &str) -> Result<Name, LexicalError> {
+        let expansion = self.preprocessor.expand(word);
+        match expansion.map_err(|reason| self.refusal(reason))? {
+            None => Ok(Name::local(self.symbols.intern(word))),
+            Some(Expansion::Words(None, word)) => Ok(Name::local(self.symbols.intern(&word))),
+            Some(Expansion::Words(Some(structure), member)) => {
+                Ok(self.member_name(&structure, &member))
+            }
+            Some(Expansion::Nothing | Expansion::Number(_)) => Err(self.refusal((
+                "a macro before an index that is not the name of an array",
+                "write out what the macro stands for",
+            ))),
+        }
+    }
+
     /// `sin(2)` of Matlab looks like an element; its parts come one by one.
     fn function_of_integer(&mut self, function: Operation, argument: u32) -> Token {
         let Span { start, end } = self.span();
         self.pending.push((end - 1, Token::Close, end));
-        let number = Token::Number(f64::from(argument));
+        let number = Token::Number(Literal::Double(f64::from(argument)));
         self.pending.push((start, number, end - 1));
         self.pending.push((start, Token::Open, end - 1));
         Token::Function(function)
@@ -441,6 +543,10 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
                 let Some(index) = indices.get_mut(which) else {
                     return Err(self.index_error("too many indices"));
                 };
+                // C would take it for an octal number.
+                if inside && *index == 0 && self.language != Language::Matlab {
+                    return Err(self.index_error("an index that begins with 0"));
+                }
                 *index = index
                     .saturating_mul(10)
                     .saturating_add(u32::from(byte - b'0'));
@@ -461,79 +567,12 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         }
     }
 
-    fn begin_condition(&mut self, condition: bool) {
-        self.conditions.push(condition);
-        self.skipping += usize::from(!condition);
-    }
-
     /// Obeys a line of the C preprocessor.
     fn preprocessor(&mut self) -> Result<(), LexicalError> {
-        let line = self.lexer.slice()[1..].trim();
-        let line = line.split("//").next().unwrap_or_default();
-        let mut words = line.split_whitespace();
-        let skipped = self.skipping > 0;
-        let span = self.span();
-        let refuse = |message| {
-            Err(LexicalError {
-                span,
-                message,
-                note: "run the file through the preprocessor first (`cpp -P`), or remove the line",
-            })
-        };
-        match (words.next().unwrap_or_default(), words.next()) {
-            ("include" | "pragma" | "undef" | "line" | "", _) => {}
-            ("ifdef", Some(name)) => self.begin_condition(self.defined.contains(name)),
-            ("ifndef", Some(name)) => self.begin_condition(!self.defined.contains(name)),
-            ("if", Some("0")) => self.begin_condition(false),
-            ("if", Some("1")) => self.begin_condition(true),
-            ("if", _) if skipped => self.begin_condition(false),
-            ("else", _) => match self.conditions.last_mut() {
-                Some(condition) => {
-                    *condition = !*condition;
-                    let was_skipped = *condition;
-                    self.skipping = if was_skipped {
-                        self.skipping - 1
-                    } else {
-                        self.skipping + 1
-                    };
-                }
-                None => return refuse("`#else` without `#if`"),
-            },
-            ("endif", _) => {
-                let Some(condition) = self.conditions.pop() else {
-                    return refuse("`#endif` without `#if`");
-                };
-                self.skipping -= usize::from(!condition);
-            }
-            _ if skipped => {}
-            ("define", Some(name)) => {
-                self.defined.insert(name);
-                match (words.next(), words.next()) {
-                    (None, _) => {}
-                    (Some(text), None) if is_reference(text) => {
-                        let target = text.rsplit("->").next().unwrap_or(text);
-                        let pair = (self.symbols.intern(name), self.symbols.intern(target));
-                        if pair.0 != pair.1 {
-                            self.macros.insert(pair.0, pair.1);
-                        }
-                    }
-                    // Constants of the solver's loops; a use in an equation
-                    // is an undefined name.
-                    (Some(_), _) => {}
-                }
-            }
-            _ => return refuse("this line of the preprocessor is not understood"),
-        }
-        Ok(())
+        let line = self.lexer.slice();
+        let obeyed = self.preprocessor.obey(&line[1..]);
+        obeyed.map_err(|reason| self.refusal(reason))
     }
-}
-
-/// True for `s->q` and plain words.
-fn is_reference(text: &str) -> bool {
-    text.split("->").all(|word| {
-        word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-            && word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-    })
 }
 
 /// `s->q` or `s.q` as structure and member.

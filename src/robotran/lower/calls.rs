@@ -23,7 +23,13 @@ impl Emitter<'_, '_, '_> {
             .text(call.callee.symbol())
             .to_owned();
         if !callee.starts_with("user_") && !callee.starts_with("usrfun.") {
-            self.unknown_call(&callee, call.target.is_some(), span);
+            let (first, last) = call.arguments;
+            let arguments = &syntax.arguments[first as usize..last as usize];
+            // What is handed over by its place may be changed.
+            let shared = arguments.iter().any(|argument| {
+                argument.leaf == Leaf::NONE || matches!(argument.leaf.kind(), LeafKind::Scalar(_))
+            });
+            self.unknown_call(&callee, (call.target.is_some(), shared), span);
             if let Some(LeafKind::Scalar(name)) = call.target.map(Leaf::kind) {
                 // One message about it is enough.
                 self.missing_known.insert(name.symbol());
@@ -67,7 +73,20 @@ impl Emitter<'_, '_, '_> {
                 "has no name under which it could be handed over",
                 "assign it to a name first and pass that",
             )),
-            LeafKind::Element(_) | LeafKind::Number(_) => {}
+            LeafKind::Number(_) => {
+                // The text goes into files of all languages.
+                let text = &self.shared.text[span.range()];
+                let plain = text.bytes().all(|byte| byte.is_ascii_digit());
+                if !plain || (text.len() > 1 && text.starts_with('0')) {
+                    self.errors.push(refusal(
+                        "a user function is called with a number that is not a plain whole number",
+                        span,
+                        "the number of the call is expected here",
+                        "write it in decimal digits, or assign another number to a name and pass that",
+                    ));
+                }
+            }
+            LeafKind::Element(_) => {}
         }
     }
 
@@ -116,7 +135,10 @@ impl Emitter<'_, '_, '_> {
         }
     }
 
-    fn unknown_call(&mut self, callee: &str, has_target: bool, span: Span) {
+    /// Refuses a call whose result is read or which may change a number, and
+    /// warns of any other; `shared` when an array, a structure or the place of
+    /// a number is handed over.
+    fn unknown_call(&mut self, callee: &str, (has_target, shared): (bool, bool), span: Span) {
         let message = matches!(
             callee,
             "mbs_msg"
@@ -135,6 +157,13 @@ impl Emitter<'_, '_, '_> {
                 span,
                 "called here",
                 "known are sin, cos and sqrt, and user functions whose names start with `user_` or `usrfun.`",
+            ));
+        } else if shared && !message {
+            self.errors.push(refusal(
+                &format!("the call of `{callee}` may change what it is given"),
+                span,
+                "called here",
+                "known are user functions whose names start with `user_` or `usrfun.`; remove the call, or write out what it computes",
             ));
         } else if !message {
             self.warnings.push(

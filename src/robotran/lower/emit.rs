@@ -6,6 +6,7 @@
 
 use super::names::Names;
 use super::scan::{READ_BACK, REWRITTEN, Scan};
+use crate::robotran::Language;
 use crate::robotran::conventions::{INPUT_ORDER, SENSOR_FIELDS};
 use crate::robotran::explain::refusal;
 use crate::robotran::places::Places;
@@ -31,12 +32,25 @@ pub(super) struct Crossing {
     pub(super) outputs: SymbolSet,
 }
 
+/// What the head and the declarations of a function say.
+#[derive(Debug)]
+pub(super) struct Signature {
+    /// Results and parameters, under the names the equations use.
+    pub(super) parameters: Vec<SyntaxName>,
+    /// Whole numbers declared in the function.
+    pub(super) counters: SymbolSet,
+    /// The parameters as the head names them, and those of whole numbers.
+    pub(super) given: Vec<SyntaxName>,
+    pub(super) whole: Vec<SyntaxName>,
+}
+
 /// What all functions of a file share.
 pub(super) struct Shared<'a, 't> {
     pub(super) syntax: &'a Syntax,
     pub(super) text: &'t str,
     pub(super) tables: &'a mut Tables,
     pub(super) places: &'a mut Places<'t>,
+    pub(super) language: Language,
     /// The definition of every scalar, by symbol; empty between functions.
     pub(super) definitions: Vec<Operand>,
 }
@@ -60,7 +74,7 @@ pub(super) struct Emitter<'e, 'a, 't> {
     pub(super) storage: &'e Storage,
     pub(super) scan: &'e Scan,
     pub(super) parameters: HashMap<SyntaxName, usize, FxBuildHasher>,
-    pub(super) counters: &'e SymbolSet,
+    pub(super) signature: &'e Signature,
     /// `None` for a whole function.
     pub(super) crossing: Option<&'e Crossing>,
     pub(super) function: Function,
@@ -91,7 +105,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         shared: &'e mut Shared<'a, 't>,
         storage: &'e Storage,
         scan: &'e Scan,
-        (parameters, counters): (&'e [SyntaxName], &'e SymbolSet),
+        signature: &'e Signature,
         crossing: Option<&'e Crossing>,
     ) -> Emitter<'e, 'a, 't> {
         let arrays = storage.arrays.len();
@@ -100,8 +114,8 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
             shared,
             storage,
             scan,
-            parameters: parameters.iter().copied().zip(0..).collect(),
-            counters,
+            parameters: signature.parameters.iter().copied().zip(0..).collect(),
+            signature,
             crossing,
             function,
             later: Later::default(),
@@ -220,7 +234,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
 
     fn equation(&mut self, target: Leaf, root: Leaf, run: Range<u32>, span: Span) {
         if let LeafKind::Scalar(name) = target.kind()
-            && (self.counters.contains(&name.symbol()) || self.is_flag(name))
+            && (self.signature.counters.contains(&name.symbol()) || self.is_flag(name))
         {
             return;
         }
@@ -283,7 +297,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         match leaf.kind() {
             LeafKind::Node(index) => Operand::from(Value(base + (index - first))),
             LeafKind::Number(index) => {
-                let number = self.shared.syntax.numbers[index as usize];
+                let number = self.shared.syntax.numbers[index as usize].number();
                 Operand::from(self.function.constant(number))
             }
             LeafKind::Scalar(name) => self.scalar(name),
@@ -323,7 +337,21 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         let symbol = name.symbol();
         let known = self.shared.definitions[symbol.index()];
         if !known.is_none() {
+            if self.shared.language == Language::C && name.is_of_data() && known.input().is_none() {
+                self.member_of_data(symbol);
+            }
             return known;
+        }
+        if self.signature.counters.contains(&symbol) || self.signature.whole.contains(&name) {
+            self.whole_number(symbol);
+            return Operand::from(self.function.constant(0.0));
+        }
+        // The type of any other number of the structure is not known here.
+        if self.shared.language == Language::C
+            && name.is_of_data()
+            && self.shared.tables.symbols.text(symbol) != "tsim"
+        {
+            self.member_of_data(symbol);
         }
         let given = name.is_of_data()
             || (self.parameters.contains_key(&name) && self.storage.find(name).is_none())
@@ -352,6 +380,34 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         operand
     }
 
+    /// A number of the data structure that is not known to be a 64-bit float,
+    /// or that a variable of the same name hides.
+    fn member_of_data(&mut self, symbol: Symbol) {
+        if !self.missing_known.insert(symbol) {
+            return;
+        }
+        let text = self.shared.tables.symbols.text(symbol).to_owned();
+        self.errors.push(refusal(
+            &format!("`{text}` of the data structure is used as a number"),
+            self.shared.syntax.statements[self.statement].span,
+            "its type and its number are not known here",
+            "the inputs of the equations are the arrays of the structure and the time `tsim`",
+        ));
+    }
+
+    fn whole_number(&mut self, symbol: Symbol) {
+        if !self.missing_known.insert(symbol) {
+            return;
+        }
+        let text = self.shared.tables.symbols.text(symbol).to_owned();
+        self.errors.push(refusal(
+            &format!("`{text}` is a whole number and is read in an equation"),
+            self.shared.syntax.statements[self.statement].span,
+            "whole numbers are divided and rounded in another way",
+            "declare it `double`, or write its number in its place",
+        ));
+    }
+
     pub(super) fn both_scalar_and_array(&mut self, symbol: Symbol) {
         let text = self.shared.tables.symbols.text(symbol).to_owned();
         self.errors.push(refusal(
@@ -373,6 +429,19 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
 
     fn define(&mut self, name: SyntaxName, operand: Operand, fresh: bool, sources: SourceSet) {
         let symbol = name.symbol();
+        if self.shared.language == Language::C && name.is_of_data() {
+            self.member_of_data(symbol);
+            return;
+        }
+        if self.signature.given.contains(&name) && self.storage.find(name).is_none() {
+            self.errors.push(refusal(
+                "a parameter is assigned to",
+                self.shared.syntax.statements[self.statement].span,
+                "from here on it would be another number",
+                "give the number another name",
+            ));
+            return;
+        }
         if self.storage.find(name).is_some() {
             self.errors.push(refusal(
                 "an array is assigned to without an index",

@@ -7,7 +7,7 @@ mod names;
 mod parts;
 mod scan;
 
-use self::emit::{Crossing, Emitter, Finished, Shared, SymbolSet};
+use self::emit::{Crossing, Emitter, Finished, Shared, Signature, SymbolSet};
 use self::scan::Scan;
 use super::explain::refusal;
 use super::header::Header;
@@ -105,6 +105,11 @@ impl Lowering<'_, '_> {
             statements: first..last,
             elements,
             joints: self.header.joints.unwrap_or(0),
+            foreign: !self
+                .header
+                .generator
+                .as_deref()
+                .is_some_and(|name| name.starts_with("robovec ")),
             extents: &self.header.extents,
             errors: Vec::new(),
             warnings: Vec::new(),
@@ -129,8 +134,14 @@ impl Lowering<'_, '_> {
         let head = block
             .head
             .map(|head| self.syntax.heads[head as usize].clone());
-        let parameters = parameters(head.as_ref(), &storage);
-        let counters = self.counters(block);
+        let signature = Signature {
+            parameters: parameters(head.as_ref(), &storage),
+            counters: self.counters(block),
+            given: head
+                .as_ref()
+                .map_or(Vec::new(), |head| head.parameters.clone()),
+            whole: head.as_ref().map_or(Vec::new(), |head| head.whole.clone()),
+        };
         let cases = block.cases();
         let plain = Block {
             name,
@@ -139,9 +150,9 @@ impl Lowering<'_, '_> {
             crossing: None,
         };
         let written = if block.has_control() {
-            self.parts(block, &storage, &plain, &parameters, &counters)
+            self.parts(block, &storage, &plain, &signature)
         } else if !cases.is_empty() {
-            self.cases(block, &storage, &plain, &parameters, &counters, &cases)
+            self.cases(block, &storage, &plain, &signature, &cases)
         } else {
             if !self.afford(1, 0, &storage, block) {
                 return;
@@ -151,10 +162,17 @@ impl Lowering<'_, '_> {
             let scan = scan::scan(&self.syntax, &storage, &whole.runs, false);
             let written = scan.written.clone();
             self.report_empty(&whole, block, &scan);
-            self.emit(&whole, &storage, scan, &parameters, &counters);
+            self.emit(&whole, &storage, scan, &signature);
             written
         };
-        self.check_outputs(block, &kind, &parameters, head.as_ref(), &storage, &written);
+        self.check_outputs(
+            block,
+            &kind,
+            &signature.parameters,
+            head.as_ref(),
+            &storage,
+            &written,
+        );
     }
 
     /// `mbs_dirdyna` is `dirdyna`, as it was before MBsysC; a file without a
@@ -205,7 +223,13 @@ impl Lowering<'_, '_> {
 
     /// Warns of equations that control never reaches.
     fn report_dead(&mut self, block: &FunctionBlock) {
-        for run in block.runs.iter().filter(|run| run.region == Region::Dead) {
+        let cases = block.cases();
+        let unreached = |region: &Region| match region {
+            Region::Dead => true,
+            Region::Others(numbers) => cases.iter().all(|case| numbers.contains(case)),
+            Region::Common | Region::Cases(_) | Region::Control(_) => false,
+        };
+        for run in block.runs.iter().filter(|run| unreached(&run.region)) {
             let mut equations = run.statements.clone().filter(|&index| {
                 matches!(self.syntax.statements[index].kind, Kind::Equation { .. })
             });
@@ -259,8 +283,7 @@ impl Lowering<'_, '_> {
         block: &FunctionBlock,
         storage: &Storage,
         plain: &Block<'_>,
-        parameters: &[Name],
-        counters: &SymbolSet,
+        signature: &Signature,
         cases: &[u32],
     ) -> Vec<bool> {
         let common: usize = live_runs(block, None)
@@ -281,7 +304,7 @@ impl Lowering<'_, '_> {
                 crossing: None,
             };
             let scan = scan::scan(&self.syntax, storage, &one.runs, false);
-            self.emit(&one, storage, scan, parameters, counters);
+            self.emit(&one, storage, scan, signature);
             if self.errors.len() >= ERROR_LIMIT {
                 break;
             }
@@ -317,14 +340,7 @@ impl Lowering<'_, '_> {
         affordable
     }
 
-    fn emit(
-        &mut self,
-        block: &Block<'_>,
-        storage: &Storage,
-        scan: Scan,
-        parameters: &[Name],
-        counters: &SymbolSet,
-    ) {
+    fn emit(&mut self, block: &Block<'_>, storage: &Storage, scan: Scan, signature: &Signature) {
         let mut function = Function::new(&block.name, Level::Equations);
         function.metadata = block.metadata.clone();
         let symbols = self.module.tables.symbols.len();
@@ -333,9 +349,9 @@ impl Lowering<'_, '_> {
             text: self.text,
             tables: &mut self.module.tables,
             places: &mut self.places,
+            language: self.language,
             definitions: vec![Operand::NONE; symbols],
         };
-        let signature = (parameters, counters);
         let mut emitter = Emitter::new(
             function,
             &mut shared,
@@ -383,7 +399,10 @@ impl Lowering<'_, '_> {
         // that sets only some of the outputs; that nothing was lost, their
         // closing comment tells.
         let ours = self.header.generator.as_deref();
-        if !has_equations || ours.is_some_and(|name| name.starts_with("robovec ")) {
+        if !has_equations
+            || ours.is_some_and(|name| name.starts_with("robovec "))
+            || crate::robotran::is_for_processors(self.text)
+        {
             return;
         }
         let declared = head.map_or(&[][..], |head| &head.outputs);
@@ -451,6 +470,7 @@ fn live_runs(block: &FunctionBlock, case: Option<u32>) -> Vec<Range<usize>> {
     let live = block.runs.iter().filter(|run| match &run.region {
         Region::Common => true,
         Region::Cases(numbers) => case.is_some_and(|case| numbers.contains(&case)),
+        Region::Others(numbers) => case.is_some_and(|case| !numbers.contains(&case)),
         Region::Control(_) | Region::Dead => false,
     });
     live.map(|run| run.statements.clone()).collect()

@@ -6,12 +6,12 @@
 //! defines and another reads leaves the first as an output and enters the
 //! second as an input. The caller keeps the loop.
 
-use super::emit::{Crossing, SymbolSet};
+use super::emit::{Crossing, Signature, SymbolSet};
 use super::{Block, ERROR_LIMIT, Lowering, scan};
 use crate::robotran::storage::Storage;
 use crate::robotran::structure::{FunctionBlock, Region, Run};
 use crate::robotran::syntax::{Kind, Leaf, LeafKind};
-use crate::robotran::token::{Name, Span};
+use crate::robotran::token::Span;
 use robovec_ir::Symbol;
 use robovec_ir::diagnostic::{Diagnostic, Label};
 
@@ -22,9 +22,9 @@ impl Lowering<'_, '_> {
         block: &FunctionBlock,
         storage: &Storage,
         plain: &Block<'_>,
-        parameters: &[Name],
-        counters: &SymbolSet,
+        signature: &Signature,
     ) -> Vec<bool> {
+        let counters = &signature.counters;
         let live: Vec<&Run> = block
             .runs
             .iter()
@@ -54,7 +54,7 @@ impl Lowering<'_, '_> {
             for (all, one) in written.iter_mut().zip(&scan.written) {
                 *all |= one;
             }
-            self.emit(&part, storage, scan, parameters, counters);
+            self.emit(&part, storage, scan, signature);
             if self.errors.len() >= ERROR_LIMIT {
                 break;
             }
@@ -176,7 +176,7 @@ impl Lowering<'_, '_> {
 fn conditions(block: &FunctionBlock) -> Vec<Span> {
     let spans = block.runs.iter().filter_map(|run| match run.region {
         Region::Control(span) => Some(span),
-        Region::Common | Region::Cases(_) | Region::Dead => None,
+        Region::Common | Region::Cases(_) | Region::Others(_) | Region::Dead => None,
     });
     spans.collect()
 }

@@ -125,9 +125,31 @@ impl Scanner<'_> {
                 "move the call before this equation",
             ));
         }
-        match self.storage.arrays[array].initial {
-            Initial::Input(_) => self.scan.read[array] = true,
-            Initial::Zero => {}
+        let stored = &self.storage.arrays[array];
+        match stored.initial {
+            Initial::Input(_) => {
+                if !stored.known && !self.scan.read[array] {
+                    self.scan.errors.push(refusal(
+                        "an element of an array is read that nothing gives a number",
+                        span,
+                        "read here",
+                        "declare the array a parameter, take it from the structure `s`, or assign to its elements first",
+                    ));
+                }
+                self.scan.read[array] = true;
+            }
+            Initial::Zero => {
+                let (indices, rank) = stored.shape.indices(element.row - stored.offset);
+                let column = if rank == 2 { indices[1] } else { 1 };
+                if indices[0] > stored.held.0 || column > stored.held.1 {
+                    self.scan.errors.push(refusal(
+                        "an element outside the zeros of its array is read",
+                        span,
+                        "read here",
+                        "make the array of zeros large enough, or correct the index",
+                    ));
+                }
+            }
             Initial::Nothing => self.scan.errors.push(refusal(
                 "an element of a local array is read before it is written",
                 span,
