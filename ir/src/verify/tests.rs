@@ -1,3 +1,5 @@
+mod times;
+
 use super::*;
 use crate::entity::{Input, Output};
 use crate::function::{Assignment, Function, Node, Shape};
