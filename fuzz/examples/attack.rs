@@ -9,10 +9,11 @@
 //! the passes named at the end left out, and lists what it found, the smallest
 //! program of each pass in full. `bodies SECONDS [NAME…]` runs the named
 //! bodies, or all, for so long each. A finding gives exit code 1; the number
-//! of a case reproduces it with `case BODY NUMBER`.
+//! of a case reproduces it with `case BODY NUMBER`; `show NUMBER` prints the
+//! pipeline and the program of a case of `programs`.
 
 use arbitrary::Unstructured;
-use robovec_fuzz::results::{Finding, Tally, examine};
+use robovec_fuzz::results::{Finding, Tally, describe_case, examine};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
@@ -74,6 +75,13 @@ fn main() -> ExitCode {
                 true
             })
         }),
+        ["show", case] => number(case).map(|case| {
+            let text = describe_case(&mut Unstructured::new(&bytes(case)));
+            text.is_ok_and(|text| {
+                println!("{text}");
+                true
+            })
+        }),
         _ => None,
     };
     match quiet {
@@ -81,7 +89,7 @@ fn main() -> ExitCode {
         Some(false) => ExitCode::FAILURE,
         None => {
             eprintln!(
-                "attack programs COUNT [SEED] [WITHOUT…] | bodies SECONDS [NAME…] | case BODY NUMBER"
+                "attack programs COUNT [SEED] [WITHOUT…] | bodies SECONDS [NAME…] | case BODY NUMBER | show NUMBER"
             );
             ExitCode::from(2)
         }

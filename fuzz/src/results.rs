@@ -126,30 +126,12 @@ pub fn examine(
     bytes: &mut Unstructured<'_>,
     without: &[String],
 ) -> Result<std::result::Result<Tally, Box<Finding>>> {
-    let mut steps: Vec<String> = Vec::new();
-    for step in passes::steps(bytes, PASSES)? {
-        let name = step.split('{').next().unwrap_or_default();
-        if without.iter().any(|other| other == name) {
-            // What follows may need another level than that of the program.
-            break;
-        }
-        steps.push(match name {
-            // Its claim is known where the error is asked for.
-            "trigonometry" => {
-                let range = bytes.choose(&["0.5", "2", "3"])?;
-                let error = bytes.choose(&["1e-2", "1e-5", "1e-9"])?;
-                format!("trigonometry{{range={range} error={error}}}")
-            }
-            _ => step,
-        });
-    }
-    let machine = bytes.choose(&["ideal", "thesis", "fused"])?;
-    let machine = Machine::built_in(machine).expect("it ships");
-    let seed: u64 = bytes.arbitrary()?;
-    let mut module = match bytes.int_in_range(0..=3)? {
-        0 => module(bytes, Kind::Hostile)?,
-        _ => equations(bytes, CONTENTS)?,
-    };
+    let Case {
+        steps,
+        machine,
+        seed,
+        mut module,
+    } = Case::draw(bytes, without)?;
     let mut tally = Tally {
         programs: 1,
         ..Tally::default()
@@ -162,6 +144,60 @@ pub fn examine(
         }
     }
     Ok(Ok(tally))
+}
+
+/// The pipeline and the program of some bytes, as text: what to look at when
+/// a case ends the process.
+///
+/// # Errors
+///
+/// When the bytes run out.
+pub fn describe_case(bytes: &mut Unstructured<'_>) -> Result<String> {
+    let case = Case::draw(bytes, &[])?;
+    let program = print::print_module(&case.module);
+    Ok(format!("// RUN: {}\n{program}", case.steps.join(",")))
+}
+
+/// A program and what is done to it.
+struct Case {
+    steps: Vec<String>,
+    machine: Machine,
+    seed: u64,
+    module: Module,
+}
+
+impl Case {
+    fn draw(bytes: &mut Unstructured<'_>, without: &[String]) -> Result<Case> {
+        let mut steps: Vec<String> = Vec::new();
+        for step in passes::steps(bytes, PASSES)? {
+            let name = step.split('{').next().unwrap_or_default();
+            if without.iter().any(|other| other == name) {
+                // What follows may need another level than the program's.
+                break;
+            }
+            steps.push(match name {
+                // Its claim is known where the error is asked for; fitting
+                // polynomials takes longer than all other passes together.
+                "trigonometry" => {
+                    let method = bytes.choose(&["taylor", "taylor", "taylor", "minimax"])?;
+                    let range = bytes.choose(&["0.5", "2", "3"])?;
+                    let error = bytes.choose(&["1e-2", "1e-5", "1e-9"])?;
+                    format!("trigonometry{{method={method} range={range} error={error}}}")
+                }
+                _ => step,
+            });
+        }
+        let machine = bytes.choose(&["ideal", "thesis", "fused"])?;
+        Ok(Case {
+            steps,
+            machine: Machine::built_in(machine).expect("it ships"),
+            seed: bytes.arbitrary()?,
+            module: match bytes.int_in_range(0..=3)? {
+                0 => module(bytes, Kind::Hostile)?,
+                _ => equations(bytes, CONTENTS)?,
+            },
+        })
+    }
 }
 
 const CONTENTS: Contents = Contents {

@@ -1,3 +1,5 @@
+mod networks;
+mod tables;
 mod times;
 
 use super::*;
