@@ -23,8 +23,7 @@ use robovec_passes::NumericClass;
 use robovec_passes::check::check;
 use std::collections::BTreeMap;
 
-/// Random points of the comparison. A wrong function passes one with a
-/// probability of the equations' degree in 2^61.
+/// Random points of the comparison, in each of two prime fields.
 const POINTS: u32 = 2;
 
 /// Something about a file of equations and a model.

@@ -185,6 +185,7 @@ fn witness(module: &mut Module, scene: &Scene) -> Function {
         rules: &rules,
         scene: Some(scene),
         witness: &mut aside.witness,
+        promise: &mut aside.promise,
         artifacts: &mut aside.artifacts,
         statistics: &mut aside.statistics,
         remarks: &mut aside.remarks,

@@ -9,7 +9,7 @@ use crate::statistics::{Run, Statistics};
 use crate::term::Term;
 use arbitrary::{Result, Unstructured};
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::field::PrimeField;
+use robovec_ir::field::{Field, PrimeField};
 use robovec_ir::states::States;
 use robovec_ir::{Assignment, Input, Machine, Module, Operand, Output, Shape, SourceSet, print};
 use robovec_passes::manager::{self, Config, Executed, RunError};
@@ -224,10 +224,7 @@ fn execute(
 
 /// Equal at a point of the field that no check has seen.
 fn same(before: &Module, after: &Module) -> bool {
-    let field = PrimeField {
-        seed: 0x5eed,
-        circle: false,
-    };
+    let [field, _] = PrimeField::pair(0x5eed, false);
     let inputs = field.point(before.functions[0].input_len());
     let values = |module: &Module| evaluate(&module.functions[0], &field, &inputs);
     values(before) == values(after)

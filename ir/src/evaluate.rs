@@ -145,13 +145,11 @@ mod tests {
             reference,
             expected.map(|number| DoubleDouble.literal(number))
         );
-        let field = PrimeField {
-            seed: 1,
-            circle: false,
-        };
-        assert_eq!(
-            fused(&field, inputs),
-            expected.map(|number| field.literal(number))
-        );
+        for field in PrimeField::pair(1, false) {
+            assert_eq!(
+                fused(&field, inputs),
+                expected.map(|number| field.literal(number))
+            );
+        }
     }
 }

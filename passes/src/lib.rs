@@ -17,6 +17,7 @@ pub mod cse;
 pub mod dce;
 pub mod eqsat;
 pub mod factor;
+mod fingerprint;
 pub mod fma;
 pub mod fold;
 pub mod inline;

@@ -5,6 +5,7 @@
 //! dumps, timing and the semantic check are the business of the manager, not
 //! of the pass.
 
+use crate::check::Promise;
 use crate::class::NumericClass;
 use crate::instances::Instances;
 use crate::options::{OptionError, OptionInfo};
@@ -52,6 +53,9 @@ pub struct Context<'a> {
     /// Left by a pass that rounds constants: the function in which they are
     /// still computed. The check proves that, and compares the constants.
     pub witness: &'a mut Option<Function>,
+    /// Left by an approximating pass: what it promises of the outputs. The
+    /// check holds it to that.
+    pub promise: &'a mut Option<Promise>,
     /// Files the pass produces (memory images, C).
     pub artifacts: &'a mut Vec<Artifact>,
     /// What the pass counted: name and number.
@@ -96,6 +100,8 @@ pub struct Aside {
     pub notes: Notes,
     /// As [`Context::witness`].
     pub witness: Option<Function>,
+    /// As [`Context::promise`].
+    pub promise: Option<Promise>,
 }
 
 impl Context<'_> {
@@ -111,6 +117,7 @@ impl Context<'_> {
             rules: self.rules,
             scene: self.scene,
             witness: &mut aside.witness,
+            promise: &mut aside.promise,
             rewrites: self.rewrites,
             artifacts: &mut aside.artifacts,
             statistics: &mut aside.statistics,

@@ -73,7 +73,8 @@ pub fn evaluate_at_states(request: &Request<'_>) -> Result<String, Vec<Diagnosti
                 Source::Text(_) => 1,
                 Source::Random { seed, .. } => seed,
             };
-            write(request, &PrimeField { seed, circle: true }, &states)
+            let [field, _] = PrimeField::pair(seed, true);
+            write(request, &field, &states)
         }
         Number::Bits(bits) => write(request, &Bits::new(bits), &states),
     };

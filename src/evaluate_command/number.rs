@@ -7,7 +7,7 @@ use robovec_ir::Function;
 use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::double_double::DoubleDouble;
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
-use robovec_ir::field::PrimeField;
+use robovec_ir::field::{Field, PrimeField};
 use robovec_ir::format::{Format as NumberFormat, FormatError};
 use robovec_ir::soft_float::FormatArithmetic;
 use std::cell::RefCell;
@@ -21,7 +21,7 @@ pub enum Number {
     Format(NumberFormat),
     /// Pairs of binary64, about 106 bits.
     DoubleDouble,
-    /// The prime field of 2^61 - 1, with sines and cosines on a circle.
+    /// A prime field that the seed chooses, with sines and cosines on a circle.
     Field,
     /// Floats of at least this many bits; the mantissa is made of whole
     /// 64-bit words.
@@ -103,13 +103,9 @@ impl Show for FormatArithmetic {
 
 impl Show for PrimeField {
     fn show(&self, number: u64, _: Format) -> Shown {
-        let undefined = PrimeField::is_undefined(number);
+        let residue = self.residue(number);
         Shown {
-            text: if undefined {
-                "undefined".to_owned()
-            } else {
-                number.to_string()
-            },
+            text: residue.map_or_else(|| "undefined".to_owned(), |residue| residue.to_string()),
             quoted: true,
         }
     }

@@ -1,6 +1,6 @@
 //! Accelerations against `M qdd + c = Qq`, and against loops.
 
-use super::formulation_tests::{at_point, make, tree};
+use super::formulation_tests::{at_point, make, point_field, tree};
 use super::tests::serial;
 use super::*;
 use crate::model::{JointKind, Nature, systems};
@@ -10,7 +10,6 @@ use robovec_ir::View;
 use robovec_ir::arithmetic::{Arithmetic, Binary64};
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::field::PrimeField;
 
 /// A random tree without what makes a mass matrix singular: bodies without
 /// mass, and joints of one kind in a row.
@@ -46,7 +45,7 @@ fn accelerations_solve_the_equations_of_motion_exactly() {
     for seed in 0..24 {
         let model = regular_tree(seed);
         let count = model.joints.len();
-        let field = PrimeField { seed, circle: true };
+        let field = point_field(seed, true);
         let dynamics = make(&model, FunctionKind::Dirdyna, Formulation::Composite);
         let dynamics = at_point(&dynamics, seed, true);
         let (mass, bias) = (array(&dynamics, "M"), array(&dynamics, "c"));

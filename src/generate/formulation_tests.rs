@@ -5,7 +5,7 @@ use super::*;
 use crate::model::{Body, Joint, JointKind, Nature, Point};
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::field::PrimeField;
+use robovec_ir::field::{Field, PrimeField};
 
 /// A small generator of random numbers: the same trees everywhere.
 pub(super) struct Random(pub(super) u64);
@@ -124,9 +124,14 @@ pub(super) fn input_point(name: &str, seed: u64, array: &robovec_ir::Array) -> V
         .fold(seed, |hash, byte| hash * 31 + u64::from(byte));
     let field = PrimeField {
         seed: salt,
-        circle: false,
+        ..point_field(seed, false)
     };
     field.point(array.shape.len())
+}
+
+/// The prime field of a seed.
+pub(super) fn point_field(seed: u64, circle: bool) -> PrimeField {
+    PrimeField::pair(seed, circle)[0]
 }
 
 /// The output arrays of the first function at a random point of the prime
@@ -140,7 +145,7 @@ pub(super) fn at_point(module: &Module, seed: u64, circle: bool) -> Vec<(String,
         .iter()
         .flat_map(|array| input_point(name(array), seed, array))
         .collect();
-    let values = evaluate(function, &PrimeField { seed, circle }, &inputs);
+    let values = evaluate(function, &point_field(seed, circle), &inputs);
     let mut flat = vec![0; function.output_len()];
     for (assignment, value) in function.assignments.iter().zip(values) {
         flat[assignment.output.index()] = value;

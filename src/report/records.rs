@@ -117,7 +117,9 @@ impl CheckReport {
             kind: failure.map(|failure| match failure.kind {
                 FailureKind::Signature { .. } => "signature",
                 FailureKind::Field { .. } => "field",
-                FailureKind::Distance { .. } => "distance",
+                FailureKind::Numbers(_) => "numbers",
+                FailureKind::Pole(_) => "pole",
+                FailureKind::Promise(_) => "promise",
                 FailureKind::Bits { .. } => "bits",
                 FailureKind::Constants { .. } => "constants",
             }),

@@ -1,12 +1,37 @@
 //! What broke a claim, and where to look first.
 
-use super::pairing::{Pair, Pairs};
+use super::pairing::Pairs;
+use super::states::Place;
 use crate::analysis::slice::slice;
 use robovec_ir::evaluate::evaluate_nodes;
-use robovec_ir::field::PrimeField;
-use robovec_ir::print::{print_definition, print_output};
-use robovec_ir::{Name, Operand, Output, Value, View};
+use robovec_ir::field::Field;
+use robovec_ir::print::{print_definition, print_operand, print_output};
+use robovec_ir::states::States;
+use robovec_ir::{Input, Name, Output, Value, View};
 use std::fmt;
+
+/// Two values of an output at a state.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Values {
+    /// The state.
+    pub state: Place,
+    /// The value before.
+    pub before: f64,
+    /// The value after.
+    pub after: f64,
+    /// How far they could be apart for what is claimed.
+    pub allowed: f64,
+}
+
+/// An output whose values break a claim.
+#[derive(Clone, Debug)]
+pub(super) struct Failed {
+    /// Index into [`Pairs::list`].
+    pub(super) pair: usize,
+    pub(super) values: Values,
+    /// The inputs before, where they are not those of the state.
+    pub(super) inputs: Option<Vec<f64>>,
+}
 
 /// How a claim was broken.
 #[derive(Clone, PartialEq, Debug)]
@@ -16,42 +41,35 @@ pub enum FailureKind {
         /// Which, as a sentence part.
         reason: String,
     },
-    /// They differ as functions.
+    /// They differ as functions, and no state was found at which the numbers
+    /// show it.
     Field {
-        /// The seed of the point ([`PrimeField::seed`]).
-        point: u64,
-        /// The value before, in the field.
-        before: u64,
+        /// The prime.
+        prime: u64,
+        /// The value before modulo the prime; `None` when it is undefined.
+        before: Option<u64>,
         /// The value after.
-        after: u64,
+        after: Option<u64>,
     },
-    /// They have no value in the field, and differ in double-double.
-    Distance {
-        /// The number of the state, as [`robovec_ir::states::States::draw`]
-        /// counts.
-        state: u32,
-        /// The value before.
-        before: f64,
-        /// The value after.
-        after: f64,
-    },
+    /// They differ in numbers.
+    Numbers(Values),
+    /// One divides by what becomes zero where the other is defined.
+    Pole(Values),
     /// A constant is not the number it was computed from.
     Constants {
         /// Which, as a sentence part.
         reason: String,
     },
-    /// They differ by rounding, and the pass claimed to be exact.
+    /// They differ by rounding, and the pass claimed to be exact, or values
+    /// have formats of their own.
     Bits {
-        /// `binary32` or `binary64`.
+        /// The format of values that have none of their own.
         format: &'static str,
-        /// The number of the state, as [`robovec_ir::states::States::draw`]
-        /// counts.
-        state: u32,
-        /// The value before.
-        before: f64,
-        /// The value after.
-        after: f64,
+        /// The values.
+        values: Values,
     },
+    /// They are further apart than an approximating pass has promised.
+    Promise(Values),
 }
 
 /// The first output that breaks the claim, with what is needed to find out
@@ -72,6 +90,9 @@ pub struct Failure {
     /// differs from it (by more than its sign), as text before and after: the
     /// place to look first.
     pub first_difference: Option<(String, String)>,
+    /// The inputs that the output depends on, by name, with their numbers in
+    /// the state of the failure: the first of them.
+    pub inputs: Vec<(String, f64)>,
 }
 
 impl Failure {
@@ -84,44 +105,78 @@ impl Failure {
             slice_before: Vec::new(),
             slice_after: Vec::new(),
             first_difference: None,
+            inputs: Vec::new(),
         }
     }
 }
 
 /// The failure of an output, with its slices and the first value that differs
 /// in the given field.
-pub(super) fn explain(
+pub(super) fn explain<F: Field>(
     pairs: &Pairs<'_>,
-    kind: FailureKind,
-    output: Output,
-    field: &PrimeField,
+    source: &States,
+    (index, kind): (usize, FailureKind),
+    given: Option<&[f64]>,
+    field: &F,
 ) -> Failure {
-    let cut = |view: View<'_>, index: fn(&Pair) -> usize| {
-        let pair = pairs.list.iter().find(|pair| pair.output == output);
-        let root = pair.map_or(Operand::NONE, |pair| {
-            view.function.assignments[index(pair)].operand
-        });
-        slice(view.function, &[root])
+    let pair = &pairs.list[index];
+    let cut = |view: View<'_>, assignment: usize| {
+        slice(
+            view.function,
+            &[view.function.assignments[assignment].operand],
+        )
     };
-    let slice_before = cut(pairs.before, |pair| pair.before);
-    let slice_after = cut(pairs.after, |pair| pair.after);
+    let slice_before = cut(pairs.before, pair.before);
+    let slice_after = cut(pairs.after, pair.after);
     let first_difference = first_difference(pairs, &slice_after, field);
+    let inputs = match &kind {
+        FailureKind::Numbers(values)
+        | FailureKind::Pole(values)
+        | FailureKind::Promise(values)
+        | FailureKind::Bits { values, .. } => {
+            let [state, _] = pairs.numbers(source, values.state);
+            let state = given.unwrap_or(&state);
+            inputs(pairs.before, pair.before, &slice_before, state)
+        }
+        _ => Vec::new(),
+    };
     Failure {
         kind,
-        output: Some(output),
-        name: print_output(pairs.before, output),
+        output: Some(pair.output),
+        name: print_output(pairs.before, pair.output),
         slice_before,
         slice_after,
         first_difference,
+        inputs,
     }
+}
+
+/// So many inputs are named.
+const MOST_INPUTS: usize = 8;
+
+/// The inputs that an assignment depends on, with their numbers.
+fn inputs(view: View<'_>, assignment: usize, slice: &[Value], state: &[f64]) -> Vec<(String, f64)> {
+    let function = view.function;
+    let read = slice
+        .iter()
+        .flat_map(|&value| function.node(value).operands());
+    let operands = read.chain([&function.assignments[assignment].operand]);
+    let mut inputs: Vec<Input> = operands.filter_map(|operand| operand.input()).collect();
+    inputs.sort_unstable();
+    inputs.dedup();
+    inputs
+        .into_iter()
+        .take(MOST_INPUTS)
+        .map(|input| (print_operand(view, input.into()), state[input.index()]))
+        .collect()
 }
 
 /// Names survive passes, so a value that bears the same name before and after
 /// should be the same number, or its negative where a pass moved a minus.
-fn first_difference(
+fn first_difference<F: Field>(
     pairs: &Pairs<'_>,
     slice: &[Value],
-    field: &PrimeField,
+    field: &F,
 ) -> Option<(String, String)> {
     let (before, after) = (pairs.before, pairs.after);
     let text = |view: View<'_>, name: Name| name.display(&view.tables.symbols);
@@ -135,7 +190,7 @@ fn first_difference(
     let [before_inputs, after_inputs] = pairs.point(field);
     let old = evaluate_nodes(before.function, field, &before_inputs);
     let new = evaluate_nodes(after.function, field, &after_inputs);
-    let same = |old: u64, new: u64| old == new || old.checked_add(new) == Some(PrimeField::MODULUS);
+    let same = |old: F::Number, new: F::Number| old == new || old == field.neg(new);
     slice.iter().find_map(|&value| {
         let name = after.function.node(value).name;
         if name.is_none() {
@@ -160,38 +215,42 @@ impl fmt::Display for Failure {
                 return formatter.write_str(reason);
             }
             FailureKind::Field {
-                point,
+                prime,
                 before,
                 after,
             } => write!(
                 formatter,
-                "{} is another function: {} before and {} after, at point {point:#x} of the prime \
-                 field",
+                "{} is another function: {} before and {} after modulo {prime}, although no state \
+                 was found at which its numbers differ",
                 self.name,
-                Element(*before),
-                Element(*after)
+                Residue(*before),
+                Residue(*after)
             )?,
-            FailureKind::Distance {
-                state,
-                before,
-                after,
-            } => write!(
+            FailureKind::Numbers(values) => {
+                write!(formatter, "{} is another function: {values}", self.name)?;
+            }
+            FailureKind::Pole(values) => write!(
                 formatter,
-                "{} divides by zero, and is {before:e} before and {after:e} after in random state \
-                 {state}",
+                "{} divides by a number that becomes zero where it did not: {values}",
                 self.name
             )?,
-            FailureKind::Bits {
-                format,
-                state,
-                before,
-                after,
-            } => write!(
+            FailureKind::Promise(values) => write!(
                 formatter,
-                "{} is rounded otherwise in {format}: {before:e} before and {after:e} after, in \
-                 random state {state}",
+                "{} is further from what it was than was promised: {values}, {:.1e} apart where \
+                 {:.1e} is allowed",
+                self.name,
+                (values.after - values.before).abs(),
+                values.allowed
+            )?,
+            FailureKind::Bits { format, values } => write!(
+                formatter,
+                "{} is rounded otherwise in {format}: {values}",
                 self.name
             )?,
+        }
+        for (index, (name, number)) in self.inputs.iter().enumerate() {
+            let lead = if index == 0 { ", where " } else { ", " };
+            write!(formatter, "{lead}{name} = {number:?}")?;
         }
         write!(
             formatter,
@@ -210,14 +269,29 @@ impl fmt::Display for Failure {
     }
 }
 
-/// A field element as text.
-struct Element(u64);
-
-impl fmt::Display for Element {
+impl fmt::Display for Values {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if PrimeField::is_undefined(self.0) {
-            return formatter.write_str("undefined");
+        let Values {
+            before,
+            after,
+            state,
+            ..
+        } = self;
+        write!(
+            formatter,
+            "{before:?} before and {after:?} after in {state}"
+        )
+    }
+}
+
+/// A field element as text.
+struct Residue(Option<u64>);
+
+impl fmt::Display for Residue {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(number) => number.fmt(formatter),
+            None => formatter.write_str("undefined"),
         }
-        self.0.fmt(formatter)
     }
 }

@@ -1,73 +1,73 @@
-//! Exact equality at random points of the prime field.
+//! Exact equality at random points of two prime fields.
 
 use super::pairing::Pairs;
-use robovec_ir::Output;
 use robovec_ir::batch::Batch;
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::field::PrimeField;
+use robovec_ir::field::{Field, Point, Prime};
 use std::array;
 
 /// How the comparison ended.
-pub(super) enum Comparison {
+pub(super) enum Comparison<F> {
     /// Equal at every point; these pairs (indices into [`Pairs::list`]) were
     /// undefined everywhere before the pass.
     Equal { undefined: Vec<usize> },
     /// An output differs.
     Different {
-        output: Output,
-        field: PrimeField,
-        before: u64,
-        after: u64,
+        /// Index into [`Pairs::list`].
+        pair: usize,
+        /// Where.
+        field: F,
     },
 }
 
 /// Points drawn beyond those asked for when some are undefined. Random
-/// denominators vanish with probability 2⁻⁶¹, so one that vanishes this often
+/// denominators vanish with probability 2⁻⁶⁰, so one that vanishes this often
 /// always does.
 const EXTRA_POINTS: u32 = 4;
 
-/// Points evaluated at a time.
+/// Fields evaluated at a time: two points in both fields.
 const LANES: usize = 4;
 
+/// The field of a lane of a batch of points.
+fn lane_field<F: Field>(primes: [Prime; 2], seed: u64, first: u32, lane: usize) -> F {
+    let point = first + (lane / 2) as u32;
+    let seed = super::nth_seed(seed, point);
+    F::at(primes[lane % 2], Point { seed })
+}
+
 /// Compares all outputs until each was defined on both sides at `points`
-/// points, or always undefined. Points come in fours: the last four are used
-/// up.
-pub(super) fn compare(pairs: &Pairs<'_>, circle: bool, points: u32, seed: u64) -> Comparison {
+/// points of both fields, or always undefined. Points come in twos: the last
+/// two are used up.
+pub(super) fn compare<F: Field>(pairs: &Pairs<'_>, points: u32, seed: u64) -> Comparison<F> {
+    let primes = Prime::pair(pairs.prime_seed(seed));
+    let wanted = points.saturating_mul(2);
     let mut tallies = vec![Tally::default(); pairs.list.len()];
     let mut point = 0;
     while point < points.saturating_add(EXTRA_POINTS)
-        && (point == 0 || tallies.iter().any(|tally| tally.both < points))
+        && (point == 0 || tallies.iter().any(|tally| tally.both < wanted))
     {
-        let fields: [PrimeField; LANES] = array::from_fn(|lane| PrimeField {
-            seed: super::nth_seed(seed, point + lane as u32),
-            circle,
+        let fields: [F; LANES] = array::from_fn(|lane| lane_field(primes, seed, point, lane));
+        let inputs = fields.each_ref().map(|field| pairs.point(field));
+        let fields = Batch(fields);
+        let [before, after] = [(pairs.before, 0), (pairs.after, 1)].map(|(view, version)| {
+            let inputs: [Vec<F::Number>; LANES] =
+                array::from_fn(|lane| inputs[lane][version].clone());
+            evaluate(view.function, &fields, &Batch::<F, LANES>::gather(&inputs))
         });
-        let points = fields.map(|field| pairs.point(&field));
-        let versions = [(pairs.before, 0), (pairs.after, 1)];
-        let [before, after] = versions.map(|(view, version)| {
-            let inputs: [Vec<u64>; LANES] = array::from_fn(|lane| points[lane][version].clone());
-            evaluate(
-                view.function,
-                &Batch(fields),
-                &Batch::<PrimeField, LANES>::gather(&inputs),
-            )
-        });
-        for (pair, tally) in pairs.list.iter().zip(&mut tallies) {
+        for (index, (pair, tally)) in pairs.list.iter().zip(&mut tallies).enumerate() {
             let lanes = before[pair.before].into_iter().zip(after[pair.after]);
-            for ((before, after), field) in lanes.zip(fields) {
-                if tally.add(before, after) && before != after {
+            for (lane, (before, after)) in lanes.enumerate() {
+                if tally.add::<F>(before, after) && before != after {
                     return Comparison::Different {
-                        output: pair.output,
-                        field,
-                        before,
-                        after,
+                        pair: index,
+                        field: lane_field(primes, seed, point, lane),
                     };
                 }
             }
         }
-        point += LANES as u32;
+        point += (LANES / 2) as u32;
     }
-    judge_undefined(pairs, &tallies, circle, seed)
+    judge_undefined(pairs, &tallies, lane_field(primes, seed, 0, 0))
 }
 
 /// How often an output was defined.
@@ -80,8 +80,8 @@ struct Tally {
 
 impl Tally {
     /// Counts a point; true when it can be compared.
-    fn add(&mut self, before: u64, after: u64) -> bool {
-        let defined = [before, after].map(|number| !PrimeField::is_undefined(number));
+    fn add<F: Field>(&mut self, before: F::Number, after: F::Number) -> bool {
+        let defined = [before, after].map(|number| !F::is_undefined(number));
         self.before += u32::from(defined[0]);
         self.after += u32::from(defined[1]);
         let both = defined[0] && defined[1];
@@ -92,27 +92,28 @@ impl Tally {
 
 /// An output that could never be compared was undefined to begin with (then
 /// anything may follow), or has become so, which is a difference.
-fn judge_undefined(pairs: &Pairs<'_>, tallies: &[Tally], circle: bool, seed: u64) -> Comparison {
+fn judge_undefined<F: Field>(pairs: &Pairs<'_>, tallies: &[Tally], field: F) -> Comparison<F> {
     let mut undefined = Vec::new();
-    for (index, (pair, tally)) in pairs.list.iter().zip(tallies).enumerate() {
+    for (index, (_, tally)) in pairs.list.iter().zip(tallies).enumerate() {
         if tally.both > 0 {
             continue;
         }
-        if tally.before == 0 {
-            undefined.push(index);
-            continue;
+        if tally.before > 0 {
+            return Comparison::Different { pair: index, field };
         }
-        let field = PrimeField {
-            seed: super::nth_seed(seed, 0),
-            circle,
-        };
-        let [before, after] = pairs.point(&field);
-        return Comparison::Different {
-            output: pair.output,
-            field,
-            before: evaluate(pairs.before.function, &field, &before)[pair.before],
-            after: evaluate(pairs.after.function, &field, &after)[pair.after],
-        };
+        undefined.push(index);
     }
     Comparison::Equal { undefined }
+}
+
+/// The residues of an output in a field, before and after; `None` where it is
+/// undefined.
+pub(super) fn residues<F: Field>(pairs: &Pairs<'_>, pair: usize, field: &F) -> [Option<u64>; 2] {
+    let [before, after] = pairs.point(field);
+    let pair = &pairs.list[pair];
+    let residue = |number: F::Number| field.residue(F::value(number));
+    [
+        residue(evaluate(pairs.before.function, field, &before)[pair.before]),
+        residue(evaluate(pairs.after.function, field, &after)[pair.after]),
+    ]
 }

@@ -2,48 +2,65 @@
 //!
 //! What a pass claims by its [`NumericClass`] is tested, not believed:
 //!
-//! - every class but *approximating*: all outputs are equal at random points
-//!   of the prime field of 2⁶¹ − 1. Two rational functions that differ agree
-//!   at a random point with probability at most `degree / 2⁶¹`, and degrees
-//!   of real models stay below a few thousand: one point leaves a chance of
-//!   error of some 10⁻¹⁵, and there is no tolerance that could hide a wrong
-//!   term. Sine and cosine are points of the circle for *real-trig* and
-//!   independent elements otherwise;
-//!   An output that divides by zero at every point has no value in a field;
-//!   as IEEE arithmetic may still end in a number (`1/(1/0)`), it is compared
-//!   in double-double instead, with a tolerance;
-//! - *exact*: all outputs are also bit-equal in binary64 and binary32 at
-//!   random states, save that zeros of either sign are equal (a minus becomes
+//! - every class but *approximating*: all outputs are equal
+//!   - at random points of two prime fields whose primes are drawn from the
+//!     seed and the constants of both versions. Two rational functions that
+//!     differ agree at a random point with probability at most `degree / p`,
+//!     unless their difference vanishes modulo the prime. Sine and cosine are
+//!     points of the circle, on which angles add up, for *real-trig* and
+//!     independent elements otherwise;
+//!   - in double-double within a bound of its error that follows from the
+//!     operations, at states near and far, whole and not, positive and
+//!     negative, and near the constants of both versions. This image decides
+//!     what a field cannot: signs of roots, poles, constants that vanish
+//!     modulo a prime.
+//!
+//!   A difference in any image is a difference. An output that divides by
+//!   zero at every point has no value in a field, nor a bound; as IEEE
+//!   arithmetic may still end in a number (`1/(1/0)`), it is compared in
+//!   double-double with a tolerance;
+//! - *exact*, and every function in which values have formats of their own:
+//!   all outputs are also bit-equal in binary64 and binary32, or in these
+//!   formats, save that zeros of either sign are equal (a minus becomes
 //!   `0 - x`) and that outputs on whose way something was infinite or NaN may
 //!   become anything (`0*x` becomes `0`);
-//! - *approximating*: nothing is demanded, but the distance between the
-//!   versions is measured in double-double.
+//! - *approximating*: what the pass promised ([`Promise`]) holds, and the
+//!   distance between the versions is measured in double-double.
 //!
 //! Beside the verdict stands what the pass did to the rounding error of the
 //! outputs, in binary32 and binary64 against double-double.
 //!
 //! The field check is one-sided: what it rejects differs as a function of
 //! unknown `sin`, `cos` and `sqrt` (see [`robovec_ir::field`]); identities
-//! that need more than their parity and the circle are rejected too.
+//! that need more than their parity, the circle and sums of angles are
+//! rejected too.
 
 mod constants;
 mod failure;
 mod field;
+mod numbers;
 mod numeric;
 mod pairing;
+mod poles;
+mod promise;
+mod states;
 
 use crate::analysis::accuracy::{Measurement, Summary, measure};
+use crate::analysis::reference::ball::Balls;
 use crate::class::NumericClass;
 use crate::instances::Instances;
 use crate::scene::Scene;
-use failure::explain;
-pub use failure::{Failure, FailureKind};
+use failure::{Failed, explain};
+pub use failure::{Failure, FailureKind, Values};
 use field::Comparison;
+use numbers::Survey;
 use pairing::Pairs;
-use robovec_ir::field::PrimeField;
+pub use promise::Promise;
+use robovec_ir::field::{CircleField, Field, Point, Prime, PrimeField};
 use robovec_ir::format::Format;
 use robovec_ir::states::States;
 use robovec_ir::{Output, View};
+pub use states::{Place, Scale};
 use std::array;
 use std::fmt;
 
@@ -66,6 +83,13 @@ pub struct Verdict {
     pub errors: Option<[ErrorChange; 2]>,
     /// How far an *approximating* pass moved the outputs.
     pub deviation: Option<Deviation>,
+    /// At how many states numbers were compared.
+    pub states: u32,
+    /// How far outputs that must be equal were apart there at most, relative
+    /// to the largest element of their array.
+    pub distance: f64,
+    /// True when an *approximating* pass promised a bound, and it holds.
+    pub promised: bool,
 }
 
 /// The rounding errors of a function before and after a pass.
@@ -100,9 +124,20 @@ pub fn check(
     states: &States,
     points: u32,
 ) -> Verdict {
+    check_promise(before, after, (class, None), states, points)
+}
+
+/// Checks what a pass of a class claims, and what it promises beyond that.
+pub fn check_promise(
+    before: View<'_>,
+    after: View<'_>,
+    (class, promise): (NumericClass, Option<&Promise>),
+    states: &States,
+    points: u32,
+) -> Verdict {
     let mut verdict = Verdict::new(class, states, points);
     match Pairs::new(before, after) {
-        Ok(pairs) => judge(&pairs, states, &mut verdict),
+        Ok(pairs) => judge(&pairs, states, promise, &mut verdict),
         Err(unpaired) => verdict.failure = Some(unpaired.failure(before, after)),
     }
     if verdict.failure.is_none() {
@@ -125,7 +160,7 @@ pub fn check_instances(
     let mut verdict = Verdict::new(class, states, points);
     for instance in 1..=instances.count {
         match Pairs::instance(before, after, instances, instance) {
-            Ok(pairs) => judge(&pairs, states, &mut verdict),
+            Ok(pairs) => judge(&pairs, states, None, &mut verdict),
             Err(unpaired) => verdict.failure = Some(unpaired.failure(before, after)),
         }
         if verdict.failure.is_some() {
@@ -168,7 +203,7 @@ pub fn check_specialised(
     let mut verdict = Verdict::new(class, states, points);
     let empty = Scene::default();
     match Pairs::within(before, witness, scene.unwrap_or(&empty)) {
-        Ok(pairs) => judge(&pairs, states, &mut verdict),
+        Ok(pairs) => judge(&pairs, states, None, &mut verdict),
         Err(unpaired) => verdict.failure = Some(unpaired.failure(before, witness)),
     }
     if verdict.failure.is_none()
@@ -182,44 +217,119 @@ pub fn check_specialised(
     verdict
 }
 
-fn judge(pairs: &Pairs<'_>, states: &States, verdict: &mut Verdict) {
-    let (points, seed) = (verdict.points, verdict.seed);
-    if verdict.class == NumericClass::Approximating {
-        verdict.deviation = Some(numeric::deviation(pairs, states, points));
-    } else {
-        let circle = verdict.class == NumericClass::RealTrig;
-        match field::compare(pairs, circle, points, seed) {
-            Comparison::Equal { undefined } => {
-                verdict.undefined = undefined.len() as u32;
-                let difference = numeric::first_distance(pairs, &undefined, states, points);
-                let field = PrimeField { seed, circle };
-                verdict.failure =
-                    difference.map(|(output, kind)| explain(pairs, kind, output, &field));
-            }
-            Comparison::Different {
-                output,
-                field,
-                before,
-                after,
-            } => {
-                let kind = FailureKind::Field {
-                    point: field.seed,
-                    before,
-                    after,
-                };
-                verdict.failure = Some(explain(pairs, kind, output, &field));
-            }
+fn judge(pairs: &Pairs<'_>, states: &States, promise: Option<&Promise>, verdict: &mut Verdict) {
+    let states = &promise.map_or_else(|| states.clone(), |promise| promise.states(states));
+    let rounds = verdict.points;
+    match verdict.class {
+        NumericClass::Approximating => {
+            verdict.deviation = Some(numeric::deviation(pairs, states, rounds));
+            judge_promise(pairs, states, promise, verdict);
+        }
+        NumericClass::RealTrig => judge_equality::<CircleField>(pairs, states, verdict),
+        NumericClass::Real | NumericClass::Exact => {
+            judge_equality::<PrimeField>(pairs, states, verdict);
         }
     }
-    if verdict.failure.is_none()
-        && verdict.class == NumericClass::Exact
-        && let Some((output, kind)) = numeric::first_bit_difference(pairs, states, points)
+    if verdict.class != NumericClass::Approximating
+        && verdict.failure.is_none()
+        && let Some(failed) = poles::first(pairs, states, verdict.seed)
     {
-        let field = PrimeField {
-            seed,
-            circle: false,
+        verdict.failure = Some(failed.explain(pairs, states, FailureKind::Pole, verdict));
+    }
+    // Formats of single values are part of a function, whatever is claimed of
+    // it as one of real numbers.
+    let formats = [pairs.before, pairs.after].map(|view| view.function.formats.is_some());
+    let bits = match verdict.class {
+        NumericClass::Exact => true,
+        NumericClass::Real | NumericClass::RealTrig => formats.contains(&true),
+        NumericClass::Approximating => false,
+    };
+    if verdict.failure.is_none()
+        && bits
+        && let Some(found) = numeric::first_bit_difference(pairs, states, rounds)
+    {
+        let field = first_field(pairs, verdict.seed);
+        verdict.failure = Some(explain(pairs, states, found, None, &field));
+    }
+}
+
+/// A field in which values of the same name are compared.
+fn first_field(pairs: &Pairs<'_>, seed: u64) -> PrimeField {
+    let [prime, _] = Prime::pair(pairs.prime_seed(seed));
+    PrimeField::at(prime, Point { seed })
+}
+
+impl Failed {
+    /// The failure, of a kind that numbers show.
+    fn explain(
+        self,
+        pairs: &Pairs<'_>,
+        states: &States,
+        kind: fn(Values) -> FailureKind,
+        verdict: &Verdict,
+    ) -> Failure {
+        let found = (self.pair, kind(self.values));
+        let field = first_field(pairs, verdict.seed);
+        explain(pairs, states, found, self.inputs.as_deref(), &field)
+    }
+}
+
+/// Equality as functions: in the fields and in numbers.
+fn judge_equality<F: Field>(pairs: &Pairs<'_>, states: &States, verdict: &mut Verdict) {
+    let rounds = verdict.points;
+    let numbers = |only: Option<usize>| {
+        let survey = Survey {
+            states: numbers::every_scale,
+            rounds,
+            only,
         };
-        verdict.failure = Some(explain(pairs, kind, output, &field));
+        numbers::compare(pairs, &Balls, states, survey)
+    };
+    let found = match field::compare::<F>(pairs, rounds, verdict.seed) {
+        Comparison::Different { pair, field } => {
+            // Numbers tell more than residues, where they show the difference.
+            let kind = match numbers(Some(pair)) {
+                Err(failed) => FailureKind::Numbers(failed.values),
+                Ok(_) => {
+                    let [before, after] = field::residues(pairs, pair, &field);
+                    FailureKind::Field {
+                        prime: field.prime().modulus(),
+                        before,
+                        after,
+                    }
+                }
+            };
+            Some(explain(pairs, states, (pair, kind), None, &field))
+        }
+        Comparison::Equal { undefined } => {
+            verdict.undefined = undefined.len() as u32;
+            let failed = match numbers(None) {
+                Err(failed) => Some(failed),
+                Ok(agreement) => {
+                    (verdict.states, verdict.distance) = (agreement.states, agreement.distance);
+                    numeric::first_distance(pairs, &undefined, states, rounds)
+                }
+            };
+            failed.map(|failed| failed.explain(pairs, states, FailureKind::Numbers, verdict))
+        }
+    };
+    verdict.failure = found;
+}
+
+/// Whether an approximating pass keeps what it promised.
+fn judge_promise(
+    pairs: &Pairs<'_>,
+    states: &States,
+    promise: Option<&Promise>,
+    verdict: &mut Verdict,
+) {
+    let Some(promise) = promise else { return };
+    match promise.keeps(pairs, states, verdict.points) {
+        Ok(count) => (verdict.states, verdict.promised) = (count, true),
+        Err(failed) => {
+            let failure = failed.explain(pairs, states, FailureKind::Promise, verdict);
+            verdict.failure = Some(failure);
+        }
     }
 }
 
@@ -249,6 +359,9 @@ impl Verdict {
             undefined: 0,
             errors: None,
             deviation: None,
+            states: 0,
+            distance: 0.0,
+            promised: false,
         }
     }
 
@@ -268,15 +381,24 @@ impl fmt::Display for Verdict {
         if let Some(failure) = &self.failure {
             return write!(formatter, "not {}: {failure}", self.class);
         }
-        write!(formatter, "{} at {} points", self.class, self.points)?;
+        let Verdict { class, states, .. } = self;
         if let Some(deviation) = self.deviation {
             write!(
                 formatter,
-                ", outputs moved by at most {:.1e} of their array's largest element",
-                deviation.worst_normwise
+                "{class}, outputs moved by at most {:.1e} of their array's largest element at {} \
+                 states",
+                deviation.worst_normwise, self.points
             )?;
+            if self.promised {
+                write!(formatter, ", as promised at {states} states")?;
+            }
+            return Ok(());
         }
-        Ok(())
+        write!(
+            formatter,
+            "{class}, equal at {} points of two prime fields and at {states} states within {:.1e}",
+            self.points, self.distance
+        )
     }
 }
 

@@ -1,83 +1,109 @@
 //! Comparison in floating point: bit equality and distance.
 
+use super::Deviation;
+use super::failure::{Failed, FailureKind, Values};
 use super::pairing::Pairs;
-use super::{Deviation, FailureKind};
+use super::states::{Place, SCALES, Scale};
 use crate::analysis::accuracy::evaluate_at;
 use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_ir::double_double::DoubleDouble;
-use robovec_ir::evaluate::{evaluate_nodes, outputs};
+use robovec_ir::evaluate::{evaluate_mixed_nodes, evaluate_nodes};
 use robovec_ir::states::States;
-use robovec_ir::{Output, View};
+use robovec_ir::trigonometry::host::Unit;
+use robovec_ir::{Format, Function, OperandKind, View};
 
-/// The first output that is not bit-equal in binary64 or binary32.
+/// States for comparing bits: usual ones, and one of every other scale.
+fn places(states: u32) -> impl Iterator<Item = Place> {
+    let usual = (0..states).map(Place::usual);
+    let others = SCALES
+        .into_iter()
+        .filter(|scale| !matches!(scale, Scale::Usual | Scale::UsualAgain));
+    usual.chain(others.map(|scale| Place { scale, number: 0 }))
+}
+
+/// The first output that is not bit-equal in binary64 or binary32, values
+/// that have formats of their own being in those.
 pub(super) fn first_bit_difference(
     pairs: &Pairs<'_>,
     source: &States,
     states: u32,
-) -> Option<(Output, FailureKind)> {
-    (0..states).find_map(|state| {
-        let inputs = pairs.state(source, state);
-        compare_bits(pairs, &Binary64, &inputs, ("binary64", state))
-            .or_else(|| compare_bits(pairs, &Binary32, &inputs, ("binary32", state)))
+) -> Option<(usize, FailureKind)> {
+    let versions = [pairs.before.function, pairs.after.function];
+    let plain = versions.into_iter().all(|function| is_plain(function));
+    places(states).find_map(|state| {
+        let inputs = pairs.numbers(source, state);
+        if plain {
+            return compare_bits(pairs, &inputs, ("binary64", state), native(&Binary64))
+                .or_else(|| compare_bits(pairs, &inputs, ("binary32", state), native(&Binary32)));
+        }
+        [
+            ("binary64", Format::BINARY64),
+            ("binary32", Format::BINARY32),
+        ]
+        .into_iter()
+        .find_map(|(name, format)| {
+            compare_bits(pairs, &inputs, (name, state), |function, inputs| {
+                evaluate_mixed_nodes(function, format, inputs)
+            })
+        })
     })
 }
 
-fn compare_bits<A>(
-    pairs: &Pairs<'_>,
-    arithmetic: &A,
-    [old, new]: &[Vec<f64>; 2],
-    (format, state): (&'static str, u32),
-) -> Option<(Output, FailureKind)>
+/// True for a function whose values are all in the format of the run, and
+/// whose sines and cosines are true ones.
+pub(super) fn is_plain(function: &Function) -> bool {
+    function.formats.is_none() && Unit::of(function).is_none()
+}
+
+/// Evaluation in an arithmetic of the processor's.
+fn native<A>(arithmetic: &A) -> impl Fn(&Function, &[f64]) -> Vec<f64>
 where
     A: Arithmetic<Number: Into<f64>>,
 {
-    let before = finite_outputs(pairs.before, arithmetic, old);
-    let after = evaluate_at(pairs.after, arithmetic, new);
-    pairs.list.iter().find_map(|pair| {
+    move |function, inputs| {
+        let literals: Vec<A::Number> = inputs
+            .iter()
+            .map(|&number| arithmetic.literal(number))
+            .collect();
+        let values = evaluate_nodes(function, arithmetic, &literals);
+        values.into_iter().map(Into::into).collect()
+    }
+}
+
+fn compare_bits(
+    pairs: &Pairs<'_>,
+    [old, new]: &[Vec<f64>; 2],
+    (format, state): (&'static str, Place),
+    evaluate: impl Fn(&Function, &[f64]) -> Vec<f64>,
+) -> Option<(usize, FailureKind)> {
+    let round = |number: f64| match format {
+        "binary32" => f64::from(number as f32),
+        _ => number,
+    };
+    let [old, new] = [old, new]
+        .map(|inputs| -> Vec<f64> { inputs.iter().map(|&number| round(number)).collect() });
+    let before = finite_outputs(
+        pairs.before,
+        &old,
+        &evaluate(pairs.before.function, &old),
+        round,
+    );
+    let values = evaluate(pairs.after.function, &new);
+    let after = assigned(pairs.after.function, &new, &values, round);
+    pairs.list.iter().enumerate().find_map(|(index, pair)| {
         // The promise is about numbers: where the function as it was
         // overflows or divides by zero on the way, anything may follow.
-        let before: f64 = before[pair.before]?;
-        let after: f64 = after[pair.after].into();
-        let kind = FailureKind::Bits {
-            format,
+        let before = before[pair.before]?;
+        let after = after[pair.after];
+        let values = Values {
             state,
             before,
             after,
+            allowed: 0.0,
         };
-        // Comparing numbers makes zeros of either sign equal, and a
-        // conversion from binary32 loses no bit of a number.
-        (before != after).then_some((pair.output, kind))
+        // Comparing numbers makes zeros of either sign equal.
+        (before != after).then_some((index, FailureKind::Bits { format, values }))
     })
-}
-
-/// The outputs of a function; `None` where a value that is not finite was met
-/// on the way.
-fn finite_outputs<A>(view: View<'_>, arithmetic: &A, inputs: &[f64]) -> Vec<Option<f64>>
-where
-    A: Arithmetic<Number: Into<f64>>,
-{
-    let function = view.function;
-    let literals: Vec<A::Number> = inputs
-        .iter()
-        .map(|&number| arithmetic.literal(number))
-        .collect();
-    let values = evaluate_nodes(function, arithmetic, &literals);
-    let mut finite: Vec<bool> = Vec::with_capacity(values.len());
-    for (node, &value) in function.nodes().iter().zip(&values) {
-        let mut operands = node.operands().iter().filter_map(|operand| operand.value());
-        let known = operands.all(|operand| finite[operand.index()]);
-        let value: f64 = value.into();
-        finite.push(known && value.is_finite());
-    }
-    outputs(function, arithmetic, &literals, &values)
-        .into_iter()
-        .zip(&function.assignments)
-        .map(|(number, assignment)| {
-            let reached = assignment.operand.value();
-            let finite = reached.is_none_or(|value| finite[value.index()]);
-            finite.then_some(number.into())
-        })
-        .collect()
 }
 
 /// The first of the given outputs that is a number in double-double before
@@ -88,13 +114,13 @@ pub(super) fn first_distance(
     among: &[usize],
     source: &States,
     states: u32,
-) -> Option<(Output, FailureKind)> {
+) -> Option<Failed> {
     const TOLERANCE: f64 = 1e-9;
     if among.is_empty() {
         return None;
     }
-    (0..states).find_map(|state| {
-        let [old, new] = pairs.state(source, state);
+    places(states).find_map(|state| {
+        let [old, new] = pairs.numbers(source, state);
         let before = evaluate_at(pairs.before, &DoubleDouble, &old);
         let after = evaluate_at(pairs.after, &DoubleDouble, &new);
         among.iter().find_map(|&index| {
@@ -103,14 +129,64 @@ pub(super) fn first_distance(
             // What is left of a cancellation has no digits to compare.
             let size = before.high.abs().max(after.high.abs()).max(TOLERANCE);
             let distance = (after - before).high.abs();
-            let kind = FailureKind::Distance {
+            let values = Values {
                 state,
                 before: before.high,
                 after: after.high,
+                allowed: TOLERANCE * size,
             };
-            (distance.is_finite() && distance > TOLERANCE * size).then_some((pair.output, kind))
+            let apart = distance.is_finite() && distance > values.allowed;
+            apart.then_some(Failed {
+                pair: index,
+                values,
+                inputs: None,
+            })
         })
     })
+}
+
+/// The outputs of a function, given the values of its nodes; `None` where a
+/// value that is not finite was met on the way.
+fn finite_outputs(
+    view: View<'_>,
+    inputs: &[f64],
+    values: &[f64],
+    round: impl Fn(f64) -> f64,
+) -> Vec<Option<f64>> {
+    let function = view.function;
+    let mut finite: Vec<bool> = Vec::with_capacity(values.len());
+    for (node, &value) in function.nodes().iter().zip(values) {
+        let mut operands = node.operands().iter().filter_map(|operand| operand.value());
+        let known = operands.all(|operand| finite[operand.index()]);
+        finite.push(known && value.is_finite());
+    }
+    let numbers = assigned(function, inputs, values, round);
+    let places = numbers.into_iter().zip(&function.assignments);
+    let known = places.map(|(number, assignment)| {
+        let value = assignment.operand.value();
+        let finite = value.is_none_or(|value| finite[value.index()]);
+        finite.then_some(number)
+    });
+    known.collect()
+}
+
+/// The outputs of a function, given the values of its nodes.
+fn assigned(
+    function: &Function,
+    inputs: &[f64],
+    values: &[f64],
+    round: impl Fn(f64) -> f64,
+) -> Vec<f64> {
+    let numbers = function
+        .assignments
+        .iter()
+        .map(|assignment| match assignment.operand.kind() {
+            OperandKind::Value(value) => values[value.index()],
+            OperandKind::Input(input) => inputs[input.index()],
+            OperandKind::Constant(constant) => round(function.constant_number(constant)),
+            OperandKind::None => 0.0,
+        });
+    numbers.collect()
 }
 
 /// How far the versions are apart in double-double.

@@ -1,10 +1,10 @@
 //! Which output of one version belongs to which of the other.
 
 use super::failure::{Failure, FailureKind};
+use super::states;
 use crate::instances::Instances;
 use crate::scene::Scene;
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::field::PrimeField;
+use robovec_ir::field::{Field, mix};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Array, Input, Output, View};
@@ -26,6 +26,8 @@ pub(super) struct Pairs<'a> {
     /// In order of the output elements.
     pub(super) list: Vec<Pair>,
     inputs: Inputs,
+    /// Of the constants of both versions.
+    sizes: Vec<f64>,
 }
 
 /// How the inputs of the versions belong together.
@@ -102,6 +104,7 @@ impl<'a> Pairs<'a> {
             after,
             list,
             inputs: Inputs::Same,
+            sizes: states::sizes([before.function, after.function]),
         })
     }
 
@@ -162,6 +165,7 @@ impl<'a> Pairs<'a> {
                 bound: scene.bound.of(before),
                 places,
             }),
+            sizes: states::sizes([before.function, after.function]),
         })
     }
 
@@ -206,17 +210,33 @@ impl<'a> Pairs<'a> {
                 count: instances.count,
                 places: inputs,
             }),
+            sizes: states::sizes([before.function, after.function]),
         })
     }
 
-    /// The inputs of both versions at a point of the field.
-    pub(super) fn point(&self, field: &PrimeField) -> [Vec<u64>; 2] {
-        let count = self.before.function.input_len();
+    /// The inputs of both versions at a point of a field.
+    pub(super) fn point<F: Field>(&self, field: &F) -> [Vec<F::Number>; 2] {
+        let count = self.before.function.input_len() as u64;
         let other = |instance: u32| {
-            let seed = field.seed ^ u64::from(instance).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            PrimeField { seed, ..*field }.point(count)
+            let first = mix(u64::from(instance));
+            (0..count)
+                .map(|index| field.input(first.wrapping_add(index)))
+                .collect()
         };
-        self.both(field.point(count), |number| field.literal(number), other)
+        let own = (0..count).map(|index| field.input(index)).collect();
+        self.both(own, |number| field.literal(number), other)
+    }
+
+    /// The sizes of the constants of both versions, in order.
+    pub(super) fn sizes(&self) -> &[f64] {
+        &self.sizes
+    }
+
+    /// What primes are drawn from: the seed and the constants of both
+    /// versions, so that no constant is a multiple of a prime but by accident.
+    pub(super) fn prime_seed(&self, seed: u64) -> u64 {
+        let constants = self.sizes.iter();
+        constants.fold(mix(seed), |seed, size| mix(seed ^ size.to_bits()))
     }
 
     /// The inputs of both versions in a random state.
@@ -230,7 +250,7 @@ impl<'a> Pairs<'a> {
         self.both(source.draw(self.before, state), |number| number, other)
     }
 
-    fn both<T: Copy>(
+    pub(super) fn both<T: Copy>(
         &self,
         mut before: Vec<T>,
         number: impl Fn(f64) -> T,

@@ -19,7 +19,7 @@
 //! columns of a mass matrix), and are found to be.
 
 use super::import::{Import, import};
-use super::network::{Class, Form, Network, Signed, Term, add, negate};
+use super::network::{Class, Form, Network, Signed, Term};
 use super::timing::{Arrivals, Timing};
 use crate::pass::Context;
 use robovec_ir::Function;
@@ -182,11 +182,9 @@ impl Composer<'_> {
             }
             _ => return None,
         };
-        let value = terms.iter().fold([0, 0], |sum, &term| {
-            add(sum, self.network.term_value(as_term(term)))
-        });
-        let negated = value != self.network.value(class);
-        debug_assert!(!negated || negate(value) == self.network.value(class));
+        let plain: Vec<Term> = terms.iter().map(|&term| as_term(term)).collect();
+        let value = self.network.sum_value(&plain);
+        let negated = value.is_negation_of(&self.network.value(class));
         let signed = |(coefficient, variable): (Signed, Class)| {
             let negative = coefficient.negative ^ negated;
             (

@@ -2,7 +2,7 @@
 
 use super::import::Import;
 use super::map::{Mapper, Mapping};
-use super::network::{Class, Form, Network, Term, add, multiply};
+use super::network::{Class, Form, Network, Term};
 use super::timing::Timing;
 use robovec_ir::{
     Assignment, FreshNames, Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol,
@@ -162,17 +162,15 @@ impl Writer<'_> {
             Form::Product(..) => {
                 let factors = self.network.terms(form);
                 let held: Vec<Held> = factors.iter().map(|term| self.held(term.a)).collect();
-                let value = factors.iter().fold([1, 1], |product, term| {
-                    multiply(product, self.network.value(term.a))
-                });
-                self.tree(held, true, value != self.network.value(class), naming)
+                let values = factors.iter().map(|term| self.network.value(term.a));
+                let value = self.network.images.product(values);
+                let negated = value.is_negation_of(&self.network.value(class));
+                self.tree(held, true, negated, naming)
             }
             Form::Sum(..) => {
                 let terms = self.network.terms(form);
-                let value = terms
-                    .iter()
-                    .fold([0, 0], |sum, &term| add(sum, self.network.term_value(term)));
-                let negated = value != self.network.value(class);
+                let value = self.network.sum_value(terms);
+                let negated = value.is_negation_of(&self.network.value(class));
                 let held = terms.iter().map(|&term| self.term(term, naming)).collect();
                 self.tree(held, false, negated, naming)
             }

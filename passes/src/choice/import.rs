@@ -1,12 +1,11 @@
 //! A function as a network of choices with one form per class.
 
-use super::network::{Class, Fingerprint, Network, Opaque, RANK_STEP, SEEDS, Signed, Term};
+use super::network::{Class, Network, Opaque, RANK_STEP, Signed, Term};
 use super::timing::{Arrivals, Timing};
 use crate::analysis::critical_path::{Weights, arrivals};
+use crate::fingerprint::{Fingerprint, Images};
 use crate::reassociate::{Family, Groups, Leaf, Reach};
 use crate::rewrite::owners;
-use robovec_ir::evaluate::evaluate_nodes;
-use robovec_ir::field::PrimeField;
 use robovec_ir::{Function, Name, Operand, OperandKind, SourceSet, Tables, Value};
 
 /// A function read into a network.
@@ -26,17 +25,10 @@ pub(crate) struct Import {
 /// Reads a function at the atomic level. `None` when some value is undefined
 /// (a division by what is always zero), so that nothing can be said of it.
 pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Timing) -> Option<Import> {
-    let points = SEEDS.map(|seed| {
-        let field = PrimeField {
-            seed,
-            circle: false,
-        };
-        let inputs = field.point(function.input_len());
-        let nodes = evaluate_nodes(function, &field, &inputs);
-        (inputs, nodes)
-    });
-    let undefined = |&number: &u64| PrimeField::is_undefined(number);
-    if points.iter().any(|point| point.1.iter().any(undefined)) {
+    let images = Images::of(function, false);
+    let values = images.values(function);
+    let undefined = |constant: &f64| !constant.is_finite();
+    if values.iter().any(Fingerprint::is_undefined) || function.constants().iter().any(undefined) {
         return None;
     }
     let groups = Groups::find(function, Reach::Maximal);
@@ -45,13 +37,13 @@ pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Timing) -
         levels: arrivals(function, &Weights::operations()),
         inlined: inlined(function, &groups),
         groups,
-        points,
+        values,
         timing,
         map: Vec::with_capacity(function.nodes().len()),
         products: Vec::new(),
         merges: Vec::new(),
         import: Import {
-            network: Network::new(),
+            network: Network::new(images),
             outputs: Vec::new(),
             classes: Vec::new(),
             names: Vec::new(),
@@ -92,7 +84,7 @@ struct Reader<'a> {
     groups: Groups,
     /// Products that one sum alone uses: they become terms of that sum.
     inlined: Vec<bool>,
-    points: [(Vec<u64>, Vec<u64>); 2],
+    values: Vec<Fingerprint>,
     timing: Timing,
     /// What old values have become; `None` for zero.
     map: Vec<Option<Signed>>,
@@ -109,8 +101,8 @@ impl Reader<'_> {
             self.map.push(None);
             return;
         }
-        let fingerprint = [0, 1].map(|point: usize| self.points[point].1[value.index()]);
-        if fingerprint == [0, 0] {
+        let fingerprint = self.values[value.index()];
+        if fingerprint.is_zero() {
             self.map.push(None);
             return;
         }
@@ -283,8 +275,8 @@ impl Reader<'_> {
             OperandKind::Value(value) => self.map[value.index()],
             OperandKind::None => None,
             OperandKind::Input(input) => {
-                let value = [0, 1].map(|point: usize| self.points[point].0[input.index()]);
-                (value != [0, 0]).then(|| self.import.network.input(input, value))
+                let value = self.import.network.images.input(input);
+                Some(self.import.network.input(input, value))
             }
             OperandKind::Constant(constant) => {
                 let number = self.function.constant_number(constant);

@@ -3,13 +3,14 @@
 //!
 //! A [`Network`](network::Network) holds *classes*, each standing for one
 //! value up to its sign, and for each class its *forms*: sums of products of
-//! other classes. Classes are identified by the value itself, taken at two
-//! random points of the prime field of 2⁶¹ − 1 elements: two expressions that
+//! other classes. Classes are identified by the value itself, taken at a
+//! random point of two prime fields and of the real numbers
+//! ([`Fingerprint`](crate::fingerprint::Fingerprint)): two expressions that
 //! are equal as polynomials meet in one class however they were derived, so
 //! there is nothing to saturate and associativity and commutativity cost
 //! nothing. Two different values meet with probability below
-//! (classes² · degree²) / 2¹²², and every pass built on this is checked
-//! afterwards at other points.
+//! (classes² · degree²) / 2¹²⁰, and only where they are also the same number
+//! within the rounding of double-double.
 //!
 //! A [`Mapping`](map::Mapping) chooses one form per class, as technology
 //! mappers do for logic networks: first the earliest form of everything, then,

@@ -1,24 +1,11 @@
 //! Classes of equal values and their forms.
 
-use hashbrown::{HashMap, HashSet};
+use crate::fingerprint::{Fingerprint, Images};
+use hashbrown::{HashSet, HashTable};
 use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::field::PrimeField;
 use robovec_ir::{Input, Operand, Operation, SourceSet, Symbol};
 use rustc_hash::FxBuildHasher;
 use std::hash::BuildHasher;
-
-/// A value at the two points of the field that identify it.
-pub(crate) type Fingerprint = [u64; 2];
-
-/// The field at whose points values are compared. Both points use the same
-/// arithmetic; they differ in what inputs, sines and cosines are drawn as.
-const FIELD: PrimeField = PrimeField {
-    seed: 0,
-    circle: false,
-};
-
-/// The seeds of the two points.
-pub(crate) const SEEDS: [u64; 2] = [0x9e37_79b9_7f4a_7c15, 0xd1b5_4a32_d192_ed03];
 
 /// A class: one value up to its sign. Counted from 0.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -100,8 +87,11 @@ pub(crate) const RANK_STEP: u64 = 1 << 32;
 
 /// Classes and forms.
 pub(crate) struct Network {
+    /// What values are identified in.
+    pub(crate) images: Images,
     classes: Vec<Record>,
-    index: HashMap<Fingerprint, Class, FxBuildHasher>,
+    /// Classes by the hash of their value.
+    index: HashTable<Class>,
     forms: Vec<(Form, u32)>,
     /// Classes and hashes of their forms.
     known: HashSet<(Class, u64), FxBuildHasher>,
@@ -113,17 +103,18 @@ pub(crate) struct Network {
 
 impl Network {
     /// A network with the class of 1 alone.
-    pub(crate) fn new() -> Network {
+    pub(crate) fn new(images: Images) -> Network {
         let mut network = Network {
+            images,
             classes: Vec::new(),
-            index: HashMap::default(),
+            index: HashTable::new(),
             forms: Vec::new(),
             known: HashSet::default(),
             terms: Vec::new(),
             opaques: Vec::new(),
             origin: (Symbol(0), SourceSet::EMPTY),
         };
-        let class = network.class([1, 1], 0).class;
+        let class = network.class(images.one(), 0).class;
         network.push_form(class, Form::Constant(1.0f64.to_bits()));
         network
     }
@@ -141,9 +132,16 @@ impl Network {
     /// The class of a value, made when it does not exist, and whether the
     /// value is its negation.
     pub(crate) fn class(&mut self, value: Fingerprint, rank: u64) -> Signed {
-        let (value, negative) = canonical(value);
+        let (value, negative) = self.images.without_sign(value);
         let next = Class(self.classes.len() as u32);
-        let class = *self.index.entry(value).or_insert(next);
+        let classes = &self.classes;
+        let record = |class: &Class| classes[class.index()].value;
+        let entry = self.index.entry(
+            FxBuildHasher.hash_one(value),
+            |class| record(class) == value,
+            |class| FxBuildHasher.hash_one(record(class)),
+        );
+        let class = *entry.or_insert(next).get();
         if class == next {
             self.classes.push(Record {
                 value,
@@ -158,8 +156,10 @@ impl Network {
 
     /// The class of a value, if it exists.
     pub(crate) fn find(&self, value: Fingerprint) -> Option<Signed> {
-        let (value, negative) = canonical(value);
-        let class = *self.index.get(&value)?;
+        let (value, negative) = self.images.without_sign(value);
+        let hash = FxBuildHasher.hash_one(value);
+        let equal = |class: &Class| self.classes[class.index()].value == value;
+        let class = *self.index.find(hash, equal)?;
         Some(Signed { class, negative })
     }
 
@@ -175,8 +175,14 @@ impl Network {
 
     /// The value of a term.
     pub(crate) fn term_value(&self, term: Term) -> Fingerprint {
-        let product = multiply(self.value(term.a), self.value(term.b));
-        negate_if(term.negative, product)
+        let product = self.images.mul(self.value(term.a), self.value(term.b));
+        self.images.negate_if(term.negative, product)
+    }
+
+    /// The value of a sum of terms.
+    pub(crate) fn sum_value(&self, terms: &[Term]) -> Fingerprint {
+        self.images
+            .sum(terms.iter().map(|&term| self.term_value(term)))
     }
 
     /// The rank of a class.
@@ -263,8 +269,7 @@ impl Network {
 
     /// The class of a literal.
     pub(crate) fn constant(&mut self, number: f64) -> Signed {
-        let literal = FIELD.literal(number);
-        let signed = self.class([literal, literal], 0);
+        let signed = self.class(self.images.literal(number), 0);
         if !self.is_defined(signed.class) {
             let number = if signed.negative { -number } else { number };
             self.push_form(signed.class, Form::Constant(number.to_bits()));
@@ -342,10 +347,8 @@ impl Network {
             }
             _ => {}
         }
-        let value = terms
-            .iter()
-            .fold([0, 0], |sum, &term| add(sum, self.term_value(term)));
-        if value == [0, 0] {
+        let value = self.sum_value(&terms);
+        if value.is_zero() {
             return None;
         }
         let rank = terms
@@ -368,9 +371,8 @@ impl Network {
                 negative: false,
             };
         }
-        let value = factors.iter().fold([1, 1], |product, &factor| {
-            multiply(product, self.value(factor))
-        });
+        let values = factors.iter().map(|&factor| self.value(factor));
+        let value = self.images.product(values);
         let rank = factors.iter().map(|&factor| self.rank(factor)).max();
         let signed = self.class(value, rank.unwrap_or(0) + 1);
         self.add_product(signed.class, factors);
@@ -413,35 +415,4 @@ fn normalise(terms: &mut [Term]) {
         }
         terms.sort_unstable();
     }
-}
-
-/// The value or its negation, whichever is smaller at the first point where
-/// they differ, and whether it is the negation.
-fn canonical(value: Fingerprint) -> (Fingerprint, bool) {
-    let negated = negate(value);
-    if negated < value {
-        (negated, true)
-    } else {
-        (value, false)
-    }
-}
-
-/// `a + b` at both points.
-pub(crate) fn add(a: Fingerprint, b: Fingerprint) -> Fingerprint {
-    [FIELD.add(a[0], b[0]), FIELD.add(a[1], b[1])]
-}
-
-/// `a * b` at both points.
-pub(crate) fn multiply(a: Fingerprint, b: Fingerprint) -> Fingerprint {
-    [FIELD.mul(a[0], b[0]), FIELD.mul(a[1], b[1])]
-}
-
-/// `-a` at both points.
-pub(crate) fn negate(a: Fingerprint) -> Fingerprint {
-    [FIELD.neg(a[0]), FIELD.neg(a[1])]
-}
-
-/// `-a` or `a` at both points.
-pub(crate) fn negate_if(negative: bool, a: Fingerprint) -> Fingerprint {
-    if negative { negate(a) } else { a }
 }

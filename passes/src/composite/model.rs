@@ -1,7 +1,7 @@
 //! What a function says about the system whose mass matrix it computes.
 
-use crate::factor::fingerprint::Fingerprint;
 use crate::factor::network::{Edge, Kind, Network};
+use crate::fingerprint::Fingerprint;
 use hashbrown::{HashMap, HashSet};
 use robovec_ir::{Array, Function, Input, Operation, Shape, Tables};
 
@@ -92,7 +92,7 @@ impl Model {
 
     /// The value of an element of the mass matrix, counted from 0.
     pub(super) fn element(&self, network: &Network, row: usize, column: usize) -> Fingerprint {
-        self.elements[row * self.len() + column].map_or(Fingerprint::ZERO, |place| {
+        self.elements[row * self.len() + column].map_or(network.images.zero(), |place| {
             network.value(network.outputs[place])
         })
     }

@@ -3,7 +3,8 @@
 use super::bodies::{Body, Inertia, Joint, Ring, Stand, Wrench, cross};
 use super::model::Model;
 use super::tree::Place;
-use crate::factor::fingerprint::Fingerprint;
+use crate::fingerprint::{Fingerprint, Images};
+use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::{Input, Operation};
 
 /// How often a joint behind another may be explained anew to explain that one.
@@ -14,21 +15,22 @@ const MOST_OPTIONS: usize = 64;
 const DEEPEST: usize = 3;
 
 /// The numbers the search computes with.
-pub(super) struct Exact;
+#[derive(Clone, Copy)]
+pub(super) struct Exact(pub(super) Images);
 
 impl Ring for Exact {
     type Number = Fingerprint;
     fn zero(&mut self) -> Fingerprint {
-        Fingerprint::ZERO
+        self.0.zero()
     }
     fn add(&mut self, a: Fingerprint, b: Fingerprint) -> Fingerprint {
-        a + b
+        Arithmetic::add(&self.0, a, b)
     }
     fn sub(&mut self, a: Fingerprint, b: Fingerprint) -> Fingerprint {
-        a - b
+        Arithmetic::sub(&self.0, a, b)
     }
     fn mul(&mut self, a: Fingerprint, b: Fingerprint) -> Fingerprint {
-        a * b
+        Arithmetic::mul(&self.0, a, b)
     }
 }
 
@@ -54,8 +56,8 @@ struct State {
 }
 
 impl State {
-    fn new() -> State {
-        let zero = [[Fingerprint::ZERO; 3]; 3];
+    fn new(images: &Images) -> State {
+        let zero = [[images.zero(); 3]; 3];
         State {
             options: Vec::new(),
             chosen: 0,
@@ -72,6 +74,7 @@ impl State {
 /// The choices made so far.
 pub(super) struct Search<'a> {
     model: &'a Model,
+    images: Images,
     /// Row by row.
     matrix: Vec<Fingerprint>,
     children: Vec<Vec<usize>>,
@@ -85,6 +88,7 @@ impl<'a> Search<'a> {
     /// A search in which nothing is chosen yet; `matrix` is row by row.
     pub(super) fn new(
         model: &'a Model,
+        images: Images,
         matrix: Vec<Fingerprint>,
         parents: Vec<Option<usize>>,
     ) -> Search<'a> {
@@ -96,24 +100,29 @@ impl<'a> Search<'a> {
         }
         Search {
             model,
+            images,
             matrix,
             children,
-            states: parents.iter().map(|_| State::new()).collect(),
+            states: parents.iter().map(|_| State::new(&images)).collect(),
             parents,
             effort: EFFORT,
         }
     }
 
+    fn exact(&self) -> Exact {
+        Exact(self.images)
+    }
+
     fn value(&self, input: Option<Input>) -> Fingerprint {
-        input.map_or(Fingerprint::ZERO, Fingerprint::input)
+        input.map_or(self.images.zero(), |input| self.images.input(input))
     }
 
     fn stand(&self, joint: usize, kind: Joint, point: Option<usize>) -> Stand<Fingerprint> {
         let coordinate = self.value(self.model.coordinates[joint]);
-        let turn = |operation| Fingerprint::of_function(operation, coordinate, true);
+        let turn = |operation| self.images.apply(operation, [coordinate; 3]);
         Stand {
             joint: kind,
-            offset: point.map_or([Fingerprint::ZERO; 3], |point| {
+            offset: point.map_or([self.images.zero(); 3], |point| {
                 self.model.points[point].map(|part| self.value(part))
             }),
             coordinate,
@@ -322,7 +331,7 @@ impl<'a> Search<'a> {
             let mut digits = vec![0; points.len()];
             loop {
                 let chosen = parts.iter().zip(&digits).map(|(list, &at)| list[at]);
-                if chosen.fold(own, |sum, part| sum + part) == diagonal {
+                if self.images.add(own, self.images.sum(chosen)) == diagonal {
                     let chosen = points.iter().zip(&digits).map(|(list, &at)| list[at]);
                     options.push(Choice {
                         joint: kind,
@@ -347,13 +356,15 @@ impl<'a> Search<'a> {
         let wrenches: Vec<(usize, Wrench<Fingerprint>)> = self.states[child]
             .wrenches
             .iter()
-            .map(|&(one, wrench)| (one, stand.turned(&mut Exact, wrench)))
+            .map(|&(one, wrench)| (one, stand.turned(&mut self.exact(), wrench)))
             .collect();
         let fits = |point: Option<usize>| {
-            let arm = self.stand(child, self.kind(child), point).arm(&mut Exact);
+            let arm = self
+                .stand(child, self.kind(child), point)
+                .arm(&mut self.exact());
             wrenches.iter().all(|&(one, wrench)| {
-                let moment = cross(&mut Exact, arm, wrench.force);
-                let torque = [0, 1, 2].map(|i| wrench.torque[i] + moment[i]);
+                let moment = cross(&mut self.exact(), arm, wrench.force);
+                let torque = [0, 1, 2].map(|i| self.images.add(wrench.torque[i], moment[i]));
                 let value = Wrench { torque, ..wrench }.along(kind);
                 value == self.matrix[one * self.model.len() + joint]
             })
@@ -373,13 +384,13 @@ impl<'a> Search<'a> {
             centre: body.centre.map(|part| self.value(part)),
             inertia: body.inertia.map(|row| row.map(|part| self.value(part))),
         };
-        Inertia::of(&mut Exact, &body)
+        Inertia::of(&mut self.exact(), &body)
     }
 
     /// The inertia of a child and of all behind it, as part of its parent's.
     fn moved(&self, child: usize, point: Option<usize>) -> Inertia<Fingerprint> {
         let stand = self.stand(child, self.kind(child), point);
-        stand.inertia(&mut Exact, &self.states[child].inertia)
+        stand.inertia(&mut self.exact(), &self.states[child].inertia)
     }
 
     /// Inertia and wrenches that follow from the choice made for a joint.
@@ -388,13 +399,13 @@ impl<'a> Search<'a> {
         let choice = state.options[state.chosen].clone();
         let mut inertia = self.own(joint, choice.symmetric);
         for (&child, &point) in self.children[joint].iter().zip(&choice.points) {
-            inertia = inertia.plus(&mut Exact, &self.moved(child, point));
+            inertia = inertia.plus(&mut self.exact(), &self.moved(child, point));
         }
         let mut wrenches = vec![(joint, inertia.wrench(choice.joint))];
         for (&child, &point) in self.children[joint].iter().zip(&choice.points) {
             let stand = self.stand(child, self.kind(child), point);
             for &(one, wrench) in &self.states[child].wrenches {
-                wrenches.push((one, stand.wrench(&mut Exact, wrench)));
+                wrenches.push((one, stand.wrench(&mut self.exact(), wrench)));
             }
         }
         self.states[joint].inertia = inertia;

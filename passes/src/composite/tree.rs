@@ -40,7 +40,7 @@ pub(super) fn find(model: &Model, network: &Network) -> Option<Vec<Place>> {
             matrix.push(value);
         }
     }
-    let mut search = Search::new(model, matrix, parents(model));
+    let mut search = Search::new(model, network.images, matrix, parents(model));
     for joint in (0..count).rev() {
         if !search.settle(joint) {
             return None;

@@ -3,9 +3,9 @@
 use super::bodies::{Body, Inertia, Joint, Ring, Stand, Wrench};
 use super::model::Model;
 use super::tree::Place;
-use crate::factor::fingerprint::Fingerprint;
 use crate::factor::network::{Edge, Kind, Network, Origin, ZERO};
 use crate::rewrite::output_symbol;
+use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::{Function, Input, Name, Operand, Operation, Tables};
 
 /// Writes equations as values of a network.
@@ -36,7 +36,7 @@ impl Writer<'_> {
         let Some(input) = input else {
             return self.zero();
         };
-        let value = Fingerprint::input(input);
+        let value = self.network.images.input(input);
         self.network.find(value).unwrap_or_else(|| {
             let kind = Kind::Input(Operand::from(input));
             self.network.push(kind, Vec::new(), value, Origin::NONE)
@@ -44,7 +44,10 @@ impl Writer<'_> {
     }
 
     fn turn(&mut self, operation: Operation, angle: Edge) -> Edge {
-        let value = Fingerprint::of_function(operation, self.network.value(angle), true);
+        let value = self
+            .network
+            .images
+            .apply(operation, [self.network.value(angle); 3]);
         self.network.find(value).unwrap_or_else(|| {
             let kind = Kind::Other(operation);
             self.network.push(kind, vec![angle], value, self.origin)

@@ -12,10 +12,11 @@
 //! A divisor is identified by its value and not by its form: what several
 //! sums share may be written differently in each, and it may exist already.
 
-use super::fingerprint::Fingerprint;
 use super::network::{Edge, Kind, Network, Origin, cancel};
 use super::times::Times;
+use crate::fingerprint::Fingerprint;
 use hashbrown::HashMap;
+use robovec_ir::arithmetic::Arithmetic;
 use rustc_hash::FxBuildHasher;
 
 /// In larger sums and products only operands at most this far apart in the
@@ -74,14 +75,17 @@ pub(super) fn extract(network: &mut Network, order: &[u32], mut times: Option<Ti
 impl Divisors {
     fn find(network: &Network, order: &[u32]) -> Divisors {
         let mut sketch = Sketch::new(network, order);
-        for_each_pair(network, order, |value, _, _, _| sketch.count(value));
+        let images = network.images;
+        for_each_pair(network, order, |value, _, _, _| {
+            sketch.count(images.without_sign(value).0)
+        });
         let mut divisors = Divisors {
             values: Vec::new(),
             occurrences: Vec::new(),
         };
         let mut index: HashMap<Fingerprint, u32, FxBuildHasher> = HashMap::default();
         for_each_pair(network, order, |value, user, pair, common| {
-            let (size, _) = value.without_sign();
+            let (size, _) = images.without_sign(value);
             if !sketch.several(size) && network.find(size).is_none() && common == Common::Nothing {
                 return;
             }
@@ -231,11 +235,9 @@ fn for_each_pair(
     order: &[u32],
     mut found: impl FnMut(Fingerprint, u32, [Edge; 2], Common),
 ) {
-    let product = |factors: &[Edge]| {
-        factors
-            .iter()
-            .fold(Fingerprint::ONE, |value, &edge| value * network.value(edge))
-    };
+    let images = &network.images;
+    let product =
+        |factors: &[Edge]| images.product(factors.iter().map(|&edge| network.value(edge)));
     let mut split: Vec<(bool, Vec<Edge>)> = Vec::new();
     for &user in order {
         let node = &network.nodes[user as usize];
@@ -252,18 +254,18 @@ fn for_each_pair(
             for (j, &b) in operands.iter().enumerate().skip(i + 1).take(REACH) {
                 let (left, right) = (network.value(a), network.value(b));
                 if node.kind == Kind::Product {
-                    found(left * right, user, [a, b], Common::Nothing);
+                    found(images.mul(left, right), user, [a, b], Common::Nothing);
                     continue;
                 }
                 if operands.len() > 2 {
-                    found(left + right, user, [a, b], Common::Nothing);
+                    found(images.add(left, right), user, [a, b], Common::Nothing);
                 }
                 let mut take = |common: Common, rest: [&[Edge]; 2]| {
                     let signed = |negative: bool, factors: &[Edge]| {
-                        let value = product(factors);
-                        if negative { -value } else { value }
+                        images.negate_if(negative, product(factors))
                     };
-                    let value = signed(split[i].0, rest[0]) + signed(split[j].0, rest[1]);
+                    let value =
+                        images.add(signed(split[i].0, rest[0]), signed(split[j].0, rest[1]));
                     found(value, user, [a, b], common);
                 };
                 let (common, [p, q]) = divide(&split[i].1, &split[j].1);
@@ -308,8 +310,8 @@ impl Sketch {
         size.bits() as usize & (self.slots.len() - 1)
     }
 
-    fn count(&mut self, value: Fingerprint) {
-        let slot = self.slot(value.without_sign().0);
+    fn count(&mut self, size: Fingerprint) {
+        let slot = self.slot(size);
         self.slots[slot] = self.slots[slot].saturating_add(1);
     }
 
@@ -378,8 +380,9 @@ impl Occurrence {
                 .find(value)
                 .unwrap_or_else(|| network.product(&self.pair, origin));
             // The pair's value may be the negation of the divisor's.
-            let pair = network.value(self.pair[0]) * network.value(self.pair[1]);
-            let divisor = divisor.flip(network.value(divisor) != pair);
+            let [x, y] = self.pair.map(|edge| network.value(edge));
+            let pair = network.images.mul(x, y);
+            let divisor = divisor.flip(network.value(divisor).is_negation_of(&pair));
             rest.push(divisor);
             rest.sort_unstable();
             return network.below(&rest, position).then_some((kind, rest));

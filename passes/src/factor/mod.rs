@@ -7,7 +7,6 @@
 //! this engine with two notions of equality.
 
 mod extract;
-pub(crate) mod fingerprint;
 pub(crate) mod network;
 pub(crate) mod read;
 mod times;

@@ -8,8 +8,9 @@
 //! outputs; a node without uses does not count its operands, so `cost` is the
 //! number of operations of what the outputs need.
 
-use super::fingerprint::Fingerprint;
+use crate::fingerprint::{Fingerprint, Images};
 use hashbrown::HashMap;
+use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::{Name, Operand, Operation, SourceSet, Symbol};
 use rustc_hash::FxBuildHasher;
 
@@ -93,6 +94,8 @@ impl Origin {
 /// The network.
 #[derive(Clone)]
 pub(crate) struct Network {
+    /// What values are identified in.
+    pub(crate) images: Images,
     pub(crate) nodes: Vec<Node>,
     /// What the outputs are set to.
     pub(crate) outputs: Vec<Edge>,
@@ -112,8 +115,9 @@ pub(crate) const ONE: usize = 1;
 const SPACING: u64 = 1 << 20;
 
 impl Network {
-    pub(crate) fn new() -> Network {
+    pub(crate) fn new(images: Images) -> Network {
         let mut network = Network {
+            images,
             nodes: Vec::new(),
             outputs: Vec::new(),
             cost: 0,
@@ -127,25 +131,26 @@ impl Network {
     }
 
     pub(crate) fn constant(&mut self, number: f64) -> Edge {
-        let Some(value) = Fingerprint::literal(number) else {
-            let value = Fingerprint::random(!(self.nodes.len() as u64));
+        let value = self.images.literal(number);
+        if value.is_undefined() {
+            let value = self.images.random(!(self.nodes.len() as u64));
             return self.push_unknown(Kind::Constant(number), Vec::new(), value, Origin::NONE);
-        };
+        }
         self.find(value)
             .unwrap_or_else(|| self.push(Kind::Constant(number), Vec::new(), value, Origin::NONE))
     }
 
     /// The node with this value, with the sign that makes it equal.
     pub(crate) fn find(&self, value: Fingerprint) -> Option<Edge> {
-        let (size, _) = value.without_sign();
+        let (size, _) = self.images.without_sign(value);
         self.known
             .get(&size)
-            .map(|&node| Edge::new(node, self.nodes[node as usize].value != value))
+            .map(|&node| Edge::new(node, self.nodes[node as usize].value.is_negation_of(&value)))
     }
 
     pub(crate) fn value(&self, edge: Edge) -> Fingerprint {
         let value = self.nodes[edge.node()].value;
-        if edge.negative() { -value } else { value }
+        self.images.negate_if(edge.negative(), value)
     }
 
     /// Appends a node that can be found by its value.
@@ -158,8 +163,8 @@ impl Network {
     ) -> Edge {
         let edge = self.push_unknown(kind, operands, value, origin);
         self.nodes[edge.node()].defined = true;
-        self.known
-            .insert(value.without_sign().0, edge.node() as u32);
+        let (size, _) = self.images.without_sign(value);
+        self.known.insert(size, edge.node() as u32);
         edge
     }
 
@@ -193,9 +198,7 @@ impl Network {
 
     /// The sum of some terms: a known value if there is one.
     pub(crate) fn sum(&mut self, terms: &[Edge], origin: Origin) -> Edge {
-        let value = terms
-            .iter()
-            .fold(Fingerprint::ZERO, |sum, &term| sum + self.value(term));
+        let value = self.images.sum(terms.iter().map(|&term| self.value(term)));
         if let Some(edge) = self.find(value) {
             return edge;
         }
@@ -209,9 +212,8 @@ impl Network {
 
     /// The product of some factors: a known value if there is one.
     pub(crate) fn product(&mut self, factors: &[Edge], origin: Origin) -> Edge {
-        let value = factors.iter().fold(Fingerprint::ONE, |product, &factor| {
-            product * self.value(factor)
-        });
+        let values = factors.iter().map(|&factor| self.value(factor));
+        let value = self.images.product(values);
         if let Some(edge) = self.find(value) {
             return edge;
         }
@@ -225,7 +227,7 @@ impl Network {
         match operands[..] {
             [single] => single.flip(negative),
             _ => {
-                let value = if negative { -value } else { value };
+                let value = self.images.negate_if(negative, value);
                 self.push(Kind::Product, operands, value, origin)
                     .flip(negative)
             }
@@ -323,7 +325,7 @@ impl Network {
     }
 
     fn remember(&mut self, node: u32) {
-        let size = self.nodes[node as usize].value.without_sign().0;
+        let size = self.images.without_sign(self.nodes[node as usize].value).0;
         self.known.entry(size).or_insert(node);
     }
 
@@ -355,7 +357,7 @@ impl Network {
                     sources: inner.sources,
                 };
                 let parts = std::mem::take(&mut inner.operands);
-                let size = inner.value.without_sign().0;
+                let size = self.images.without_sign(inner.value).0;
                 self.known.remove(&size);
                 self.merged.push((user as u32, origin));
                 // A minus reaches all terms of a sum, but one factor only.

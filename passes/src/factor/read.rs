@@ -1,7 +1,7 @@
 //! From a function to a network.
 
-use super::fingerprint::Fingerprint;
 use super::network::{Edge, Kind, Network, Origin};
+use crate::fingerprint::Images;
 use crate::rewrite::owners;
 use robovec_ir::{Function, Name, Node, Operand, OperandKind, Operation, Tables};
 use std::collections::HashMap;
@@ -11,11 +11,10 @@ use std::collections::HashMap;
 pub(crate) fn read(function: &Function, tables: &mut Tables, circle: bool) -> Network {
     let owners = owners(tables, function);
     let mut reader = Reader {
-        network: Network::new(),
+        network: Network::new(Images::of(function, circle)),
         map: Vec::with_capacity(function.nodes().len()),
         inputs: HashMap::new(),
         function,
-        circle,
     };
     for (value, node) in function.values() {
         let origin = Origin {
@@ -50,7 +49,6 @@ struct Reader<'a> {
     map: Vec<Edge>,
     inputs: HashMap<u32, Edge>,
     function: &'a Function,
-    circle: bool,
 }
 
 impl Reader<'_> {
@@ -65,7 +63,7 @@ impl Reader<'_> {
                 if let Some(&edge) = self.inputs.get(&input.0) {
                     return edge;
                 }
-                let value = Fingerprint::input(input);
+                let value = self.network.images.input(input);
                 let kind = Kind::Input(operand);
                 let edge = self.network.push(kind, Vec::new(), value, Origin::NONE);
                 self.inputs.insert(input.0, edge);
@@ -118,12 +116,15 @@ impl Reader<'_> {
             Operation::Add => return network.sum(&[a, b], origin),
             Operation::Sub => return network.sum(&[a, b.flip(true)], origin),
             Operation::Mul => return network.product(&[a, b], origin),
-            Operation::Div => match network.value(b).inverse() {
-                None => return Self::unknown(network, operation, operands, origin),
-                Some(inverse) => network.value(a) * inverse,
-            },
-            function => Fingerprint::of_function(function, network.value(a), self.circle),
+            _ => {
+                let literal = matches!(network.nodes[b.node()].kind, Kind::Constant(_));
+                let [x, y] = [a, b].map(|edge| network.value(edge));
+                network.images.operate(operation, [x, y, y], literal)
+            }
         };
+        if value.is_undefined() {
+            return Self::unknown(network, operation, operands, origin);
+        }
         let kind = Kind::Other(operation);
         network
             .find(value)
@@ -138,7 +139,7 @@ impl Reader<'_> {
         operands: Vec<Edge>,
         origin: Origin,
     ) -> Edge {
-        let value = Fingerprint::random(!(network.nodes.len() as u64));
+        let value = network.images.random(!(network.nodes.len() as u64));
         network.push_unknown(Kind::Other(operation), operands, value, origin)
     }
 }

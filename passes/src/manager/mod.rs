@@ -21,7 +21,7 @@ pub use walk::apply;
 
 use crate::NumericClass;
 use crate::analysis::rounding::{Rounding, rounding, usual_states};
-use crate::check::{self, Verdict};
+use crate::check::{self, Promise, Verdict};
 use crate::instances::Instances;
 use crate::pass::{Artifact, Context, PassError, PassInfo};
 use crate::pipeline::{PassStep, Pipeline};
@@ -248,6 +248,15 @@ pub fn run(
     Ok(run.outcome)
 }
 
+/// What is claimed of what a pass did.
+struct Claim {
+    class: NumericClass,
+    /// Of a pass that makes several instances of a function.
+    instances: Option<Instances>,
+    /// Of an approximating pass.
+    promise: Option<Promise>,
+}
+
 struct Run<'a> {
     rules: Cow<'a, RuleSet>,
     instruments: Instruments<'a>,
@@ -319,13 +328,14 @@ impl Run<'_> {
             false => Notes::unwanted(),
         };
         let rewrites = Rewrites::new(limit);
-        let mut witness = None;
+        let (mut witness, mut promise) = (None, None);
         let mut context = Context {
             tables,
             machine: self.instruments.config.machine,
             rules: &self.rules,
             scene: self.instruments.config.scene,
             witness: &mut witness,
+            promise: &mut promise,
             artifacts: &mut self.outcome.artifacts,
             statistics: &mut record.statistics,
             remarks: &mut remarks,
@@ -385,7 +395,12 @@ impl Run<'_> {
             let class = pass.class(step.info.class);
             let versions = [before, witness.as_ref().unwrap_or(function), function];
             let instances = pass.instances();
-            record.check = Some(self.check((class, instances), &name, points, tables, versions)?);
+            let claim = Claim {
+                class,
+                instances,
+                promise,
+            };
+            record.check = Some(self.check(&claim, &name, points, tables, versions)?);
         }
         record.rounding = self.measure_rounding(tables, function);
         self.instruments
@@ -478,7 +493,7 @@ impl Run<'_> {
 
     fn check(
         &self,
-        (class, instances): (NumericClass, Option<Instances>),
+        claim: &Claim,
         name: &str,
         points: u32,
         tables: &Tables,
@@ -486,11 +501,13 @@ impl Run<'_> {
     ) -> Result<Verdict, RunError> {
         let [before, witness, after] = versions.map(|function| View { tables, function });
         let config = &self.instruments.config;
-        let verdict = if let Some(instances) = instances {
+        let class = claim.class;
+        let verdict = if let Some(instances) = &claim.instances {
             let states = &config.states;
-            check::check_instances(before, after, &instances, class, states, points)
+            check::check_instances(before, after, instances, class, states, points)
         } else if std::ptr::eq(witness.function, after.function) {
-            check::check(before, after, class, &config.states, points)
+            let claim = (class, claim.promise.as_ref());
+            check::check_promise(before, after, claim, &config.states, points)
         } else {
             let subject = check::Specialised {
                 before,

@@ -7,8 +7,9 @@ use robovec_ir::evaluate::{evaluate, evaluate_nodes_in};
 use robovec_ir::states::States;
 use robovec_ir::{Format, Formats, Function, OperandKind, View};
 
-/// The errors allowed.
-pub(super) struct Allowed {
+/// The errors that outputs may have.
+#[derive(Clone, Debug)]
+pub struct Allowed {
     /// By assignment: measures and bounds, all of which hold.
     bounds: Vec<Vec<(Measure, f64)>>,
     /// The output array of every assignment, and how many there are.
@@ -39,7 +40,7 @@ impl Allowed {
     }
 
     /// The errors allowed of outputs with these values.
-    pub(super) fn of(&self, exact: &[f64]) -> Vec<f64> {
+    pub(crate) fn of(&self, exact: &[f64]) -> Vec<f64> {
         let mut norms = vec![0.0f64; self.count];
         for (value, &array) in exact.iter().zip(&self.arrays) {
             if value.is_finite() {

@@ -5,11 +5,13 @@ mod measure;
 
 use crate::accurate::SEED;
 use crate::analysis::rounding::usual_states;
+use crate::check::Promise;
 use crate::declare_pass;
 use crate::options::OptionValue;
 use crate::pass::{Context, Gives, Pass, PassError};
 use assign::{Assignment, Choices};
-use measure::{Allowed, Check};
+pub use measure::Allowed;
+use measure::Check;
 use robovec_ir::machine::NumberFormat;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Formats, Function, View};
@@ -133,6 +135,7 @@ impl Pass for Mixed {
         let formats = search.formats;
         tell(function, &assignment, &formats, ratio, context);
         function.formats = Some(assignment.formats(&formats));
+        *context.promise = Some(Promise::Outputs(allowed));
         Ok(())
     }
 }

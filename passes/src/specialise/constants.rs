@@ -4,7 +4,7 @@
 //! A constant is kept as the expression of the numbers it was made of, so that
 //! the semantic check can prove the specialised function before anything is
 //! rounded. Its value in double-double is rounded once, when the function is
-//! written. Two constants are one when they agree in the prime field and in
+//! written. Two constants are one when they agree in both fields and in
 //! double-double: `0.1*0.3` is the same however it was put together, and
 //! `0.5 - 0.5` is a zero that multiplies terms away.
 
@@ -42,23 +42,19 @@ pub(super) enum Expression {
 
 struct Entry {
     value: Double,
-    element: u64,
+    elements: [u64; 2],
     expression: Expression,
 }
 
 /// All numbers that are known.
 pub(super) struct Constants {
     entries: Vec<Entry>,
-    /// Those with an element of the field; more than one only where powers of
-    /// two that are 2⁶¹ apart coincide.
-    of_element: HashMap<u64, SmallVec<[Known; 1]>, FxBuildHasher>,
+    /// Those with the same elements of the fields; more than one only where
+    /// different numbers coincide there by accident.
+    of_elements: HashMap<[u64; 2], SmallVec<[Known; 1]>, FxBuildHasher>,
+    /// The fields numbers are told apart in. The semantic check draws others.
+    fields: [PrimeField; 2],
 }
-
-/// The field numbers are told apart in. The semantic check draws another one.
-const FIELD: PrimeField = PrimeField {
-    seed: 0x5bec_1a11,
-    circle: false,
-};
 
 /// How near two values are that are one number: rounding in double-double is
 /// far below, different numbers of the same field element far above.
@@ -69,7 +65,8 @@ impl Constants {
     pub(super) fn new() -> Constants {
         let mut constants = Constants {
             entries: Vec::new(),
-            of_element: HashMap::default(),
+            of_elements: HashMap::default(),
+            fields: PrimeField::pair(0x5bec_1a11, false),
         };
         for number in [0.0, 1.0, -1.0] {
             constants.literal(number);
@@ -82,7 +79,7 @@ impl Constants {
     pub(super) fn literal(&mut self, number: f64) -> Known {
         let entry = Entry {
             value: DoubleDouble.literal(number),
-            element: FIELD.literal(number),
+            elements: self.fields.map(|field| field.literal(number)),
             expression: Expression::Literal(number),
         };
         match self.intern(entry, number.abs()) {
@@ -98,8 +95,11 @@ impl Constants {
     /// zero, an overflow).
     pub(super) fn apply(&mut self, operation: Operation, operands: [Known; 2]) -> Option<Known> {
         let values = operands.map(|known| self.entries[known.index()].value);
-        let elements = operands.map(|known| self.entries[known.index()].element);
-        let element = calculate(&FIELD, operation, elements)?;
+        let mut elements = [0; 2];
+        for (place, (element, field)) in elements.iter_mut().zip(&self.fields).enumerate() {
+            let operands = operands.map(|known| self.entries[known.index()].elements[place]);
+            *element = calculate(field, operation, operands)?;
+        }
         let value = calculate(&DoubleDouble, operation, values)?;
         let magnitude = match operation {
             Operation::Add | Operation::Sub => values[0].high.abs() + values[1].high.abs(),
@@ -107,7 +107,7 @@ impl Constants {
         };
         let entry = Entry {
             value,
-            element,
+            elements,
             expression: Expression::Apply(operation, operands),
         };
         self.intern(entry, magnitude).ok()
@@ -115,10 +115,11 @@ impl Constants {
 
     /// The number of an entry; the entry itself when it is no number.
     fn intern(&mut self, entry: Entry, magnitude: f64) -> Result<Known, Entry> {
-        if PrimeField::is_undefined(entry.element) || !entry.value.high.is_finite() {
+        if entry.elements.into_iter().any(PrimeField::is_undefined) || !entry.value.high.is_finite()
+        {
             return Err(entry);
         }
-        let twins = self.of_element.entry(entry.element).or_default();
+        let twins = self.of_elements.entry(entry.elements).or_default();
         let near = |twin: &&Known| {
             let other = self.entries[twin.index()].value;
             (entry.value - other).high.abs() <= NEAR * magnitude

@@ -15,6 +15,8 @@ mod remarks;
 mod rounding;
 mod scheme;
 
+use crate::analysis::slice::slice;
+use crate::check::Promise;
 use crate::class::NumericClass;
 use crate::declare_pass;
 use crate::options::OptionValue;
@@ -27,10 +29,13 @@ use ranges::Angles;
 pub use recipe::Recipe;
 use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_ir::states::Ranges;
 use robovec_ir::trigonometry::halving::MOST_HALVINGS;
 use robovec_ir::trigonometry::{Halved, Interval, LARGEST_RANGE, MOST_ORDER};
-use robovec_ir::{Function, Input, Machine, SourceSet};
+use robovec_ir::{Function, Input, Machine, Operand, SourceSet, Tables};
+use std::array;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 declare_pass! {
     /// Computes sines and cosines by sums and products, with a proved error.
@@ -118,6 +123,7 @@ impl Pass for Trigonometry {
             choices,
             recipes,
         } = decided;
+        *context.promise = Some(promise(function, context.tables, &bounds, &choices));
         let before = function.nodes().len();
         let rule = self.rule();
         let (new, replaced) = Emitter::run(function, &angles, &treatments, &recipes, rule, context);
@@ -138,6 +144,42 @@ impl Pass for Trigonometry {
             Method::True => NumericClass::Exact,
             _ => declared,
         }
+    }
+}
+
+/// What is proved of the function: errors of sines and cosines, while the
+/// inputs that angles depend on lie within their bounds.
+fn promise(
+    function: &Function,
+    tables: &Tables,
+    bounds: &[Interval],
+    choices: &[(f64, Choice)],
+) -> Promise {
+    let angles: Vec<Operand> = function
+        .nodes()
+        .iter()
+        .filter(|node| circular(node).is_some())
+        .map(|node| node.operands[0])
+        .collect();
+    let values = slice(function, &angles);
+    let read = values
+        .iter()
+        .flat_map(|&value| function.node(value).operands());
+    let mut ranges = Ranges::default();
+    for input in read.chain(&angles).filter_map(|operand| operand.input()) {
+        let (array, indices, _) = function.input_element(input);
+        let Interval { low, high } = bounds[input.index()];
+        ranges.set(tables.symbols.text(array.name), indices, low, high);
+    }
+    // Angles that are numbers are rounded once.
+    let errors = choices
+        .iter()
+        .fold([f64::EPSILON; 2], |worst, (_, choice)| {
+            array::from_fn(|of| worst[of].max(choice.errors[of]))
+        });
+    Promise::Waves {
+        ranges: Arc::new(ranges),
+        errors,
     }
 }
 

@@ -29,6 +29,9 @@ const WAVE_UNIT: f64 = 1.0 / (1u128 << 98) as f64;
 /// remainder is formed in double-double.
 const REDUCTION: f64 = WAVE_UNIT * (f64::EPSILON / 16.0);
 
+/// Nothing is claimed of the sine of a larger angle.
+const LARGEST_ANGLE: f64 = (1u64 << 40) as f64;
+
 /// Products and quotients below this may have lost bits of their lower half
 /// to the end of the range, at most [`SUNK`].
 const SMALL: f64 = 1e-270;
@@ -36,28 +39,51 @@ const SUNK: f64 = f64::MIN_POSITIVE;
 
 /// Covers the rounding of the radii: each operation rounds a handful of times
 /// by 2⁻⁵³, and a chain has less than 2³⁰ operations.
-pub(super) const SLACK: f64 = 1.0 + 1.0 / (1u32 << 18) as f64;
+pub(crate) const SLACK: f64 = 1.0 + 1.0 / (1u32 << 18) as f64;
 
 /// Double-double numbers of several states with radii.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ball<const LANES: usize> {
+pub(crate) struct Ball<const LANES: usize> {
     /// The numbers.
-    pub(super) value: DoubleLanes<LANES>,
+    pub(crate) value: DoubleLanes<LANES>,
     /// How far the exact ones can be; infinite where nothing is known.
-    pub(super) radius: [f64; LANES],
+    pub(crate) radius: [f64; LANES],
 }
 
 /// The arithmetic of [`Ball`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Balls<const LANES: usize>;
+pub(crate) struct Balls<const LANES: usize>;
 
 impl<const LANES: usize> Ball<LANES> {
     /// Numbers that are known.
-    pub(super) fn exact(numbers: [f64; LANES]) -> Ball<LANES> {
+    pub(crate) fn exact(numbers: [f64; LANES]) -> Ball<LANES> {
         Ball {
             value: DoubleLanes::new(numbers),
             radius: [0.0; LANES],
         }
+    }
+
+    /// True for a lane of whose number something is known.
+    #[inline]
+    pub(crate) fn is_known(&self, lane: usize) -> bool {
+        self.value.high[lane].is_finite() && self.radius[lane].is_finite()
+    }
+
+    /// Whether the exact numbers of a lane, of which something is known, can
+    /// be one.
+    #[inline]
+    pub(crate) fn touches(&self, other: &Ball<LANES>, lane: usize) -> bool {
+        let [low, other_low] = [self, other].map(|ball| ball.value.low[lane]);
+        // The difference of the lower halves is rounded once.
+        let rounding = (low.abs() + other_low.abs()) * f64::EPSILON;
+        self.distance(other, lane) <= (self.radius[lane] + other.radius[lane]) * SLACK + rounding
+    }
+
+    /// How far the middles of the balls of a lane are apart.
+    #[inline]
+    pub(crate) fn distance(&self, other: &Ball<LANES>, lane: usize) -> f64 {
+        let low = self.value.low[lane] - other.value.low[lane];
+        (self.value.high[lane] - other.value.high[lane] + low).abs()
     }
 
     /// The operation's result with radii by lane.
@@ -122,6 +148,9 @@ fn root(value: f64, a: f64, radius: f64) -> f64 {
 fn wave(value: f64, angle: f64, radius: f64) -> f64 {
     if angle == 0.0 && radius == 0.0 {
         return 0.0;
+    }
+    if angle.abs() > LARGEST_ANGLE {
+        return 2.0;
     }
     radius.min(2.0) + value.abs() * WAVE_UNIT + angle.abs() * REDUCTION
 }

@@ -21,7 +21,7 @@
 //! no operation rounds, literals and inputs are the binary64 numbers they
 //! are.
 
-mod ball;
+pub(crate) mod ball;
 #[cfg(feature = "mpfr")]
 pub mod mpfr;
 mod precise;
@@ -32,7 +32,7 @@ use ball::{Ball, Balls};
 use robovec_ir::Function;
 use robovec_ir::double_double::{Double, DoubleDoubleLanes, DoubleLanes};
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::field::PrimeField;
+use robovec_ir::field::{CircleField, Field, Point, Prime};
 use robovec_ir::plan::Plan;
 use std::array;
 use std::fmt;
@@ -143,6 +143,12 @@ impl<'a> Reference<'a> {
         results
     }
 
+    /// The exact values of some assignments, counted from 0 in ascending
+    /// order, in arbitrary precision; not finite where there is none.
+    pub(crate) fn evaluate_places(&mut self, inputs: &[f64], places: &[usize]) -> Vec<Exact> {
+        self.precise(inputs, places)
+    }
+
     fn unproved(&mut self, batch: &[Vec<f64>], results: &mut Vec<Vec<Exact>>) {
         let inputs = gather(batch, DoubleLanes::new);
         let outputs = self
@@ -183,8 +189,8 @@ impl<'a> Reference<'a> {
             if value.is_certain() {
                 continue;
             }
-            // The field takes literals whose ratio is 2⁶¹ for the same, so
-            // that its word alone is not enough.
+            // A constant may vanish in both fields by accident, so that their
+            // word alone is not enough.
             let possible = value.value.high.abs() <= value.bound;
             let function = self.function;
             let zeros = self.zeros.get_or_insert_with(|| zeros(function));
@@ -237,15 +243,15 @@ fn gather<T>(batch: &[Vec<f64>], make: impl Fn([f64; LANES]) -> T) -> Vec<T> {
         .collect()
 }
 
-/// Which assignments are zero at random points of the prime field.
+/// Which assignments are zero at a random point of two prime fields.
 fn zeros(function: &Function) -> Vec<bool> {
     let mut zeros = vec![true; function.assignments.len()];
-    for seed in [1, 2] {
-        let field = PrimeField { seed, circle: true };
+    for prime in Prime::pair(1) {
+        let field = CircleField::at(prime, Point { seed: 2 });
         let point = field.point(function.input_len());
         let values = evaluate(function, &field, &point);
         for (zero, value) in zeros.iter_mut().zip(values) {
-            *zero &= value == 0;
+            *zero &= value.value == 0;
         }
     }
     zeros

@@ -182,8 +182,8 @@ fn settle(ball: &Ball, zero: bool, bits: usize) -> Option<Exact> {
     let [below, above] = ends.each_ref().map(to_binary64);
     let low = to_binary64(&ball.value.sub(&from_binary64(high, 64), bits, ROUNDING));
     let bound = radius * 2f64.powi(-(bits.min(1000) as i32)) + low.abs() * f64::EPSILON.powi(2);
-    // The field takes literals whose ratio is 2⁶¹ for the same, so that its
-    // word alone is not enough.
+    // A constant may vanish in the fields by accident, so that their word
+    // alone is not enough.
     let straddles = ends[0].is_negative() != ends[1].is_negative();
     if straddles && (zero || last) {
         return Some(Exact {

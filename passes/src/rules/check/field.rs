@@ -3,7 +3,7 @@
 //! The field of whole functions ([`PrimeField`]) knows nothing of square
 //! roots, since it must be fast and total. A rule may be about roots, so here
 //! a root is one: half of the elements of the field are squares, and modulo
-//! 2⁶¹ − 1, which leaves 3 modulo 4, exactly one of the two roots of a square
+//! a prime that leaves 3 modulo 4 exactly one of the two roots of a square
 //! is a square itself. It plays the part of the positive root, the squares
 //! that of the positive numbers: `sqrt(a)*sqrt(a) = a`, `sqrt(a*a)` is `a` or
 //! `-a`, products of positive numbers are positive, and −1 is not. Sums of
@@ -57,9 +57,8 @@ impl Arithmetic for RuleField {
         if self.mul(known, known) == a {
             return known;
         }
-        // A square to the power (p + 1) / 4 = 2⁵⁹ is its root that is a
-        // square.
-        let root = (0..59).fold(a, |power, _| self.mul(power, power));
+        // A square to the power (p + 1) / 4 is its root that is a square.
+        let root = self.0.power(a, self.0.prime.modulus().div_ceil(4));
         if self.mul(root, root) == a {
             root
         } else {

@@ -31,7 +31,7 @@ use crate::NumericClass;
 use robovec_ir::Operation;
 use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
-use robovec_ir::field::PrimeField;
+use robovec_ir::field::{Field, PrimeField};
 
 /// Points of the field at which both sides must agree.
 pub const POINTS: u32 = 8;
@@ -133,7 +133,8 @@ fn verdict(rule: &Rule) -> Verdict {
 fn agrees(rule: &Rule, circle: bool) -> Option<bool> {
     let mut seen = 0;
     for seed in 1..=u64::from(64 * POINTS) {
-        let field = RuleField(PrimeField { seed, circle });
+        // The two primes of the seed take turns.
+        let field = RuleField(PrimeField::pair(seed / 2, circle)[(seed % 2) as usize]);
         let mut values = field.0.point(rule.variables.len());
         for condition in &rule.conditions {
             let value = &mut values[condition.variable as usize];

@@ -10,7 +10,7 @@ use super::super::pattern::{Pattern, PatternNode, apply};
 use hashbrown::HashMap;
 use robovec_ir::Operation::{self, Add, Cos, Mul, Sin, Sub};
 use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::field::PrimeField;
+use robovec_ir::field::{Field, PrimeField};
 
 /// Which terms are tried.
 #[derive(Clone, PartialEq, Debug)]
@@ -82,10 +82,8 @@ struct Terms {
 /// Tries all terms of a space, in a fixed order.
 pub(super) fn enumerate(space: &Space) -> Enumeration {
     let fields = (1..=POINTS as u64).map(|seed| {
-        RuleField(PrimeField {
-            seed: seed << 32,
-            circle: space.trigonometric,
-        })
+        let [field, _] = PrimeField::pair(seed << 32, space.trigonometric);
+        RuleField(field)
     });
     let mut terms = Terms {
         fields: fields.collect(),

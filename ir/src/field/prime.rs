@@ -1,0 +1,282 @@
+//! Primes without structure, and arithmetic modulo them.
+//!
+//! A field of 2⁶¹ − 1 elements would be the fastest, but 2⁶¹ is 1 there, and
+//! programs contain powers of two. The primes here are drawn at random, so
+//! that no constant of a program stands in any relation to them but by
+//! accident.
+//!
+//! Numbers are kept in Montgomery's form: `x` as `x·2⁶⁴ mod p`, which makes a
+//! product two multiplications and no division (P. L. Montgomery, "Modular
+//! multiplication without trial division", Mathematics of Computation 44,
+//! 1985).
+//!
+//! **Invariant.** Every prime is below 2⁶¹ and of the form `4r − 1` with `r`
+//! prime: −1 is then no square, so that every angle has its point on the
+//! circle, and the points of the circle have a subgroup of the prime order
+//! `r`, in which angles add up ([`super::CircleField`]).
+
+use super::mix;
+
+/// An odd number below 2⁶¹ to compute modulo. Numbers are in Montgomery's
+/// form and below the modulus.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Modulus {
+    /// The modulus itself.
+    pub(super) modulus: u64,
+    /// `-1/modulus` modulo 2⁶⁴.
+    inverse: u64,
+    /// The number 1.
+    pub(super) one: u64,
+    /// 2¹²⁸ modulo the modulus: what brings a number into Montgomery's form.
+    square: u64,
+}
+
+impl Modulus {
+    fn new(modulus: u64) -> Modulus {
+        // Newton's iteration doubles the correct bits, of which an odd number
+        // as its own inverse has three.
+        let inverse = (0..5).fold(modulus, |inverse, _| {
+            inverse.wrapping_mul(2u64.wrapping_sub(modulus.wrapping_mul(inverse)))
+        });
+        let one = ((1u128 << 64) % u128::from(modulus)) as u64;
+        Modulus {
+            modulus,
+            inverse: inverse.wrapping_neg(),
+            one,
+            square: (u128::from(one) * u128::from(one) % u128::from(modulus)) as u64,
+        }
+    }
+
+    /// A number below twice the modulus, modulo it.
+    #[inline]
+    fn fold(&self, number: u64) -> u64 {
+        number.min(number.wrapping_sub(self.modulus))
+    }
+
+    #[inline]
+    pub(super) fn add(&self, a: u64, b: u64) -> u64 {
+        self.fold(a + b)
+    }
+
+    #[inline]
+    pub(super) fn negate(&self, a: u64) -> u64 {
+        self.fold(self.modulus - a)
+    }
+
+    #[inline]
+    pub(super) fn subtract(&self, a: u64, b: u64) -> u64 {
+        self.fold(a + (self.modulus - b))
+    }
+
+    #[inline]
+    pub(super) fn multiply(&self, a: u64, b: u64) -> u64 {
+        let product = u128::from(a) * u128::from(b);
+        let factor = (product as u64).wrapping_mul(self.inverse);
+        let sum = product + u128::from(factor) * u128::from(self.modulus);
+        self.fold((sum >> 64) as u64)
+    }
+
+    pub(super) fn power(&self, base: u64, exponent: u64) -> u64 {
+        let (mut result, mut square, mut rest) = (self.one, base, exponent);
+        while rest > 0 {
+            if rest & 1 == 1 {
+                result = self.multiply(result, square);
+            }
+            square = self.multiply(square, square);
+            rest >>= 1;
+        }
+        result
+    }
+
+    /// The inverse of a number that is not zero, for a modulus that is prime
+    /// (Fermat).
+    pub(super) fn invert(&self, a: u64) -> u64 {
+        self.power(a, self.modulus - 2)
+    }
+
+    /// A natural number in Montgomery's form.
+    pub(super) fn enter(&self, number: u64) -> u64 {
+        self.multiply(number % self.modulus, self.square)
+    }
+
+    /// The natural number below the modulus that a number stands for.
+    pub(super) fn leave(&self, number: u64) -> u64 {
+        self.multiply(number, 1)
+    }
+
+    /// The exact value of a finite literal, a dyadic rational.
+    pub(super) fn literal(&self, number: f64) -> u64 {
+        let bits = number.to_bits();
+        let exponent = (bits >> 52 & 0x7ff) as i64;
+        let fraction = bits & ((1 << 52) - 1);
+        let (mantissa, power) = if exponent == 0 {
+            (fraction, -1074)
+        } else {
+            (fraction | 1 << 52, exponent - 1075)
+        };
+        // The natural number that is half of 1.
+        let two = if power < 0 {
+            self.modulus.div_ceil(2)
+        } else {
+            2
+        };
+        let scale = self.power(self.enter(two), power.unsigned_abs());
+        let magnitude = self.multiply(self.enter(mantissa), scale);
+        if number < 0.0 {
+            self.negate(magnitude)
+        } else {
+            magnitude
+        }
+    }
+
+    /// A number from 64 random bits; no number is more than an eighth likelier
+    /// than another.
+    pub(super) fn spread(&self, bits: u64) -> u64 {
+        (u128::from(bits) * u128::from(self.modulus) >> 64) as u64
+    }
+}
+
+/// A prime of the form `4r − 1` with `r` prime, between 2⁶⁰ and 2⁶¹.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Prime {
+    pub(super) field: Modulus,
+    /// The order `r` of the subgroup of the circle.
+    pub(super) order: Modulus,
+}
+
+impl Prime {
+    /// Two different primes, the same for the same seed. Costs some hundred
+    /// microseconds.
+    pub fn pair(seed: u64) -> [Prime; 2] {
+        let first = Prime::draw(mix(seed));
+        let mut salt = mix(seed ^ 0x5eed_0002);
+        loop {
+            let second = Prime::draw(salt);
+            if second != first {
+                return [first, second];
+            }
+            salt = mix(salt);
+        }
+    }
+
+    /// The prime itself.
+    pub fn modulus(&self) -> u64 {
+        self.field.modulus
+    }
+
+    /// The first prime of the form at or after a random place.
+    fn draw(bits: u64) -> Prime {
+        const LOWEST: u64 = 1 << 58;
+        let mut order = LOWEST | bits >> 7 | 1;
+        loop {
+            let modulus = 4 * order - 1;
+            if !has_small_divisor(order)
+                && !has_small_divisor(modulus)
+                && is_prime(order)
+                && is_prime(modulus)
+            {
+                return Prime {
+                    field: Modulus::new(modulus),
+                    order: Modulus::new(order),
+                };
+            }
+            order += 2;
+            if order >= 2 * LOWEST {
+                order = LOWEST | 1;
+            }
+        }
+    }
+}
+
+/// Rules out nearly all composite numbers cheaply.
+fn has_small_divisor(number: u64) -> bool {
+    [3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53]
+        .into_iter()
+        .any(|divisor| number.is_multiple_of(divisor))
+}
+
+/// The test of Miller and Rabin; these bases decide every odd number above 37
+/// and below 2⁶⁴ (J. Sorenson and J. Webster, "Strong pseudoprimes to twelve
+/// prime bases", Mathematics of Computation 86, 2017).
+fn is_prime(number: u64) -> bool {
+    let modulus = Modulus::new(number);
+    let minus_one = modulus.negate(modulus.one);
+    let twos = (number - 1).trailing_zeros();
+    [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37]
+        .into_iter()
+        .all(|base| {
+            let mut power = modulus.power(modulus.enter(base), (number - 1) >> twos);
+            if power == modulus.one {
+                return true;
+            }
+            for _ in 1..twos {
+                if power == minus_one {
+                    return true;
+                }
+                power = modulus.multiply(power, power);
+            }
+            power == minus_one
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn primes_are_prime_and_follow_the_seed() {
+        let slowly = |number: u64| {
+            // Fermat's test by division, which shares nothing with the above.
+            [2u64, 3, 10, 123_456_789].into_iter().all(|base| {
+                let (mut power, mut square, mut rest) = (1u128, u128::from(base), number - 1);
+                while rest > 0 {
+                    if rest & 1 == 1 {
+                        power = power * square % u128::from(number);
+                    }
+                    square = square * square % u128::from(number);
+                    rest >>= 1;
+                }
+                power == 1
+            })
+        };
+        for seed in 0..20 {
+            let [first, second] = Prime::pair(seed);
+            assert_eq!([first, second], Prime::pair(seed));
+            assert_ne!(first.modulus(), second.modulus());
+            for prime in [first, second] {
+                assert!((1 << 60..1 << 61).contains(&prime.modulus()));
+                assert_eq!(prime.modulus(), 4 * prime.order.modulus - 1);
+                assert!(slowly(prime.modulus()) && slowly(prime.order.modulus));
+            }
+        }
+        assert_ne!(Prime::pair(1), Prime::pair(2));
+    }
+
+    #[test]
+    fn small_numbers_are_told_apart_by_the_test() {
+        for number in (39..20_000u64).step_by(2) {
+            let divisible = (3..200).any(|divisor| number > divisor && number % divisor == 0);
+            assert_eq!(is_prime(number), !divisible, "{number}");
+        }
+        // Products of two primes that pass many bases.
+        for number in [3_215_031_751, 3_825_123_056_546_413_051, 2_047, 1_373_653] {
+            assert!(!is_prime(number), "{number}");
+        }
+        assert!(is_prime((1 << 61) - 1));
+    }
+
+    #[test]
+    fn powers_of_two_do_not_repeat() {
+        // The doublings that binary64 numbers can differ by.
+        for seed in 0..4 {
+            for prime in Prime::pair(seed) {
+                let (field, mut power) = (prime.field, prime.field.one);
+                for doubling in 1..=4400 {
+                    power = field.add(power, power);
+                    assert!(power != field.one && power != field.negate(field.one));
+                    assert_ne!(power, 0, "after {doubling} doublings");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Equality in numbers: both versions with bounds of their rounding.
+//!
+//! A field knows neither which numbers are positive nor where a function is
+//! not defined, and constants may vanish in it. So both versions are also
+//! evaluated over the real numbers, in double-double with a bound of its own
+//! error, at states near and far, whole and not, positive and negative, and
+//! near the constants of the versions, where roots and quotients change their
+//! sign. Outputs whose bounds do not touch are different numbers.
+
+use super::failure::{Failed, Values};
+use super::pairing::Pairs;
+use super::states::{Place, SCALES};
+use crate::analysis::reference::ball::{Ball, Balls};
+use crate::analysis::reference::{Effort, Reference};
+use robovec_ir::arithmetic::Arithmetic;
+use robovec_ir::plan::Plan;
+use robovec_ir::states::States;
+use std::array;
+
+/// States evaluated at a time: one of each scale.
+pub(super) const LANES: usize = SCALES.len();
+
+/// What was seen when all outputs agreed.
+#[derive(Clone, Copy, Default, Debug)]
+pub(super) struct Agreement {
+    /// At how many states outputs were compared.
+    pub(super) states: u32,
+    /// The largest distance of an output from what it was, relative to the
+    /// largest element of its array.
+    pub(super) distance: f64,
+}
+
+/// Which states and outputs are looked at.
+#[derive(Clone, Copy)]
+pub(super) struct Survey {
+    /// The states of a round, counted from 0.
+    pub(super) states: fn(u32) -> [Place; LANES],
+    pub(super) rounds: u32,
+    /// One of [`Pairs::list`], or all.
+    pub(super) only: Option<usize>,
+}
+
+/// One state of every scale.
+pub(super) fn every_scale(round: u32) -> [Place; LANES] {
+    SCALES.map(|scale| Place {
+        scale,
+        number: round,
+    })
+}
+
+/// Usual states alone.
+pub(super) fn usual(round: u32) -> [Place; LANES] {
+    array::from_fn(|lane| Place::usual(round * LANES as u32 + lane as u32))
+}
+
+/// Compares the outputs, those before being computed with an arithmetic of
+/// the caller's.
+pub(super) fn compare<A>(
+    pairs: &Pairs<'_>,
+    arithmetic: &A,
+    source: &States,
+    survey: Survey,
+) -> Result<Agreement, Failed>
+where
+    A: Arithmetic<Number = Ball<LANES>>,
+{
+    let wanted = |pair: usize| survey.only.is_none_or(|only| only == pair);
+    let mut places: [Vec<usize>; 2] = [Vec::new(), Vec::new()];
+    for (index, pair) in pairs.list.iter().enumerate() {
+        if wanted(index) {
+            places[0].push(pair.before);
+            places[1].push(pair.after);
+        }
+    }
+    for list in &mut places {
+        list.sort_unstable();
+    }
+    let [before, after] = [(pairs.before, 0), (pairs.after, 1)].map(|(view, version)| {
+        Plan::of(view.function, |place: usize| {
+            places[version].binary_search(&place).is_ok()
+        })
+    });
+    let (mut agreement, mut memory) = (Agreement::default(), Vec::new());
+    let mut precise = MOST_PRECISE;
+    for round in 0..survey.rounds {
+        let states = (survey.states)(round);
+        let inputs = states.map(|state| pairs.numbers(source, state));
+        let lanes = |version: usize| -> Vec<Ball<LANES>> {
+            let count = inputs[0][version].len();
+            (0..count)
+                .map(|index| Ball::exact(array::from_fn(|lane| inputs[lane][version][index])))
+                .collect()
+        };
+        let old = before.run(arithmetic, &lanes(0), &mut memory).to_vec();
+        let new = after.run(&Balls::<LANES>, &lanes(1), &mut memory);
+        let arrays = pairs.before.function.outputs();
+        let mut norms = vec![[(0.0f64, 0.0f64); LANES]; arrays.len()];
+        for (index, pair) in pairs.list.iter().enumerate() {
+            if !wanted(index) {
+                continue;
+            }
+            let array = arrays.partition_point(|array| array.offset <= pair.output.0) - 1;
+            let at = |version: usize, place: usize| {
+                places[version]
+                    .binary_search(&place)
+                    .expect("every pair has its places in the plans")
+            };
+            let (old, new) = (&old[at(0, pair.before)], &new[at(1, pair.after)]);
+            for (lane, &state) in states.iter().enumerate() {
+                let failed = || Failed {
+                    pair: index,
+                    values: Values {
+                        state,
+                        before: old.value.high[lane],
+                        after: new.value.high[lane],
+                        allowed: old.radius[lane] + new.radius[lane],
+                    },
+                    inputs: None,
+                };
+                match (old.is_known(lane), new.is_known(lane)) {
+                    (true, true) if old.touches(new, lane) => {
+                        let (apart, size) = &mut norms[array][lane];
+                        *apart = apart.max(old.distance(new, lane));
+                        *size = size.max(old.value.high[lane].abs());
+                    }
+                    (true, true) => return Err(failed()),
+                    (true, false) if precise > 0 => {
+                        precise -= 1;
+                        if is_lost(pairs, index, &inputs[lane]) {
+                            return Err(failed());
+                        }
+                    }
+                    _ => {}
+                }
+            }
+        }
+        agreement.states += LANES as u32;
+        for &(apart, size) in norms.as_flattened() {
+            if apart > 0.0 {
+                agreement.distance = agreement.distance.max(apart / size);
+            }
+        }
+    }
+    Ok(agreement)
+}
+
+/// So many outputs are evaluated in arbitrary precision to find out whether a
+/// number was lost or only overflowed, and those of larger functions never.
+const MOST_PRECISE: u32 = 4;
+const LARGEST_PRECISE: usize = 20_000;
+
+/// Whether an output that is a number before is none after: over the real
+/// numbers, and not because an intermediate result was too large.
+fn is_lost(pairs: &Pairs<'_>, pair: usize, inputs: &[Vec<f64>; 2]) -> bool {
+    let function = pairs.after.function;
+    if function.nodes().len() > LARGEST_PRECISE {
+        return false;
+    }
+    let place = pairs.list[pair].after;
+    let mut reference = Reference::new(function, Effort::Audit);
+    let exact = reference.evaluate_places(&inputs[1], &[place]);
+    exact
+        .first()
+        .is_some_and(|exact| !exact.value.high.is_finite())
+}

@@ -1,0 +1,242 @@
+//! Divisors that were not there before: can they become zero where the version
+//! before is defined?
+//!
+//! Random points never meet a pole. So the zeros of every new divisor are
+//! looked for on lines through random states; where one is found and no
+//! divisor of the version before vanishes with it, the versions differ. A
+//! divisor is new when its value at a random point of a prime field is that
+//! of no divisor before, up to the sign.
+
+use super::failure::{Failed, Values};
+use super::pairing::Pairs;
+use super::states::{Place, Scale};
+use crate::analysis::slice::slice;
+use robovec_ir::arithmetic::Binary64;
+use robovec_ir::evaluate::{evaluate, evaluate_nodes};
+use robovec_ir::field::{Field, Point, Prime, PrimeField};
+use robovec_ir::states::States;
+use robovec_ir::{Function, Operand, OperandKind, Operation};
+
+/// Operations of all evaluations of a check together.
+const WORK: usize = 40_000_000;
+
+/// Lines at most, and places looked at on each before zeros are narrowed down.
+const MOST_LINES: u32 = 6;
+const STEPS: i32 = 32;
+
+/// So many steps narrow a zero down, two evaluations each at most.
+const NARROWINGS: usize = 60;
+
+/// Zeros that are narrowed down on a line.
+const MOST_ZEROS: usize = 3;
+
+/// So many new divisors are looked at.
+const MOST_DIVISORS: usize = 8;
+
+/// A divisor is zero where it is less than this part of its largest value.
+const ZERO: f64 = 1e-9;
+/// A divisor of the version before vanishes too where it is less than this
+/// part of its largest value: the new one may be its square or cube.
+const NEARLY: f64 = 1e-3;
+
+/// An output that loses its value at a pole that is new.
+pub(super) fn first(pairs: &Pairs<'_>, source: &States, seed: u64) -> Option<Failed> {
+    let old = divisors(pairs.before.function);
+    let mut new = divisors(pairs.after.function);
+    if new.is_empty() {
+        return None;
+    }
+    let field = PrimeField::at(Prime::pair(pairs.prime_seed(seed))[0], Point { seed });
+    let points = pairs.point(&field);
+    let mut known = values(pairs.before.function, &field, &points[0], &old);
+    for value in &mut known {
+        *value = field.without_sign(*value).0;
+    }
+    known.sort_unstable();
+    let found = values(pairs.after.function, &field, &points[1], &new);
+    let mut fresh = found
+        .into_iter()
+        .map(|value| known.binary_search(&field.without_sign(value).0).is_err());
+    new.retain(|_| fresh.next().unwrap_or(false));
+    new.truncate(MOST_DIVISORS);
+    if new.is_empty() {
+        return None;
+    }
+    let size = pairs.before.function.nodes().len() + pairs.after.function.nodes().len() + 1;
+    let evaluations = 2 * STEPS as usize + MOST_ZEROS * 2 * NARROWINGS;
+    let lines = (WORK / size / evaluations).clamp(1, MOST_LINES as usize);
+    (0..lines as u32).find_map(|number| Line::new(pairs, source, number).search(pairs, &old, &new))
+}
+
+/// The operands that something is divided by, literals aside.
+fn divisors(function: &Function) -> Vec<Operand> {
+    let quotients = function
+        .nodes()
+        .iter()
+        .filter(|node| node.operation == Operation::Div);
+    let mut found: Vec<Operand> = quotients
+        .map(|node| node.operands[1])
+        .filter(|operand| operand.constant().is_none())
+        .collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// The values of operands.
+fn values<A: robovec_ir::arithmetic::Arithmetic>(
+    function: &Function,
+    arithmetic: &A,
+    inputs: &[A::Number],
+    operands: &[Operand],
+) -> Vec<A::Number> {
+    let nodes = evaluate_nodes(function, arithmetic, inputs);
+    let value = |operand: &Operand| match operand.kind() {
+        OperandKind::Value(value) => nodes[value.index()],
+        OperandKind::Input(input) => inputs[input.index()],
+        OperandKind::Constant(constant) => arithmetic.literal(function.constant_number(constant)),
+        OperandKind::None => arithmetic.literal(0.0),
+    };
+    operands.iter().map(value).collect()
+}
+
+/// A line through two states.
+struct Line {
+    /// Named in a failure.
+    place: Place,
+    /// The inputs of both versions at its ends.
+    ends: [[Vec<f64>; 2]; 2],
+}
+
+impl Line {
+    fn new(pairs: &Pairs<'_>, source: &States, number: u32) -> Line {
+        let scales = [
+            [Scale::Usual, Scale::Near],
+            [Scale::Constants, Scale::Special],
+            [Scale::Whole, Scale::UsualAgain],
+        ];
+        let places = scales[number as usize % scales.len()].map(|scale| Place { scale, number });
+        Line {
+            place: places[0],
+            ends: places.map(|place| pairs.numbers(source, place)),
+        }
+    }
+
+    /// The inputs of a version at a place of the line.
+    fn at(&self, version: usize, t: f64) -> Vec<f64> {
+        let [first, last] = &self.ends;
+        let ends = first[version].iter().zip(&last[version]);
+        // An end itself is met exactly.
+        ends.map(|(a, b)| if a == b { *a } else { a * (1.0 - t) + b * t })
+            .collect()
+    }
+
+    fn search(&self, pairs: &Pairs<'_>, old: &[Operand], new: &[Operand]) -> Option<Failed> {
+        let grid: Vec<f64> = (0..=STEPS)
+            .map(|step| f64::from(step - STEPS / 3) * 0.13)
+            .collect();
+        let after = |t: f64| values(pairs.after.function, &Binary64, &self.at(1, t), new);
+        let before = |t: f64| values(pairs.before.function, &Binary64, &self.at(0, t), old);
+        let samples: Vec<Vec<f64>> = grid.iter().map(|&t| after(t)).collect();
+        let mut usual: Option<Vec<f64>> = None;
+        let (mut left, mut divisors) = (MOST_ZEROS, (0..new.len()).cycle());
+        // Every divisor has its turn before one is looked at again.
+        for window in 0..(grid.len() - 2) * new.len() {
+            let index = divisors.next().expect("there are divisors");
+            let window = window / new.len();
+            let [a, b, c] = [0, 1, 2].map(|step| samples[window + step][index]);
+            let size = |t: f64| after(t)[index];
+            let crosses = a * b <= 0.0;
+            let dips = b.abs() <= a.abs() && b.abs() <= c.abs();
+            if left == 0 || !crosses && !dips {
+                continue;
+            }
+            left -= 1;
+            let zero = match crosses {
+                true => bisect(size, [grid[window], grid[window + 1]], a),
+                false => smallest(size, [grid[window], grid[window + 2]]),
+            };
+            if size(zero).abs() > ZERO * largest(samples.iter().map(|sample| sample[index])) {
+                continue;
+            }
+            let usual = usual.get_or_insert_with(|| {
+                let around: Vec<Vec<f64>> = grid.iter().step_by(4).map(|&t| before(t)).collect();
+                (0..old.len())
+                    .map(|place| largest(around.iter().map(|sample| sample[place])))
+                    .collect()
+            });
+            let mut here = before(zero).into_iter().zip(usual.iter());
+            // Written so that NaN counts as vanishing.
+            let vanishes = here.any(|(value, usual)| !(value.abs() > NEARLY * usual));
+            if !vanishes && let Some(failed) = self.failure(pairs, new[index], zero) {
+                return Some(failed);
+            }
+        }
+        None
+    }
+
+    /// The first output that depends on a divisor and has a value before.
+    fn failure(&self, pairs: &Pairs<'_>, divisor: Operand, zero: f64) -> Option<Failed> {
+        let before = evaluate(pairs.before.function, &Binary64, &self.at(0, zero));
+        let after = evaluate(pairs.after.function, &Binary64, &self.at(1, zero));
+        pairs.list.iter().enumerate().find_map(|(index, pair)| {
+            let function = pairs.after.function;
+            let root = function.assignments[pair.after].operand;
+            let divides = slice(function, &[root]).into_iter().any(|value| {
+                let node = function.node(value);
+                node.operation == Operation::Div && node.operands[1] == divisor
+            });
+            (divides && before[pair.before].is_finite()).then(|| Failed {
+                pair: index,
+                values: Values {
+                    state: self.place,
+                    before: before[pair.before],
+                    after: after[pair.after],
+                    allowed: 0.0,
+                },
+                inputs: Some(self.at(0, zero)),
+            })
+        })
+    }
+}
+
+/// The largest size among numbers.
+fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers
+        .map(f64::abs)
+        .filter(|size| size.is_finite())
+        .fold(0.0, f64::max)
+}
+
+/// A zero between two places of different signs.
+fn bisect(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], at_low: f64) -> f64 {
+    if at_low == 0.0 {
+        return low;
+    }
+    for _ in 0..NARROWINGS {
+        let middle = low + (high - low) / 2.0;
+        let value = of(middle);
+        if value == 0.0 {
+            return middle;
+        }
+        if (value < 0.0) == (at_low < 0.0) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// Where a size is smallest between two places around one minimum.
+fn smallest(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
+    for _ in 0..NARROWINGS {
+        let [left, right] = [1.0, 2.0].map(|third| low + (high - low) * third / 3.0);
+        if of(left).abs() <= of(right).abs() {
+            high = right;
+        } else {
+            low = left;
+        }
+    }
+    low + (high - low) / 2.0
+}

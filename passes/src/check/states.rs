@@ -1,0 +1,146 @@
+//! Where versions are compared in numbers.
+
+use super::pairing::Pairs;
+use robovec_ir::field::mix;
+use robovec_ir::states::States;
+use robovec_ir::{Function, Operand};
+use std::fmt;
+
+/// How large the inputs of a state are.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Scale {
+    /// As the arrays of Robotran mean them ([`States`]).
+    Usual,
+    /// Within ±2.
+    Near,
+    /// Of every size from a thousandth to ten thousand, of either sign.
+    Far,
+    /// Whole numbers within ±9.
+    Whole,
+    /// Up to half as much again as a constant of the versions, of either
+    /// sign.
+    Constants,
+    /// A constant of the versions itself, of either sign, or a whole number.
+    Special,
+    /// Between 0 and 4.
+    Positive,
+    /// Usual ones again: what programs are made for counts twice.
+    UsualAgain,
+}
+
+/// All scales.
+pub(super) const SCALES: [Scale; 8] = [
+    Scale::Usual,
+    Scale::Near,
+    Scale::Far,
+    Scale::Whole,
+    Scale::Constants,
+    Scale::Special,
+    Scale::Positive,
+    Scale::UsualAgain,
+];
+
+/// A state: of one scale, by its number from 0.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Place {
+    /// How large its inputs are.
+    pub scale: Scale,
+    /// Which of the states of that scale.
+    pub number: u32,
+}
+
+impl Place {
+    /// The usual state of a number.
+    pub(super) fn usual(number: u32) -> Place {
+        let scale = match number.is_multiple_of(2) {
+            true => Scale::Usual,
+            false => Scale::UsualAgain,
+        };
+        Place {
+            scale,
+            number: number / 2,
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = match self.scale {
+            Scale::Usual => return write!(formatter, "random state {}", 2 * self.number),
+            Scale::UsualAgain => {
+                return write!(formatter, "random state {}", 2 * self.number + 1);
+            }
+            Scale::Near => "near state",
+            Scale::Far => "far state",
+            Scale::Whole => "whole state",
+            Scale::Constants => "state near constants",
+            Scale::Special => "state of constants",
+            Scale::Positive => "positive state",
+        };
+        write!(formatter, "{name} {}", self.number)
+    }
+}
+
+/// The sizes of the constants of functions, each once, in order.
+pub(super) fn sizes<'a>(functions: impl IntoIterator<Item = &'a Function>) -> Vec<f64> {
+    let mut sizes: Vec<f64> = functions
+        .into_iter()
+        .flat_map(|function| {
+            let read = function.nodes().iter().flat_map(|node| node.operands());
+            let set = function.assignments.iter().map(|set| &set.operand);
+            read.chain(set)
+                .filter_map(|&operand: &Operand| function.number(operand))
+        })
+        .map(f64::abs)
+        .filter(|size| size.is_finite() && *size > 0.0)
+        .collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    sizes.dedup();
+    sizes
+}
+
+/// The inputs of a state of one of the scales that no array has a say in.
+pub(super) fn draw(sizes: &[f64], seed: u64, place: Place, count: usize) -> Vec<f64> {
+    let salt = mix(seed ^ mix((place.scale as u64) << 32 | u64::from(place.number)));
+    (0..count as u64)
+        .map(|element| {
+            let bits = mix(salt.wrapping_add(element));
+            let sign = if bits & 1 == 1 { -1.0 } else { 1.0 };
+            // The upper 52 bits, as a number from 0 to 1.
+            let unit = (bits >> 12) as f64 / (1u64 << 52) as f64;
+            let whole = (bits >> 8 & 0xff) as f64;
+            let constant = match sizes.len() as u64 {
+                0 => 1.0,
+                count => sizes[(mix(bits) % count) as usize],
+            };
+            match place.scale {
+                Scale::Near => sign * 2.0 * unit,
+                Scale::Far => {
+                    let octaves = 24.0 * unit;
+                    sign * 2f64.powi(octaves as i32 - 10) * (1.0 + octaves.fract())
+                }
+                Scale::Whole => sign * (whole % 10.0),
+                Scale::Constants => sign * constant * 1.5 * unit,
+                Scale::Special if bits >> 16 & 3 == 0 => sign * (whole % 4.0),
+                Scale::Special => sign * constant,
+                Scale::Positive | Scale::Usual | Scale::UsualAgain => 4.0 * unit,
+            }
+        })
+        .collect()
+}
+
+impl Pairs<'_> {
+    /// The inputs of both versions at a place.
+    pub(super) fn numbers(&self, source: &States, place: Place) -> [Vec<f64>; 2] {
+        match place.scale {
+            Scale::Usual => self.state(source, 2 * place.number),
+            Scale::UsualAgain => self.state(source, 2 * place.number + 1),
+            _ => {
+                let count = self.before.function.input_len();
+                let at = |seed: u64| draw(self.sizes(), seed, place, count);
+                let other = |instance: u32| at(mix(source.seed() ^ u64::from(instance)));
+                self.both(at(source.seed()), |number| number, other)
+            }
+        }
+    }
+}
