@@ -12,6 +12,7 @@ pub mod images;
 pub mod inlined;
 pub mod models;
 pub mod mutants;
+mod mutations;
 pub mod passes;
 pub mod pipelines;
 pub mod precision;

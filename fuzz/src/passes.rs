@@ -72,7 +72,10 @@ fn options(bytes: &mut Unstructured<'_>, info: &PassInfo, text: &mut String) -> 
             "number" => "0.5".to_owned(),
             word => word.to_owned(),
         };
-        chosen.push(format!("{}={value}", option.name));
+        // A kind may be described by more than its words.
+        if (info.build)(&[(option.name.to_owned(), value.clone())]).is_ok() {
+            chosen.push(format!("{}={value}", option.name));
+        }
     }
     if !chosen.is_empty() {
         // Writing to a string cannot fail.
