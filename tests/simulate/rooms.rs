@@ -3,6 +3,7 @@
 
 use super::{check, random_placed, view};
 use robovec::simulate::Program;
+use robovec_ir::machine::BufferDescription;
 use robovec_ir::parse::parse_module;
 use robovec_ir::{Machine, Module};
 use robovec_passes::codegen::images;
@@ -21,7 +22,7 @@ fn fields_across_limbs_arrive_whole() {
         }
         // Addresses of 10 to 16 bits move the fields behind them across the
         // end of the first 64 bits.
-        for bits in 10..=16 {
+        for bits in 10..=16u32 {
             machine.memory.words = Some(1 << bits);
             let module = random_placed(u64::from(bits), 60, &machine);
             let inputs = vec![0.5; module.functions[0].input_len()];
@@ -81,4 +82,60 @@ fn buffer_words_are_counted_while_they_hold_a_value() {
     // The first value is read in the cycle at the end of which the second one
     // comes in.
     assert_eq!((adder.buffer_words, adder.buffer_peak), (2, 1));
+}
+
+#[test]
+fn an_output_is_what_its_last_write_left() {
+    let module = placed(
+        "function f placed {
+          in a
+          out o[1..2]
+          schedule \"thesis\" add*1 multi*1 cycles 24 bound 1
+          preload add0[0] = a
+          %x = a + a on add0 at 0 read 0 0 buffer 0 write add0[1] at 11 add0[1] at 13
+          %y = %x - a on add0 at 12 read 1 0 write add0[2] at 23
+          o[1] = %x in add0[1]
+          o[2] = %y in add0[2]
+        }",
+    );
+    let machine = Machine::built_in("thesis").expect("it ships");
+    check(&module, &machine, &[0.75]);
+}
+
+#[test]
+fn two_ports_of_a_buffer_show_two_words() {
+    let module = placed(
+        "function f placed {
+          in a
+          out o[1..2]
+          schedule \"thesis\" add*1 multi*1 cycles 20 bound 1
+          preload add0[0] = a
+          %x = a + a on add0 at 0 read 0 0 buffer 0 write add0[1] at 15
+          %y = a - a on add0 at 1 read 0 0 buffer 1 write add0[2] at 15
+          o[1] = %x in add0[1]
+          o[2] = %y in add0[2]
+        }",
+    );
+    let mut machine = Machine::built_in("thesis").expect("it ships");
+    machine.buffer = Some(BufferDescription {
+        words: None,
+        reads: Some(2),
+    });
+    check(&module, &machine, &[0.75]);
+}
+
+#[test]
+fn values_in_formats_of_their_own_have_no_images() {
+    let module = placed(
+        "function f placed {
+          in a
+          out o
+          schedule \"thesis\" add*1 multi*1 cycles 12 bound 1
+          preload add0[0] = a
+          %s = a + a as f16 on add0 at 0 read 0 0 write add0[1] at 11
+          o = %s in add0[1]
+        }",
+    );
+    let machine = Machine::built_in("thesis").expect("it ships");
+    assert!(images(view(&module), &machine, None).is_err());
 }

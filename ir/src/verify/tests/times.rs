@@ -23,9 +23,10 @@ fn retimed(node: usize, change: impl FnOnce(&mut Timing)) -> Vec<String> {
 
 #[test]
 fn no_earliest_time_comes_after_its_latest() {
-    let expected = ["%c has an earliest time after its latest"];
-    assert_eq!(retimed(2, |times| times.asap = 3), expected);
-    assert_eq!(retimed(2, |times| times.asap_cycle = 31), expected);
+    let expected = "%c has an earliest time after its latest";
+    assert_eq!(retimed(2, |times| times.asap_cycle = 31), [expected]);
+    // What reads it then starts too early as well.
+    assert_eq!(retimed(2, |times| times.asap = 3)[..1], [expected]);
 }
 
 #[test]
