@@ -92,7 +92,7 @@ fn an_output_is_what_its_last_write_left() {
           out o[1..2]
           schedule \"thesis\" add*1 multi*1 cycles 24 bound 1
           preload add0[0] = a
-          %x = a + a on add0 at 0 read 0 0 buffer 0 write add0[1] at 11 add0[1] at 13
+          %x = a + a on add0 at 0 read 0 0 buffer 0 write add0[1] at 11, add0[1] at 13
           %y = %x - a on add0 at 12 read 1 0 write add0[2] at 23
           o[1] = %x in add0[1]
           o[2] = %y in add0[2]
