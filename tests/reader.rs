@@ -2,11 +2,12 @@
 //! about bad ones, and that no text makes it panic or hang.
 
 use robovec::robotran::{Language, Read, ReadError, read};
-use robovec_ir::View;
 use robovec_ir::count::Counts;
 use robovec_ir::parse::parse_module;
 use robovec_ir::print::print_module;
 use robovec_ir::verify::verify;
+use robovec_ir::{Array, Module, Operation, Shape, View};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The file's bytes, and its name without the folder, which may lie anywhere.
@@ -227,4 +228,59 @@ fn reading_is_deterministic() {
         assert_eq!(print_module(&once.module), print_module(&again.module));
         assert_eq!(once.module, again.module);
     }
+}
+
+/// The only function of a text, and the shapes of its inputs by name.
+fn shapes(text: &str, language: Language) -> (Module, BTreeMap<String, Shape>) {
+    let module = match read_text(text, language) {
+        Ok(read) => read.module,
+        Err(error) => panic!("{}", error.report.render_plain()),
+    };
+    let inputs = module.functions[0].inputs().iter();
+    let name = |array: &Array| module.tables.symbols.text(array.name).to_owned();
+    let shapes = inputs.map(|array| (name(array), array.shape)).collect();
+    (module, shapes)
+}
+
+#[test]
+fn extents_are_those_of_the_header_and_of_all_uses() {
+    let header = "//\t==> Array extents : Z(7) l(3,5)\n";
+    let text = header.to_owned() + &c_function("Qq[1] = l[2][3]*Z[2];");
+    let (_, found) = shapes(&text, Language::C);
+    assert_eq!(found["Z"], Shape::Vector(7));
+    assert_eq!(found["l"], Shape::Matrix(3, 5));
+    // A copy and its original begin as one input.
+    let text = "function [Qq] = mbs_invdyna(s,tsim)\nfrc = s.frc;\n\
+                Qq(1) = frc(1,2)+s.frc(2,5);\n";
+    let (module, found) = shapes(text, Language::Matlab);
+    assert_eq!(found["frc"], Shape::Matrix(3, 5));
+    let printed = print_module(&module);
+    assert!(printed.contains("frc[1,2] + frc[2,5]"), "{printed}");
+}
+
+#[test]
+fn control_ends_cases_and_functions() {
+    let text = c_function("Qq[1] = q[1];\nreturn;\nQq[2] = q[2];");
+    let (module, _) = shapes(&text, Language::C);
+    assert_eq!(module.functions[0].assignments.len(), 1);
+    let text = "void mbs_sensor(MbsSensor *sens, MbsData *s, int isens)\n{\nswitch(isens)\n{\n\
+                case 1:\n    sens->P[1] = s->q[1];\ncase 2:\n    sens->P[2] = s->q[2];\nbreak;\n\
+                }\n}\n";
+    let error = read_text(text, Language::C).expect_err("a case runs into the next one");
+    let shown = error.report.render_plain();
+    assert!(
+        shown.contains("a case that runs into the next one"),
+        "{shown}"
+    );
+}
+
+#[test]
+fn the_last_of_two_values_of_an_output_counts() {
+    let text = c_function("Qq[1] = q[1];\nQq[1] = q[2]*2.0;");
+    let (module, _) = shapes(&text, Language::C);
+    let function = &module.functions[0];
+    assert_eq!(function.assignments.len(), 1);
+    let value = function.assignments[0].operand.value();
+    let value = value.expect("it is computed");
+    assert_eq!(function.node(value).operation, Operation::Mul);
 }

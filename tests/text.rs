@@ -212,3 +212,46 @@ fn the_examples_of_the_documentation_are_read() {
         }
     }
 }
+
+/// The message of a text that is refused.
+fn complaint(text: &str) -> String {
+    match parse_module("refused", text) {
+        Ok(module) => panic!("it is read as\n{}", print_module(&module)),
+        Err(diagnostics) => Report::of("refused", text, diagnostics).render_plain(),
+    }
+}
+
+#[test]
+fn names_of_one_function_mean_nothing_in_the_next() {
+    for name in ["x", "x.2", "x.900000"] {
+        let function = |number: u32, read: &str| {
+            format!(
+                "function f{number} atomic {{\n  in q\n  out M\n  %y = q + q\n  M = %{read}\n}}\n"
+            )
+        };
+        let first = function(0, name).replace("%y", &format!("%{name}"));
+        assert!(parse_module("first", &first).is_ok());
+        let shown = complaint(&(first.clone() + &function(1, name)));
+        assert!(
+            shown.contains(&format!("%{name} is not defined")),
+            "{shown}"
+        );
+        // Where both define it, each reads its own.
+        let second = first.replace("f0", "f1").replace("q + q", "q*q");
+        let module = parse("both", &(first + &second));
+        assert_eq!(print_module(&module).matches("q*q").count(), 1);
+    }
+}
+
+#[test]
+fn outputs_may_be_set_in_any_order() {
+    let text = |first: &str, second: &str| {
+        format!(
+            "function f equations {{\n  in q[1..3]\n  out M[1..2]\n  %a = q[1]*q[2] + q[3]\n\
+             {first}{second}}}\n"
+        )
+    };
+    let (one, two) = ("  M[1] = q[1]*%a\n", "  M[2] = q[2] - %a*q[3]\n");
+    let ordered = parse("ordered", &text(one, two));
+    assert!(parse("disordered", &text(two, one)) == ordered);
+}

@@ -27,6 +27,7 @@ const SIZES: std::ops::Range<f64> = 1e-60..1e60;
 const CONTENTS: Contents = Contents {
     definitions: 25,
     divisions: true,
+    hostile: false,
 };
 
 /// Runs random equations in a random format and compares the actual error of

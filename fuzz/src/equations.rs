@@ -7,6 +7,7 @@
 //! The bytes decide everything, so a fuzzer can steer and a failure can be
 //! replayed.
 
+use crate::hostile;
 use arbitrary::{Result, Unstructured};
 use robovec_ir::verify::verify;
 use robovec_ir::{
@@ -22,6 +23,9 @@ pub struct Contents {
     pub definitions: u32,
     /// Divisions and square roots, which Robotran hardly writes.
     pub divisions: bool,
+    /// Constants that are easily taken for others, poles, and roots of any
+    /// sign.
+    pub hostile: bool,
 }
 
 const BASES: [&str; 8] = ["OM", "OP", "BS", "BETA", "AF", "CF", "CM", "FB"];
@@ -180,6 +184,9 @@ impl Maker<'_, '_> {
     }
 
     fn quotient(&mut self) -> Result<Operand> {
+        if self.contents.hostile && self.bytes.arbitrary()? {
+            return self.hostile_quotient();
+        }
         let above = self.product(1)?;
         let below = self.leaf()?;
         // Away from zero, so that the quotient says something.
@@ -190,6 +197,33 @@ impl Maker<'_, '_> {
             divisor = self.push(Operation::Sqrt, [divisor, Operand::NONE]);
         }
         Ok(self.push(Operation::Div, [above, divisor]))
+    }
+
+    /// A pole, or a root whose sign or domain is easily lost.
+    fn hostile_quotient(&mut self) -> Result<Operand> {
+        let inner = self.sum(DEEPEST)?;
+        let inner = self.name_inner(inner)?;
+        Ok(match self.bytes.int_in_range(0..=3)? {
+            0 => {
+                let above = self.product(DEEPEST)?;
+                self.push(Operation::Div, [above, inner])
+            }
+            1 => {
+                let above = self.push(Operation::Mul, [inner, inner]);
+                self.push(Operation::Div, [above, inner])
+            }
+            2 => {
+                let square = self.push(Operation::Mul, [inner, inner]);
+                self.push(Operation::Sqrt, [square, Operand::NONE])
+            }
+            _ => self.push(Operation::Sqrt, [inner, Operand::NONE]),
+        })
+    }
+
+    /// Gives an expression a name, so that it can be read twice.
+    fn name_inner(&mut self, operand: Operand) -> Result<Operand> {
+        let name = format!("IN{}", self.function.nodes().len());
+        Ok(self.name(operand, &name).into())
     }
 
     /// A sum of products.
@@ -263,17 +297,32 @@ impl Maker<'_, '_> {
         let inputs = self.function.input_len() as u32;
         let count = self.named.len();
         Ok(match self.bytes.int_in_range(0..=9)? {
+            // Constants are what a hostile program is about.
+            0 | 1 if self.contents.hostile => self.hostile_leaf()?,
             0..=3 if count > 0 => {
                 let recent = count.saturating_sub(8);
                 self.named[self.bytes.int_in_range(recent..=count - 1)?].into()
             }
             4 if count > 0 => (*self.bytes.choose(&self.named)?).into(),
             0..=8 => Input(self.bytes.int_in_range(0..=inputs - 1)?).into(),
+            _ if self.contents.hostile => self.hostile_leaf()?,
             _ => {
                 let number = *self.bytes.choose(&NUMBERS)?;
                 self.constant(number)
             }
         })
+    }
+
+    /// A hostile constant, or two that make a prime together.
+    fn hostile_leaf(&mut self) -> Result<Operand> {
+        if self.bytes.ratio(1, 6)? {
+            let [high, low] = hostile::prime(self.bytes)?.map(|number| self.constant(number));
+            let sum = self.push(Operation::Add, [high, low]);
+            // It may be read twice.
+            return self.name_inner(sum);
+        }
+        let number = hostile::number(self.bytes)?;
+        Ok(self.constant(number))
     }
 
     /// A symmetric matrix and a vector.
@@ -327,6 +376,7 @@ mod tests {
                 let contents = Contents {
                     definitions: 20,
                     divisions: true,
+                    hostile: false,
                 };
                 let module = equations(bytes, contents)?;
                 let function = &module.functions[0];

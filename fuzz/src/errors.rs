@@ -26,6 +26,7 @@ const LARGEST: f64 = 1e15;
 const CONTENTS: Contents = Contents {
     definitions: 20,
     divisions: true,
+    hostile: false,
 };
 
 /// Runs a random pipeline over random equations under the verifier and the

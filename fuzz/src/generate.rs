@@ -4,6 +4,7 @@
 //! replayed. Expressions are made as in reverse Polish notation, which is the
 //! order the text form keeps its nodes in.
 
+use crate::hostile;
 use arbitrary::{Result, Unstructured};
 use robovec_ir::{
     Array, Assignment, Boundary, Function, Input, Level, Module, Name, Node, Operand, Operation,
@@ -21,6 +22,8 @@ pub enum Kind {
     /// only, now and then a division or a root. Passes and checks make sense
     /// of it.
     Tame,
+    /// As [`Kind::Tame`], with constants that are easily taken for others.
+    Hostile,
     /// Whatever the text form can express.
     Wild,
 }
@@ -299,7 +302,7 @@ impl Generator<'_, '_> {
         }
         let operations = match self.kind {
             Kind::Placeable => &BINARY[..BINARY.len() - 1],
-            Kind::Tame | Kind::Wild => &BINARY[..],
+            Kind::Tame | Kind::Hostile | Kind::Wild => &BINARY[..],
         };
         let operation = *self.bytes.choose(operations)?;
         if let (Some(right), Some(left)) = (stack.pop(), stack.pop()) {
@@ -318,6 +321,7 @@ impl Generator<'_, '_> {
             _ => {
                 let number = match self.kind {
                     Kind::Placeable | Kind::Tame => *self.bytes.choose(&TAME)?,
+                    Kind::Hostile => hostile::number(self.bytes)?,
                     Kind::Wild => self.number()?,
                 };
                 self.function.constant(number).into()
@@ -370,7 +374,7 @@ mod tests {
         for seed in 1..200u64 {
             let seed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) << 32;
             arbtest::arbtest(|bytes| {
-                for kind in [Kind::Placeable, Kind::Tame, Kind::Wild] {
+                for kind in [Kind::Placeable, Kind::Tame, Kind::Hostile, Kind::Wild] {
                     let module = module(bytes, kind)?;
                     for function in &module.functions {
                         largest = largest.max(function.nodes().len());

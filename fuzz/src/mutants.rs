@@ -1,20 +1,24 @@
 //! The semantic check must catch every planted wrong rewrite.
 
 use crate::generate::{self, Kind};
+use crate::mutations;
+use crate::referee::{self, BITS, Leniency, Opinion, Referee};
 use arbitrary::{Result, Unstructured};
 use robovec_ir::double_double::DoubleDouble;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::print::print_function;
 use robovec_ir::states::States;
 use robovec_ir::{
-    Assignment, Function, Input, Level, Name, Node, Operand, Operation, Output, Shape, SourceSet,
-    Tables, Value, View,
+    Assignment, Format, Function, Input, Level, Name, Node, Operand, Operation, Output, Shape,
+    SourceSet, Tables, Value, View,
 };
 use robovec_passes::NumericClass;
 use robovec_passes::check::check;
 
 const INPUTS: u32 = 4;
 const STATES: u32 = 3;
+/// Points the referee looks at.
+const SEEN: u32 = 4;
 const CONSTANTS: [f64; 6] = [0.0, 1.0, 2.0, 0.5, -3.0, 0.1];
 const OPERATIONS: [Operation; 14] = [
     Operation::Add,
@@ -42,9 +46,10 @@ pub enum Mutant {
     Harmless,
 }
 
-/// Makes a random function from bytes, changes one operation or operand, and
-/// lets the check compare the two. A change that shows in double-double at a
-/// random state is no identity: the check must catch it. The unchanged
+/// Makes a random function from bytes, changes one operation or operand, a
+/// constant by a factor that is one modulo many a number, the sign of a root,
+/// a pole or a value's format, and lets the check compare the two. A change
+/// that shows at a random state is no identity: the check must catch it. The unchanged
 /// function, and one with the operands of sums and products exchanged, must
 /// pass.
 ///
@@ -77,7 +82,16 @@ pub fn plant(bytes: &mut Unstructured<'_>) -> Result<Mutant> {
     if original.nodes().is_empty() {
         return Ok(Mutant::Harmless);
     }
-    let mutated = mutate(bytes, &original)?;
+    let hostile = match bytes.int_in_range(0..=3)? {
+        0 => mutations::mutate(bytes, &original, &mut tables)?,
+        1 => return plant_format(bytes, &tables, &original),
+        _ => None,
+    };
+    let is_hostile = hostile.is_some();
+    let mutated = match hostile {
+        Some(mutated) => mutated,
+        None => mutate(bytes, &original)?,
+    };
     let seed = bytes.arbitrary()?;
     let holds = |class, after: &Function| {
         check(
@@ -92,7 +106,11 @@ pub fn plant(bytes: &mut Unstructured<'_>) -> Result<Mutant> {
         let verdict = holds(class, &commuted(&original));
         assert!(verdict.holds(), "a right rewrite was refused: {verdict}");
     }
-    if !differ(&tables, &original, &mutated, seed) {
+    let shows = match is_hostile {
+        true => referee_sees(&tables, [&original, &mutated], seed),
+        false => differ(&tables, &original, &mutated, seed),
+    };
+    if !shows {
         return Ok(Mutant::Harmless);
     }
     for class in [
@@ -108,6 +126,62 @@ pub fn plant(bytes: &mut Unstructured<'_>) -> Result<Mutant> {
         );
     }
     Ok(Mutant::Caught)
+}
+
+/// Changes the format of one value: where that changes a bit, the check must
+/// say so, and it must accept the function as it was.
+fn plant_format(
+    bytes: &mut Unstructured<'_>,
+    tables: &Tables,
+    original: &Function,
+) -> Result<Mutant> {
+    let [before, after] = mutations::formats(bytes, original)?;
+    let seed = bytes.arbitrary()?;
+    let states = States::new(seed);
+    let verdict = |after: &Function| {
+        let (before, after) = (view(tables, &before), view(tables, after));
+        check(before, after, NumericClass::Exact, &states, STATES)
+    };
+    let same = verdict(&before);
+    assert!(same.holds(), "a function differs from itself: {same}");
+    let shows = (0..STATES).all(|state| {
+        let inputs = states.draw(view(tables, &before), state);
+        [Format::BINARY64, Format::BINARY32]
+            .into_iter()
+            .all(|format| {
+                let before = mutations::outputs(&before, format, &inputs);
+                let after = mutations::outputs(&after, format, &inputs);
+                let mut pairs = before.iter().zip(&after);
+                pairs.any(|(before, after)| before.is_some() && after.is_some() && before != after)
+            })
+    });
+    if !shows {
+        return Ok(Mutant::Harmless);
+    }
+    assert!(
+        !verdict(&after).holds(),
+        "another format of a value passed:\n{}\nbecame\n{}",
+        print_function(view(tables, &before)),
+        print_function(view(tables, &after))
+    );
+    Ok(Mutant::Caught)
+}
+
+/// True when an output differs beyond doubt, or is gone, at most of the
+/// points that a referee of its own looks at.
+fn referee_sees(tables: &Tables, [before, after]: [&Function; 2], seed: u64) -> bool {
+    let mut referee = Referee::new(BITS[0]);
+    let differ = (0..SEEN).filter(|&state| {
+        let inputs = States::new(seed).draw(view(tables, before), state);
+        let before = referee.evaluate(before, &inputs, Leniency::default());
+        let after = referee.evaluate(after, &inputs, Leniency::default());
+        let mut pairs = before.iter().zip(&after);
+        pairs.any(|(before, after)| {
+            let opinion = referee::compare(before, after);
+            matches!(opinion, Opinion::Different | Opinion::Lost)
+        })
+    });
+    2 * differ.count() > SEEN as usize
 }
 
 fn view<'a>(tables: &'a Tables, function: &'a Function) -> View<'a> {

@@ -7,13 +7,27 @@ use robovec_passes::registry;
 use std::fmt::Write;
 
 /// A pipeline of up to `most` passes, with random options, for a function at
-/// the equations level; placement and code generation stay out.
+/// the equations level; placement and code generation stay out, and passes
+/// with bounds of their own ([`crate::precision`]).
 ///
 /// # Errors
 ///
 /// When the bytes run out.
 pub fn pipeline(bytes: &mut Unstructured<'_>, most: u32) -> Result<String> {
-    let mut text = String::new();
+    Ok(chosen(bytes, most, &["accurate", "mixed"])?.join(","))
+}
+
+/// As [`pipeline`], one text for each pass, and with every pass.
+///
+/// # Errors
+///
+/// When the bytes run out.
+pub fn steps(bytes: &mut Unstructured<'_>, most: u32) -> Result<Vec<String>> {
+    chosen(bytes, most, &[])
+}
+
+fn chosen(bytes: &mut Unstructured<'_>, most: u32, without: &[&str]) -> Result<Vec<String>> {
+    let mut steps = Vec::new();
     let mut level = Level::Equations;
     let mut properties: Vec<Property> = Vec::new();
     for _ in 0..bytes.int_in_range(1..=most)? {
@@ -24,8 +38,7 @@ pub fn pipeline(bytes: &mut Unstructured<'_>, most: u32) -> Result<String> {
             };
             kept && info.takes.contains(&level)
                 && info.name != "codegen"
-                // They have bounds of their own (`crate::precision`).
-                && !matches!(info.name, "accurate" | "mixed")
+                && !without.contains(&info.name)
                 && info
                     .requires
                     .iter()
@@ -33,16 +46,16 @@ pub fn pipeline(bytes: &mut Unstructured<'_>, most: u32) -> Result<String> {
         };
         let choice: Vec<&PassInfo> = registry::PASSES.iter().filter(fits).collect();
         let info = *bytes.choose(&choice)?;
-        let comma = if text.is_empty() { "" } else { "," };
-        text = text + comma + info.name;
+        let mut text = info.name.to_owned();
         options(bytes, info, &mut text)?;
+        steps.push(text);
         if let Gives::Level(given) = info.gives {
             level = given;
         }
         properties.retain(|property| !info.destroys.contains(property));
         properties.extend(info.sets);
     }
-    Ok(text)
+    Ok(steps)
 }
 
 /// Some options, with values of their types.
@@ -59,7 +72,10 @@ fn options(bytes: &mut Unstructured<'_>, info: &PassInfo, text: &mut String) -> 
             "number" => "0.5".to_owned(),
             word => word.to_owned(),
         };
-        chosen.push(format!("{}={value}", option.name));
+        // A kind may be described by more than its words.
+        if (info.build)(&[(option.name.to_owned(), value.clone())]).is_ok() {
+            chosen.push(format!("{}={value}", option.name));
+        }
     }
     if !chosen.is_empty() {
         // Writing to a string cannot fail.

@@ -25,6 +25,7 @@ pub static STATISTICS: Statistics = Statistics::new("false_rules_are_caught");
 const CONTENTS: Contents = Contents {
     definitions: 8,
     divisions: false,
+    hostile: false,
 };
 
 /// Trials of the rule check; the proof does not depend on them.

@@ -2,10 +2,12 @@
 
 use super::float;
 use super::hand::{Edited, mif};
+use robovec::simulate::mif::Image;
 use robovec::simulate::{LoadError, Program};
 use robovec_ir::Machine;
 use robovec_ir::fnv::Fnv;
 use robovec_ir::machine::{BufferDescription, MemoryStyle};
+use robovec_passes::codegen::manifest::{HostElement, Reference};
 
 fn refused(change: impl FnOnce(&mut Edited)) -> LoadError {
     let mut images = Edited::new();
@@ -228,7 +230,12 @@ fn instruction_words_with_holes() {
 
 #[test]
 fn fields_that_overlap_or_leave_the_word() {
-    let changes: [fn(&mut Edited); 4] = [
+    let changes: [fn(&mut Edited); 5] = [
+        // A port that nothing can switch on.
+        |images| {
+            let fields = &mut images.manifest.elements[0].instructions.fields;
+            fields.retain(|field| field.name != "write0.enable");
+        },
         |images| images.manifest.elements[0].instructions.fields[1].low = 0,
         |images| images.manifest.elements[0].instructions.fields[1].low = u32::MAX,
         |images| images.manifest.elements[0].instructions.fields[1].width = 0,
@@ -258,4 +265,37 @@ fn names_twice_and_references_into_the_void() {
     let error = refused(|images| images.manifest.inputs[0].words[0].address = 1);
     let (memory, address) = ("add0".to_owned(), 1);
     assert_eq!(error, LoadError::InitialTwice { memory, address });
+}
+
+#[test]
+fn host_values_read_earlier_ones_only() {
+    let value = |name: &str, operand| HostElement {
+        name: name.to_owned(),
+        operation: "sin".to_owned(),
+        operands: vec![operand],
+        words: Vec::new(),
+    };
+    let with = |operands: [Reference; 2]| {
+        let mut images = Edited::new();
+        let values = ["first", "second"].into_iter().zip(operands);
+        images.manifest.host = values.map(|(name, operand)| value(name, operand)).collect();
+        images.load()
+    };
+    assert!(with([Reference::Input(0), Reference::Host(0)]).is_ok());
+    for later in [0, 1] {
+        let error = with([Reference::Host(later), Reference::Input(0)]);
+        let error = error.expect_err("it is not known yet");
+        let user = "first".to_owned();
+        let what = format!("earlier host value {later}");
+        assert_eq!(error, LoadError::Dangling { user, what });
+    }
+}
+
+#[test]
+fn octal_digits_reach_into_the_next_limb() {
+    let digits = format!("7{}", "0".repeat(21));
+    let text =
+        format!("WIDTH=70;DEPTH=1;ADDRESS_RADIX=HEX;DATA_RADIX=OCT;CONTENT BEGIN 0:{digits};END;");
+    let image = Image::parse(&text).expect("it is an image");
+    assert_eq!(image.word(0), [1 << 63, 3]);
 }

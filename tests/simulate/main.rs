@@ -6,6 +6,7 @@ mod hazards;
 mod loading;
 mod naive;
 mod refusals;
+mod rooms;
 mod trace;
 
 use naive::Random;

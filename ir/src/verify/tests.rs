@@ -1,3 +1,7 @@
+mod networks;
+mod tables;
+mod times;
+
 use super::*;
 use crate::entity::{Input, Output};
 use crate::function::{Assignment, Function, Node, Shape};

@@ -222,6 +222,9 @@ fn all(count: usize) {
     one::<9, 24>(count);
     one::<9, 25>(count);
     one::<10, 40>(count);
+    // Too wide for rounding to odd, and with ends of their own.
+    one::<9, 51>(count);
+    one::<10, 52>(count);
     one::<11, 20>(count);
     one::<2, 1>(count);
 }
@@ -240,4 +243,24 @@ fn formats_agree_on_ten_million_operands_per_operation() {
 #[test]
 fn small_words_are_told() {
     assert!(is_small::<8, 23>(0x8000_0001) && !is_small::<8, 23>(0x0080_0000));
+}
+
+#[test]
+fn what_rounds_beyond_the_largest_number_is_infinite() {
+    for (exponent, mantissa) in [(8, 23), (9, 51), (10, 52), (6, 9)] {
+        let arithmetic = FormatArithmetic::new(Format::Float(NumberFormat {
+            exponent,
+            mantissa,
+            subnormals: true,
+        }));
+        let ones = (1u64 << mantissa) - 1;
+        let largest = arithmetic.from_word(((1 << exponent) - 2) << mantissa | ones);
+        let half = 2f64.powi((1 << (exponent - 1)) - 2 - mantissa as i32);
+        assert_eq!(arithmetic.add(largest, half), f64::INFINITY);
+        assert_eq!(arithmetic.add(largest, half / 2.0), largest);
+        assert_eq!(arithmetic.sub(-largest, half), f64::NEG_INFINITY);
+        // The word of NaN is the quiet one without a payload.
+        let quiet = ((1 << exponent) - 1) << mantissa | 1 << (mantissa - 1);
+        assert_eq!(arithmetic.word(f64::NAN), quiet);
+    }
 }

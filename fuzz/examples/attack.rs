@@ -1,0 +1,192 @@
+//! Random bytes for the bodies of the fuzz targets, where cargo-fuzz is not at
+//! hand or a number of programs is wanted.
+//!
+//!     cargo run --release -p robovec-fuzz --example attack -- programs 100000
+//!     cargo run --release -p robovec-fuzz --example attack -- bodies 600 round_trip
+//!
+//! `programs COUNT [SEED] [WITHOUT…]` runs so many programs with hostile
+//! constants through random pipelines ([`robovec_fuzz::results`]), those of
+//! the passes named at the end left out, and lists what it found, the smallest
+//! program of each pass in full. `bodies SECONDS [NAME…]` runs the named
+//! bodies, or all, for so long each. A finding gives exit code 1; the number
+//! of a case reproduces it with `case BODY NUMBER`; `show NUMBER` prints the
+//! pipeline and the program of a case of `programs`.
+
+use arbitrary::Unstructured;
+use robovec_fuzz::results::{Finding, Tally, describe_case, examine};
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+type Body = fn(&[u8]);
+
+const BODIES: [(&str, Body); 18] = [
+    ("check_catches_mutants", robovec_fuzz::check_catches_mutants),
+    ("errors_are_predicted", robovec_fuzz::errors_are_predicted),
+    (
+        "errors_stay_within_bounds",
+        robovec_fuzz::errors_stay_within_bounds,
+    ),
+    (
+        "false_rules_are_caught",
+        robovec_fuzz::false_rules_are_caught,
+    ),
+    ("formats_agree", robovec_fuzz::formats_agree),
+    (
+        "generated_functions_hold",
+        robovec_fuzz::generated::generated_functions_hold,
+    ),
+    ("inline_undoes_atomise", robovec_fuzz::inline_undoes_atomise),
+    ("model_round_trip", robovec_fuzz::model_round_trip),
+    ("parse_text", robovec_fuzz::parse_text),
+    (
+        "precision_keeps_programs",
+        robovec_fuzz::precision::precision_keeps_programs,
+    ),
+    ("random_pipeline", robovec_fuzz::pipelines::random_pipeline),
+    ("read_model", robovec_fuzz::read_model),
+    ("read_robotran", robovec_fuzz::read_robotran),
+    ("results_stay_in_class", robovec_fuzz::results_stay_in_class),
+    ("round_trip", robovec_fuzz::round_trip),
+    (
+        "series_keep_their_errors",
+        robovec_fuzz::series_keep_their_errors,
+    ),
+    ("simulate_garbage", robovec_fuzz::simulate_garbage),
+    ("written_reads_back", robovec_fuzz::written_reads_back),
+];
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let number = |text: &str| text.parse::<u64>().ok();
+    let quiet = match words.as_slice() {
+        ["programs", count, rest @ ..] => {
+            let seed = rest.first().and_then(|text| number(text));
+            let without = &arguments[2 + usize::from(seed.is_some())..];
+            number(count).map(|count| programs(count, seed.unwrap_or(1), without))
+        }
+        ["bodies", seconds, names @ ..] => number(seconds).map(|seconds| bodies(seconds, names)),
+        ["case", name, case] => number(case).map(|case| {
+            let body = BODIES.iter().find(|(body, _)| body == name);
+            body.is_some_and(|(_, body)| {
+                body(&bytes(case));
+                true
+            })
+        }),
+        ["show", case] => number(case).map(|case| {
+            let text = describe_case(&mut Unstructured::new(&bytes(case)));
+            text.is_ok_and(|text| {
+                println!("{text}");
+                true
+            })
+        }),
+        _ => None,
+    };
+    match quiet {
+        Some(true) => ExitCode::SUCCESS,
+        Some(false) => ExitCode::FAILURE,
+        None => {
+            eprintln!(
+                "attack programs COUNT [SEED] [WITHOUT…] | bodies SECONDS [NAME…] | case BODY NUMBER | show NUMBER"
+            );
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The bytes of a case: some hundred to some thousand, from SplitMix64.
+fn bytes(case: u64) -> Vec<u8> {
+    let mut state = case;
+    let mut next = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (state ^ state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ mixed >> 31
+    };
+    let words = 32 + next() % 700;
+    (0..words).flat_map(|_| next().to_le_bytes()).collect()
+}
+
+/// What was found for a pass: how often, the first case, the smallest program.
+struct Found {
+    count: u64,
+    case: u64,
+    finding: Box<Finding>,
+}
+
+fn programs(count: u64, seed: u64, without: &[String]) -> bool {
+    let start = Instant::now();
+    let mut tally = Tally::default();
+    let mut found: BTreeMap<String, Found> = BTreeMap::new();
+    let (mut cases, mut findings) = (0, 0);
+    let first = seed << 40;
+    while tally.programs + findings < count {
+        let case = first + cases;
+        cases += 1;
+        match examine(&mut Unstructured::new(&bytes(case)), without) {
+            // Too few bytes for a program.
+            Err(_) => {}
+            Ok(Ok(one)) => tally.add(&one),
+            Ok(Err(finding)) => {
+                findings += 1;
+                let pass = finding
+                    .pass
+                    .split('{')
+                    .next()
+                    .unwrap_or_default()
+                    .to_owned();
+                let accused = match finding.what.contains("the check saw nothing") {
+                    true => "not seen by the check",
+                    false => "seen by the check",
+                };
+                let entry = found
+                    .entry(format!("{pass}, {accused}"))
+                    .or_insert_with(|| Found {
+                        count: 0,
+                        case,
+                        finding: finding.clone(),
+                    });
+                entry.count += 1;
+                if finding.program.len() < entry.finding.program.len() {
+                    (entry.case, entry.finding) = (case, finding);
+                }
+            }
+        }
+    }
+    for (pass, found) in &found {
+        println!(
+            "{pass}: {} times, case {}\n{}\n",
+            found.count, found.case, found.finding
+        );
+    }
+    println!(
+        "{tally}; {findings} findings; {:.1} s",
+        start.elapsed().as_secs_f64()
+    );
+    findings == 0
+}
+
+fn bodies(seconds: u64, names: &[&str]) -> bool {
+    let mut quiet = true;
+    for (name, body) in BODIES {
+        if !names.is_empty() && !names.contains(&name) {
+            continue;
+        }
+        let start = Instant::now();
+        let (mut case, mut failures) = (0u64, 0u32);
+        while start.elapsed() < Duration::from_secs(seconds) {
+            let data = bytes(case);
+            if catch_unwind(AssertUnwindSafe(|| body(&data))).is_err() {
+                eprintln!("case {name} {case}");
+                failures += 1;
+            }
+            case += 1;
+        }
+        let spent = start.elapsed().as_secs_f64();
+        println!("{name}: {case} inputs, {failures} failures, {spent:.1} s");
+        quiet &= failures == 0;
+    }
+    quiet
+}
