@@ -92,7 +92,12 @@ fn name(bytes: &mut Unstructured<'_>, number: usize) -> Result<String> {
 
 fn number(bytes: &mut Unstructured<'_>) -> Result<f64> {
     let any: f64 = bytes.arbitrary()?;
-    Ok(if any.is_finite() { any } else { 1.5 })
+    // Numbers of models are limited, so that their products are numbers.
+    Ok(if any.is_finite() {
+        any.clamp(-1e30, 1e30)
+    } else {
+        1.5
+    })
 }
 
 fn triple(bytes: &mut Unstructured<'_>) -> Result<[f64; 3]> {

@@ -340,6 +340,15 @@ pub(crate) fn compare(before: &Real, after: &Real) -> Opinion {
 }
 
 impl Real {
+    /// True for a number that overflows in binary64.
+    pub(crate) fn is_beyond_binary64(&self) -> bool {
+        let Real::Between(ends) = self else {
+            return false;
+        };
+        ends.iter()
+            .all(|end| end.exponent().is_some_and(|exponent| exponent > 1024))
+    }
+
     /// The middle as a number people read.
     pub(crate) fn describe(&self) -> String {
         match self {

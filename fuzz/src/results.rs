@@ -427,6 +427,8 @@ impl Pairing<'_> {
                     Opinion::Nothing if last || matches!(before, Real::Undefined) => {
                         tally.nothing += 1;
                     }
+                    // No program computes with numbers beyond binary64.
+                    Opinion::Open if last && before.is_beyond_binary64() => tally.nothing += 1,
                     Opinion::Vague if last => tally.vague += 1,
                     Opinion::Open | Opinion::Nothing | Opinion::Vague if !last => {
                         unsettled.push((first, second));

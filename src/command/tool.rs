@@ -8,6 +8,7 @@ use super::errors::{self, ErrorsArguments};
 use super::eval::{self, EvalArguments};
 use super::fit::{self, FitArguments};
 use super::flags::NUMBER;
+use super::flags::whole;
 use super::front::{self, FrontArguments};
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
@@ -33,7 +34,7 @@ struct Arguments {
     /// Time after which a compiler, a simulator of hardware, yosys or a program
     /// they made is stopped, s
     #[arg(long, global = true, value_name = "SECONDS", default_value_t = 1800,
-          value_parser = clap::value_parser!(u64).range(1..=MOST_SECONDS))]
+          add = whole(1, MOST_SECONDS, "a tool that takes longer than a day has gone astray"))]
     tool_seconds: u64,
 }
 

@@ -280,7 +280,7 @@ mod tests {
                 assert_eq!(field.cos(field.neg(a)), c);
                 let nested = field.sin(field.add(s, a));
                 assert_eq!(field.neg(nested), field.sin(field.neg(field.add(a, s))));
-                for other in [1.0, 2.0, 6.283185307179586, 2f64.powi(61)] {
+                for other in [1.0, 2.0, std::f64::consts::TAU, 2f64.powi(61)] {
                     let other = field.add(a, field.literal(other));
                     assert_ne!(field.sin(other), s);
                 }

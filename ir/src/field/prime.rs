@@ -150,7 +150,7 @@ impl Modulus {
     /// A number from 64 random bits; no number is more than an eighth likelier
     /// than another.
     pub fn spread(&self, bits: u64) -> u64 {
-        (u128::from(bits) * u128::from(self.modulus) >> 64) as u64
+        ((u128::from(bits) * u128::from(self.modulus)) >> 64) as u64
     }
 }
 

@@ -175,6 +175,14 @@ fn a_placement_for_a_crossbar_breaks_the_rules_of_a_network() {
             hop,
             ..Network::of(topology)
         });
+        // The schedule claims to be for this machine, and is not.
+        let mut function = function.clone();
+        let schedule = function.schedule.as_mut().expect("it is placed");
+        schedule.machine_hash = Some(machine.content_hash());
+        let view = View {
+            function: &function,
+            ..view
+        };
         let violations = verify_placement(view, &machine);
         let said = |violation: &Violation| violation.message.contains(message);
         assert!(violations.iter().any(said), "{topology:?}: {violations:?}");
