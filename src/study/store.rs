@@ -231,7 +231,8 @@ mod tests {
 
     #[test]
     fn a_key_depends_on_everything_a_point_depends_on() {
-        let changes: [(&str, fn(&mut All)); 12] = [
+        type Change = fn(&mut All);
+        let changes: [(&str, Change); 12] = [
             ("nothing", |_| {}),
             ("equations", |all| all.0 = all.0.with("another")),
             ("build", |all| all.1 = all.1.with("another")),

@@ -29,7 +29,7 @@ pub(super) fn first_bit_difference(
     states: u32,
 ) -> Option<(usize, FailureKind)> {
     let versions = [pairs.before.function, pairs.after.function];
-    let plain = versions.into_iter().all(|function| is_plain(function));
+    let plain = versions.into_iter().all(is_plain);
     places(states).find_map(|state| {
         let inputs = pairs.numbers(source, state);
         if plain {

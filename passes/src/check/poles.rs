@@ -166,8 +166,9 @@ impl Line {
                     .collect()
             });
             let mut here = before(zero).into_iter().zip(usual.iter());
-            // Written so that NaN counts as vanishing.
-            let vanishes = here.any(|(value, usual)| !(value.abs() > NEARLY * usual));
+            // A divisor that is no number there counts as vanishing.
+            let vanishes =
+                here.any(|(value, usual)| value.is_nan() || value.abs() <= NEARLY * usual);
             if !vanishes && let Some(failed) = self.failure(pairs, new[index], zero) {
                 return Some(failed);
             }
