@@ -83,8 +83,14 @@ fn fit(scene: &str) -> (Value, Value) {
         "-o",
         &path,
     ]);
-    assert!(text.contains("Confirmed"), "{text}");
+    assert!(!text.to_lowercase().contains("confirmed"), "{text}");
     let result: Value = serde_json::from_str(&read(folder.path(), "fit.json")).expect("JSON");
+    let tried = &result["confirmation"];
+    let established = format!(
+        "Held at {} fresh states (seed {}), and cycle by cycle in {} runs",
+        tried["states"], tried["seed"], tried["simulated"]
+    );
+    assert!(text.contains(&established), "{text}");
     let chosen = result["chosen"]
         .as_u64()
         .expect("something meets the scene") as usize;

@@ -137,6 +137,51 @@ fn a_refused_model_exits_with_1_and_writes_nothing() {
     }
 }
 
+/// What is in no equation is told where equations are made, and only there.
+#[test]
+fn a_link3d_is_told_by_gen_and_refused_by_sim() {
+    let path = root().join("tests/models/link3d.mbs");
+    let path = path.to_str().expect("a plain name");
+    let told = |arguments: &[&str]| {
+        let output = robovec(arguments);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), message, output.stdout)
+    };
+    let sentence = "link3D 'Bushing' is left out of the equations";
+    for (function, expected) in [
+        ("all", true),
+        ("dirdyna", true),
+        ("invdyna", true),
+        ("accelred", true),
+        ("cons_hJ", false),
+    ] {
+        let (code, message, written) = told(&["gen", path, "--function", function]);
+        assert_eq!(code, Some(0), "{function}: {message}");
+        assert!(!written.is_empty(), "{function}");
+        assert_eq!(
+            message.contains(sentence),
+            expected,
+            "{function}: {message}"
+        );
+        assert_eq!(
+            message.contains("warning"),
+            expected,
+            "{function}: {message}"
+        );
+        assert_eq!(message.contains("link3d.mbs:30:13"), expected, "{message}");
+    }
+    let (code, message, written) = told(&["sim", path]);
+    assert_eq!(code, Some(1), "{message}");
+    assert!(
+        message.contains("error") && message.contains(sentence),
+        "{message}"
+    );
+    assert!(message.contains("remove it from the model"), "{message}");
+    assert!(written.is_empty());
+    let (code, message, _) = told(&["model", path]);
+    assert_eq!((code, message.as_str()), (Some(0), ""));
+}
+
 /// A model with these lines in its tree of bodies.
 fn model_of(bodies: &str) -> String {
     format!("<mbsDescR7><mbsname>m</mbsname><base/><bodytree>{bodies}</bodytree></mbsDescR7>")

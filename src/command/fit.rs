@@ -80,7 +80,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
     let outcome = fit::fit(&task, &mut progress).map_err(|error| fail(error.to_string()))?;
     let confirmation = match outcome.chosen {
         Some(chosen) => {
-            bar.set_message("confirming");
+            bar.set_message("trying the choice again");
             let candidate = &outcome.candidates[chosen];
             let program = &outcome.programs[candidate.program];
             let confirmation = confirm::confirm(&task, program, candidate);
@@ -100,7 +100,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
     output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))?;
     let message = match outcome.chosen {
         None => "nothing meets the scene",
-        Some(_) => "the choice was not confirmed",
+        Some(_) => "the choice did not hold at fresh states or cycle by cycle",
     };
     let advice = "allow a larger error, a later deadline, or a machine with more to offer";
     Err(Failure::advised(message, vec![advice.to_owned()]))

@@ -141,10 +141,15 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, Failure> {
         names::refuse_wrong(path, true)?;
     }
     let read = input::model(&arguments.model)?;
-    read.warnings
+    let kinds = kinds(&arguments.function);
+    let forces = kinds.iter().find(|kind| kind.depends_on_link_forces());
+    let warnings = match forces {
+        Some(&function) => read.warnings_for(function),
+        None => read.warnings,
+    };
+    warnings
         .emit_to_stderr(ColorChoice::Auto)
         .unwrap_or_default();
-    let kinds = kinds(&arguments.function);
     let formulation = Formulation::from_name(&arguments.formulation).unwrap_or_default();
     let mut module = functions(&read.model, &kinds, formulation, &arguments.options())?;
     transform(&mut module, &pipeline)?;

@@ -84,7 +84,7 @@ pub(crate) fn equations_or_model(
         module,
         name: display_name(path),
         path: path.to_owned(),
-        warnings: read.warnings,
+        warnings: read.warnings_for(kind),
     })
 }
 

@@ -3,18 +3,23 @@
 use super::flags::{real, whole};
 use super::{Failure, files, input, output};
 use crate::generate::Formulation;
+use crate::model::mbs::ReadModel;
 use crate::model::{Model, Nature};
 use crate::motion::{Laws, Method, MotionError, Plan, Run, Setting, System, plot, simulate};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use robovec_ir::Format;
-use robovec_ir::diagnostic::{Report, clip, did_you_mean, termcolor::ColorChoice};
+use robovec_ir::diagnostic::{Report, Severity, clip, did_you_mean, termcolor::ColorChoice};
 use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Steps of the progress bar.
 const BAR_LENGTH: f64 = 1000.0;
+
+/// What to do about a link that is not simulated.
+const LINK3D_ADVICE: &str = "help: make it a `link` with a law if it only pulls its ends \
+                             together, or remove it from the model to run without it";
 
 /// Which integrator.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
@@ -94,6 +99,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
     read.warnings
         .emit_to_stderr(ColorChoice::Auto)
         .unwrap_or_default();
+    refuse_left_out(&read)?;
     hold(&mut read.model, &arguments.hold)?;
     let model = &read.model;
     let laws = match &arguments.laws {
@@ -130,6 +136,24 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
             Ok(String::new())
         }
     }
+}
+
+/// Refuses a model with forces that are in no equation: its motion would be
+/// that of another model.
+fn refuse_left_out(read: &ReadModel) -> Result<(), Failure> {
+    let (false, Some(file)) = (read.left_out.is_empty(), read.left_out.files().first()) else {
+        return Ok(());
+    };
+    let refused = read.left_out.diagnostics().iter().cloned();
+    let refused = refused.map(|mut diagnostic| {
+        if diagnostic.severity == Severity::Warning {
+            diagnostic.severity = Severity::Error;
+            diagnostic.notes = vec![LINK3D_ADVICE.to_owned()];
+        }
+        diagnostic
+    });
+    let refused = refused.collect();
+    Err(Failure(Report::of(file.name(), file.text(), refused)))
 }
 
 /// Makes joints driven, which holds them unless a law moves them.

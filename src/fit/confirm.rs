@@ -1,4 +1,4 @@
-//! Confirming a choice: other states, and the machine itself.
+//! Trying a choice again: other states, and the machine itself.
 //!
 //! The search has looked at its own states and at formulas for machines. What
 //! it chose is measured at states that it has not seen, then placed, written
@@ -18,11 +18,14 @@ use serde::Serialize;
 /// States that are run cycle by cycle.
 const SIMULATED: usize = 8;
 
-/// What was confirmed.
+/// What was established of a choice: where it was tried, and what came out.
+/// Nothing follows for states in between.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Confirmation {
     /// Other states measured at.
     pub states: u32,
+    /// The seed that drew them.
+    pub seed: u64,
     /// Normwise errors there.
     pub normwise: Spread,
     /// The largest error over its tolerance there.
@@ -40,7 +43,7 @@ pub struct Confirmation {
 }
 
 impl Confirmation {
-    /// True when the choice holds at other states and in simulation.
+    /// True when the choice held at every fresh state and in every run.
     pub fn holds(&self) -> bool {
         self.used <= 1.0 && self.equal && self.simulated_used <= 1.0
     }
@@ -71,7 +74,7 @@ pub fn ready(task: &Task<'_>, program: &Program, candidate: &Candidate) -> Resul
     Ok(Ready { module, machine })
 }
 
-/// Confirms a candidate.
+/// Tries a candidate at fresh states and cycle by cycle.
 ///
 /// # Errors
 ///
@@ -84,11 +87,13 @@ pub fn confirm(
     let ready = ready(task, program, candidate)?;
     let format = ready.machine.number;
     let states = task.states * MORE;
-    let fresh = yardstick(task, states, task.seed.wrapping_add(2));
+    let seed = task.seed.wrapping_add(2);
+    let fresh = yardstick(task, states, seed);
     let view = view(&program.module);
     let errors = fresh.errors(view, format).map_err(MeasureError::from)?;
     let mut confirmation = Confirmation {
         states,
+        seed,
         normwise: errors.normwise,
         used: used(task.scene, program, &errors),
         simulated: 0,

@@ -57,7 +57,7 @@ pub struct Task<'a> {
     /// Where sines and cosines are computed.
     pub trigonometry: Place,
     /// Random states of the search; four times as many validate what it finds,
-    /// and as many others confirm what is chosen.
+    /// and as many others try what is chosen again.
     pub states: u32,
     /// Their seed.
     pub seed: u64,
@@ -182,7 +182,7 @@ pub fn fit(task: &Task<'_>, progress: Progress<'_>) -> Result<Outcome, FitError>
     })
 }
 
-/// How many times as many states as the search looks at validate, and confirm.
+/// How many times as many states as the search looks at validate, and try again.
 const MORE: u32 = 4;
 
 /// The general function at random states of the scene.

@@ -30,7 +30,7 @@ pub fn text(task: &Task<'_>, outcome: &Outcome, confirmation: Option<&Confirmati
         None => text += &refusal(task, outcome),
     }
     if let Some(confirmation) = confirmation {
-        text += &confirmed(confirmation);
+        text += &held(confirmation);
     }
     let front = outcome.front();
     let rows: Vec<Vec<String>> = front
@@ -156,15 +156,19 @@ fn refusal(task: &Task<'_>, outcome: &Outcome) -> String {
     text
 }
 
-fn confirmed(confirmation: &Confirmation) -> String {
+/// What was established of the choice: where it was tried, and what came out.
+fn held(confirmation: &Confirmation) -> String {
     let mut text = format!(
-        "{}\n  other states     {} of them: worst {:.2e}, {} of the tolerance\n",
+        "{} at {} fresh states (seed {}), and cycle by cycle in {} runs; tried there, not \
+         established for all states\n  fresh states     worst {:.2e}, {} of the tolerance\n",
         if confirmation.holds() {
-            "Confirmed"
+            "Held"
         } else {
-            "NOT confirmed"
+            "DID NOT HOLD"
         },
         confirmation.states,
+        confirmation.seed,
+        confirmation.simulated,
         confirmation.normwise.worst,
         percent(confirmation.used),
     );

@@ -97,6 +97,22 @@ impl FunctionKind {
         }
     }
 
+    /// True when the result contains the forces of links, or takes them as
+    /// given: what a model's links leave out is missing there.
+    pub fn depends_on_link_forces(self) -> bool {
+        match self {
+            FunctionKind::Dirdyna
+            | FunctionKind::Invdyna
+            | FunctionKind::Link
+            | FunctionKind::Accelred => true,
+            FunctionKind::ConsHJ
+            | FunctionKind::ConsJdqd
+            | FunctionKind::Extforces
+            | FunctionKind::Sensor
+            | FunctionKind::Gensensor => false,
+        }
+    }
+
     /// Robotran's number.
     pub fn number(self) -> &'static str {
         match self {

@@ -244,6 +244,7 @@ fn model_subject(
         return Ok(None);
     }
     let read = input::model(path).map_err(|failure| failure.0)?;
+    let warnings = read.warnings_for(kind);
     let subject = ModelSubject {
         model: read.model.clone(),
         general: read.model,
@@ -251,7 +252,7 @@ fn model_subject(
         name: wish.to_owned(),
         options: Options::default(),
     };
-    Ok(Some((Subject::Model(Box::new(subject)), read.warnings)))
+    Ok(Some((Subject::Model(Box::new(subject)), warnings)))
 }
 
 /// The outputs that are needed.

@@ -21,6 +21,9 @@ pub(super) fn read(root: &Fields<'_>, scope: &Scope, model: &mut Model, messages
             let fields = Fields::of(node, &["name", "endpoint1", "endpoint2"], &[], messages);
             let (name, ends) = name_and_ends(&fields, scope, model, messages);
             if let Some(ends) = ends {
+                if node.tag_name().name() == "link3D" {
+                    leave_out(&name, &fields, messages);
+                }
                 let list = match node.tag_name().name() {
                     "link3D" => &mut model.links3d,
                     _ => &mut model.links,
@@ -29,6 +32,16 @@ pub(super) fn read(root: &Fields<'_>, scope: &Scope, model: &mut Model, messages
             }
         }
     }
+}
+
+/// Remembers that no function is generated for a link with a torque.
+fn leave_out(name: &str, fields: &Fields<'_>, messages: &mut Messages) {
+    messages.leave_out(
+        place(fields.one("name").unwrap_or(fields.node)),
+        &format!("link3D '{}' is left out of the equations", clip(name)),
+        "no function is generated for its force and torque",
+        "add them to the `frc` and `trq` of its bodies in a program of your own",
+    );
 }
 
 fn read_cut(

@@ -14,6 +14,8 @@ pub(super) struct Messages {
     warnings: Vec<Diagnostic>,
     more_warnings: usize,
     more_errors: bool,
+    left_out: Vec<Diagnostic>,
+    more_left_out: usize,
 }
 
 /// An error about a place of the text.
@@ -63,6 +65,37 @@ impl Messages {
         } else {
             self.more_warnings += 1;
         }
+    }
+
+    /// Adds a warning about what is read but is in no equation. Only a command
+    /// that makes equations has reason to tell it.
+    pub(super) fn leave_out(
+        &mut self,
+        range: Range<usize>,
+        message: &str,
+        label: &str,
+        help: &str,
+    ) {
+        if self.left_out.len() < LIMIT {
+            let mut warning = diagnostic(range, message, label, help);
+            warning.severity = robovec_ir::diagnostic::Severity::Warning;
+            self.left_out.push(warning);
+        } else {
+            self.more_left_out += 1;
+        }
+    }
+
+    /// The warnings about what is in no equation, which are no part of the
+    /// others.
+    pub(super) fn take_left_out(&mut self) -> Vec<Diagnostic> {
+        let mut all = std::mem::take(&mut self.left_out);
+        if self.more_left_out > 0 {
+            all.push(Diagnostic::note().with_message(format!(
+                "{} more are left out and not shown",
+                self.more_left_out
+            )));
+        }
+        all
     }
 
     /// False when further errors are only counted, so that there is no point in

@@ -26,6 +26,7 @@ mod user;
 mod write;
 
 use super::Model;
+use crate::generate::FunctionKind;
 use robovec_ir::diagnostic::Report;
 use robovec_ir::limits::NumberLimit;
 use std::fmt;
@@ -62,6 +63,26 @@ pub struct ReadModel {
     pub model: Model,
     /// What the user should know, with the text it is about.
     pub warnings: Report,
+    /// Warnings about what the model holds but no generated function does: one
+    /// for each `link3D`, with its place. They concern whoever makes equations
+    /// of the model, not who only looks at it.
+    pub left_out: Report,
+}
+
+impl ReadModel {
+    /// All warnings that concern this function of the model: those about the
+    /// model, and those about forces that the function's result lacks.
+    pub fn warnings_for(&self, function: FunctionKind) -> Report {
+        let mut warnings = self.warnings.clone();
+        if function.depends_on_link_forces() && !self.left_out.is_empty() {
+            // Both point into the same text; without warnings it is not kept.
+            if warnings.is_empty() {
+                return self.left_out.clone();
+            }
+            warnings.extend(self.left_out.diagnostics().iter().cloned());
+        }
+        warnings
+    }
 }
 
 /// A file that could not be read: the reasons, and the text they point into.
@@ -108,11 +129,16 @@ pub fn read_mbs(name: &str, bytes: &[u8]) -> Result<ReadModel, ModelError> {
         .and_then(|document| read_document(name, &document, &mut messages));
     match model {
         Some(model) if !messages.has_errors() => {
+            let left_out = messages.take_left_out();
             let warnings = messages.into_diagnostics();
-            let shown = if warnings.is_empty() { "" } else { &text };
+            let report = |diagnostics: Vec<_>| {
+                let shown = if diagnostics.is_empty() { "" } else { &text };
+                Report::of(name, shown, diagnostics)
+            };
             Ok(ReadModel {
                 model,
-                warnings: Report::of(name, shown, warnings),
+                warnings: report(warnings),
+                left_out: report(left_out),
             })
         }
         _ => Err(ModelError {

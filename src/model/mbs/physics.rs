@@ -8,15 +8,21 @@ use crate::model::{Body, Model, Nature};
 pub(super) fn remark(model: &Model, scope: &Scope, messages: &mut Messages) {
     massless(model, scope, messages);
     for (body, place) in model.bodies.iter().zip(&scope.body_places) {
-        if !is_positive(&body.inertia) {
-            messages.warn(
-                place.clone(),
-                &format!("the inertia of {} is impossible", body_title(&body.name)),
-                "its matrix has a negative principal moment",
-                "check signs and units: Ixy is an entry of the matrix, the negative of the \
-                 integral of xy",
-            );
-        }
+        let scale = scale(&body.inertia);
+        let label = if !is_positive(&body.inertia, scale) {
+            "its matrix has a negative principal moment"
+        } else if !is_positive(&spread(&body.inertia), scale) {
+            "one of its principal moments is larger than the sum of the other two"
+        } else {
+            continue;
+        };
+        messages.warn(
+            place.clone(),
+            &format!("the inertia of {} is impossible", body_title(&body.name)),
+            label,
+            "check signs and units: Ixy is an entry of the matrix, the negative of the \
+             integral of xy",
+        );
     }
 }
 
@@ -49,17 +55,42 @@ fn massless(model: &Model, scope: &Scope, messages: &mut Messages) {
     }
 }
 
-/// True when no principal moment is negative beyond rounding.
-fn is_positive(&[xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> bool {
-    let scale = [xx, yy, zz]
+/// The share of the largest entry that counts as rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// The largest moment about an axis, kg m^2, against which rounding is measured.
+fn scale(&[xx, _, _, yy, _, zz]: &[f64; 6]) -> f64 {
+    [xx, yy, zz]
         .into_iter()
-        .fold(0.0_f64, |a, b| a.max(b.abs()));
-    let minor = |a: f64, b: f64, c: f64| a * b - c * c >= -1e-12 * scale * scale;
+        .fold(0.0_f64, |a, b| a.max(b.abs()))
+}
+
+/// The integrals of xx, xy, xz, yy, yz and zz over the mass: half the trace
+/// less the inertia. Its principal values are negative exactly when a
+/// principal moment is larger than the sum of the other two.
+fn spread(&[xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> [f64; 6] {
+    let half = |a: f64, b: f64, c: f64| (a + b - c) / 2.0;
+    [
+        half(yy, zz, xx),
+        -xy,
+        -xz,
+        half(xx, zz, yy),
+        -yz,
+        half(xx, yy, zz),
+    ]
+}
+
+/// True when no principal value of a symmetric matrix is negative beyond the
+/// rounding of entries of this scale.
+fn is_positive(&[xx, xy, xz, yy, yz, zz]: &[f64; 6], scale: f64) -> bool {
+    let minor = |a: f64, b: f64, c: f64| a * b - c * c >= -ROUNDING * scale * scale;
     let determinant =
         xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
-    [xx, yy, zz].into_iter().all(|moment| moment >= 0.0)
+    [xx, yy, zz]
+        .into_iter()
+        .all(|moment| moment >= -ROUNDING * scale)
         && minor(xx, yy, xy)
         && minor(xx, zz, xz)
         && minor(yy, zz, yz)
-        && determinant >= -1e-12 * scale.powi(3)
+        && determinant >= -ROUNDING * scale.powi(3)
 }
