@@ -407,10 +407,17 @@ mod tests {
         let run = shell("sleep 1000 & echo $!").limits(limits).run();
         let text = run.expect("the program itself ends").text();
         let process: i32 = text.trim().parse().expect("a number");
-        let there = nix::sys::signal::kill(nix::unistd::Pid::from_raw(process), None);
-        // It may wait for somebody to take note of its end.
-        let state = std::fs::read_to_string(format!("/proc/{process}/stat"));
-        let is_dead = there.is_err() || state.is_ok_and(|state| state.contains(") Z "));
-        assert!(is_dead);
+        let is_dead = || {
+            let there = nix::sys::signal::kill(nix::unistd::Pid::from_raw(process), None);
+            // It may wait for somebody to take note of its end.
+            let state = std::fs::read_to_string(format!("/proc/{process}/stat"));
+            there.is_err() || state.is_ok_and(|state| state.contains(") Z "))
+        };
+        // Its end takes the system a moment.
+        let ended = (0..1000).any(|_| {
+            std::thread::sleep(Duration::from_millis(10));
+            is_dead()
+        });
+        assert!(ended);
     }
 }
