@@ -17,7 +17,7 @@
 //! for a chance of `degree / r`, as in the plain field: both images are rings,
 //! and the points of the subgroup are as good as random points of the circle.
 
-use super::{Field, Point, PrimeField, Role, either_undefined};
+use super::{Field, FieldPoint, PrimeField, Role, either_undefined};
 use crate::arithmetic::Arithmetic;
 
 /// A number and what it is as an angle.
@@ -203,7 +203,7 @@ impl Arithmetic for CircleField {
 }
 
 impl Field for CircleField {
-    fn at(prime: super::Prime, point: Point) -> CircleField {
+    fn at(prime: super::Prime, point: FieldPoint) -> CircleField {
         CircleField::new(PrimeField::at(prime, point))
     }
 
@@ -234,7 +234,7 @@ mod tests {
     use crate::field::Prime;
 
     fn fields() -> [CircleField; 2] {
-        Prime::pair(3).map(|prime| CircleField::at(prime, Point { seed: 9 }))
+        Prime::pair(3).map(|prime| CircleField::at(prime, FieldPoint { seed: 9 }))
     }
 
     fn samples(field: &CircleField) -> Vec<Angular> {

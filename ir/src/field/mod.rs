@@ -37,7 +37,7 @@ use crate::arithmetic::Arithmetic;
 
 /// Where functions are evaluated: what the random elements are drawn from.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Point {
+pub struct FieldPoint {
     /// Selects the random elements that stand for inputs, sines, cosines and
     /// square roots.
     pub seed: u64,
@@ -46,7 +46,7 @@ pub struct Point {
 /// Arithmetic modulo a prime at a random point.
 pub trait Field: Arithmetic<Number: PartialEq> + Sized {
     /// The field of a prime, at a point.
-    fn at(prime: Prime, point: Point) -> Self;
+    fn at(prime: Prime, point: FieldPoint) -> Self;
 
     /// Its prime.
     fn prime(&self) -> Prime;
@@ -212,7 +212,7 @@ impl PrimeField {
 }
 
 impl Field for PrimeField {
-    fn at(prime: Prime, point: Point) -> PrimeField {
+    fn at(prime: Prime, point: FieldPoint) -> PrimeField {
         PrimeField {
             prime,
             seed: point.seed,

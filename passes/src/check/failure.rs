@@ -1,7 +1,7 @@
 //! What broke a claim, and where to look first.
 
 use super::pairing::Pairs;
-use super::states::Place;
+use super::states::StatePlace;
 use crate::analysis::slice::slice;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::field::Field;
@@ -14,7 +14,7 @@ use std::fmt;
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Values {
     /// The state.
-    pub state: Place,
+    pub state: StatePlace,
     /// The value before.
     pub before: f64,
     /// The value after.

@@ -3,11 +3,11 @@
 use super::pairing::Pairs;
 use robovec_ir::batch::Batch;
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::field::{Field, Point, Prime};
+use robovec_ir::field::{Field, FieldPoint, Prime};
 use std::array;
 
 /// How the comparison ended.
-pub(super) enum Comparison<F> {
+pub(super) enum FieldComparison<F> {
     /// Equal at every point; these pairs (indices into [`Pairs::list`]) were
     /// undefined everywhere before the pass.
     Equal { undefined: Vec<usize> },
@@ -32,13 +32,13 @@ const LANES: usize = 4;
 fn lane_field<F: Field>(primes: [Prime; 2], seed: u64, first: u32, lane: usize) -> F {
     let point = first + (lane / 2) as u32;
     let seed = super::nth_seed(seed, point);
-    F::at(primes[lane % 2], Point { seed })
+    F::at(primes[lane % 2], FieldPoint { seed })
 }
 
 /// Compares all outputs until each was defined on both sides at `points`
 /// points of both fields, or always undefined. Points come in twos: the last
 /// two are used up.
-pub(super) fn compare<F: Field>(pairs: &Pairs<'_>, points: u32, seed: u64) -> Comparison<F> {
+pub(super) fn compare<F: Field>(pairs: &Pairs<'_>, points: u32, seed: u64) -> FieldComparison<F> {
     let primes = Prime::pair(pairs.prime_seed(seed));
     let wanted = points.saturating_mul(2);
     let mut tallies = vec![Tally::default(); pairs.list.len()];
@@ -58,7 +58,7 @@ pub(super) fn compare<F: Field>(pairs: &Pairs<'_>, points: u32, seed: u64) -> Co
             let lanes = before[pair.before].into_iter().zip(after[pair.after]);
             for (lane, (before, after)) in lanes.enumerate() {
                 if tally.add::<F>(before, after) && before != after {
-                    return Comparison::Different {
+                    return FieldComparison::Different {
                         pair: index,
                         field: lane_field(primes, seed, point, lane),
                     };
@@ -92,18 +92,18 @@ impl Tally {
 
 /// An output that could never be compared was undefined to begin with (then
 /// anything may follow), or has become so, which is a difference.
-fn judge_undefined<F: Field>(pairs: &Pairs<'_>, tallies: &[Tally], field: F) -> Comparison<F> {
+fn judge_undefined<F: Field>(pairs: &Pairs<'_>, tallies: &[Tally], field: F) -> FieldComparison<F> {
     let mut undefined = Vec::new();
     for (index, (_, tally)) in pairs.list.iter().zip(tallies).enumerate() {
         if tally.both > 0 {
             continue;
         }
         if tally.before > 0 {
-            return Comparison::Different { pair: index, field };
+            return FieldComparison::Different { pair: index, field };
         }
         undefined.push(index);
     }
-    Comparison::Equal { undefined }
+    FieldComparison::Equal { undefined }
 }
 
 /// The residues of an output in a field, before and after; `None` where it is

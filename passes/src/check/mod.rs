@@ -52,15 +52,15 @@ use crate::instances::Instances;
 use crate::scene::Scene;
 use failure::{Failed, explain};
 pub use failure::{Failure, FailureKind, Values};
-use field::Comparison;
+use field::FieldComparison;
 use numbers::Survey;
 use pairing::Pairs;
 pub use promise::Promise;
-use robovec_ir::field::{CircleField, Field, Point, Prime, PrimeField};
+use robovec_ir::field::{CircleField, Field, FieldPoint, Prime, PrimeField};
 use robovec_ir::format::Format;
 use robovec_ir::states::States;
 use robovec_ir::{Output, View};
-pub use states::{Place, Scale};
+pub use states::{StatePlace, StateScale};
 use std::array;
 use std::fmt;
 
@@ -256,7 +256,7 @@ fn judge(pairs: &Pairs<'_>, states: &States, promise: Option<&Promise>, verdict:
 /// A field in which values of the same name are compared.
 fn first_field(pairs: &Pairs<'_>, seed: u64) -> PrimeField {
     let [prime, _] = Prime::pair(pairs.prime_seed(seed));
-    PrimeField::at(prime, Point { seed })
+    PrimeField::at(prime, FieldPoint { seed })
 }
 
 impl Failed {
@@ -286,7 +286,7 @@ fn judge_equality<F: Field>(pairs: &Pairs<'_>, states: &States, verdict: &mut Ve
         numbers::compare(pairs, &Balls, states, survey)
     };
     let found = match field::compare::<F>(pairs, rounds, verdict.seed) {
-        Comparison::Different { pair, field } => {
+        FieldComparison::Different { pair, field } => {
             // Numbers tell more than residues, where they show the difference.
             let kind = match numbers(Some(pair)) {
                 Err(failed) => FailureKind::Numbers(failed.values),
@@ -301,7 +301,7 @@ fn judge_equality<F: Field>(pairs: &Pairs<'_>, states: &States, verdict: &mut Ve
             };
             Some(explain(pairs, states, (pair, kind), None, &field))
         }
-        Comparison::Equal { undefined } => {
+        FieldComparison::Equal { undefined } => {
             verdict.undefined = undefined.len() as u32;
             let failed = match numbers(None) {
                 Err(failed) => Some(failed),

@@ -9,7 +9,7 @@
 
 use super::failure::{Failed, Values};
 use super::pairing::Pairs;
-use super::states::{Place, SCALES};
+use super::states::{SCALES, StatePlace};
 use crate::analysis::reference::ball::{Ball, Balls};
 use crate::analysis::reference::{Effort, Reference};
 use robovec_ir::arithmetic::Arithmetic;
@@ -22,7 +22,7 @@ pub(super) const LANES: usize = SCALES.len();
 
 /// What was seen when all outputs agreed.
 #[derive(Clone, Copy, Default, Debug)]
-pub(super) struct Agreement {
+pub(super) struct NumbersAgree {
     /// At how many states outputs were compared.
     pub(super) states: u32,
     /// The largest distance of an output from what it was, relative to the
@@ -34,23 +34,23 @@ pub(super) struct Agreement {
 #[derive(Clone, Copy)]
 pub(super) struct Survey {
     /// The states of a round, counted from 0.
-    pub(super) states: fn(u32) -> [Place; LANES],
+    pub(super) states: fn(u32) -> [StatePlace; LANES],
     pub(super) rounds: u32,
     /// One of [`Pairs::list`], or all.
     pub(super) only: Option<usize>,
 }
 
 /// One state of every scale.
-pub(super) fn every_scale(round: u32) -> [Place; LANES] {
-    SCALES.map(|scale| Place {
+pub(super) fn every_scale(round: u32) -> [StatePlace; LANES] {
+    SCALES.map(|scale| StatePlace {
         scale,
         number: round,
     })
 }
 
 /// Usual states alone.
-pub(super) fn usual(round: u32) -> [Place; LANES] {
-    array::from_fn(|lane| Place::usual(round * LANES as u32 + lane as u32))
+pub(super) fn usual(round: u32) -> [StatePlace; LANES] {
+    array::from_fn(|lane| StatePlace::usual(round * LANES as u32 + lane as u32))
 }
 
 /// Compares the outputs, those before being computed with an arithmetic of
@@ -60,7 +60,7 @@ pub(super) fn compare<A>(
     arithmetic: &A,
     source: &States,
     survey: Survey,
-) -> Result<Agreement, Failed>
+) -> Result<NumbersAgree, Failed>
 where
     A: Arithmetic<Number = Ball<LANES>>,
 {
@@ -80,7 +80,7 @@ where
             places[version].binary_search(&place).is_ok()
         })
     });
-    let (mut agreement, mut memory) = (Agreement::default(), Vec::new());
+    let (mut agreement, mut memory) = (NumbersAgree::default(), Vec::new());
     let mut precise = MOST_PRECISE;
     for round in 0..survey.rounds {
         let states = (survey.states)(round);

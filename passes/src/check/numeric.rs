@@ -3,7 +3,7 @@
 use super::Deviation;
 use super::failure::{Failed, FailureKind, Values};
 use super::pairing::Pairs;
-use super::states::{Place, SCALES, Scale};
+use super::states::{SCALES, StatePlace, StateScale};
 use crate::analysis::accuracy::evaluate_at;
 use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_ir::double_double::DoubleDouble;
@@ -13,12 +13,12 @@ use robovec_ir::trigonometry::host::Unit;
 use robovec_ir::{Format, Function, OperandKind, View};
 
 /// States for comparing bits: usual ones, and one of every other scale.
-fn places(states: u32) -> impl Iterator<Item = Place> {
-    let usual = (0..states).map(Place::usual);
+fn places(states: u32) -> impl Iterator<Item = StatePlace> {
+    let usual = (0..states).map(StatePlace::usual);
     let others = SCALES
         .into_iter()
-        .filter(|scale| !matches!(scale, Scale::Usual | Scale::UsualAgain));
-    usual.chain(others.map(|scale| Place { scale, number: 0 }))
+        .filter(|scale| !matches!(scale, StateScale::Usual | StateScale::UsualAgain));
+    usual.chain(others.map(|scale| StatePlace { scale, number: 0 }))
 }
 
 /// The first output that is not bit-equal in binary64 or binary32, values
@@ -73,7 +73,7 @@ where
 fn compare_bits(
     pairs: &Pairs<'_>,
     [old, new]: &[Vec<f64>; 2],
-    (format, state): (&'static str, Place),
+    (format, state): (&'static str, StatePlace),
     evaluate: impl Fn(&Function, &[f64]) -> Vec<f64>,
 ) -> Option<(usize, FailureKind)> {
     let round = |number: f64| match format {

@@ -9,11 +9,11 @@
 
 use super::failure::{Failed, Values};
 use super::pairing::Pairs;
-use super::states::{Place, Scale};
+use super::states::{StatePlace, StateScale};
 use crate::analysis::slice::slice;
 use robovec_ir::arithmetic::Binary64;
 use robovec_ir::evaluate::{evaluate, evaluate_nodes};
-use robovec_ir::field::{Field, Point, Prime, PrimeField};
+use robovec_ir::field::{Field, FieldPoint, Prime, PrimeField};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Operand, OperandKind, Operation};
 
@@ -46,7 +46,7 @@ pub(super) fn first(pairs: &Pairs<'_>, source: &States, seed: u64) -> Option<Fai
     if new.is_empty() {
         return None;
     }
-    let field = PrimeField::at(Prime::pair(pairs.prime_seed(seed))[0], Point { seed });
+    let field = PrimeField::at(Prime::pair(pairs.prime_seed(seed))[0], FieldPoint { seed });
     let points = pairs.point(&field);
     let mut known = values(pairs.before.function, &field, &points[0], &old);
     for value in &mut known {
@@ -65,7 +65,8 @@ pub(super) fn first(pairs: &Pairs<'_>, source: &States, seed: u64) -> Option<Fai
     let size = pairs.before.function.nodes().len() + pairs.after.function.nodes().len() + 1;
     let evaluations = 2 * STEPS as usize + MOST_ZEROS * 2 * NARROWINGS;
     let lines = (WORK / size / evaluations).clamp(1, MOST_LINES as usize);
-    (0..lines as u32).find_map(|number| Line::new(pairs, source, number).search(pairs, &old, &new))
+    (0..lines as u32)
+        .find_map(|number| StateLine::new(pairs, source, number).search(pairs, &old, &new))
 }
 
 /// The operands that something is divided by, literals aside.
@@ -101,22 +102,23 @@ fn values<A: robovec_ir::arithmetic::Arithmetic>(
 }
 
 /// A line through two states.
-struct Line {
+struct StateLine {
     /// Named in a failure.
-    place: Place,
+    place: StatePlace,
     /// The inputs of both versions at its ends.
     ends: [[Vec<f64>; 2]; 2],
 }
 
-impl Line {
-    fn new(pairs: &Pairs<'_>, source: &States, number: u32) -> Line {
+impl StateLine {
+    fn new(pairs: &Pairs<'_>, source: &States, number: u32) -> StateLine {
         let scales = [
-            [Scale::Usual, Scale::Near],
-            [Scale::Constants, Scale::Special],
-            [Scale::Whole, Scale::UsualAgain],
+            [StateScale::Usual, StateScale::Near],
+            [StateScale::Constants, StateScale::Special],
+            [StateScale::Whole, StateScale::UsualAgain],
         ];
-        let places = scales[number as usize % scales.len()].map(|scale| Place { scale, number });
-        Line {
+        let places =
+            scales[number as usize % scales.len()].map(|scale| StatePlace { scale, number });
+        StateLine {
             place: places[0],
             ends: places.map(|place| pairs.numbers(source, place)),
         }

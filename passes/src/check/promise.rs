@@ -3,7 +3,7 @@
 use super::failure::{Failed, Values};
 use super::numbers::{self, LANES, Survey};
 use super::pairing::Pairs;
-use super::states::Place;
+use super::states::StatePlace;
 use crate::analysis::reference::ball::{Ball, Balls};
 use crate::mixed::Allowed;
 use robovec_ir::arithmetic::Arithmetic;
@@ -98,7 +98,7 @@ fn measured(
     let after = evaluate_mixed(pairs.after.function, Format::BINARY64, &new);
     let exact: Vec<f64> = before.iter().map(|number| number.high).collect();
     let allowed = allowed.of(&exact);
-    let state = Place::usual(number);
+    let state = StatePlace::usual(number);
     for (index, pair) in pairs.list.iter().enumerate() {
         let (before, after) = (before[pair.before], after[pair.after]);
         let limit = allowed[pair.before];

@@ -8,7 +8,7 @@ use std::fmt;
 
 /// How large the inputs of a state are.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub enum Scale {
+pub enum StateScale {
     /// As the arrays of Robotran mean them ([`States`]).
     Usual,
     /// Within ±2.
@@ -29,53 +29,53 @@ pub enum Scale {
 }
 
 /// All scales.
-pub(super) const SCALES: [Scale; 8] = [
-    Scale::Usual,
-    Scale::Near,
-    Scale::Far,
-    Scale::Whole,
-    Scale::Constants,
-    Scale::Special,
-    Scale::Positive,
-    Scale::UsualAgain,
+pub(super) const SCALES: [StateScale; 8] = [
+    StateScale::Usual,
+    StateScale::Near,
+    StateScale::Far,
+    StateScale::Whole,
+    StateScale::Constants,
+    StateScale::Special,
+    StateScale::Positive,
+    StateScale::UsualAgain,
 ];
 
 /// A state: of one scale, by its number from 0.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Place {
+pub struct StatePlace {
     /// How large its inputs are.
-    pub scale: Scale,
+    pub scale: StateScale,
     /// Which of the states of that scale.
     pub number: u32,
 }
 
-impl Place {
+impl StatePlace {
     /// The usual state of a number.
-    pub(super) fn usual(number: u32) -> Place {
+    pub(super) fn usual(number: u32) -> StatePlace {
         let scale = match number.is_multiple_of(2) {
-            true => Scale::Usual,
-            false => Scale::UsualAgain,
+            true => StateScale::Usual,
+            false => StateScale::UsualAgain,
         };
-        Place {
+        StatePlace {
             scale,
             number: number / 2,
         }
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for StatePlace {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = match self.scale {
-            Scale::Usual => return write!(formatter, "random state {}", 2 * self.number),
-            Scale::UsualAgain => {
+            StateScale::Usual => return write!(formatter, "random state {}", 2 * self.number),
+            StateScale::UsualAgain => {
                 return write!(formatter, "random state {}", 2 * self.number + 1);
             }
-            Scale::Near => "near state",
-            Scale::Far => "far state",
-            Scale::Whole => "whole state",
-            Scale::Constants => "state near constants",
-            Scale::Special => "state of constants",
-            Scale::Positive => "positive state",
+            StateScale::Near => "near state",
+            StateScale::Far => "far state",
+            StateScale::Whole => "whole state",
+            StateScale::Constants => "state near constants",
+            StateScale::Special => "state of constants",
+            StateScale::Positive => "positive state",
         };
         write!(formatter, "{name} {}", self.number)
     }
@@ -100,7 +100,7 @@ pub(super) fn sizes<'a>(functions: impl IntoIterator<Item = &'a Function>) -> Ve
 }
 
 /// The inputs of a state of one of the scales that no array has a say in.
-pub(super) fn draw(sizes: &[f64], seed: u64, place: Place, count: usize) -> Vec<f64> {
+pub(super) fn draw(sizes: &[f64], seed: u64, place: StatePlace, count: usize) -> Vec<f64> {
     let salt = mix(seed ^ mix((place.scale as u64) << 32 | u64::from(place.number)));
     (0..count as u64)
         .map(|element| {
@@ -114,16 +114,16 @@ pub(super) fn draw(sizes: &[f64], seed: u64, place: Place, count: usize) -> Vec<
                 count => sizes[(mix(bits) % count) as usize],
             };
             match place.scale {
-                Scale::Near => sign * 2.0 * unit,
-                Scale::Far => {
+                StateScale::Near => sign * 2.0 * unit,
+                StateScale::Far => {
                     let octaves = 24.0 * unit;
                     sign * 2f64.powi(octaves as i32 - 10) * (1.0 + octaves.fract())
                 }
-                Scale::Whole => sign * (whole % 10.0),
-                Scale::Constants => sign * constant * 1.5 * unit,
-                Scale::Special if bits >> 16 & 3 == 0 => sign * (whole % 4.0),
-                Scale::Special => sign * constant,
-                Scale::Positive | Scale::Usual | Scale::UsualAgain => 4.0 * unit,
+                StateScale::Whole => sign * (whole % 10.0),
+                StateScale::Constants => sign * constant * 1.5 * unit,
+                StateScale::Special if bits >> 16 & 3 == 0 => sign * (whole % 4.0),
+                StateScale::Special => sign * constant,
+                StateScale::Positive | StateScale::Usual | StateScale::UsualAgain => 4.0 * unit,
             }
         })
         .collect()
@@ -131,10 +131,10 @@ pub(super) fn draw(sizes: &[f64], seed: u64, place: Place, count: usize) -> Vec<
 
 impl Pairs<'_> {
     /// The inputs of both versions at a place.
-    pub(super) fn numbers(&self, source: &States, place: Place) -> [Vec<f64>; 2] {
+    pub(super) fn numbers(&self, source: &States, place: StatePlace) -> [Vec<f64>; 2] {
         match place.scale {
-            Scale::Usual => self.state(source, 2 * place.number),
-            Scale::UsualAgain => self.state(source, 2 * place.number + 1),
+            StateScale::Usual => self.state(source, 2 * place.number),
+            StateScale::UsualAgain => self.state(source, 2 * place.number + 1),
             _ => {
                 let count = self.before.function.input_len();
                 let at = |seed: u64| draw(self.sizes(), seed, place, count);

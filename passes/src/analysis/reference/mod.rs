@@ -32,7 +32,7 @@ use ball::{Ball, Balls};
 use robovec_ir::Function;
 use robovec_ir::double_double::{Double, DoubleDoubleLanes, DoubleLanes};
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::field::{CircleField, Field, Point, Prime};
+use robovec_ir::field::{CircleField, Field, FieldPoint, Prime};
 use robovec_ir::plan::Plan;
 use std::array;
 use std::fmt;
@@ -247,7 +247,7 @@ fn gather<T>(batch: &[Vec<f64>], make: impl Fn([f64; LANES]) -> T) -> Vec<T> {
 fn zeros(function: &Function) -> Vec<bool> {
     let mut zeros = vec![true; function.assignments.len()];
     for prime in Prime::pair(1) {
-        let field = CircleField::at(prime, Point { seed: 2 });
+        let field = CircleField::at(prime, FieldPoint { seed: 2 });
         let point = field.point(function.input_len());
         let values = evaluate(function, &field, &point);
         for (zero, value) in zeros.iter_mut().zip(values) {
