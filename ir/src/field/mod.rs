@@ -126,14 +126,6 @@ impl PrimeField {
         number >> 63 != 0
     }
 
-    /// A number to a natural power.
-    pub fn power(&self, number: u64, exponent: u64) -> u64 {
-        if PrimeField::is_undefined(number) {
-            return PrimeField::UNDEFINED;
-        }
-        self.prime.field.power(number, exponent)
-    }
-
     /// The number or its negation, and whether it is the negation: numbers
     /// that differ in sign only have this in common. One is not the negation
     /// of anything.
@@ -498,7 +490,6 @@ mod tests {
                 field.sin(undefined),
                 field.cos(undefined),
                 field.sqrt(undefined),
-                field.power(undefined, 2),
                 field.guarded_inverse(undefined),
                 field.literal(f64::NAN),
                 field.literal(f64::INFINITY),
