@@ -430,8 +430,13 @@ impl Pairing<'_> {
                     // No program computes with numbers beyond binary64.
                     Opinion::Open if last && before.is_beyond_binary64() => tally.nothing += 1,
                     // An approximation may bring a divisor to where its bits
-                    // do not tell it from zero.
-                    Opinion::Open if last && self.promise.class == NumericClass::Approximating => {
+                    // do not tell it from zero, and so may constants that are
+                    // known only to a rounding.
+                    Opinion::Open
+                        if last
+                            && (rounded_literals
+                                || self.promise.class == NumericClass::Approximating) =>
+                    {
                         tally.vague += 1;
                     }
                     Opinion::Vague if last => tally.vague += 1,
