@@ -20,6 +20,7 @@ pub mod robotran;
 pub mod rtl;
 pub mod scene;
 pub mod simulate;
+pub mod sources;
 pub mod stale;
 pub mod stress;
 pub mod study;

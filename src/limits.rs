@@ -5,7 +5,8 @@
 //! module only gathers them, for the manual (`docs/limits.md`) and for the
 //! tests that try every number at its ends.
 
-use crate::command::{arguments, files, tool};
+use crate::command::{arguments, tool};
+use crate::files::limited;
 use crate::model::{family, mbs};
 use crate::{evaluate_command, motion, robotran, scene, study};
 pub use robovec_ir::limits::LimitRow;
@@ -111,13 +112,13 @@ fn words() -> Vec<LimitRow> {
 }
 
 fn file_rows() -> Vec<LimitRow> {
-    let row = |file: files::FileLimit| LimitRow {
+    let row = |file: limited::FileLimit| LimitRow {
         place: "any program".to_owned(),
         name: file.what.to_owned(),
         limit: file.bytes,
         usual: String::new(),
     };
-    files::ALL.into_iter().map(row).collect()
+    limited::ALL.into_iter().map(row).collect()
 }
 
 /// The table as Markdown; `docs/limits.md` is this text, and a test keeps it

@@ -103,6 +103,14 @@ impl Report {
         Report::default()
     }
 
+    /// One error about no text, with advice.
+    pub fn error(message: impl Into<String>, notes: Vec<String>) -> Report {
+        let mut report = Report::new();
+        let error = Diagnostic::error().with_message(message.into());
+        report.push(error.with_notes(notes));
+        report
+    }
+
     /// A report on one text, whose messages use file 0.
     pub fn of(name: &str, text: impl Into<String>, diagnostics: Vec<Diagnostic>) -> Report {
         let mut report = Report::new();

@@ -4,9 +4,7 @@ use super::arguments::InputLanguage;
 use super::flags::{SEED, states, whole};
 use super::{Failure, input};
 use crate::errors::{self, ErrorTable, Method, Settings};
-use crate::scene::SceneFile;
 use clap::Args;
-use robovec_ir::diagnostic::termcolor::ColorChoice;
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
@@ -94,7 +92,7 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, Failure> {
     })?;
     let states = match &arguments.scene {
         Some(path) => {
-            let file = SceneFile::load(path).map_err(Failure)?;
+            let file = input::scene(path)?;
             file.scene.states(arguments.seed)
         }
         None => States::new(arguments.seed),
@@ -163,9 +161,6 @@ fn asked(arguments: &ErrorsArguments, function: &Function) -> bool {
 fn read(arguments: &ErrorsArguments) -> Result<Module, Failure> {
     let function = arguments.function.as_deref();
     let read = input::equations_or_model(&arguments.file, arguments.language, function)?;
-    read.warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
     let mut module = read.module;
     if let Some(passes) = &arguments.passes {
         let pipeline = input::passes(passes)?;

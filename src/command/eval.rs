@@ -2,13 +2,14 @@
 
 use super::arguments::InputLanguage;
 use super::flags::{SEED, states};
-use super::{Failure, files, generation, input};
+use super::{Failure, generation, input};
 use crate::evaluate_command::{self, Format, Number, evaluate_at_states};
+use crate::files::limited;
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::model::Model;
 use clap::{Args, ValueEnum};
 use robovec_ir::Module;
-use robovec_ir::diagnostic::{Report, clip, termcolor::ColorChoice};
+use robovec_ir::diagnostic::{Report, clip};
 use std::path::{Path, PathBuf};
 
 /// How the result is written.
@@ -73,7 +74,7 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, Failure> {
     };
     let text = arguments.states.as_deref();
     let text = text
-        .map(|path| input::text(path, &files::STATES))
+        .map(|path| input::text(path, &limited::STATES))
         .transpose()?;
     let states = match (&text, arguments.random) {
         (Some(text), _) => evaluate_command::Source::Text(text),
@@ -107,9 +108,6 @@ fn is_model(path: &Path) -> bool {
 
 fn read_model(path: &Path) -> Result<Model, Failure> {
     let read = input::model(path)?;
-    read.warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
     Ok(read.model)
 }
 
@@ -136,10 +134,6 @@ fn generated(arguments: &EvalArguments, model: &Model) -> Result<Module, Failure
 /// The functions of a file of equations.
 fn read(arguments: &EvalArguments) -> Result<Module, Failure> {
     let input = input::equations(&arguments.file, arguments.language)?;
-    input
-        .warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
     let mut module = input.module;
     let asked = &arguments.function;
     if let Some(name) = asked.iter().find(|name| module.function(name).is_none()) {

@@ -9,7 +9,6 @@ use crate::scene::{SceneFile, Subject};
 use crate::study::plot;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use robovec_ir::diagnostic::termcolor::ColorChoice;
 use robovec_ir::{Machine, Module, print};
 use robovec_passes::analysis::rounding::usual_states;
 use serde_json::json;
@@ -54,10 +53,7 @@ enum Where {
 
 /// Runs the command.
 pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
-    let file = SceneFile::load(&arguments.scene).map_err(Failure)?;
-    file.warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
+    let file = input::scene(&arguments.scene)?;
     let fail = |error: String| Failure::plain(format!("{}: {error}", arguments.scene.display()));
     let general = file.module().map_err(|error| fail(error.to_string()))?;
     let machine = machine(arguments, &file)?;

@@ -10,7 +10,6 @@ use crate::model::Model;
 use crate::robotran::write::WriteOptions;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
-use robovec_ir::diagnostic::termcolor::ColorChoice;
 use robovec_ir::{Module, print};
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline::Pipeline;
@@ -140,16 +139,9 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, Failure> {
     if let (None, Some(path)) = (arguments.language, &arguments.output) {
         names::refuse_wrong(path, true)?;
     }
-    let read = input::model(&arguments.model)?;
     let kinds = kinds(&arguments.function);
     let forces = kinds.iter().find(|kind| kind.depends_on_link_forces());
-    let warnings = match forces {
-        Some(&function) => read.warnings_for(function),
-        None => read.warnings,
-    };
-    warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
+    let read = input::model_for(&arguments.model, forces.copied())?;
     let formulation = Formulation::from_name(&arguments.formulation).unwrap_or_default();
     let mut module = functions(&read.model, &kinds, formulation, &arguments.options())?;
     transform(&mut module, &pipeline)?;

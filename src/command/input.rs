@@ -1,14 +1,18 @@
-//! Reading what the user names: equations, pipelines, machines.
+//! Reading what the user names: equations, models, scenes, pipelines, machines.
+//!
+//! What a reader remarked is told here, when the file is read, so that no command
+//! can forget to.
 
 use super::Failure;
 use super::arguments::InputLanguage;
-use super::files::{self, FileLimit};
+use crate::files::limited::{self, FileLimit};
 use crate::generate::{FunctionKind, Request, generate};
-use crate::model::mbs::{ReadModel, read_mbs};
-use crate::robotran::{self, Language};
-use robovec_ir::diagnostic::{Diagnostic, Label, Report};
-use robovec_ir::machine::{self, MachineError};
-use robovec_ir::{Machine, Module, parse};
+use crate::model::mbs::ReadModel;
+use crate::robotran::Language;
+use crate::scene::SceneFile;
+use crate::sources::{self, EquationLanguage, display_name};
+use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
+use robovec_ir::{Machine, Module};
 use robovec_passes::pipeline::{self, Pipeline};
 use std::path::{Path, PathBuf};
 
@@ -20,21 +24,6 @@ pub(crate) struct Input {
     pub(crate) name: String,
     /// Where its text can be read again for a message.
     pub(crate) path: PathBuf,
-    /// What the reader remarked.
-    pub(crate) warnings: Report,
-}
-
-fn display_name(path: &Path) -> String {
-    if path == Path::new("-") {
-        "<stdin>".to_owned()
-    } else {
-        // Only the last part, so that results do not depend on where one
-        // stands.
-        path.file_name()
-            .unwrap_or(path.as_os_str())
-            .to_string_lossy()
-            .into_owned()
-    }
 }
 
 impl Input {
@@ -45,7 +34,7 @@ impl Input {
         if self.path == Path::new("-") {
             return None;
         }
-        let bytes = files::read(&self.path, &files::EQUATIONS).ok()?;
+        let bytes = limited::read(&self.path, &limited::EQUATIONS).ok()?;
         Some(String::from_utf8_lossy(&bytes).into_owned())
     }
 }
@@ -61,7 +50,6 @@ pub(crate) fn equations_or_model(
     if !is_model || language.is_some() {
         return equations(path, language);
     }
-    let read = model(path)?;
     let kind = function.map_or(Some(FunctionKind::Dirdyna), |name| {
         // Cases of sensors are chosen from all.
         let bare = name.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -78,126 +66,84 @@ pub(crate) fn equations_or_model(
             vec![format!("functions of a model: {names}")],
         ));
     };
+    let read = model_for(path, Some(kind))?;
     let module = generate(&read.model, &Request::new(kind))
         .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
     Ok(Input {
         module,
         name: display_name(path),
         path: path.to_owned(),
-        warnings: read.warnings_for(kind),
     })
 }
 
 /// Reads equations in any language.
 pub(crate) fn equations(path: &Path, language: Option<InputLanguage>) -> Result<Input, Failure> {
-    let bytes = files::read(path, &files::EQUATIONS)?;
-    let name = display_name(path);
-    let is_own = match language {
-        Some(language) => language == InputLanguage::Rvir,
-        None => name.ends_with(".rvir") || bytes.starts_with(b"// robovec "),
-    };
-    if is_own {
-        return own_text(path, name, bytes);
-    }
-    let language = match language {
-        Some(InputLanguage::C) => Some(Language::C),
-        Some(InputLanguage::Matlab) => Some(Language::Matlab),
-        Some(InputLanguage::Python) => Some(Language::Python),
-        Some(InputLanguage::Rvir) | None => None,
-    };
-    let read = robotran::read(&name, &bytes, language).map_err(|error| Failure(error.report))?;
+    let language = language.map(|language| match language {
+        InputLanguage::C => EquationLanguage::Robotran(Language::C),
+        InputLanguage::Matlab => EquationLanguage::Robotran(Language::Matlab),
+        InputLanguage::Python => EquationLanguage::Robotran(Language::Python),
+        InputLanguage::Rvir => EquationLanguage::Rvir,
+    });
+    let read = sources::equations(path, language).map_err(Failure)?;
+    tell(&read.warnings);
     Ok(Input {
         module: read.module,
-        name,
+        name: read.name,
         path: path.to_owned(),
-        warnings: read.warnings,
     })
-}
-
-fn own_text(path: &Path, name: String, bytes: Vec<u8>) -> Result<Input, Failure> {
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        Failure::advised(
-            format!(
-                "{name} is not UTF-8 text: byte {} does not belong",
-                valid + 1
-            ),
-            vec!["robovec's own text is UTF-8; is this another kind of file?".to_owned()],
-        )
-    })?;
-    match parse::parse_module(&name, &text) {
-        Ok(module) => Ok(Input {
-            module,
-            name,
-            path: path.to_owned(),
-            warnings: Report::new(),
-        }),
-        Err(diagnostics) => Err(Failure(Report::of(&name, text, diagnostics))),
-    }
 }
 
 /// Reads a model.
 pub(crate) fn model(path: &Path) -> Result<ReadModel, Failure> {
-    let bytes = files::read(path, &files::MODEL)?;
-    read_mbs(&display_name(path), &bytes).map_err(|error| Failure(error.report))
+    model_for(path, None)
+}
+
+/// Reads a model to make a function of it; tells what the function leaves out,
+/// too.
+pub(crate) fn model_for(path: &Path, kind: Option<FunctionKind>) -> Result<ReadModel, Failure> {
+    let read = sources::model(path).map_err(Failure)?;
+    match kind {
+        Some(kind) => tell(&read.warnings_for(kind)),
+        None => tell(&read.warnings),
+    }
+    Ok(read)
+}
+
+/// Reads a scene, and what it names.
+pub(crate) fn scene(path: &Path) -> Result<SceneFile, Failure> {
+    let file = SceneFile::load(path).map_err(Failure)?;
+    tell(&file.warnings);
+    Ok(file)
+}
+
+/// Prints what a reader remarked.
+fn tell(warnings: &Report) {
+    // When the standard error is closed there is nobody left to warn.
+    warnings
+        .emit_to_stderr(ColorChoice::Auto)
+        .unwrap_or_default();
 }
 
 /// Reads a text of a kind.
 pub(crate) fn text(path: &Path, limit: &FileLimit) -> Result<String, Failure> {
-    String::from_utf8(files::read(path, limit)?).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        let name = path.display();
-        Failure::plain(format!(
-            "{name} is not UTF-8 text: byte {} does not belong",
-            valid + 1
-        ))
-    })
+    sources::text(path, limit).map_err(Failure)
 }
 
 /// Reads a pipeline, from a file when it starts with `@`.
 pub(crate) fn passes(text: &str) -> Result<Pipeline, Failure> {
     let content = match text.strip_prefix('@') {
         None => text.to_owned(),
-        Some(file) => {
-            String::from_utf8_lossy(&files::read(Path::new(file), &files::PIPELINE)?).into_owned()
-        }
+        Some(file) => String::from_utf8_lossy(
+            &limited::read(Path::new(file), &limited::PIPELINE).map_err(Failure)?,
+        )
+        .into_owned(),
     };
     pipeline::parse(&content).map_err(|error| Failure(error.0))
 }
 
 /// The machine of a name, or of a file.
 pub(crate) fn machine(name: &str) -> Result<Machine, Failure> {
-    if let Some(machine) = Machine::built_in(name) {
-        return Ok(machine);
-    }
-    let path = Path::new(name);
-    if path.extension().is_none() && !path.exists() {
-        let names: Vec<&str> = machine::BUILT_IN.iter().map(|(name, _)| *name).collect();
-        let mut notes: Vec<String> =
-            robovec_ir::diagnostic::did_you_mean(name, names.iter().copied())
-                .map(|near| format!("did you mean '{near}'?"))
-                .into_iter()
-                .collect();
-        notes.push(format!("machines: {}, or a .toml file", names.join(", ")));
-        return Err(Failure::advised(
-            format!("there is no machine '{name}'"),
-            notes,
-        ));
-    }
-    let text = String::from_utf8_lossy(&files::read(path, &files::MACHINE)?).into_owned();
-    Machine::parse(&text).map_err(|error| {
-        let diagnostic = Diagnostic::error().with_message(error.to_string());
-        let diagnostic = match error {
-            MachineError::Syntax {
-                span: Some(span), ..
-            } => diagnostic.with_labels(vec![Label::primary(0, span)]),
-            MachineError::Syntax { span: None, .. } | MachineError::Meaning(_) => diagnostic
-                .with_labels(vec![
-                    Label::primary(0, 0..0).with_message("in this machine file"),
-                ]),
-        };
-        Failure(Report::of(&display_name(path), text, vec![diagnostic]))
-    })
+    sources::machine(name).map_err(Failure)
 }
 
 /// The pipeline of an option that may be absent.

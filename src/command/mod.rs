@@ -13,8 +13,7 @@ mod dump;
 mod errors;
 mod eval;
 mod explain;
-pub(crate) mod files;
-mod fit;
+pub(crate) mod fit;
 pub(crate) mod flags;
 mod front;
 mod generation;
@@ -58,13 +57,7 @@ impl Failure {
 
     /// A failure about no text, with advice.
     pub(crate) fn advised(message: impl Into<String>, notes: Vec<String>) -> Failure {
-        let mut report = Report::new();
-        report.push(
-            robovec_ir::diagnostic::Diagnostic::error()
-                .with_message(message.into())
-                .with_notes(notes),
-        );
-        Failure(report)
+        Failure(Report::error(message, notes))
     }
 
     /// Tells the user.

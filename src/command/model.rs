@@ -60,9 +60,6 @@ pub(super) fn run(arguments: &ModelArguments) -> Result<String, Failure> {
         ));
     }
     let read = input::model(&arguments.subject)?;
-    read.warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
     match &arguments.output {
         Some(_) => write(&read.model, arguments),
         None if !arguments.equations.is_empty() => freshness(&read.model, &arguments.equations),

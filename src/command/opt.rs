@@ -5,16 +5,14 @@ use super::dump::DumpFolder;
 use super::explain;
 use super::input::{self, Input};
 use super::tables::{self, Stage};
-use super::{
-    Failure, files, listing, names, output, placed, reduction, reproducer, rules, simulation,
-};
+use super::{Failure, listing, names, output, placed, reduction, reproducer, rules, simulation};
 use crate::files::Replace;
+use crate::files::limited;
 use crate::report;
-use crate::scene::SceneFile;
 use clap::FromArgMatches;
 use clap_complete::env::{CompleteEnv, Shells};
 use robovec_ir::count::Counts;
-use robovec_ir::diagnostic::{Diagnostic, Label, Report, termcolor::ColorChoice};
+use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
 use robovec_passes::codegen::rtl::DESCRIPTION;
@@ -56,7 +54,7 @@ fn reproduced(arguments: &Arguments, words: &[OsString]) -> Result<Arguments, Fa
     let Some(path) = &arguments.input else {
         return Err(Failure::plain("no reproducer to run"));
     };
-    let command = reproducer::command(path, &input::text(path, &files::EQUATIONS)?)?;
+    let command = reproducer::command(path, &input::text(path, &limited::EQUATIONS)?)?;
     let program = words.iter().take(1).cloned();
     let given = words
         .iter()
@@ -114,10 +112,6 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         cpu_s: now - start,
         peak_mb,
     }];
-    input
-        .warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
     if let Some(name) = &arguments.function {
         select(&mut input.module, name)?;
     }
@@ -181,7 +175,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// about when it is itself the input.
 fn scene_and_input(arguments: &Arguments, path: &Path) -> Result<(Option<Scene>, Input), Failure> {
     if path.to_string_lossy().ends_with(".scene.toml") && arguments.scene.is_none() {
-        let file = SceneFile::load(path).map_err(Failure)?;
+        let file = input::scene(path)?;
         let module = file
             .module()
             .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
@@ -193,13 +187,12 @@ fn scene_and_input(arguments: &Arguments, path: &Path) -> Result<(Option<Scene>,
                 .to_string_lossy()
                 .into_owned(),
             path: path.to_owned(),
-            warnings: file.warnings,
         };
         return Ok((Some(file.scene), input));
     }
     let scene = match &arguments.scene {
         None => None,
-        Some(scene) => Some(SceneFile::load(scene).map_err(Failure)?.scene),
+        Some(scene) => Some(input::scene(scene)?.scene),
     };
     let wished = scene.as_ref().and_then(|scene| scene.function.as_deref());
     let function = arguments.function.as_deref().or(wished);

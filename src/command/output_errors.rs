@@ -5,7 +5,6 @@ use super::flags::whole;
 use super::{Failure, input, output};
 use crate::accuracy::outputs;
 use crate::hexadecimal;
-use crate::scene::SceneFile;
 use clap::Args;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Input, Module, View};
@@ -76,8 +75,8 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
     let options = &arguments.of_outputs;
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let machine = input::machine(&arguments.machine)?;
-    let scene = options.scene.as_deref().map(SceneFile::load);
-    let scene = scene.transpose().map_err(Failure)?;
+    let scene = options.scene.as_deref().map(input::scene);
+    let scene = scene.transpose()?;
     let states = match &scene {
         Some(file) => file.scene.states(arguments.seed),
         None => States::new(arguments.seed),

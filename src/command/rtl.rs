@@ -2,11 +2,11 @@
 
 use super::opt::select;
 use super::rtl_bench::{self, BenchArguments};
-use super::{Failure, files, input, output, placed};
+use super::{Failure, input, output, placed};
 use crate::files::Replace;
+use crate::files::limited;
 use crate::files::sealed::check_folder;
 use clap::{Args, ValueEnum};
-use robovec_ir::diagnostic::termcolor::ColorChoice;
 use robovec_ir::{Function, Machine, Module, View};
 use robovec_passes::analysis::hardware::Shape;
 use robovec_passes::codegen::Artifacts;
@@ -165,7 +165,7 @@ fn hardware(path: &Path) -> Result<Hardware, Failure> {
     }
     let is_folder = found.is_some();
     let file = found.unwrap_or_else(|| path.to_owned());
-    let text = input::text(&file, &files::IMAGE)?;
+    let text = input::text(&file, &limited::IMAGE)?;
     let hardware = Hardware::parse(&text).map_err(|error| {
         let notes = vec![format!(
             "'robovec rtl' writes one: FOLDER/rtl/{DESCRIPTION}"
@@ -197,10 +197,6 @@ fn program(
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let function = arguments.function.as_deref();
     let input = input::equations_or_model(&arguments.input, None, function)?;
-    input
-        .warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
     let mut input = input;
     if let Some(name) = function {
         select(&mut input.module, name)?;

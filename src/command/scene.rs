@@ -4,7 +4,6 @@ use super::{Failure, input};
 use crate::report::table;
 use crate::scene::{Effect, SceneFile, Subject, effects};
 use clap::Args;
-use robovec_ir::diagnostic::termcolor::ColorChoice;
 use robovec_ir::{Input, Machine, Module, View};
 use robovec_passes::scene::{Hold, Scene};
 use std::fmt::Write;
@@ -22,10 +21,7 @@ pub(super) struct SceneArguments {
 
 /// Runs the command.
 pub(super) fn run(arguments: &SceneArguments) -> Result<String, Failure> {
-    let file = SceneFile::load(&arguments.scene).map_err(Failure)?;
-    file.warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
+    let file = input::scene(&arguments.scene)?;
     let named = arguments.machine.as_ref().or(file.scene.machine.as_ref());
     let machine = input::machine(named.map_or("thesis", String::as_str))?;
     let fail = |error: String| Failure::plain(format!("{}: {error}", arguments.scene.display()));

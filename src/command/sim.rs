@@ -1,7 +1,8 @@
 //! `robovec sim`: a model in motion.
 
 use super::flags::{real, whole};
-use super::{Failure, files, input, output};
+use super::{Failure, input, output};
+use crate::files::limited;
 use crate::generate::Formulation;
 use crate::model::mbs::ReadModel;
 use crate::model::{Model, Nature};
@@ -9,7 +10,7 @@ use crate::motion::{Laws, Method, MotionError, Plan, Run, Setting, System, plot,
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use robovec_ir::Format;
-use robovec_ir::diagnostic::{Report, Severity, clip, did_you_mean, termcolor::ColorChoice};
+use robovec_ir::diagnostic::{Report, Severity, clip, did_you_mean};
 use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use std::path::{Path, PathBuf};
@@ -96,9 +97,6 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let machine = input::machine(&arguments.machine)?;
     let mut read = input::model(&arguments.model)?;
-    read.warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
     refuse_left_out(&read)?;
     hold(&mut read.model, &arguments.hold)?;
     let model = &read.model;
@@ -171,7 +169,7 @@ fn hold(model: &mut Model, names: &[String]) -> Result<(), Failure> {
 }
 
 fn laws(model: &Model, path: &Path) -> Result<Laws, Failure> {
-    let text = input::text(path, &files::LAWS)?;
+    let text = input::text(path, &limited::LAWS)?;
     Laws::parse(model, &text)
         .map_err(|diagnostics| Failure(Report::of(&path.display().to_string(), text, diagnostics)))
 }

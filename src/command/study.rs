@@ -3,6 +3,7 @@
 use super::flags::{FlagLimit, whole};
 use super::subjects::{self, Files, locate};
 use super::{Failure, input, output};
+use crate::files::limited;
 use crate::study::cpu::{self, Computer, CpuTime, Job};
 use crate::study::plan::{self, Plan, Selection};
 use crate::study::program::Equations;
@@ -81,10 +82,7 @@ fn read_plan(arguments: &Arguments) -> Result<Plan, Failure> {
     } else {
         let path = Path::new(&arguments.plan);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        (
-            name.into_owned(),
-            super::input::text(path, &super::files::PLAN)?,
-        )
+        (name.into_owned(), super::input::text(path, &limited::PLAN)?)
     };
     let folder = Path::new(&arguments.plan).parent().map(Path::to_owned);
     let folder = folder.filter(|_| arguments.plan != "thesis");

@@ -14,7 +14,8 @@ use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
 use super::scene::{self, SceneArguments};
 use super::sim::{self, SimArguments};
-use super::{Failure, files, flags, input, output, write};
+use super::{Failure, flags, input, output, write};
+use crate::files::limited;
 use crate::process::{Limits, set_limits};
 use crate::simulate::Program;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -154,7 +155,7 @@ fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, Fail
         if path.is_file() {
             files.push((
                 entry.file_name().to_string_lossy().into_owned(),
-                input::text(&path, &files::IMAGE)?,
+                input::text(&path, &limited::IMAGE)?,
             ));
         }
     }

@@ -8,7 +8,6 @@ use crate::robotran::drop_in::{DropInOptions, drop_in};
 use crate::robotran::write::{WriteOptions, write};
 use clap::{Args, ValueEnum};
 use robovec_ir::Module;
-use robovec_ir::diagnostic::termcolor::ColorChoice;
 use robovec_passes::codegen::c::{Options, Real};
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline::Pipeline;
@@ -147,11 +146,6 @@ fn equations(
     pipeline: &Pipeline,
 ) -> Result<Module, Failure> {
     let mut input = input::equations(path, language)?;
-    // When the standard error is closed there is nobody left to warn.
-    input
-        .warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
     let machine = input::machine("thesis")?;
     let mut log = std::io::stderr().lock();
     manager::run(&mut input.module, pipeline, Config::new(&machine, &mut log))

@@ -6,7 +6,7 @@
 //! and pipes that a shell makes (`<(…)`) have a writer, and are read up to
 //! the limit.
 
-use super::Failure;
+use robovec_ir::diagnostic::Report;
 use robovec_ir::limits::NumberLimit;
 use std::fs::{self, File, FileType};
 use std::io::{self, Read};
@@ -14,11 +14,11 @@ use std::path::Path;
 
 /// The largest file of a kind, in bytes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FileLimit {
+pub struct FileLimit {
     /// What such files are called.
-    pub(crate) what: &'static str,
+    pub what: &'static str,
     /// Bytes.
-    pub(crate) bytes: NumberLimit,
+    pub bytes: NumberLimit,
 }
 
 const fn limit(what: &'static str, most: u64, reason: &'static str) -> FileLimit {
@@ -29,50 +29,57 @@ const fn limit(what: &'static str, most: u64, reason: &'static str) -> FileLimit
 }
 
 /// Equations, in any language.
-pub(crate) const EQUATIONS: FileLimit = limit(
+pub const EQUATIONS: FileLimit = limit(
     "file of equations",
     1 << 30,
     "10^6 operations take 100 MB, and places in a text are numbers of 32 bits",
 );
 /// Models.
-pub(crate) const MODEL: FileLimit = limit("model", 16 << 20, "a model of 2000 joints takes 3 MB");
+pub const MODEL: FileLimit = limit("model", 16 << 20, "a model of 2000 joints takes 3 MB");
 /// Pipelines.
-pub(crate) const PIPELINE: FileLimit = limit("pipeline", 1 << 20, "every pass of it runs");
+pub const PIPELINE: FileLimit = limit("pipeline", 1 << 20, "every pass of it runs");
 /// Machines.
-pub(crate) const MACHINE: FileLimit = limit("machine", 1 << 20, "the largest takes 2 kB");
+pub const MACHINE: FileLimit = limit("machine", 1 << 20, "the largest takes 2 kB");
 /// Scenes.
-pub(crate) const SCENE: FileLimit = limit(
+pub const SCENE: FileLimit = limit(
     "scene",
     16 << 20,
     "a line for every input of 2000 joints takes 1 MB",
 );
 /// Laws of forces.
-pub(crate) const LAWS: FileLimit = limit(
+pub const LAWS: FileLimit = limit(
     "file of laws",
     16 << 20,
     "a law for each of 2000 joints takes 1 MB",
 );
 /// Plans of studies.
-pub(crate) const PLAN: FileLimit = limit("plan", 1 << 20, "the thesis takes 8 kB");
+pub const PLAN: FileLimit = limit("plan", 1 << 20, "the thesis takes 8 kB");
 /// Rules.
-pub(crate) const RULES: FileLimit = limit("file of rules", 16 << 20, "every rule is proved");
+pub const RULES: FileLimit = limit("file of rules", 16 << 20, "every rule is proved");
 /// States.
-pub(crate) const STATES: FileLimit = limit(
+pub const STATES: FileLimit = limit(
     "file of states",
     1 << 28,
     "all states are kept while functions are evaluated",
 );
 /// Memory images, and manifests.
-pub(crate) const IMAGE: FileLimit = limit("memory image", 1 << 28, "a run loads 2^24 words");
+pub const IMAGE: FileLimit = limit("memory image", 1 << 28, "a run loads 2^24 words");
 
 /// All kinds.
-pub(crate) const ALL: [FileLimit; 10] = [
+pub const ALL: [FileLimit; 10] = [
     EQUATIONS, MODEL, PIPELINE, MACHINE, SCENE, LAWS, PLAN, RULES, STATES, IMAGE,
 ];
 
 /// Reads a file whole; `-` is the standard input.
-pub(crate) fn read(path: &Path, limit: &FileLimit) -> Result<Vec<u8>, Failure> {
-    let fail = |reason: String| Failure::plain(format!("cannot read {}: {reason}", path.display()));
+///
+/// # Errors
+///
+/// Says why the file cannot be read, is not read, or that it is too large.
+pub fn read(path: &Path, limit: &FileLimit) -> Result<Vec<u8>, Report> {
+    let fail = |reason: String| {
+        let message = format!("cannot read {}: {reason}", path.display());
+        Report::error(message, Vec::new())
+    };
     let too_large = || {
         fail(format!(
             "it has more than {} bytes, the most of a {}, since {}",
@@ -82,7 +89,7 @@ pub(crate) fn read(path: &Path, limit: &FileLimit) -> Result<Vec<u8>, Failure> {
         ))
     };
     let most = limit.bytes.most_whole();
-    let attempt = || -> io::Result<Result<Vec<u8>, Failure>> {
+    let attempt = || -> io::Result<Result<Vec<u8>, Report>> {
         if path == Path::new("-") {
             return up_to(io::stdin(), 0, most).map(|bytes| bytes.ok_or_else(too_large));
         }
@@ -142,10 +149,7 @@ mod tests {
     use super::*;
 
     fn message(path: &Path, limit: &FileLimit) -> String {
-        read(path, limit)
-            .expect_err("it is refused")
-            .0
-            .render_plain()
+        read(path, limit).expect_err("it is refused").render_plain()
     }
 
     #[test]

@@ -1,5 +1,6 @@
-//! Files and folders that robovec writes.
+//! Files and folders that robovec reads and writes.
 //!
+//! A file that a user names is read up to the limit of its kind ([`limited`]).
 //! Everything that leaves robovec for the disk goes through here, so that
 //! these hold everywhere:
 //!
@@ -15,6 +16,7 @@
 //! - A folder of files that belong together has a file that seals it
 //!   ([`sealed`]).
 
+pub mod limited;
 mod own;
 pub mod sealed;
 mod temporary;

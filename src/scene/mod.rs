@@ -45,8 +45,9 @@ pub use effect::{Effect, EffectError, PIPELINE, USUAL, effects};
 pub use read::read;
 pub use subject::{ModelSubject, Subject};
 
-use crate::command::{files, input};
+use crate::files::limited;
 use crate::generate::{Formulation, GenerateError};
+use crate::sources;
 use robovec_ir::Module;
 use robovec_ir::diagnostic::Report;
 use robovec_ir::limits::NumberLimit;
@@ -102,7 +103,7 @@ impl SceneFile {
     ///
     /// Messages that point into the scene, or into the file it names.
     pub fn load(path: &Path) -> Result<SceneFile, Report> {
-        let text = input::text(path, &files::SCENE).map_err(|failure| failure.0)?;
+        let text = sources::text(path, &limited::SCENE)?;
         let name = path.file_name().unwrap_or(path.as_os_str());
         let folder = path.parent().unwrap_or(Path::new(""));
         read(&name.to_string_lossy(), &text, folder)

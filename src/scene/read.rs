@@ -7,8 +7,8 @@ use super::document::{
 use super::inputs::InputReader;
 use super::known::Words;
 use super::{DEADLINE, ERROR, ModelSubject, SceneFile, Subject};
-use crate::command::input;
 use crate::generate::{Formulation, FunctionKind, Options};
+use crate::sources;
 use robovec_ir::diagnostic::{Report, clip};
 use robovec_ir::{Module, Shape, View};
 use robovec_passes::scene::{Hold, Measure, Need, Scene, Tolerance};
@@ -146,7 +146,7 @@ fn wishes(
         let path = folder.join(wish);
         if path.is_file() {
             let path = path.to_string_lossy().into_owned();
-            input::machine(&path).map_err(|failure| failure.0)?;
+            sources::machine(&path)?;
             scene.machine = Some(path);
         } else {
             let names: Vec<&str> = robovec_ir::machine::BUILT_IN
@@ -195,8 +195,8 @@ fn subject(
     if key == "model" {
         return model_subject(&path, scene, file, span, problems);
     }
-    let input = input::equations(&path, None).map_err(|failure| failure.0)?;
-    let mut module = input.module;
+    let read = sources::equations(&path, None)?;
+    let mut module = read.module;
     let names: Vec<String> = module.functions.iter().map(|f| f.name.clone()).collect();
     match &scene.function {
         Some(wish) if names.contains(wish) => {
@@ -213,7 +213,7 @@ fn subject(
         }
         None => {}
     }
-    Ok(Some((Subject::Equations(Box::new(module)), input.warnings)))
+    Ok(Some((Subject::Equations(Box::new(module)), read.warnings)))
 }
 
 fn model_subject(
@@ -243,7 +243,7 @@ fn model_subject(
         problems.add(value.span(), message);
         return Ok(None);
     }
-    let read = input::model(path).map_err(|failure| failure.0)?;
+    let read = sources::model(path)?;
     let warnings = read.warnings_for(kind);
     let subject = ModelSubject {
         model: read.model.clone(),

@@ -1,7 +1,8 @@
 //! `robovec rules import` and `robovec rules export`.
 
-use super::super::{Failure, files, input, output};
+use super::super::{Failure, input, output};
 use super::{list, read};
+use crate::files::limited;
 use clap::{Args, ValueEnum};
 use robovec_ir::diagnostic::{Severity, termcolor::ColorChoice};
 use robovec_passes::rules::check::{Verdict, check, diagnose};
@@ -59,7 +60,7 @@ pub(super) struct ExportArguments {
 /// file. Rules that are false or not proved are told and become comments; a
 /// false one is an error, which comes after all others have been written.
 pub(super) fn import(arguments: &ImportArguments) -> Result<String, Failure> {
-    let text = input::text(&arguments.file, &files::RULES)?;
+    let text = input::text(&arguments.file, &limited::RULES)?;
     let name = arguments.file.display().to_string();
     let (mut set, mut report) =
         syntax::import(&text, &name, arguments.syntax.syntax()).map_err(Failure)?;

@@ -1,6 +1,7 @@
 //! Which rules a command works with.
 
-use super::super::{Failure, files, input};
+use super::super::{Failure, input};
+use crate::files::limited;
 use robovec_ir::diagnostic::{did_you_mean, termcolor::ColorChoice};
 use robovec_passes::rules::{BUILT_IN, RuleSet};
 use std::path::Path;
@@ -36,7 +37,7 @@ fn one(name: &str) -> Result<RuleSet, Failure> {
             notes,
         ));
     }
-    let text = input::text(path, &files::RULES)?;
+    let text = input::text(path, &limited::RULES)?;
     RuleSet::parse(&text, name).map_err(Failure)
 }
 

@@ -1,0 +1,150 @@
+//! Files that hold equations, models, machines and other texts, from path to value.
+//!
+//! **Invariant.** A file is read up to the limit of its kind, and a failure is a
+//! report that points into the text where it can. What a reader remarked is
+//! returned; telling it is left to the caller.
+
+use crate::files::limited::{self, FileLimit};
+use crate::model::mbs::{ReadModel, read_mbs};
+use crate::robotran::{self, Language};
+use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
+use robovec_ir::machine::{self, MachineError};
+use robovec_ir::{Machine, Module, parse};
+use std::path::Path;
+
+/// A language that equations are written in.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum EquationLanguage {
+    /// robovec's own text.
+    Rvir,
+    /// One that Robotran writes.
+    Robotran(Language),
+}
+
+/// Equations as read.
+#[derive(Debug)]
+pub struct ReadEquations {
+    /// The functions.
+    pub module: Module,
+    /// Name of the file, without its folder.
+    pub name: String,
+    /// What the reader remarked.
+    pub warnings: Report,
+}
+
+/// Name of a file in messages: only the last part, so that results do not
+/// depend on where one stands; `<stdin>` for `-`.
+pub fn display_name(path: &Path) -> String {
+    if path == Path::new("-") {
+        return "<stdin>".to_owned();
+    }
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// Reads equations; without a language, in the one that name and text show.
+///
+/// # Errors
+///
+/// Says why the file is not read, or where its text is wrong.
+pub fn equations(path: &Path, language: Option<EquationLanguage>) -> Result<ReadEquations, Report> {
+    let bytes = limited::read(path, &limited::EQUATIONS)?;
+    let name = display_name(path);
+    let looks_own = || name.ends_with(".rvir") || bytes.starts_with(b"// robovec ");
+    let language = match language {
+        Some(EquationLanguage::Robotran(language)) => Some(language),
+        Some(EquationLanguage::Rvir) => return own_text(name, bytes),
+        None if looks_own() => return own_text(name, bytes),
+        None => None,
+    };
+    let read = robotran::read(&name, &bytes, language).map_err(|error| error.report)?;
+    Ok(ReadEquations {
+        module: read.module,
+        name,
+        warnings: read.warnings,
+    })
+}
+
+fn own_text(name: String, bytes: Vec<u8>) -> Result<ReadEquations, Report> {
+    let text = utf8(&name, bytes).map_err(|message| {
+        let note = "robovec's own text is UTF-8; is this another kind of file?".to_owned();
+        Report::error(message, vec![note])
+    })?;
+    match parse::parse_module(&name, &text) {
+        Ok(module) => Ok(ReadEquations {
+            module,
+            name,
+            warnings: Report::new(),
+        }),
+        Err(diagnostics) => Err(Report::of(&name, text, diagnostics)),
+    }
+}
+
+/// Reads a model.
+///
+/// # Errors
+///
+/// Says why the file is not read, or where its text is wrong.
+pub fn model(path: &Path) -> Result<ReadModel, Report> {
+    let bytes = limited::read(path, &limited::MODEL)?;
+    read_mbs(&display_name(path), &bytes).map_err(|error| error.report)
+}
+
+/// Reads a text of a kind.
+///
+/// # Errors
+///
+/// Says why the file is not read, or which byte is no UTF-8.
+pub fn text(path: &Path, limit: &FileLimit) -> Result<String, Report> {
+    let bytes = limited::read(path, limit)?;
+    let name = path.display().to_string();
+    utf8(&name, bytes).map_err(|message| Report::error(message, Vec::new()))
+}
+
+/// The machine of a name, or of a file.
+///
+/// # Errors
+///
+/// Says which machines there are, or where the file is wrong.
+pub fn machine(name: &str) -> Result<Machine, Report> {
+    if let Some(machine) = Machine::built_in(name) {
+        return Ok(machine);
+    }
+    let path = Path::new(name);
+    if path.extension().is_none() && !path.exists() {
+        let names: Vec<&str> = machine::BUILT_IN.iter().map(|(name, _)| *name).collect();
+        let mut notes: Vec<String> = did_you_mean(name, names.iter().copied())
+            .map(|near| format!("did you mean '{near}'?"))
+            .into_iter()
+            .collect();
+        notes.push(format!("machines: {}, or a .toml file", names.join(", ")));
+        return Err(Report::error(
+            format!("there is no machine '{name}'"),
+            notes,
+        ));
+    }
+    let text = String::from_utf8_lossy(&limited::read(path, &limited::MACHINE)?).into_owned();
+    Machine::parse(&text).map_err(|error| {
+        let diagnostic = Diagnostic::error().with_message(error.to_string());
+        let diagnostic = match error {
+            MachineError::Syntax {
+                span: Some(span), ..
+            } => diagnostic.with_labels(vec![Label::primary(0, span)]),
+            MachineError::Syntax { span: None, .. } | MachineError::Meaning(_) => diagnostic
+                .with_labels(vec![
+                    Label::primary(0, 0..0).with_message("in this machine file"),
+                ]),
+        };
+        Report::of(&display_name(path), text, vec![diagnostic])
+    })
+}
+
+fn utf8(name: &str, bytes: Vec<u8>) -> Result<String, String> {
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        format!(
+            "{name} is not UTF-8 text: byte {} does not belong",
+            valid + 1
+        )
+    })
+}
