@@ -9,9 +9,9 @@ use crate::command::{arguments, tool};
 use crate::files::limited;
 use crate::model::{family, mbs};
 use crate::{evaluate_command, motion, robotran, scene, study};
-pub use robovec_ir::limits::LimitRow;
-use robovec_ir::limits::{self, NumberLimit};
 use robovec_ir::parse;
+pub use robovec_num::limits::LimitRow;
+use robovec_num::limits::{self, NumberLimit};
 use robovec_passes::options;
 use std::fmt::Write;
 
@@ -60,7 +60,7 @@ pub fn sections() -> Vec<Section> {
              shell, `<(...)`, are read up to the limit.",
             file_rows(),
         ),
-        section("Machine files", "", limits::machine_rows()),
+        section("Machine files", "", robovec_ir::machine::fields::rows()),
         section("Scenes", "", limits::rows("scene", scene::FIELDS)),
         section(
             "Laws of `robovec sim`",

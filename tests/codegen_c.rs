@@ -5,12 +5,12 @@
 mod naive;
 
 use naive::Random;
-use robovec_ir::arithmetic::{Binary32, Binary64};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{
     Array, Assignment, Constant, Function, Input, Level, Machine, Module, Name, Node, Operand,
     Operation, Output, Shape, SourceSet, View,
 };
+use robovec_num::arithmetic::{Binary32, Binary64};
 use robovec_passes::codegen::c::{Real, c_files};
 use std::fmt::Write as _;
 use std::path::Path;

@@ -3,11 +3,11 @@
 
 use robovec::generate::{Formulation, FunctionKind, Options, Request, generate};
 use robovec::scene::{PIPELINE, SceneFile, Subject, USUAL, read};
-use robovec_ir::arithmetic::{Arithmetic, Binary64};
 use robovec_ir::count::Counts;
-use robovec_ir::double_double::DoubleDouble;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Function, Input, Machine, Module, View};
+use robovec_num::arithmetic::{Arithmetic, Binary64};
+use robovec_num::double_double::DoubleDouble;
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pass::{Aside, Context};
 use robovec_passes::pipeline;
@@ -127,7 +127,7 @@ fn the_bogie_on_straight_track_takes_half_the_operations() {
         let norm = |map: &BTreeMap<Element, _>| {
             let values = map
                 .values()
-                .map(|value: &robovec_ir::double_double::Double| value.high);
+                .map(|value: &robovec_num::double_double::Double| value.high);
             values.map(f64::abs).fold(0.0, f64::max)
         };
         let size = norm(&reference);

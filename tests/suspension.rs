@@ -2,10 +2,10 @@
 //! languages, the two dynamics agree, and the derivatives are derivatives.
 
 use robovec::robotran::{Language, read};
-use robovec_ir::arithmetic::Binary64;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::print::print_output;
 use robovec_ir::{Input, Module, View};
+use robovec_num::arithmetic::Binary64;
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -6,11 +6,11 @@ use robovec::model::Model;
 use robovec::model::mbs::read_mbs;
 use robovec::simulate::Program;
 use robovec::trigonometry::{Effect, Setting, figure, measure, table, text};
-use robovec_ir::arithmetic::Binary32;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
-use robovec_ir::trigonometry::host::Unit;
 use robovec_ir::{Format, Machine, Module, View};
+use robovec_num::arithmetic::Binary32;
+use robovec_num::trigonometry::host::Unit;
 use robovec_passes::codegen::write_images;
 use robovec_passes::manager::{self, Config, Outcome};
 use robovec_passes::pipeline;
@@ -138,7 +138,9 @@ fn the_host_computes_what_it_is_told_to() {
             &mut module,
             &format!("trigonometry{{on=host {method}}},$shorten,place"),
         );
-        let unit = Unit::of(&module.functions[0]).expect("it is named");
+        let unit = module.functions[0]
+            .trigonometry_unit()
+            .expect("it is named");
         simulate(&module, Some(&unit.expect("it is one")));
     }
 }

@@ -9,7 +9,6 @@ use robovec::generate::{FunctionKind, Request, generate};
 use robovec::model::mbs::read_mbs;
 use robovec::robotran::write::{WriteOptions, write};
 use robovec::robotran::{Language, read};
-use robovec_ir::arithmetic::Binary64;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::parse::parse_module;
@@ -19,6 +18,7 @@ use robovec_ir::{
     Array, Assignment, Function, Input, Machine, Module, Name, Node, Operand, OperandKind, Output,
     Symbol, View, same_equations,
 };
+use robovec_num::arithmetic::Binary64;
 use robovec_passes::codegen::c::{Options, Real, Signature as CSignature, Sines, files as c_files};
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline;

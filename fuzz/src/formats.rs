@@ -6,11 +6,11 @@
 
 use arbitrary::{Result, Unstructured};
 use robovec_ir::evaluate::evaluate_mixed_nodes;
-use robovec_ir::machine::NumberFormat;
 use robovec_ir::{
     Format, Formats, Function, Input, Level, Name, Node, Operand, OperandKind, Operation, Shape,
     SourceSet, Tables, Value,
 };
+use robovec_num::NumberFormat;
 use rustc_apfloat::ieee::{Double, IeeeFloat, Quad, Semantics};
 use rustc_apfloat::{Float, FloatConvert, Round, Status, StatusAnd};
 use std::cmp::Ordering;

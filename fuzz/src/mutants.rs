@@ -4,7 +4,6 @@ use crate::generate::{self, Kind};
 use crate::mutations;
 use crate::referee::{self, BITS, Leniency, Opinion, Referee};
 use arbitrary::{Result, Unstructured};
-use robovec_ir::double_double::DoubleDouble;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::print::print_function;
 use robovec_ir::states::States;
@@ -12,6 +11,7 @@ use robovec_ir::{
     Assignment, Format, Function, Input, Level, Name, Node, Operand, Operation, Output, Shape,
     SourceSet, Tables, Value, View,
 };
+use robovec_num::double_double::DoubleDouble;
 use robovec_passes::NumericClass;
 use robovec_passes::check::check;
 

@@ -427,7 +427,11 @@ impl Pairing<'_> {
                     Opinion::Nothing if last || matches!(before, Real::Undefined) => {
                         tally.nothing += 1;
                     }
-                    // No program computes with numbers beyond binary64.
+                    // No program computes with numbers beyond binary64, and
+                    // constants that are computed ahead are rounded into it.
+                    Opinion::Different if rounded_literals && before.is_beyond_binary64() => {
+                        tally.nothing += 1;
+                    }
                     Opinion::Open if last && before.is_beyond_binary64() => tally.nothing += 1,
                     // An approximation may bring a divisor to where its bits
                     // do not tell it from zero, and so may constants that are

@@ -1,11 +1,11 @@
 //! Polynomials for sine and cosine keep the errors that are proved of them.
 
 use arbitrary::{Result, Unstructured};
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::{Double, DoubleDouble};
-use robovec_ir::trigonometry::host::{Implementation, Unit};
-use robovec_ir::trigonometry::{Circular, Halved, Polynomial};
 use robovec_ir::{FixedFormat, Format};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::trigonometry::host::{Implementation, Unit};
+use robovec_num::trigonometry::{Circular, Halved, Polynomial};
 
 /// Angles tried on every range.
 const SAMPLES: u32 = 24;

@@ -6,7 +6,6 @@ use arbitrary::{Result, Unstructured};
 use robovec::robotran::drop_in::{DropInOptions, drop_in};
 use robovec::robotran::write::{WriteError, WriteOptions, write};
 use robovec::robotran::{Language, read};
-use robovec_ir::arithmetic::Binary64;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::print::print_output;
 use robovec_ir::verify::verify;
@@ -14,6 +13,7 @@ use robovec_ir::{
     Array, Boundary, Function, Input, Module, Operand, OperandKind, Operation, Shape, SourceSet,
     Tables, View,
 };
+use robovec_num::arithmetic::Binary64;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 

@@ -7,7 +7,7 @@
 
 use crate::entity::Operand;
 use crate::function::{Assignment, Function, Level};
-use crate::operation::Operation;
+use robovec_num::operation::Operation;
 
 /// The numbers of a function's operations.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]

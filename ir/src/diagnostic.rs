@@ -18,7 +18,7 @@ use crate::source::Place;
 pub use codespan_reporting::diagnostic::{LabelStyle, Severity};
 pub use codespan_reporting::term::termcolor;
 use codespan_reporting::term::{Config, emit_to_string, emit_to_write_style};
-use std::borrow::Cow;
+pub use robovec_num::limits::clip;
 use std::io::{self, IsTerminal};
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -252,15 +252,6 @@ fn boundary_after(text: &str, byte: usize) -> usize {
         byte += 1;
     }
     byte
-}
-
-/// A piece of the user's text for use in a message: at most 60 characters,
-/// with an ellipsis where it was cut.
-pub fn clip(text: &str) -> Cow<'_, str> {
-    match text.char_indices().nth(60) {
-        None => Cow::Borrowed(text),
-        Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
-    }
 }
 
 /// The candidate nearest to a misspelt word, when one is near enough to be

@@ -2,10 +2,10 @@
 
 mod mixed;
 
-use crate::arithmetic::Arithmetic;
 use crate::entity::{CAPACITY, OperandKind};
 use crate::function::Function;
 pub use mixed::{MixedArithmetic, evaluate_mixed, evaluate_mixed_nodes, evaluate_nodes_in};
+use robovec_num::arithmetic::Arithmetic;
 
 /// The value of every node, in program order, for the given flattened inputs.
 ///
@@ -89,10 +89,10 @@ pub fn outputs<A: Arithmetic>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arithmetic::{Binary32, Binary64};
-    use crate::double_double::DoubleDouble;
-    use crate::field::PrimeField;
     use crate::parse::parse_module;
+    use robovec_num::arithmetic::{Binary32, Binary64};
+    use robovec_num::double_double::DoubleDouble;
+    use robovec_num::field::PrimeField;
 
     const FUSED: &str = "function f atomic {
       in x[1..3]

@@ -4,7 +4,7 @@
 //! occur: most programs have none, and those that do have two or three.
 
 use crate::entity::Value;
-use crate::format::Format;
+use robovec_num::format::Format;
 
 /// The formats of a function's values. A value without one is computed in
 /// the format of the run: the machine's, or the one that is asked for.

@@ -8,11 +8,11 @@
 use crate::entity::{Constant, Input, Operand, Output, Value};
 use crate::formats::Formats;
 use crate::history::Histories;
-use crate::operation::Operation;
 use crate::placement::{Placement, Schedule};
 use crate::source::SourceSet;
 use crate::symbol::{FreshNames, Name, Symbol};
 use hashbrown::HashMap;
+use robovec_num::operation::Operation;
 use rustc_hash::FxBuildHasher;
 use std::fmt;
 

@@ -6,42 +6,30 @@
 //! ([`evaluate`]), and the description of the machine it is compiled for.
 //! This crate holds no pass and no front end, and touches no file.
 
-pub mod arithmetic;
-pub mod batch;
 pub mod count;
 pub mod diagnostic;
-pub mod double_double;
 pub mod entity;
 pub mod evaluate;
-pub mod field;
-pub mod fnv;
-pub mod format;
 pub mod formats;
 pub mod function;
 pub mod history;
-pub mod limits;
 pub mod machine;
 pub mod module;
-pub mod operation;
 pub mod parse;
 pub mod placement;
 pub mod plan;
 pub mod print;
-pub mod soft_float;
 pub mod source;
 pub mod states;
 pub mod symbol;
-pub mod trigonometry;
 pub mod verify;
 
 pub use entity::{Constant, Input, Operand, OperandKind, Output, Value};
-pub use format::{FixedFormat, Format};
 pub use formats::Formats;
 pub use function::{Array, Assignment, Boundary, Function, Level, Node, Shape, Timing};
 pub use history::{Histories, History, Step};
-pub use limits::{Amount, LimitRow, NumberLimit};
 pub use machine::Machine;
 pub use module::{Module, Tables, View, same_equations};
-pub use operation::Operation;
+pub use robovec_num::{FixedFormat, Format, Operation};
 pub use source::{Place, SourceSet, Sources};
 pub use symbol::{FreshNames, Name, Symbol, Symbols};

@@ -13,8 +13,8 @@ pub mod interconnect;
 pub use identity::MachineMismatch;
 pub use interconnect::{Interconnect, Network, Topology};
 
-use crate::format::{Format, FormatError};
-use crate::operation::Operation;
+use robovec_num::format::{Format, FormatError};
+use robovec_num::operation::Operation;
 use serde::{Deserialize, Serialize};
 
 /// A target machine.
@@ -50,20 +50,6 @@ pub struct Machine {
     /// What is known about the size of its parts.
     #[serde(default)]
     pub resources: Option<Resources>,
-}
-
-/// A binary floating-point format.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct NumberFormat {
-    /// Width of the exponent, in bits.
-    #[serde(deserialize_with = "fields::exponent::deserialize")]
-    pub exponent: u32,
-    /// Width of the stored mantissa, in bits.
-    #[serde(deserialize_with = "fields::mantissa::deserialize")]
-    pub mantissa: u32,
-    /// Whether subnormal numbers are kept (true) or flushed to zero.
-    pub subnormals: bool,
 }
 
 /// A kind of processing element.
@@ -343,8 +329,8 @@ impl Machine {
     fn check_fields(&self) -> Result<(), String> {
         fields::clock_mhz::check(&self.clock_mhz)?;
         if let Format::Float(float) = &self.number {
-            fields::exponent::check(&float.exponent)?;
-            fields::mantissa::check(&float.mantissa)?;
+            robovec_num::format::fields::exponent::check(&float.exponent)?;
+            robovec_num::format::fields::mantissa::check(&float.mantissa)?;
         }
         for element in &self.elements {
             let about = |reason| format!("the kind '{}': {reason}", element.kind);

@@ -36,12 +36,12 @@ lalrpop_util::lalrpop_mod!(
 );
 
 use crate::diagnostic::{Diagnostic, Label};
-use crate::limits::NumberLimit;
 use crate::machine::Machine;
 use crate::module::Module;
 use crate::print::HEADER;
 use builder::Builder;
 use lexer::Tokens;
+use robovec_num::limits::NumberLimit;
 
 /// The limits of numbers in the text form: name, limit, and what it is when
 /// the text does not say.

@@ -10,7 +10,7 @@
 //! later cycle. A word written in cycle `w` can be read by an issue at
 //! `w + 1`.
 
-use crate::fnv::Fnv;
+use robovec_num::fnv::Fnv;
 
 /// A group of equal processing elements, as scheduled.
 #[derive(Clone, PartialEq, Eq, Debug)]

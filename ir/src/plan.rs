@@ -12,10 +12,10 @@
 //! reads what was in it; places of inputs, literals and outputs are never
 //! reused.
 
-use crate::arithmetic::Arithmetic;
 use crate::entity::{Operand, OperandKind};
 use crate::function::Function;
-use crate::operation::Operation;
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::operation::Operation;
 
 /// The steps of a function with places for its values.
 #[derive(Clone, Debug)]
@@ -216,9 +216,9 @@ fn last_readers(function: &Function, wanted: &[Operand]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arithmetic::Binary64;
     use crate::evaluate::evaluate;
     use crate::parse::parse_module;
+    use robovec_num::arithmetic::Binary64;
 
     const TEXT: &str = "function f atomic {
       in x[1..3]

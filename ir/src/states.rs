@@ -27,9 +27,9 @@
 //! number of the state, the array's name and the place in the array alone:
 //! two versions of a function see the same states.
 
-use crate::field::mix;
 use crate::function::{Array, Shape};
 use crate::module::View;
+use robovec_num::field::mix;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;

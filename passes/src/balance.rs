@@ -8,8 +8,8 @@ use crate::pass::{Context, Gives, Pass, PassError};
 use crate::reassociate::{Reach, Shape, reassociate_asking};
 use crate::rewrites::Rewrites;
 use crate::trail::Notes;
-use robovec_ir::limits::NumberLimit;
 use robovec_ir::{Function, Level, Tables};
+use robovec_num::limits::NumberLimit;
 
 declare_pass! {
     /// Combines the two earliest operands of every sum and product first.

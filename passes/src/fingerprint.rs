@@ -21,9 +21,9 @@
 //! equal to nothing.
 
 use crate::analysis::reference::ball::{Ball, Balls};
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::field::{Field, PrimeField, mix};
 use robovec_ir::{Function, Input, Operand, OperandKind, Operation};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::field::{Field, PrimeField, mix};
 use std::hash::{Hash, Hasher};
 
 /// What a value is in the images. Equal when it is the same number in both
@@ -262,5 +262,25 @@ impl Arithmetic for Images {
     #[inline]
     fn fma(&self, a: Fingerprint, b: Fingerprint, c: Fingerprint) -> Fingerprint {
         self.add(self.mul(a, b), c)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_equal_only_in_both_fields_and_in_numbers() {
+        let print = |residues: [u64; 2], number: f64| Fingerprint {
+            residues,
+            real: Ball::exact([number]),
+        };
+        assert_eq!(print([5, 7], 0.5), print([5, 7], 0.5));
+        assert_ne!(print([5, 7], 0.5), print([6, 7], 0.5));
+        assert_ne!(print([5, 7], 0.5), print([5, 8], 0.5));
+        assert_ne!(print([5, 7], 0.5), print([5, 7], 0.25));
+        let undefined = print([PrimeField::UNDEFINED, 7], 0.5);
+        assert_ne!(undefined, undefined);
+        assert!(!print([0, 3], 0.0).is_zero() && !print([0, 0], 1.0).is_zero());
     }
 }

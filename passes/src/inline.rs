@@ -4,10 +4,10 @@ use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rewrite::{Rewriter, lay_out, output_symbol};
 use crate::rewrites::Rewrites;
-use robovec_ir::limits::NumberLimit;
 use robovec_ir::{
     Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Tables, Value,
 };
+use robovec_num::limits::NumberLimit;
 
 declare_pass! {
     /// Substitutes values that are used once into the equation that uses them.

@@ -13,11 +13,11 @@ use crate::instances::{Instances, KEY, MOST, Names, numbered};
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rewrite::lay_out;
 use hashbrown::HashMap;
-use robovec_ir::limits::NumberLimit;
 use robovec_ir::{
     Array, Assignment, Boundary, Formats, Function, Input, Level, Name, Node, Operand, OperandKind,
     Output, Symbol, Tables, Value,
 };
+use robovec_num::limits::NumberLimit;
 
 declare_pass! {
     /// Puts several independent instances of a function into one.

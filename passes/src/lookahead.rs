@@ -9,8 +9,8 @@ use crate::choice::map::{Mapper, Mapping};
 use crate::choice::timing::Timing;
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
-use robovec_ir::limits::NumberLimit;
 use robovec_ir::{Function, Level, Tables};
+use robovec_num::limits::NumberLimit;
 
 declare_pass! {
     /// Shortens the longest path by looking back across several equations.

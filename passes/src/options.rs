@@ -6,8 +6,8 @@
 //! without its limit: the compiler refuses it.
 
 use robovec_ir::Format;
-use robovec_ir::format::FormatError;
-use robovec_ir::limits::{Amount, LimitRow, NumberLimit};
+use robovec_num::format::FormatError;
+use robovec_num::limits::{Amount, LimitRow, NumberLimit};
 
 /// A type an option can have.
 pub trait OptionValue: Sized + PartialEq {
@@ -262,7 +262,7 @@ macro_rules! declare_pass {
                     default: || $crate::options::OptionValue::print(&$pass::default().$field),
                     limit: {
                         #[allow(unused_mut, unused_assignments)]
-                        let mut limit: Option<robovec_ir::limits::NumberLimit> = None;
+                        let mut limit: Option<robovec_num::limits::NumberLimit> = None;
                         $(limit = Some($limit);)?
                         assert!(
                             limit.is_some() || !<$type as $crate::options::OptionValue>::IS_NUMBER,

@@ -8,8 +8,8 @@ use crate::choice::map::Mapper;
 use crate::choice::timing::Timing;
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
-use robovec_ir::limits::NumberLimit;
 use robovec_ir::{Function, Level};
+use robovec_num::limits::NumberLimit;
 
 declare_pass! {
     /// Finds linear recurrences and solves them by parallel prefix.

@@ -3,7 +3,7 @@
 use super::functions::Key;
 use super::tools::{self, Step};
 use crate::files::{Replace, write_whole};
-use robovec_ir::fnv::Fnv;
+use robovec_num::fnv::Fnv;
 use serde::Serialize;
 use std::path::Path;
 

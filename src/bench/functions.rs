@@ -2,10 +2,10 @@
 
 use super::Question;
 use crate::model::Model;
-use robovec_ir::arithmetic::Binary64;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
 use robovec_ir::{Input, View};
+use robovec_num::arithmetic::Binary64;
 use std::collections::BTreeMap;
 use std::fmt;
 

@@ -6,7 +6,7 @@
 
 use clap::builder::ArgExt;
 use clap::{Arg, Command};
-use robovec_ir::limits::{LimitRow, NumberLimit};
+use robovec_num::limits::{LimitRow, NumberLimit};
 use std::any::TypeId;
 
 /// What a flag's number can be, kept by `clap` beside the flag.
@@ -101,7 +101,7 @@ pub(crate) fn rows(command: &Command) -> Vec<LimitRow> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_ir::limits::Amount;
+    use robovec_num::limits::Amount;
 
     /// Complains of flags that are numbers without a limit, or whose limit
     /// does not fit their type.

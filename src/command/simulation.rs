@@ -4,9 +4,9 @@ use super::Failure;
 use crate::simulate::Program;
 use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::print::print_output;
-use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, View};
+use robovec_num::soft_float::FormatArithmetic;
 use robovec_passes::codegen::write_images;
 use std::fmt::Write;
 

@@ -5,8 +5,8 @@ use super::{Failure, input, output};
 use crate::study::plot;
 use crate::trigonometry::{self, Effect, Setting};
 use clap::{Args, ValueEnum};
-use robovec_ir::trigonometry::{LARGEST_RANGE, MOST_ORDER};
 use robovec_ir::{Format, Module};
+use robovec_num::trigonometry::{LARGEST_RANGE, MOST_ORDER};
 use robovec_passes::trigonometry::Method;
 use std::path::{Path, PathBuf};
 

@@ -18,12 +18,12 @@ use format::Writer;
 use given::{missing, read_states};
 use number::{Bits, Show};
 use robovec_ir::diagnostic::{Diagnostic, clip};
-use robovec_ir::double_double::DoubleDouble;
-use robovec_ir::field::PrimeField;
 use robovec_ir::print::print_output;
-use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::states::States;
 use robovec_ir::{Input, Module, View};
+use robovec_num::double_double::DoubleDouble;
+use robovec_num::field::PrimeField;
+use robovec_num::soft_float::FormatArithmetic;
 
 /// Where states come from.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -7,7 +7,7 @@
 //! the limit.
 
 use robovec_ir::diagnostic::Report;
-use robovec_ir::limits::NumberLimit;
+use robovec_num::limits::NumberLimit;
 use std::fs::{self, File, FileType};
 use std::io::{self, Read};
 use std::path::Path;

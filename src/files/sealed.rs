@@ -7,7 +7,7 @@
 
 use super::own::{self, Replace};
 use super::write::{WriteError, make_folder, write_whole};
-use robovec_ir::fnv::Fnv;
+use robovec_num::fnv::Fnv;
 use robovec_passes::codegen::manifest::FileHash;
 use robovec_passes::codegen::rtl::DESCRIPTION;
 use std::fs;

@@ -5,7 +5,7 @@ use super::{FitError, Program, Task, used};
 use crate::front::measure::{MeasureError, view};
 use crate::front::yardstick::{Errors, Yardstick};
 use robovec_ir::Format;
-use robovec_ir::machine::NumberFormat;
+use robovec_num::NumberFormat;
 
 /// Mantissas that are looked at.
 const NARROWEST: u32 = 4;

@@ -3,9 +3,9 @@
 use super::Program;
 use crate::front::measure::view;
 use crate::front::yardstick::{Unmeasurable, Yardstick};
-use robovec_ir::arithmetic::Binary64;
 use robovec_ir::evaluate::evaluate_nodes;
-use robovec_ir::machine::NumberFormat;
+use robovec_num::NumberFormat;
+use robovec_num::arithmetic::Binary64;
 
 /// The exponent of the largest number that a program meets at the yardstick's
 /// states: inputs, constants and every value on the way.

@@ -7,15 +7,15 @@
 //! what ties a program to its yardstick, and what is measured is everything
 //! at once: model, series and rounding.
 
-use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
-use robovec_ir::batch::Batch;
-use robovec_ir::double_double::Double;
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::print::{print_operand, print_output};
-use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::states::States;
-use robovec_ir::trigonometry::host;
 use robovec_ir::{Format, Input, View};
+use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_num::batch::Batch;
+use robovec_num::double_double::Double;
+use robovec_num::soft_float::FormatArithmetic;
+use robovec_num::trigonometry::host;
 use robovec_passes::analysis::reference::{Effort, Exact, Reference};
 use std::array;
 use std::collections::BTreeMap;

@@ -7,9 +7,9 @@ use crate::model::{JointKind, Nature, systems};
 use crate::motion::linear::{Matrix, solve_square};
 use crate::motion::{self, Inputs, Setting, State};
 use robovec_ir::View;
-use robovec_ir::arithmetic::{Arithmetic, Binary64};
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
+use robovec_num::arithmetic::{Arithmetic, Binary64};
 
 /// A random tree without what makes a mass matrix singular: bodies without
 /// mass, and joints of one kind in a row.

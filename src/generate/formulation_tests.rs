@@ -5,7 +5,7 @@ use super::*;
 use crate::model::{Body, Joint, JointKind, Nature, Point};
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::field::{Field, PrimeField};
+use robovec_num::field::{Field, PrimeField};
 
 /// A small generator of random numbers: the same trees everywhere.
 pub(super) struct Random(pub(super) u64);

@@ -10,7 +10,7 @@
 //! to the last bit. Inertias are those of clouds of points, hence physically
 //! possible.
 
-use robovec_ir::limits::NumberLimit;
+use robovec_num::limits::NumberLimit;
 
 use super::build::{BASE, BodyRef, Builder, Place};
 use super::random::{Random, four_digits};

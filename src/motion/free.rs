@@ -11,9 +11,9 @@ use super::energy::{self, Momenta};
 use super::{Inputs, MotionError, State};
 use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
 use crate::model::Model;
-use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Function, Input, Module, View};
+use robovec_num::arithmetic::Arithmetic;
 
 /// The accelerations of a model without loops, forces and drives.
 pub struct FreeMotion<'m> {
@@ -282,7 +282,7 @@ impl<'m> Watch<'m> {
 mod tests {
     use super::*;
     use crate::model::family::Family;
-    use robovec_ir::arithmetic::{Binary32, Binary64};
+    use robovec_num::arithmetic::{Binary32, Binary64};
 
     fn pendulum(compensated: bool, short: bool) -> Drift {
         let model = Family::DoublePendulum.build(2, 1);

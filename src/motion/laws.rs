@@ -35,7 +35,7 @@
 
 use crate::model::{Model, Nature};
 use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
-use robovec_ir::limits::{Amount, NumberLimit};
+use robovec_num::limits::{Amount, NumberLimit};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use toml::Spanned;

@@ -3,8 +3,8 @@
 use super::ReportOptions;
 use super::records::SummaryReport;
 use robovec_ir::View;
-use robovec_ir::format::Format;
 use robovec_ir::print::print_output;
+use robovec_num::format::Format;
 use robovec_passes::analysis::accuracy::{
     ElementError, FormatAccuracy, MatrixCondition, Measurement, Spread, measure,
 };

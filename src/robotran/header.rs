@@ -2,7 +2,7 @@
 
 use super::Language;
 use crate::model::mbs::JOINT_LIMIT;
-use robovec_ir::limits::NumberLimit;
+use robovec_num::limits::NumberLimit;
 use std::ops::Range;
 
 /// How many lines a header has at most.

@@ -49,8 +49,8 @@ use self::syntax::{Builder, CAPACITY, Syntax};
 use self::token::Span;
 use self::tokens::{TokenSource, Tokens};
 use robovec_ir::diagnostic::{Diagnostic, Report};
-use robovec_ir::limits::NumberLimit;
 use robovec_ir::{Module, Symbols};
+use robovec_num::limits::NumberLimit;
 use std::fmt;
 
 /// No more errors, and no more warnings, than this are reported for one file.

@@ -2,7 +2,7 @@
 //! messages about it.
 
 use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
-use robovec_ir::limits::{Amount, NumberLimit};
+use robovec_num::limits::{Amount, NumberLimit};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};

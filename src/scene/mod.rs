@@ -50,7 +50,7 @@ use crate::generate::{Formulation, GenerateError};
 use crate::sources;
 use robovec_ir::Module;
 use robovec_ir::diagnostic::Report;
-use robovec_ir::limits::NumberLimit;
+use robovec_num::limits::NumberLimit;
 use robovec_passes::scene::Scene;
 use std::path::Path;
 

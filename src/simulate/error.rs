@@ -2,7 +2,7 @@
 
 use super::mif::MifError;
 use robovec_ir::Format;
-use robovec_ir::format::FormatError;
+use robovec_num::format::FormatError;
 
 /// Why images cannot be loaded into a machine.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]

@@ -2,7 +2,7 @@
 
 use super::error::LoadError;
 use super::load::Loader;
-use robovec_ir::fnv::Fnv;
+use robovec_num::fnv::Fnv;
 use robovec_passes::codegen::manifest;
 
 /// Most elements.

@@ -4,9 +4,9 @@ use super::decode::{Fields, Steps};
 use super::error::LoadError;
 use super::mif::Image;
 use super::program::{ElementUnit, HostStep, MemoryUnit, OutputPlace, OutputUnit, Program};
-use robovec_ir::soft_float::FormatArithmetic;
-use robovec_ir::trigonometry::host::Unit;
 use robovec_ir::{Machine, Operation};
+use robovec_num::soft_float::FormatArithmetic;
+use robovec_num::trigonometry::host::Unit;
 use robovec_passes::codegen::manifest::{self, Manifest, OutputValue, Reference, WordAddress};
 use std::collections::BTreeMap;
 

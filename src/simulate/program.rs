@@ -2,8 +2,8 @@
 
 use super::decode::Steps;
 use robovec_ir::Operation;
-use robovec_ir::soft_float::FormatArithmetic;
-use robovec_ir::trigonometry::host::Unit;
+use robovec_num::soft_float::FormatArithmetic;
+use robovec_num::trigonometry::host::Unit;
 use robovec_passes::codegen::manifest::Reference;
 
 /// A program in the simulator's memories, ready to be run any number of times.

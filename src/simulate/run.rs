@@ -9,7 +9,7 @@ use super::decode::{BufferWrite, Issue, Write};
 use super::error::Hazard;
 use super::program::{OutputPlace, Program};
 use super::trace::{Observer, Silent};
-use robovec_ir::arithmetic::Arithmetic;
+use robovec_num::arithmetic::Arithmetic;
 use robovec_passes::codegen::manifest::Reference;
 
 /// What a run gives.

@@ -8,7 +8,7 @@
 use super::error::Hazard;
 use super::program::Program;
 use super::run::Outputs;
-use robovec_ir::soft_float::FormatArithmetic;
+use robovec_num::soft_float::FormatArithmetic;
 
 /// What a run tells while it goes on. A run without an observer
 /// ([`Silent`]) is compiled without a trace of it.

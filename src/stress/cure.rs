@@ -3,7 +3,7 @@
 use super::case::{Bench, Case};
 use super::{Measured, StressError, Treatment, Verdict, verdict};
 use robovec_ir::Format;
-use robovec_ir::machine::NumberFormat;
+use robovec_num::NumberFormat;
 
 /// A treatment that was tried.
 #[derive(Clone, PartialEq, Debug)]

@@ -23,8 +23,8 @@ use crate::model::Model;
 use crate::motion::State;
 use errors::Errors;
 use robovec_ir::Format;
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::Double;
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::Double;
 use std::sync::{Arc, Mutex};
 
 /// Which error verdicts are about.

@@ -6,13 +6,13 @@ use super::numbers::{Evaluation, Numbers};
 use super::program::{is_normal, run_passes, shared};
 use super::treatment::BALANCED;
 use super::{StressError, Treatment};
-use robovec_ir::arithmetic::Binary64;
 use robovec_ir::count::Counts;
-use robovec_ir::double_double::Double;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::Ranges;
 use robovec_ir::{Format, Input, Module};
+use robovec_num::arithmetic::Binary64;
+use robovec_num::double_double::Double;
 use robovec_passes::registry;
 use robovec_passes::scene::Scene;
 

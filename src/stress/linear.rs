@@ -2,8 +2,8 @@
 
 use super::numbers::Wide;
 use crate::motion::linear::Matrix;
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{Double, DoubleDouble};
 
 /// The factor `L` of `M = L L'` (Cholesky), in place of the lower triangle of
 /// the entries of `M`, row by row.
@@ -167,7 +167,7 @@ pub(super) fn condition(matrix: Matrix) -> f64 {
 /// method, by power iteration on the matrix and on its inverse; infinite when
 /// binary64 cannot factorise it.
 pub(super) fn estimated_condition(size: usize, entries: &[f64]) -> f64 {
-    use robovec_ir::arithmetic::Binary64;
+    use robovec_num::arithmetic::Binary64;
     const STEPS: usize = 60;
     let mut factor = entries.to_vec();
     if factorise(&Binary64, size, &mut factor).is_err() {

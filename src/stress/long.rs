@@ -8,8 +8,8 @@ use crate::generate::{Formulation, FunctionKind, Request, generate};
 use crate::model::Model;
 use crate::motion::{Calculus, Drift, FreeMotion, State, Stepping};
 use robovec_ir::Format;
-use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::count::Counts;
+use robovec_num::arithmetic::Arithmetic;
 use std::sync::Mutex;
 
 /// What is to stay the same.

@@ -13,7 +13,7 @@ use crate::model::Model;
 use crate::motion::linear::{Matrix, dot};
 use crate::motion::{Equations, Setting, State};
 use robovec_ir::Format;
-use robovec_ir::double_double::Double;
+use robovec_num::double_double::Double;
 
 /// Models with closed loops.
 pub(super) struct Loops {

@@ -1,10 +1,10 @@
 //! Numbers to measure with: any format, and the reference.
 
-use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
-use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::{Format, Function};
+use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::soft_float::FormatArithmetic;
 
 /// What something is computed in.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

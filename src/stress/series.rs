@@ -10,8 +10,8 @@ use crate::generate::{Formulation, FunctionKind};
 use crate::model::Model;
 use crate::motion::State;
 use robovec_ir::Format;
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::Double;
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::Double;
 
 /// An arithmetic whose sine and cosine are Taylor polynomials.
 struct Series<'a, A> {
@@ -229,7 +229,7 @@ impl Bench for Workbench<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_ir::arithmetic::Binary64;
+    use robovec_num::arithmetic::Binary64;
 
     #[test]
     fn series_are_those_of_taylor() {

@@ -9,7 +9,7 @@
 use super::plan::{NamedMachine, NamedPipeline, Request};
 use super::point::Point;
 use crate::files::{Replace, make_folder, write_whole};
-use robovec_ir::fnv::Fnv;
+use robovec_num::fnv::Fnv;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write};

@@ -6,7 +6,7 @@
 use super::timing::{FAST_NET, Path, Paths, SLOW_NET, Timing};
 use super::{Design, SynthesisError, Tool, count};
 use robovec_ir::Format;
-use robovec_ir::machine::NumberFormat;
+use robovec_num::NumberFormat;
 use robovec_passes::analysis::hardware::{Resources, operator};
 use robovec_passes::codegen::rtl::cores::{Core, SOURCES, cuts};
 

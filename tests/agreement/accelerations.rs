@@ -9,7 +9,7 @@ use robovec::generate::{Formulation, FunctionKind, Request};
 use robovec::model::{Model, Nature, mbs::read_mbs};
 use robovec::motion::linear::{Matrix, solve_square};
 use robovec::motion::{Laws, Setting, System};
-use robovec_ir::double_double::Double;
+use robovec_num::double_double::Double;
 use std::path::Path;
 
 /// Accelerations of all joints by a formulation; those of driven ones are

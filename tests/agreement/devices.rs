@@ -7,7 +7,7 @@ use crate::reference::random::Recipe;
 use crate::reference::spatial::zeros;
 use robovec::generate::FunctionKind;
 use robovec::model::{Anchor, Model};
-use robovec_ir::double_double::Double;
+use robovec_num::double_double::Double;
 
 const DEVICES: Recipe = Recipe {
     bodies: 2,

@@ -6,8 +6,8 @@ use crate::reference::random::Recipe;
 use robovec::align::align;
 use robovec::generate::{Formulation, FunctionKind, Request};
 use robovec_ir::View;
-use robovec_ir::double_double::Double;
 use robovec_ir::states::States;
+use robovec_num::double_double::Double;
 use robovec_passes::NumericClass;
 use robovec_passes::check::check;
 

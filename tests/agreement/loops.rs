@@ -4,7 +4,7 @@ use super::{Case, Outputs, PLAIN, each, requests};
 use crate::reference::loops::constraints;
 use crate::reference::random::{self, Random, Recipe};
 use robovec::generate::FunctionKind;
-use robovec_ir::double_double::Double;
+use robovec_num::double_double::Double;
 
 /// The rows that some joint changes. The equations may leave the others out,
 /// and do so where the structure tells.

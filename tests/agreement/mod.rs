@@ -13,9 +13,9 @@ use robovec::generate::{
 use robovec::model::Model;
 use robovec::motion;
 use robovec_ir::Module;
-use robovec_ir::arithmetic::Binary64;
-use robovec_ir::double_double::Double;
 use robovec_ir::evaluate::evaluate;
+use robovec_num::arithmetic::Binary64;
+use robovec_num::double_double::Double;
 
 /// The largest accepted difference, relative to the largest entry of the
 /// array.

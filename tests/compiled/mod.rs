@@ -6,9 +6,9 @@
 //! take longer than all the rest.
 
 use robovec::robotran::{Language, read};
-use robovec_ir::arithmetic::Binary64;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Boundary, Function, Input, Module, View};
+use robovec_num::arithmetic::Binary64;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -195,7 +195,7 @@ fn files_beyond_their_limits_are_refused_unread() {
     };
     std::fs::create_dir(folder.path().join("images")).expect("a writable folder");
     for row in section.rows {
-        let robovec_ir::limits::Amount::Whole(most) = row.limit.most() else {
+        let robovec_num::limits::Amount::Whole(most) = row.limit.most() else {
             panic!("bytes are counted");
         };
         // The file has holes only, and takes no room.

@@ -5,7 +5,7 @@
 //! tried without a word here; one without fails the test that says so.
 
 use crate::run::Invocation;
-use robovec_ir::limits::LimitRow;
+use robovec_num::limits::LimitRow;
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! The numbers that are tried at a limit.
 
-use robovec_ir::limits::{Amount, NumberLimit};
+use robovec_num::limits::{Amount, NumberLimit};
 
 /// Numbers that are allowed, the extremes first.
 pub(crate) fn inside(limit: &NumberLimit) -> Vec<String> {

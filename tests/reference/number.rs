@@ -1,7 +1,7 @@
 //! The numbers the reference can compute with.
 
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{Double, DoubleDouble};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A kind of real number.

@@ -12,7 +12,7 @@ use super::random::{self, Random, Recipe};
 use super::spatial::{add, apply, cross, dot, scale, skew, transpose, zeros};
 use super::{Real, State, Tree};
 use robovec::model::{CutKind, Model};
-use robovec_ir::double_double::Double;
+use robovec_num::double_double::Double;
 
 const RECIPE: Recipe = Recipe {
     bodies: 6,

@@ -5,8 +5,8 @@ use super::hand::{Edited, mif};
 use robovec::simulate::mif::Image;
 use robovec::simulate::{LoadError, Program};
 use robovec_ir::Machine;
-use robovec_ir::fnv::Fnv;
 use robovec_ir::machine::{BufferDescription, MemoryStyle};
+use robovec_num::fnv::Fnv;
 use robovec_passes::codegen::manifest::{HostElement, Reference};
 
 fn refused(change: impl FnOnce(&mut Edited)) -> LoadError {

@@ -6,7 +6,7 @@ use robovec::simulate::{Program, TracedResult};
 use robovec_ir::Machine;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::machine::Interconnect;
-use robovec_ir::soft_float::FormatArithmetic;
+use robovec_num::soft_float::FormatArithmetic;
 use robovec_passes::codegen::images;
 
 #[test]

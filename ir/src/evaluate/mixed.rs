@@ -7,13 +7,13 @@
 //! that are outputs, are in the format of the run.
 
 use super::evaluate_nodes;
-use crate::arithmetic::Arithmetic;
 use crate::entity::{Operand, OperandKind, Value};
-use crate::format::Format;
 use crate::formats::Formats;
 use crate::function::Function;
-use crate::soft_float::FormatArithmetic;
-use crate::trigonometry::host::Unit;
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::format::Format;
+use robovec_num::soft_float::FormatArithmetic;
+use robovec_num::trigonometry::host::{ImplementationError, KEY, Unit};
 
 /// The arithmetic of every value of a function.
 #[derive(Clone, Debug)]
@@ -55,7 +55,7 @@ impl<'a> MixedArithmetic<'a> {
 /// The value of every node, in program order, for the given flattened inputs,
 /// each value in its format or in `default`. Inputs are converted into
 /// `default`; sines and cosines are those of the unit that the function names
-/// ([`crate::trigonometry::host`]), rounded once.
+/// ([`robovec_num::trigonometry::host`]), rounded once.
 ///
 /// # Panics
 ///
@@ -82,7 +82,7 @@ pub fn evaluate_nodes_in(
         .map(|&number| mixed.default().convert(number))
         .collect();
     // The verifier accepts only names of units.
-    let unit = Unit::of(function).and_then(Result::ok);
+    let unit = function.trigonometry_unit().and_then(Result::ok);
     match (formats, &unit) {
         (None, None) => return evaluate_nodes(function, mixed.default(), &inputs),
         (None, Some(unit)) => {
@@ -127,10 +127,25 @@ pub fn evaluate_mixed(function: &Function, default: Format, inputs: &[f64]) -> V
     super::outputs(function, &arithmetic, &inputs, &values)
 }
 
+impl Function {
+    /// The unit that computes its sines and cosines, which its metadata names;
+    /// `None` when it names none.
+    ///
+    /// # Errors
+    ///
+    /// When the name is that of no implementation.
+    pub fn trigonometry_unit(&self) -> Option<Result<Unit, ImplementationError>> {
+        self.metadata(KEY).map(Unit::named)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::evaluate;
     use crate::parse::parse_module;
+    use robovec_num::arithmetic::Binary32;
+    use robovec_num::trigonometry::host::WithTrigonometry;
 
     const MIXED: &str = "function f atomic {
       in x[1..2]
@@ -170,7 +185,7 @@ mod tests {
         let function = &module.functions[0];
         let singles = [0.3f32, 0.7].map(f64::from);
         let results = evaluate_mixed(function, Format::BINARY32, &singles);
-        let binary32 = crate::arithmetic::Binary32;
+        let binary32 = robovec_num::arithmetic::Binary32;
         let expected = crate::evaluate::evaluate(function, &binary32, &[0.3, 0.7]);
         assert_eq!(
             results,
@@ -178,5 +193,32 @@ mod tests {
         );
         let doubles = evaluate_mixed(function, Format::BINARY64, &[0.3, 0.7]);
         assert_eq!(doubles[0], 0.3 * 0.7);
+    }
+
+    #[test]
+    fn sines_come_from_the_unit_and_the_rest_does_not() {
+        let text = "function f equations {
+          meta trigonometry \"cordic(iterations=8 bits=12)\"
+          in q
+          out o[1..3]
+          o[1] = sin(q)
+          o[2] = cos(q)
+          o[3] = q*q
+        }";
+        let module = parse_module("f", text).expect("it is well formed");
+        let function = &module.functions[0];
+        let unit = function
+            .trigonometry_unit()
+            .expect("it is named")
+            .expect("it is one");
+        let arithmetic = WithTrigonometry {
+            arithmetic: Binary32,
+            unit: &unit,
+        };
+        let found = evaluate(function, &arithmetic, &[0.7f32]);
+        let expected = unit.sine_and_cosine(f64::from(0.7f32));
+        assert_eq!(found[..2], expected.map(|number| number as f32));
+        assert_eq!(found[2], 0.7f32 * 0.7f32);
+        assert_ne!(found[0], 0.7f32.sin());
     }
 }

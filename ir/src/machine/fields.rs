@@ -1,17 +1,12 @@
 //! What the numbers of a machine file may be.
 
-use crate::limited_fields;
+use robovec_num::limited_fields;
+use robovec_num::limits::{self, LimitRow};
 
 limited_fields! {
     /// Clock of the processing elements, in MHz.
     clock_mhz ("clock_mhz", "") = NumberLimit::real(
         1e-3, 1e6, "no circuit is clocked slower or faster, and times in microseconds lose their digits");
-    /// Bits of a float's exponent.
-    exponent ("number.exponent", "8") = NumberLimit::whole(
-        2, 11, "every number of a format must be one of binary64");
-    /// Bits of a float's mantissa.
-    mantissa ("number.mantissa", "23") = NumberLimit::whole(
-        1, 52, "every number of a format must be one of binary64");
     /// Elements of a kind.
     count ("element.count", "") = NumberLimit::whole(
         1, 4096, "images, crossbar and placement grow with the number of elements");
@@ -54,4 +49,10 @@ limited_fields! {
     /// Multiplier blocks.
     multipliers ("resources.multipliers", "0") = NumberLimit::whole(
         0, 1_000_000_000, "no device has more");
+}
+
+/// The limits of machine files, those of its number format among them.
+pub fn rows() -> Vec<LimitRow> {
+    let all = [FIELDS, robovec_num::format::fields::FIELDS].concat();
+    limits::rows("machine file", &all)
 }

@@ -7,8 +7,8 @@
 //! ([`Schedule::machine_hash`]), and so do the manifests of images.
 
 use super::Machine;
-use crate::fnv::Fnv;
 use crate::placement::Schedule;
+use robovec_num::fnv::Fnv;
 
 impl Machine {
     /// 64-bit FNV-1a of what a program depends on: the compact JSON of
@@ -113,7 +113,7 @@ impl Schedule {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::Format;
+    use robovec_num::format::Format;
 
     fn thesis() -> Machine {
         Machine::built_in("thesis").expect("it ships")

@@ -7,11 +7,11 @@ use super::builder::{ADDRESS, Builder, CYCLE, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;
-use crate::format::Format;
 use crate::function::{Level, Timing};
 use crate::history::History;
 use crate::placement::{Placement, Slot, Word, Write};
 use crate::source::{Place, SourceSet};
+use robovec_num::format::Format;
 
 const TIMING_KEYS: [&str; 5] = ["asap", "alap", "asap_cycle", "alap_cycle", "mobility"];
 

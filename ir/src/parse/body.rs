@@ -6,10 +6,10 @@ use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::{Input, Operand, Output, Value};
 use crate::function::{Array, Level, Node, Shape, Timing};
 use crate::history::History;
-use crate::operation::Operation;
 use crate::placement::Placement;
 use crate::source::SourceSet;
 use crate::symbol::Name;
+use robovec_num::operation::Operation;
 
 /// What is written as a function.
 const FUNCTIONS: [Operation; 6] = [

@@ -12,15 +12,15 @@ use super::problems::{Problems, also, error};
 use super::undefined::Undefined;
 use crate::diagnostic::{Diagnostic, clip};
 use crate::entity::{Operand, Output, Value};
-use crate::fnv::Fnv;
 use crate::function::{Function, Level};
 use crate::history::History;
-use crate::limits::NumberLimit;
 use crate::module::Module;
 use crate::placement::{Word, Write};
 use crate::source::SourceSet;
 use crate::symbol::Name;
 use hashbrown::HashMap;
+use robovec_num::fnv::Fnv;
+use robovec_num::limits::NumberLimit;
 use rustc_hash::FxBuildHasher;
 use std::ops::Range;
 

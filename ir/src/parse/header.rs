@@ -7,8 +7,8 @@ use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;
 use crate::function::{Boundary, Level, Shape};
 use crate::history::{History, Step};
-use crate::limits::{Amount, NumberLimit};
 use crate::placement::{Bank, ElementKind, Placement, Schedule, Word};
+use robovec_num::limits::{Amount, NumberLimit};
 
 /// The number of elements of all inputs or of all outputs.
 pub(super) const ELEMENTS: NumberLimit = NumberLimit::whole(

@@ -5,9 +5,9 @@ use super::lexer::{Spanned, Token, Tokens};
 use super::problems::{also, error};
 use crate::diagnostic::clip;
 use crate::function::Level;
-use crate::operation::Operation;
 use lalrpop_util::ParseError;
 use logos::Logos;
+use robovec_num::operation::Operation;
 
 /// How many of the expected tokens are listed.
 const MOST_EXPECTED: usize = 6;

@@ -3,8 +3,8 @@
 use super::{Collector, Subject, describe_operand};
 use crate::entity::{Operand, OperandKind, Output, Value};
 use crate::function::{Array, Level, Node};
-use crate::operation::Operation;
 use crate::source::SourceSet;
+use robovec_num::operation::Operation;
 
 /// True when every operand exists.
 pub(super) fn check(collector: &mut Collector<'_>) -> bool {

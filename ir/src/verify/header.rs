@@ -3,8 +3,8 @@
 use super::{Collector, Subject, is_word};
 use crate::entity::Constant;
 use crate::function::Array;
-use crate::trigonometry::host;
 use hashbrown::HashSet;
+use robovec_num::trigonometry::host;
 use rustc_hash::FxBuildHasher;
 
 const MOST_ELEMENTS: u64 = 1 << 28;

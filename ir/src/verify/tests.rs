@@ -6,12 +6,12 @@ use super::*;
 use crate::entity::{Input, Output};
 use crate::function::{Assignment, Function, Node, Shape};
 use crate::module::Module;
-use crate::operation::Operation;
 use crate::parse::parse_module;
 use crate::placement::{Bank, Slot, Word};
 use crate::source::SourceSet;
 use crate::symbol::{Name, Symbol};
 use crate::{Machine, Tables};
+use robovec_num::operation::Operation;
 
 fn parsed(text: &str) -> Module {
     match parse_module("test", text) {

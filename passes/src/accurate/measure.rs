@@ -6,12 +6,12 @@
 //! largest of its array, an array by its largest error over its largest
 //! element, as in [`crate::analysis::accuracy`].
 
-use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
-use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
+use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::soft_float::FormatArithmetic;
 
 /// Elements below this part of their array's largest vanish: 2⁻⁷⁰.
 const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;

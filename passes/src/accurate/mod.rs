@@ -18,9 +18,9 @@ use crate::pass::{Context, Gives, Pass, PassError};
 use compensate::Budget;
 use measure::{Errors, Reference};
 use profile::{LANES, Profile};
-use robovec_ir::limits::{Amount, NumberLimit};
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
+use robovec_num::limits::{Amount, NumberLimit};
 
 /// How long the longest path may become.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -22,11 +22,11 @@
 //! A lane in which something is not finite says nothing there and counts as
 //! zero.
 
-use robovec_ir::arithmetic::Binary64;
-use robovec_ir::batch::Batch;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Node, Operand, OperandKind, Operation, View};
+use robovec_num::arithmetic::Binary64;
+use robovec_num::batch::Batch;
 use std::array;
 
 /// States that are looked at together.

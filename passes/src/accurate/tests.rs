@@ -4,12 +4,12 @@ use crate::analysis::critical_path::critical_path;
 use crate::manager::{self, Config};
 use crate::pipeline;
 use crate::scene::Scene;
-use robovec_ir::arithmetic::{Arithmetic, Binary32};
-use robovec_ir::double_double::DoubleDouble;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, View};
+use robovec_num::arithmetic::{Arithmetic, Binary32};
+use robovec_num::double_double::DoubleDouble;
 
 /// A scene in which elements of `x` lie in these ranges.
 fn scene(ranges: &[[f64; 2]]) -> Scene {

@@ -14,7 +14,7 @@
 //! pass that promises to be *real* therefore changes the bound by the
 //! roundings alone, unless it invents cancellations.
 
-use robovec_ir::arithmetic::Arithmetic;
+use robovec_num::arithmetic::Arithmetic;
 
 /// Evaluates with magnitudes and roundings; the bounds are those of binary32
 /// and hold where nothing overflows or underflows. Values are kept in
@@ -178,7 +178,7 @@ impl Arithmetic for Binary32Bound {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_ir::arithmetic::Binary32;
+    use robovec_num::arithmetic::Binary32;
 
     #[test]
     fn cancellation_is_in_the_magnitude() {

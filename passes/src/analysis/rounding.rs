@@ -21,8 +21,8 @@
 
 use super::accuracy::samples;
 use robovec_ir::View;
-use robovec_ir::format::Format;
 use robovec_ir::states::States;
+use robovec_num::format::Format;
 use std::cmp::Ordering;
 use std::fmt;
 use std::ops::Range;

@@ -1,8 +1,8 @@
 //! A function whose constants were rounded, beside the one that computes them.
 
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::{Function, Operand, OperandKind, Operation, View};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{Double, DoubleDouble};
 
 /// How far a rounded constant may be from its value, relative to it: one unit
 /// in the last place of binary64, so twice what rounding once does.

@@ -4,10 +4,10 @@ use super::pairing::Pairs;
 use super::states::StatePlace;
 use crate::analysis::slice::slice;
 use robovec_ir::evaluate::evaluate_nodes;
-use robovec_ir::field::Field;
 use robovec_ir::print::{print_definition, print_operand, print_output};
 use robovec_ir::states::States;
 use robovec_ir::{Input, Name, Output, Value, View};
+use robovec_num::field::Field;
 use std::fmt;
 
 /// Two values of an output at a state.

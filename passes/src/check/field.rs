@@ -1,9 +1,9 @@
 //! Exact equality at random points of two prime fields.
 
 use super::pairing::Pairs;
-use robovec_ir::batch::Batch;
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::field::{Field, FieldPoint, Prime};
+use robovec_num::batch::Batch;
+use robovec_num::field::{Field, FieldPoint, Prime};
 use std::array;
 
 /// How the comparison ended.
@@ -39,7 +39,7 @@ fn lane_field<F: Field>(primes: [Prime; 2], seed: u64, first: u32, lane: usize) 
 /// points of both fields, or always undefined. Points come in twos: the last
 /// two are used up.
 pub(super) fn compare<F: Field>(pairs: &Pairs<'_>, points: u32, seed: u64) -> FieldComparison<F> {
-    let primes = Prime::pair(pairs.prime_seed(seed));
+    let primes = pairs.primes(seed);
     let wanted = points.saturating_mul(2);
     let mut tallies = vec![Tally::default(); pairs.list.len()];
     let mut point = 0;

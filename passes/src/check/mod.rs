@@ -31,7 +31,7 @@
 //! outputs, in binary32 and binary64 against double-double.
 //!
 //! The field check is one-sided: what it rejects differs as a function of
-//! unknown `sin`, `cos` and `sqrt` (see [`robovec_ir::field`]); identities
+//! unknown `sin`, `cos` and `sqrt` (see [`robovec_num::field`]); identities
 //! that need more than their parity, the circle and sums of angles are
 //! rejected too.
 
@@ -56,10 +56,10 @@ use field::FieldComparison;
 use numbers::Survey;
 use pairing::Pairs;
 pub use promise::Promise;
-use robovec_ir::field::{CircleField, Field, FieldPoint, Prime, PrimeField};
-use robovec_ir::format::Format;
 use robovec_ir::states::States;
 use robovec_ir::{Output, View};
+use robovec_num::field::{CircleField, Field, FieldPoint, PrimeField};
+use robovec_num::format::Format;
 pub use states::{StatePlace, StateScale};
 use std::array;
 use std::fmt;
@@ -255,7 +255,7 @@ fn judge(pairs: &Pairs<'_>, states: &States, promise: Option<&Promise>, verdict:
 
 /// A field in which values of the same name are compared.
 fn first_field(pairs: &Pairs<'_>, seed: u64) -> PrimeField {
-    let [prime, _] = Prime::pair(pairs.prime_seed(seed));
+    let [prime, _] = pairs.primes(seed);
     PrimeField::at(prime, FieldPoint { seed })
 }
 

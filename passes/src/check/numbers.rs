@@ -12,9 +12,9 @@ use super::pairing::Pairs;
 use super::states::{SCALES, StatePlace};
 use crate::analysis::reference::ball::{Ball, Balls};
 use crate::analysis::reference::{Effort, Reference};
-use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::plan::Plan;
 use robovec_ir::states::States;
+use robovec_num::arithmetic::Arithmetic;
 use std::array;
 
 /// States evaluated at a time: one of each scale.

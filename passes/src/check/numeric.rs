@@ -5,12 +5,11 @@ use super::failure::{Failed, FailureKind, Values};
 use super::pairing::Pairs;
 use super::states::{SCALES, StatePlace, StateScale};
 use crate::analysis::accuracy::evaluate_at;
-use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
-use robovec_ir::double_double::DoubleDouble;
 use robovec_ir::evaluate::{evaluate_mixed_nodes, evaluate_nodes};
 use robovec_ir::states::States;
-use robovec_ir::trigonometry::host::Unit;
 use robovec_ir::{Format, Function, OperandKind, View};
+use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_num::double_double::DoubleDouble;
 
 /// States for comparing bits: usual ones, and one of every other scale.
 fn places(states: u32) -> impl Iterator<Item = StatePlace> {
@@ -52,7 +51,7 @@ pub(super) fn first_bit_difference(
 /// True for a function whose values are all in the format of the run, and
 /// whose sines and cosines are true ones.
 pub(super) fn is_plain(function: &Function) -> bool {
-    function.formats.is_none() && Unit::of(function).is_none()
+    function.formats.is_none() && function.trigonometry_unit().is_none()
 }
 
 /// Evaluation in an arithmetic of the processor's.

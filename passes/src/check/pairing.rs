@@ -4,10 +4,10 @@ use super::failure::{Failure, FailureKind};
 use super::states;
 use crate::instances::Instances;
 use crate::scene::Scene;
-use robovec_ir::field::{Field, mix};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
-use robovec_ir::{Array, Input, Output, View};
+use robovec_ir::{Array, Input, Operation, Output, View};
+use robovec_num::field::{Field, Prime, mix};
 use std::collections::BTreeMap;
 
 /// The same output element in both versions.
@@ -234,9 +234,28 @@ impl<'a> Pairs<'a> {
 
     /// What primes are drawn from: the seed and the constants of both
     /// versions, so that no constant is a multiple of a prime but by accident.
-    pub(super) fn prime_seed(&self, seed: u64) -> u64 {
+    fn prime_seed(&self, seed: u64) -> u64 {
         let constants = self.sizes.iter();
         constants.fold(mix(seed), |seed, size| mix(seed ^ size.to_bits()))
+    }
+
+    /// Two primes, modulo which the first constants under roots have roots.
+    pub(super) fn primes(&self, seed: u64) -> [Prime; 2] {
+        let mut radicands: Vec<f64> = [self.before.function, self.after.function]
+            .into_iter()
+            .flat_map(|function| {
+                let roots = function.nodes().iter();
+                let roots = roots.filter(|node| node.operation == Operation::Sqrt);
+                roots.filter_map(|node| {
+                    let constant = node.operands[0].constant()?;
+                    Some(function.constant_number(constant))
+                })
+            })
+            .filter(|&number| number > 0.0)
+            .collect();
+        radicands.sort_by(f64::total_cmp);
+        radicands.dedup();
+        Prime::pair_for(self.prime_seed(seed), &radicands)
     }
 
     /// The inputs of both versions in a random state.

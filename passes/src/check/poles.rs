@@ -11,11 +11,12 @@ use super::failure::{Failed, Values};
 use super::pairing::Pairs;
 use super::states::{StatePlace, StateScale};
 use crate::analysis::slice::slice;
-use robovec_ir::arithmetic::Binary64;
 use robovec_ir::evaluate::{evaluate, evaluate_nodes};
-use robovec_ir::field::{Field, FieldPoint, Prime, PrimeField};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Operand, OperandKind, Operation};
+use robovec_num::arithmetic::{Arithmetic, Binary64};
+use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::field::{Field, FieldPoint, PrimeField};
 
 /// Operations of all evaluations of a check together.
 const WORK: usize = 40_000_000;
@@ -46,7 +47,7 @@ pub(super) fn first(pairs: &Pairs<'_>, source: &States, seed: u64) -> Option<Fai
     if new.is_empty() {
         return None;
     }
-    let field = PrimeField::at(Prime::pair(pairs.prime_seed(seed))[0], FieldPoint { seed });
+    let field = PrimeField::at(pairs.primes(seed)[0], FieldPoint { seed });
     let points = pairs.point(&field);
     let mut known = values(pairs.before.function, &field, &points[0], &old);
     for value in &mut known {
@@ -85,7 +86,7 @@ fn divisors(function: &Function) -> Vec<Operand> {
 }
 
 /// The values of operands.
-fn values<A: robovec_ir::arithmetic::Arithmetic>(
+fn values<A: Arithmetic>(
     function: &Function,
     arithmetic: &A,
     inputs: &[A::Number],
@@ -158,11 +159,14 @@ impl StateLine {
                 true => bisect(size, [grid[window], grid[window + 1]], a),
                 false => smallest(size, [grid[window], grid[window + 2]]),
             };
-            if size(zero).abs() > ZERO * largest(samples.iter().map(|sample| sample[index])) {
+            let most = largest(samples.iter().map(|sample| sample[index]));
+            if size(zero).abs() > ZERO * most {
                 continue;
             }
             let usual = usual.get_or_insert_with(|| {
-                let around: Vec<Vec<f64>> = grid.iter().step_by(4).map(|&t| before(t)).collect();
+                // At the same places: near a pole of its own a divisor is so
+                // large that it seems to vanish everywhere else.
+                let around: Vec<Vec<f64>> = grid.iter().map(|&t| before(t)).collect();
                 (0..old.len())
                     .map(|place| largest(around.iter().map(|sample| sample[place])))
                     .collect()
@@ -171,11 +175,34 @@ impl StateLine {
             // A divisor that is no number there counts as vanishing.
             let vanishes =
                 here.any(|(value, usual)| value.is_nan() || value.abs() <= NEARLY * usual);
-            if !vanishes && let Some(failed) = self.failure(pairs, new[index], zero) {
+            if !vanishes
+                && self.is_confirmed(pairs, (old, usual), (new[index], most), zero)
+                && let Some(failed) = self.failure(pairs, new[index], zero)
+            {
                 return Some(failed);
             }
         }
         None
+    }
+
+    /// Whether the zero is one in double-double too, at which no divisor of the
+    /// version before vanishes: in binary64 sums of very different sizes are
+    /// zero by rounding alone.
+    fn is_confirmed(
+        &self,
+        pairs: &Pairs<'_>,
+        (old, usual): (&[Operand], &[f64]),
+        (new, most): (Operand, f64),
+        zero: f64,
+    ) -> bool {
+        let long = |numbers: Vec<f64>| numbers.into_iter().map(Double::from).collect::<Vec<_>>();
+        let [before, after] = [0, 1].map(|version| long(self.at(version, zero)));
+        let old = values(pairs.before.function, &DoubleDouble, &before, old);
+        let new = values(pairs.after.function, &DoubleDouble, &after, &[new])[0].high;
+        let vanishes = |(value, usual): (Double, &f64)| {
+            value.high.is_nan() || value.high.abs() <= NEARLY * usual
+        };
+        new.abs() <= ZERO * most && !old.into_iter().zip(usual).any(vanishes)
     }
 
     /// The first output that depends on a divisor and has a value before.

@@ -6,11 +6,11 @@ use super::pairing::Pairs;
 use super::states::StatePlace;
 use crate::analysis::reference::ball::{Ball, Balls};
 use crate::mixed::Allowed;
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::DoubleDouble;
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Format, View};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::DoubleDouble;
 use std::sync::Arc;
 
 /// What a pass promises of the function it gives.

@@ -1,9 +1,9 @@
 //! Where versions are compared in numbers.
 
 use super::pairing::Pairs;
-use robovec_ir::field::mix;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Operand};
+use robovec_num::field::mix;
 use std::fmt;
 
 /// How large the inputs of a state are.

@@ -3,7 +3,8 @@
 use super::*;
 use robovec_ir::states::States;
 use robovec_ir::{
-    Assignment, Function, Input, Level, Name, Node, Operand, Operation, Shape, SourceSet, Tables,
+    Assignment, Formats, Function, Input, Level, Name, Node, Operand, Operation, Shape, SourceSet,
+    Tables, Value,
 };
 
 /// Builds a function of inputs `x[1..4]` and outputs `y[1..4]`; every value
@@ -248,6 +249,192 @@ fn square_roots_are_equal_for_equal_arguments_only() {
     };
     assert!(holds(&root([1, 2]), &root([2, 1]), NumericClass::Exact));
     assert!(!holds(&root([1, 2]), &root([1, 3]), NumericClass::Real));
+}
+
+#[test]
+fn roots_of_constants_multiply() {
+    // 0.1 and 3 are squares modulo one prime in two; 0.2 is twice 0.1.
+    let product = |numbers: [f64; 2]| {
+        single(move |b| {
+            let [first, second] = numbers.map(|number| b.constant(number));
+            let roots = [first, second].map(|constant| b.unary(Sqrt, constant));
+            let product = b.binary(Mul, roots[0], roots[1]);
+            b.binary(Mul, product, Builder::x(1))
+        })
+    };
+    let times = |number: f64| {
+        single(move |b| {
+            let constant = b.constant(number);
+            b.binary(Mul, constant, Builder::x(1))
+        })
+    };
+    let twice_root = single(|b| {
+        let [two, three] = [2.0, 3.0].map(|number| b.constant(number));
+        let root = b.unary(Sqrt, three);
+        let product = b.binary(Mul, two, root);
+        b.binary(Mul, product, Builder::x(1))
+    });
+    assert!(holds(&product([0.1, 0.1]), &times(0.1), NumericClass::Real));
+    assert!(holds(&product([3.0, 3.0]), &times(3.0), NumericClass::Real));
+    assert!(holds(&product([3.0, 4.0]), &twice_root, NumericClass::Real));
+    assert!(!holds(
+        &product([3.0, 2.0]),
+        &times(2.0),
+        NumericClass::Real
+    ));
+    assert!(!holds(
+        &product([3.0, 3.0]),
+        &times(-3.0),
+        NumericClass::Real
+    ));
+}
+
+#[test]
+fn what_sinks_below_the_range_differs_from_nothing_else() {
+    // A square of 10^-289 is zero in binary64, and not once it is multiplied
+    // by 10^308: what is left of it must not be taken for a number.
+    let chain = |large_first: bool| {
+        single(move |b| {
+            let [small, large] = [1e-289, 1e308].map(|number| b.constant(number));
+            let x = b.binary(Mul, small, Builder::x(1));
+            let rest = if large_first { large } else { x };
+            let last = if large_first { x } else { large };
+            let first = b.binary(Mul, x, rest);
+            let scaled = b.binary(Mul, first, Builder::x(2));
+            b.binary(Mul, scaled, last)
+        })
+    };
+    assert!(holds(&chain(false), &chain(true), NumericClass::Real));
+}
+
+#[test]
+fn sums_that_are_zero_by_rounding_are_no_poles() {
+    // (x + 2^60) - 2^60 is zero in binary64 for small x, in either order.
+    let quotient = |reversed: bool| {
+        single(move |b| {
+            let large = b.constant(f64::from(60).exp2());
+            let x = b.binary(Mul, Builder::x(1), Builder::x(1));
+            let three = b.constant(3.0);
+            let x = b.binary(Add, x, three);
+            let divisor = if reversed {
+                let difference = b.binary(Sub, x, large);
+                b.binary(Add, difference, large)
+            } else {
+                x
+            };
+            b.binary(Div, Builder::x(2), divisor)
+        })
+    };
+    assert!(holds(&quotient(false), &quotient(true), NumericClass::Real));
+}
+
+#[test]
+fn a_divisor_with_a_pole_of_its_own_is_no_zero_elsewhere() {
+    // x4/(k/(x1*x2*(x3 + x4))): the inner quotient is large near its pole and
+    // nowhere zero. One version divides by half of it.
+    let quotient = |outside: bool| {
+        single(move |b| {
+            let [half, small, two] = [0.5, 1e-19, 2.0].map(|number| b.constant(number));
+            let sum = b.binary(Add, Builder::x(3), Builder::x(4));
+            let product = b.binary(Mul, Builder::x(1), Builder::x(2));
+            let product = b.binary(Mul, product, sum);
+            let inner = b.binary(Div, small, product);
+            let divisor = if outside {
+                inner
+            } else {
+                b.binary(Mul, half, inner)
+            };
+            let whole = b.binary(Div, Builder::x(4), divisor);
+            if outside {
+                b.binary(Mul, whole, two)
+            } else {
+                whole
+            }
+        })
+    };
+    for seed in 0..20 {
+        let [before, after] = [false, true].map(quotient);
+        let verdict = check(
+            before.view(),
+            after.view(),
+            NumericClass::Real,
+            &States::new(seed),
+            8,
+        );
+        assert!(verdict.holds(), "{seed}: {:?}", verdict.failure);
+    }
+}
+
+#[test]
+fn holes_and_lost_values_are_differences() {
+    let x = || single(|b| b.binary(Mul, Builder::x(1), Builder::x(2)));
+    // (x1*x2)*(2*x3 - 1)/(2*x3 - 1) has a hole at a half.
+    let hole = single(|b| {
+        let [one, two] = [1.0, 2.0].map(|number| b.constant(number));
+        let double = b.binary(Mul, two, Builder::x(3));
+        let divisor = b.binary(Sub, double, one);
+        let product = b.binary(Mul, Builder::x(1), Builder::x(2));
+        let product = b.binary(Mul, product, divisor);
+        b.binary(Div, product, divisor)
+    });
+    let found = verdict(&x(), &hole, NumericClass::Real);
+    let failure = found.failure.expect("a hole is a difference");
+    assert!(matches!(failure.kind, FailureKind::Pole(_)), "{failure:?}");
+    // x1*x2 + 0*sqrt(x3) is lost for negative x3.
+    let lost = single(|b| {
+        let zero = b.constant(0.0);
+        let root = b.unary(Sqrt, Builder::x(3));
+        let nothing = b.binary(Mul, zero, root);
+        let product = b.binary(Mul, Builder::x(1), Builder::x(2));
+        b.binary(Add, product, nothing)
+    });
+    assert!(!holds(&x(), &lost, NumericClass::Real));
+    // x1*x2/(x3 - x3) is defined nowhere.
+    let nowhere = single(|b| {
+        let nothing = b.binary(Sub, Builder::x(3), Builder::x(3));
+        let product = b.binary(Mul, Builder::x(1), Builder::x(2));
+        b.binary(Div, product, nothing)
+    });
+    assert!(!holds(&x(), &nowhere, NumericClass::Real));
+}
+
+#[test]
+fn primes_follow_the_constants_of_both_versions() {
+    let with = |number: f64| {
+        single(move |b| {
+            let constant = b.constant(number);
+            b.binary(Mul, constant, Builder::x(1))
+        })
+    };
+    let primes = |before: &Builder, after: &Builder| {
+        let pairs = Pairs::new(before.view(), after.view())
+            .ok()
+            .expect("they pair");
+        pairs.primes(3)
+    };
+    let usual = primes(&with(2.5), &with(2.5));
+    assert_eq!(usual, primes(&with(2.5), &with(2.5)));
+    assert_ne!(usual, primes(&with(2.5), &with(3.5)));
+    assert_ne!(usual, primes(&with(3.5), &with(2.5)));
+}
+
+#[test]
+fn formats_of_values_are_compared_in_every_class() {
+    let product = |format: Option<&str>| {
+        let mut product = single(|b| b.binary(Mul, Builder::x(1), Builder::x(2)));
+        if let Some(format) = format {
+            let mut formats = Formats::new(1);
+            formats.set(Value(0), Some(format.parse().expect("it is one")));
+            product.function.formats = Some(formats);
+        }
+        product
+    };
+    let plain = product(None);
+    for class in [NumericClass::Exact, NumericClass::Real] {
+        assert!(holds(&product(Some("f16")), &product(Some("f16")), class));
+        assert!(!holds(&product(Some("f16")), &product(Some("f32")), class));
+        assert!(!holds(&plain, &product(Some("f16")), class));
+    }
 }
 
 #[test]

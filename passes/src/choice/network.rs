@@ -2,8 +2,8 @@
 
 use crate::fingerprint::{Fingerprint, Images};
 use hashbrown::{HashSet, HashTable};
-use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::{Input, Operand, Operation, SourceSet, Symbol};
+use robovec_num::arithmetic::Arithmetic;
 use rustc_hash::FxBuildHasher;
 use std::hash::BuildHasher;
 

@@ -7,12 +7,11 @@ use super::manifest::{
     ConstantElement, HostElement, InputElement, OutputElement, OutputValue, Reference, WordAddress,
 };
 use super::traffic::Traffic;
-use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::placement::{Preload, Word};
 use robovec_ir::print::{print_operand, print_output};
-use robovec_ir::soft_float::FormatArithmetic;
-use robovec_ir::trigonometry::host::Unit;
 use robovec_ir::{Constant, Input, Operand, OperandKind, Value};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::soft_float::FormatArithmetic;
 
 /// Input elements a manifest can list.
 const MOST_INPUTS: usize = 1 << 22;
@@ -234,7 +233,7 @@ impl<'a> Binding<'a> {
             });
         }
         // The verifier accepts only names of units.
-        let unit = Unit::of(function).and_then(Result::ok);
+        let unit = function.trigonometry_unit().and_then(Result::ok);
         let mut host: Vec<Option<f64>> = Vec::with_capacity(self.host.len());
         for &value in &self.host {
             let node = function.node(value);

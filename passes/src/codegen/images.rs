@@ -9,11 +9,11 @@ use super::mif::MifWriter;
 use super::rtl::Hardware;
 use super::traffic::Traffic;
 use super::words::Words;
-use robovec_ir::fnv::Fnv;
 use robovec_ir::placement::{Bank, Preload};
-use robovec_ir::soft_float::FormatArithmetic;
-use robovec_ir::trigonometry::host::KEY;
 use robovec_ir::{Format, Machine, View};
+use robovec_num::fnv::Fnv;
+use robovec_num::soft_float::FormatArithmetic;
+use robovec_num::trigonometry::host::KEY;
 use serde::Serialize;
 use std::io;
 

@@ -44,7 +44,7 @@ pub struct Manifest {
     /// The values the host computes before the run, each after its operands.
     pub host: Vec<HostElement>,
     /// What computes the host's sines and cosines, as
-    /// [`robovec_ir::trigonometry::host::Implementation`] names it; absent
+    /// [`robovec_num::trigonometry::host::Implementation`] names it; absent
     /// when they are those of binary64, rounded once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trigonometry: Option<String>,

@@ -1,6 +1,6 @@
 //! Writing memory initialisation files.
 
-use robovec_ir::fnv::Fnv;
+use robovec_num::fnv::Fnv;
 use std::io::{self, Write};
 
 const FLUSH_AT: usize = 1 << 16;

@@ -9,8 +9,8 @@ use super::{Artifacts, ImageError, write_images};
 use crate::options::OptionValue;
 use crate::pass::{Artifact, Context, Gives, Pass, PassError};
 use crate::{declare_pass, option_words};
-use robovec_ir::limits::NumberLimit;
 use robovec_ir::{Format, Function, View};
+use robovec_num::limits::NumberLimit;
 use std::io;
 
 option_words! {

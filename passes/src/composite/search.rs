@@ -4,8 +4,8 @@ use super::bodies::{Body, Inertia, Joint, Ring, Stand, Wrench, cross};
 use super::model::Model;
 use super::tree::Place;
 use crate::fingerprint::{Fingerprint, Images};
-use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::{Input, Operation};
+use robovec_num::arithmetic::Arithmetic;
 
 /// How often a joint behind another may be explained anew to explain that one.
 const EFFORT: usize = 500;

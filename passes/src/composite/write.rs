@@ -5,8 +5,8 @@ use super::model::Model;
 use super::tree::Place;
 use crate::factor::network::{Edge, Kind, Network, Origin, ZERO};
 use crate::rewrite::output_symbol;
-use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::{Function, Input, Name, Operand, Operation, Tables};
+use robovec_num::arithmetic::Arithmetic;
 
 /// Writes equations as values of a network.
 struct Writer<'n> {

@@ -23,7 +23,7 @@ use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rules::RuleSet;
 use pattern::BagRule;
 use robovec_ir::Function;
-use robovec_ir::limits::NumberLimit;
+use robovec_num::limits::NumberLimit;
 use round::{Budget, Settings};
 use saturate::{Limits, STRUCTURE};
 

@@ -155,8 +155,13 @@ impl Writer<'_> {
                 Kind::Product => self.bag(Operation::Mul, 0, &children, name, origin),
                 Kind::Other(Operation::Neg) => self.bag(Operation::Add, 1, &children, name, origin),
                 Kind::Other(operation) => {
-                    let second = children.get(1).copied().unwrap_or(Operand::NONE);
-                    let operands = [children[0], second];
+                    assert_eq!(
+                        children.len(),
+                        operation.arity(),
+                        "a form has the operands of its operation"
+                    );
+                    let mut operands = [Operand::NONE; Operand::MOST];
+                    operands[..children.len()].copy_from_slice(&children);
                     self.emit(operation, operands, origin.sources, |names| {
                         named(names, name, origin)
                     })

@@ -16,7 +16,7 @@ use super::network::{Edge, Kind, Network, Origin, cancel};
 use super::times::Times;
 use crate::fingerprint::Fingerprint;
 use hashbrown::HashMap;
-use robovec_ir::arithmetic::Arithmetic;
+use robovec_num::arithmetic::Arithmetic;
 use rustc_hash::FxBuildHasher;
 
 /// In larger sums and products only operands at most this far apart in the

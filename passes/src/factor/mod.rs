@@ -17,7 +17,7 @@ use crate::pass::{Context, Gives, Pass, PassError};
 use crate::{declare_pass, option_words};
 use network::Network;
 use robovec_ir::Function;
-use robovec_ir::limits::NumberLimit;
+use robovec_num::limits::NumberLimit;
 use times::Times;
 
 option_words! {

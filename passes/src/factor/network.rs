@@ -10,8 +10,8 @@
 
 use crate::fingerprint::{Fingerprint, Images};
 use hashbrown::HashMap;
-use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::{Name, Operand, Operation, SourceSet, Symbol};
+use robovec_num::arithmetic::Arithmetic;
 use rustc_hash::FxBuildHasher;
 
 /// A node with a sign: reading it may negate it for nothing.

@@ -5,7 +5,7 @@
 //! or before the rewrite, is had again by running with a limit.
 
 use crate::pipeline::PassStep;
-use robovec_ir::limits::NumberLimit;
+use robovec_num::limits::NumberLimit;
 use std::str::FromStr;
 
 /// How far a run goes: passes are counted over all functions, in the order

@@ -3,8 +3,8 @@
 use super::Search;
 use super::measure::Allowed;
 use crate::accurate::profile::{LANES, Lanes, Profile};
-use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::{Format, Formats, Function, Node, Operation, Value};
+use robovec_num::soft_float::FormatArithmetic;
 
 /// Exponents of the price of errors: two to this many.
 pub(super) const PRICES: (i32, i32) = (-40, 160);

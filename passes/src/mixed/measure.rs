@@ -1,11 +1,11 @@
 //! Errors against what is allowed.
 
 use crate::scene::{Measure, Scene};
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::evaluate::{evaluate, evaluate_nodes_in};
 use robovec_ir::states::States;
 use robovec_ir::{Format, Formats, Function, OperandKind, View};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{Double, DoubleDouble};
 
 /// The errors that outputs may have.
 #[derive(Clone, Debug)]

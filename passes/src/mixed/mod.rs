@@ -12,10 +12,10 @@ use crate::pass::{Context, Gives, Pass, PassError};
 use assign::{Assignment, Choices};
 pub use measure::Allowed;
 use measure::Check;
-use robovec_ir::limits::{Amount, NumberLimit};
-use robovec_ir::machine::NumberFormat;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Formats, Function, View};
+use robovec_num::NumberFormat;
+use robovec_num::limits::{Amount, NumberLimit};
 
 /// An error that outputs may have, relative.
 #[derive(Clone, Copy, PartialEq, Debug)]

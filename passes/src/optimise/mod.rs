@@ -21,8 +21,8 @@ use crate::option_words;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::place::{ElementCounts, explain, with_counts};
 use robovec_ir::Function;
-use robovec_ir::limits::NumberLimit;
 use robovec_ir::machine::fields;
+use robovec_num::limits::NumberLimit;
 
 option_words! {
     /// What a variant is chosen for.

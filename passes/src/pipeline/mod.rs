@@ -17,7 +17,7 @@ mod token;
 pub use read::{PipelineError, parse};
 
 use crate::pass::PassInfo;
-use robovec_ir::limits::NumberLimit;
+use robovec_num::limits::NumberLimit;
 use std::fmt;
 use std::ops::Range;
 

@@ -1,9 +1,9 @@
 //! A pair of numbers anybody can check: small inputs for which the function
 //! before a pass and the one after it differ.
 
-use robovec_ir::arithmetic::Binary64;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Function, Input, Operand, Tables, View, print};
+use robovec_num::arithmetic::Binary64;
 use std::fmt;
 
 /// Inputs, and an output before and after.

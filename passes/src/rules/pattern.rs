@@ -4,7 +4,7 @@
 //! root last), so that everything that walks a pattern is a counting loop.
 
 use robovec_ir::Operation;
-use robovec_ir::arithmetic::Arithmetic;
+use robovec_num::arithmetic::Arithmetic;
 
 /// A node of a pattern.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -1,6 +1,6 @@
 use super::*;
 use crate::NumericClass;
-use robovec_ir::arithmetic::Binary64;
+use robovec_num::arithmetic::Binary64;
 
 fn message(text: &str) -> String {
     let report = RuleSet::parse(text, "test.rules").expect_err("a mistake");

@@ -10,9 +10,9 @@
 
 use hashbrown::HashMap;
 use robovec_ir::Operation;
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::{Double, DoubleDouble};
-use robovec_ir::field::PrimeField;
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::field::PrimeField;
 use rustc_hash::FxBuildHasher;
 use smallvec::SmallVec;
 

@@ -2,7 +2,7 @@
 
 use super::options::Method;
 use robovec_ir::Format;
-use robovec_ir::trigonometry::{Circular, Halved, MOST_ORDER, Polynomial};
+use robovec_num::trigonometry::{Circular, Halved, MOST_ORDER, Polynomial};
 
 /// What the user asked for.
 #[derive(Clone, Copy, Debug)]

@@ -4,10 +4,10 @@ use super::ranges::Angles;
 use super::recipe::{Recipe, place};
 use crate::pass::Context;
 use crate::rewrite::{Rewriter, lay_out, owners};
-use robovec_ir::trigonometry::Circular;
 use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Value,
 };
+use robovec_num::trigonometry::Circular;
 use std::collections::BTreeMap;
 
 /// What becomes of one angle.

@@ -4,7 +4,7 @@ use super::Trigonometry;
 use super::options::Method;
 use crate::pass::{Context, PassError};
 use robovec_ir::Function;
-use robovec_ir::trigonometry::host::{Implementation, KEY, Unit};
+use robovec_num::trigonometry::host::{Implementation, KEY, Unit};
 
 /// The order of the host's polynomials where none is given: on an eighth of a
 /// turn they are then better than binary32.

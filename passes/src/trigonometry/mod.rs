@@ -2,7 +2,7 @@
 //!
 //! The thesis' machine adds and multiplies; sines and cosines are computed
 //! before the run, or the thesis cuts their series off (1.2.2). This pass
-//! writes them as polynomials ([`robovec_ir::trigonometry`]) whose error on
+//! writes them as polynomials ([`robovec_num::trigonometry`]) whose error on
 //! the range of each angle is proved, and says what it proved.
 
 mod choose;
@@ -27,13 +27,13 @@ use emit::{Emitter, Treatment, circular};
 pub use options::{Angle, Method, Place, Scheme, Tolerance};
 use ranges::Angles;
 pub use recipe::Recipe;
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::{Double, DoubleDouble};
-use robovec_ir::limits::NumberLimit;
 use robovec_ir::states::Ranges;
-use robovec_ir::trigonometry::halving::MOST_HALVINGS;
-use robovec_ir::trigonometry::{Halved, Interval, LARGEST_RANGE, MOST_ORDER};
 use robovec_ir::{Function, Input, Machine, Operand, SourceSet, Tables};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::limits::NumberLimit;
+use robovec_num::trigonometry::halving::MOST_HALVINGS;
+use robovec_num::trigonometry::{Halved, Interval, LARGEST_RANGE, MOST_ORDER};
 use std::array;
 use std::collections::BTreeMap;
 use std::sync::Arc;

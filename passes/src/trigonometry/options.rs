@@ -2,7 +2,7 @@
 
 use crate::option_words;
 use crate::options::OptionValue;
-use robovec_ir::limits::Amount;
+use robovec_num::limits::Amount;
 use std::f64::consts::PI;
 
 option_words! {

@@ -6,8 +6,8 @@
 //! interval arithmetic.
 
 use hashbrown::HashMap;
-use robovec_ir::trigonometry::Interval;
 use robovec_ir::{Function, Input, Node, Operand, OperandKind, Operation};
+use robovec_num::trigonometry::Interval;
 use rustc_hash::FxBuildHasher;
 
 /// An expression: what is computed, of which expressions.

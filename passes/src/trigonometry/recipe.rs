@@ -7,11 +7,11 @@
 use super::options::Scheme;
 use super::scheme::{Cycles, Plan};
 use hashbrown::HashMap;
-use robovec_ir::trigonometry::{Circular, Halved, Polynomial};
 use robovec_ir::{
     Function, Input, Level, Machine, Name, Node, Operand, Operation, Shape, SourceSet, Symbol,
-    format::Format,
 };
+use robovec_num::format::Format;
+use robovec_num::trigonometry::{Circular, Halved, Polynomial};
 
 /// What is computed of an angle.
 #[derive(Clone, Debug)]
@@ -223,9 +223,9 @@ pub(super) fn place(of: Circular) -> usize {
 mod tests {
     use super::*;
     use crate::analysis::critical_path::critical_path;
-    use robovec_ir::arithmetic::{Arithmetic, Binary32};
-    use robovec_ir::double_double::{Double, DoubleDouble};
     use robovec_ir::evaluate::evaluate_nodes;
+    use robovec_num::arithmetic::{Arithmetic, Binary32};
+    use robovec_num::double_double::{Double, DoubleDouble};
 
     fn machine(name: &str) -> Machine {
         Machine::built_in(name).expect("it ships")

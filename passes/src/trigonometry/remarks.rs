@@ -5,7 +5,7 @@ use super::recipe::Recipe;
 use super::{Occurrence, Treatment};
 use crate::analysis::critical_path::critical_path;
 use crate::pass::Context;
-use robovec_ir::trigonometry::Circular;
+use robovec_num::trigonometry::Circular;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 

@@ -8,9 +8,9 @@
 //! does not hold count as rounded.
 
 use super::recipe::Recipe;
-use robovec_ir::soft_float::FormatArithmetic;
-use robovec_ir::trigonometry::Interval;
 use robovec_ir::{Format, Function, Node, Operand, OperandKind, Operation};
+use robovec_num::soft_float::FormatArithmetic;
+use robovec_num::trigonometry::Interval;
 
 /// Parts the range is cut into.
 const PARTS: u32 = 64;

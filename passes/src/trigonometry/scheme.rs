@@ -10,8 +10,8 @@
 
 use super::options::Scheme;
 use super::recipe::Builder;
-use robovec_ir::trigonometry::{Circular, Polynomial};
 use robovec_ir::{Operand, Operation};
+use robovec_num::trigonometry::{Circular, Polynomial};
 
 /// Cycles of the operations a polynomial is made of.
 #[derive(Clone, Copy, Debug)]

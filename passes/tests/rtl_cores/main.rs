@@ -18,7 +18,7 @@ mod reference;
 mod simulators;
 mod vectors;
 
-use robovec_ir::machine::NumberFormat;
+use robovec_num::NumberFormat;
 use robovec_passes::codegen::rtl::cores::{Core, Cuts, cuts};
 use simulators::{Bench, Simulator};
 

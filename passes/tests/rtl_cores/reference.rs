@@ -7,10 +7,10 @@
 //! subnormal numbers have their rule put on top here: small operands count as
 //! zero, and a result is too small when it is so rounded towards zero.
 
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::machine::NumberFormat;
-use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::{Format, Operation};
+use robovec_num::NumberFormat;
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::soft_float::FormatArithmetic;
 use robovec_passes::codegen::rtl::cores::Core;
 use rustc_apfloat::ieee::{IeeeFloat, Quad, Semantics};
 use rustc_apfloat::{Float, FloatConvert, Round, StatusAnd};

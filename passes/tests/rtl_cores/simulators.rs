@@ -1,7 +1,7 @@
 //! Benches: a core, a stream of vectors and a simulator.
 
 use super::vectors::Vector;
-use robovec_ir::machine::NumberFormat;
+use robovec_num::NumberFormat;
 use robovec_passes::codegen::rtl::cores::{Core, Cuts, SOURCES, SourceFile};
 use std::fmt::Write;
 use std::path::Path;

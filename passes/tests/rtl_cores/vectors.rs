@@ -1,8 +1,8 @@
 //! Operands where floating-point operators go wrong, and what must come out.
 
 use super::reference::Reference;
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::machine::NumberFormat;
+use robovec_num::NumberFormat;
+use robovec_num::arithmetic::Arithmetic;
 use robovec_passes::codegen::rtl::cores::Core;
 
 /// Operands and the result they must have, as words.

@@ -28,7 +28,7 @@ mod write;
 use super::Model;
 use crate::generate::FunctionKind;
 use robovec_ir::diagnostic::Report;
-use robovec_ir::limits::NumberLimit;
+use robovec_num::limits::NumberLimit;
 use std::fmt;
 
 pub use write::write_mbs;

@@ -3,7 +3,7 @@
 use super::NUMBER;
 use super::fields::{Fields, Messages, content, place};
 use robovec_ir::diagnostic::clip;
-use robovec_ir::limits::Amount;
+use robovec_num::limits::Amount;
 use roxmltree::Node;
 
 /// The number in an element; zero, with an error, when there is none.

@@ -9,7 +9,7 @@ use super::models::{HINGE, sphere};
 use crate::model::build::{BASE, Builder};
 use crate::model::{Axis, JointKind, Model};
 use crate::motion::State;
-use robovec_ir::double_double::Double;
+use robovec_num::double_double::Double;
 
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();

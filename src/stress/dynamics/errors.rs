@@ -11,7 +11,7 @@ use crate::generate::{Formulation, FunctionKind};
 use crate::motion::State;
 use crate::motion::linear::Matrix;
 use robovec_ir::Format;
-use robovec_ir::double_double::Double;
+use robovec_num::double_double::Double;
 
 /// The largest difference over the largest magnitude of the reference.
 pub(in super::super) fn normwise(found: &[Double], exact: &[Double]) -> f64 {

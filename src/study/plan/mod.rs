@@ -10,7 +10,7 @@ mod resolve;
 mod sweeps;
 
 use robovec_ir::Machine;
-use robovec_ir::limits::NumberLimit;
+use robovec_num::limits::NumberLimit;
 use robovec_passes::pipeline::Pipeline;
 use robovec_passes::place::{Choice, PlaceOptions, Priority};
 use serde::{Deserialize, Serialize};

@@ -6,7 +6,7 @@ use super::{ChoiceKey, DEFAULT_MACHINE, ELEMENTS, NamedMachine, PriorityKey, Req
 use crate::study::couples;
 use robovec_ir::Operation;
 use robovec_ir::diagnostic::{Diagnostic, Report, did_you_mean};
-use robovec_ir::limits::Amount;
+use robovec_num::limits::Amount;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;

@@ -2,9 +2,9 @@
 
 use super::{ATOMIC, PLACED, after, placement};
 use crate::entity::Value;
-use crate::format::{FixedFormat, Format};
 use crate::formats::Formats;
 use crate::history::{Histories, Step};
+use robovec_num::format::{FixedFormat, Format};
 
 #[test]
 fn writes_of_a_value_are_in_order() {

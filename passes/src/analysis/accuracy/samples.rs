@@ -1,9 +1,9 @@
 //! Errors of one format, state after state.
 
 use super::{ArrayError, ElementError, FormatAccuracy, Spread};
-use robovec_ir::double_double::Double;
-use robovec_ir::format::Format;
 use robovec_ir::{Output, View};
+use robovec_num::double_double::Double;
+use robovec_num::format::Format;
 
 /// Elements smaller than this part of their array's largest are zero but for
 /// rounding: 2⁻⁷⁰, far above the rounding of double-double and far below that

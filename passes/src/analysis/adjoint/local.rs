@@ -2,9 +2,9 @@
 
 use super::only_moves;
 use super::tape::Tape;
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::{Format, Operation};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{Double, DoubleDouble};
 
 /// How far the sine and cosine of the host's library can be from the true
 /// ones, relative to them, before they are rounded to the format: one unit in

@@ -37,7 +37,7 @@ pub use tape::{Slot, Tape};
 
 use partials::{Pair, secant, tangent, third};
 use robovec_ir::Operation;
-use robovec_ir::arithmetic::Binary64;
+use robovec_num::arithmetic::Binary64;
 
 /// Outputs differentiated at a time: one cache line of binary64 numbers.
 pub const LANES: usize = 8;

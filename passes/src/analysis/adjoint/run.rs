@@ -1,11 +1,11 @@
 //! A run of a function in a number format, beside the exact one.
 
 use super::{Adjoint, LANES, Lanes, Tape, Workspace, local};
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::{Double, DoubleDouble};
 use robovec_ir::evaluate::evaluate_mixed_nodes;
-use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::{Format, Function, Value};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::soft_float::FormatArithmetic;
 
 /// What a function computes in a format at one state, what it should have
 /// computed, and what every operation lost. All vectors count slots, as the

@@ -5,8 +5,8 @@
 //! operand with one index and no branch. A tape depends on the function alone
 //! and serves any number of states.
 
-use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::{Constant, Function, Input, Operand, OperandKind, Operation, Value};
+use robovec_num::arithmetic::Arithmetic;
 
 /// A function as operations over slots.
 #[derive(Clone, Debug)]

@@ -1,11 +1,11 @@
 //! Adjoints against differences, bounds and predictions against errors.
 
 use super::*;
-use robovec_ir::arithmetic::Binary32;
 use robovec_ir::formats::Formats;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Module, Value, View};
+use robovec_num::arithmetic::Binary32;
 
 const EVERYTHING: &str = "function f atomic {
   in x[1..4]
@@ -147,6 +147,61 @@ fn division_by_zero_has_no_bound_and_leaves_the_others_alone() {
     let bounds = run.bounds(&[0, 1]);
     assert_eq!(bounds[0], f64::INFINITY);
     assert!(bounds[1] > 0.0 && bounds[1] < 1e-5);
+}
+
+#[test]
+fn an_error_that_is_no_number_has_no_bound() {
+    // Infinity times zero.
+    let module = module(
+        "function f atomic {
+  in x[1..3]
+  out y
+  %a = x[1] / x[2]
+  %b = %a * x[3]
+  y = %b
+}",
+    );
+    let function = &module.functions[0];
+    let tape = Tape::new(function);
+    let run = Run::new(&tape, &Binary32, Format::BINARY32, &[3.0, 0.0, 0.0]);
+    assert_eq!(run.outputs(&[0])[0].bound, f64::INFINITY);
+    let mut blame = Blame::new(&tape);
+    blame.add(function, &run, &[0]);
+    assert_eq!(blame.refused(), 1);
+    assert_eq!(blame.share(0), 0.0);
+}
+
+#[test]
+fn bounds_of_single_operations_are_those_of_any_run() {
+    let bounds = |operation: &str, inputs: [f64; 2]| {
+        let module = module(&format!(
+            "function f atomic {{
+  in x[1..2]
+  out y
+  %a = {operation}
+  y = %a
+}}"
+        ));
+        let tape = Tape::new(&module.functions[0]);
+        Run::new(&tape, &Binary64, Format::BINARY64, &inputs).local_bounds()[0]
+    };
+    // The sine of a host is not rounded as a sum is.
+    assert!(bounds("sin(x[1])", [0.5, 0.0]) > half_ulp(Format::BINARY64, 0.5));
+    // Another run has another number where this one has a zero.
+    assert!(bounds("x[1] + x[2]", [0.5, 0.0]) > 0.0);
+    assert_eq!(bounds("x[1] + 0.0", [0.5, 0.0]), 0.0);
+}
+
+#[test]
+fn a_result_just_below_a_power_of_two_is_judged_by_the_exact_one() {
+    let module = module("function f atomic {\n in x[1..2]\n out y\n %a = x[1] * x[2]\n y = %a\n}");
+    let tape = Tape::new(&module.functions[0]);
+    let exact = vec![1.0; tape.slots()];
+    let mut computed = exact.clone();
+    computed[0] = 1.0 - 2f64.powi(-24);
+    let errors = vec![0.0; tape.slots()];
+    let found = local::bounds(&tape, |_| Format::BINARY32, [&exact, &computed, &errors]);
+    assert_eq!(found[0], half_ulp(Format::BINARY32, 1.0));
 }
 
 #[test]

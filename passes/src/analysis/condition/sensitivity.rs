@@ -1,8 +1,8 @@
 //! Derivatives along random directions.
 
 use robovec_ir::Function;
-use robovec_ir::arithmetic::Arithmetic;
 use robovec_ir::plan::Plan;
+use robovec_num::arithmetic::Arithmetic;
 
 /// How many directions are taken at a time: the estimate of one output in one
 /// state is off by about a quarter, and that of its median over some states by

@@ -11,8 +11,9 @@
 
 use super::shape::Shape;
 use crate::codegen::rtl::cores::{self, Core};
-use robovec_ir::machine::{ElementDescription, NumberFormat};
+use robovec_ir::machine::ElementDescription;
 use robovec_ir::{Format, Machine, Operation};
+use robovec_num::NumberFormat;
 use serde::Serialize;
 
 /// What a net takes, ps: the lower and the upper guess.

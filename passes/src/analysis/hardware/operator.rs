@@ -12,7 +12,7 @@ use super::Resources;
 use super::memory::bits;
 use crate::codegen::rtl::cores::{self, Core};
 use robovec_ir::Format;
-use robovec_ir::machine::NumberFormat;
+use robovec_num::NumberFormat;
 
 /// What one operator takes with so many stages.
 pub fn operator(core: Core, number: Format, stages: u32) -> Resources {

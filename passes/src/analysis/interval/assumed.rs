@@ -3,8 +3,8 @@
 use super::super::adjoint::{Slot, Tape};
 use super::Interval;
 use robovec_ir::View;
-use robovec_ir::arithmetic::Binary64;
 use robovec_ir::states::States;
+use robovec_num::arithmetic::Binary64;
 
 /// How much wider than the hull of its samples a value is assumed to range:
 /// twice, about the same middle.

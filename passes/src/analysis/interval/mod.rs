@@ -28,9 +28,9 @@ pub use number::{Enclosing, Interval};
 pub use window::Window;
 
 use super::adjoint::{Tape, half_ulp};
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::soft_float::FormatArithmetic;
 use robovec_ir::{Format, Operation};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::soft_float::FormatArithmetic;
 
 /// The usual number of operations of a window; beyond some thousand the
 /// enclosures widen faster than they tell.

@@ -8,7 +8,7 @@
 //! The library's sine and cosine are taken to be within four units in the
 //! last place, which every one in use keeps.
 
-use robovec_ir::arithmetic::Arithmetic;
+use robovec_num::arithmetic::Arithmetic;
 
 /// All numbers from one to another, both included.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -331,7 +331,7 @@ impl Arithmetic for Enclosing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_ir::double_double::{Double, DoubleDouble};
+    use robovec_num::double_double::{Double, DoubleDouble};
 
     /// Numbers of all sizes and signs, from a linear congruence.
     fn draw(state: &mut u64) -> f64 {
@@ -341,6 +341,14 @@ mod tests {
         let unit = (*state >> 11) as f64 / (1u64 << 53) as f64;
         let scale = 2f64.powi((*state % 13) as i32 - 6);
         (unit - 0.5) * scale
+    }
+
+    #[test]
+    fn quotients_by_an_interval_that_ends_at_zero_are_anything() {
+        for divisor in [Interval::new(-1.0, 0.0), Interval::new(0.0, 1.0)] {
+            let quotient = Interval::new(1.0, 2.0) / divisor;
+            assert!(quotient.contains(-1e9) && quotient.contains(1e9));
+        }
     }
 
     #[test]

@@ -98,6 +98,19 @@ fn errors_and_values_stay_inside_for_every_state_and_format() {
 }
 
 #[test]
+fn sines_of_the_host_may_be_off_by_more_than_a_rounding() {
+    let sine = Interval {
+        low: 0.5,
+        high: 0.75,
+    };
+    let format: Format = "f64".parse().expect("it is one");
+    let (range, error) = rounded(Operation::Sin, sine, format);
+    let (_, rounding) = rounded(Operation::Mul, sine, format);
+    assert!(error >= rounding + 4.0 * f64::EPSILON * 0.75);
+    assert!(range.low <= sine.low - error && range.high >= sine.high + error);
+}
+
+#[test]
 fn assumed_ranges_are_said_to_be() {
     let module = module(SAMPLE);
     let view = View {

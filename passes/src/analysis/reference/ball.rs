@@ -11,8 +11,8 @@
 //! The radii are themselves rounded; [`SLACK`] covers that for any function
 //! that fits into memory.
 
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::{DoubleDoubleLanes, DoubleLanes};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{DoubleDoubleLanes, DoubleLanes};
 
 /// Relative errors of the operations of double-double (Joldes, Muller and
 /// Popescu 2017, in units of 2⁻¹⁰⁶: 3 for a sum, 7 for a product, 15 for a
@@ -102,10 +102,11 @@ impl<const LANES: usize> Ball<LANES> {
 }
 
 /// What the end of the range can have cost a product or quotient of numbers
-/// that are not zero.
+/// that may be other than zero, and its radius, which sinks to zero as well.
 #[inline]
-fn sunk(result: f64, a: f64, b: f64) -> f64 {
-    let lost = result.abs() < SMALL && a != 0.0 && b != 0.0;
+fn sunk(result: f64, (a, a_radius): (f64, f64), (b, b_radius): (f64, f64)) -> f64 {
+    let may_be_other = (a != 0.0) | (a_radius != 0.0);
+    let lost = result.abs() < SMALL && may_be_other && (b != 0.0) | (b_radius != 0.0);
     if lost { SUNK } else { 0.0 }
 }
 
@@ -188,20 +189,20 @@ impl<const LANES: usize> Arithmetic for Balls<LANES> {
     fn mul(&self, a: Ball<LANES>, b: Ball<LANES>) -> Ball<LANES> {
         let value = DoubleDoubleLanes.mul(a.value, b.value);
         Ball::with(value, |lane| {
-            let (x, y) = (a.value.high[lane], b.value.high[lane]);
-            product((x, a.radius[lane]), (y, b.radius[lane]))
-                + value.high[lane].abs() * PRODUCT_UNIT
-                + sunk(value.high[lane], x, y)
+            let x = (a.value.high[lane], a.radius[lane]);
+            let y = (b.value.high[lane], b.radius[lane]);
+            product(x, y) + value.high[lane].abs() * PRODUCT_UNIT + sunk(value.high[lane], x, y)
         })
     }
 
     fn div(&self, a: Ball<LANES>, b: Ball<LANES>) -> Ball<LANES> {
         let value = DoubleDoubleLanes.div(a.value, b.value);
         Ball::with(value, |lane| {
-            let (x, y) = (a.value.high[lane], b.value.high[lane]);
-            quotient(value.high[lane], a.radius[lane], (y, b.radius[lane]))
+            let x = (a.value.high[lane], a.radius[lane]);
+            let y = (b.value.high[lane], b.radius[lane]);
+            quotient(value.high[lane], x.1, y)
                 + value.high[lane].abs() * UNIT
-                + sunk(value.high[lane], x, 1.0)
+                + sunk(value.high[lane], x, (1.0, 0.0))
         })
     }
 

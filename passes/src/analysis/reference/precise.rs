@@ -16,9 +16,9 @@
 use super::rounding::{from_binary64, magnitude, to_binary64};
 use super::{Exact, Kind};
 use astro_float::{BigFloat, Consts, RoundingMode};
-use robovec_ir::double_double::Double;
 use robovec_ir::plan::Plan;
 use robovec_ir::{Function, Operation};
+use robovec_num::double_double::Double;
 
 /// Bits of the first attempt: whole words of the library's.
 const FEWEST: usize = 192;

@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::analysis::adjoint::Run;
-use robovec_ir::arithmetic::Binary32;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
 use robovec_ir::{Module, View};
+use robovec_num::arithmetic::Binary32;
 
 fn module(text: &str) -> Module {
     parse_module("sample", text).expect("it is well formed")

@@ -1,8 +1,8 @@
 use super::*;
-use robovec_ir::arithmetic::Binary64;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::parse::parse_module;
 use robovec_ir::{Function, Module};
+use robovec_num::arithmetic::Binary64;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;

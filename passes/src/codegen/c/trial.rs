@@ -14,9 +14,9 @@
 use super::interface::structure;
 use super::{Options, Real, Signature};
 use crate::codegen::kind::Kind;
-use robovec_ir::arithmetic::Binary64;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Array, Input, Shape, View};
+use robovec_num::arithmetic::Binary64;
 use std::fmt::Write;
 
 /// A state, and what a function gives there.

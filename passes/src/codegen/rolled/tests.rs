@@ -258,7 +258,7 @@ fn compiled_loops_give_the_bits_of_the_evaluator() {
         .map(|_| random.below(1000) as f64 / 1000.0 + 0.25)
         .collect();
     let expected =
-        robovec_ir::evaluate::evaluate(function, &robovec_ir::arithmetic::Binary64, &inputs);
+        robovec_ir::evaluate::evaluate(function, &robovec_num::arithmetic::Binary64, &inputs);
     let numbers: Vec<String> = inputs.iter().map(|number| format!("{number:?}")).collect();
     let main = format!(
         "#include <stdio.h>\n#include <string.h>\n#include \"f.h\"\n\

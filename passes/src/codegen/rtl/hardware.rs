@@ -12,9 +12,10 @@ use super::window::Window;
 use crate::codegen::layout::{Layout, Sizes, bits};
 use crate::codegen::manifest::{Buffer, FileHash};
 use crate::codegen::traffic::Traffic;
-use robovec_ir::fnv::Fnv;
-use robovec_ir::machine::{ElementDescription, Interconnect, MemoryStyle, NumberFormat};
+use robovec_ir::machine::{ElementDescription, Interconnect, MemoryStyle};
 use robovec_ir::{Format, Machine};
+use robovec_num::NumberFormat;
+use robovec_num::fnv::Fnv;
 use serde::{Deserialize, Serialize};
 
 /// The version of the description, raised at every incompatible change.

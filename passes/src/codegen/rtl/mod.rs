@@ -34,9 +34,9 @@ use super::manifest::{FileHash, Manifest};
 use super::traffic::Traffic;
 use super::{Artifacts, ImageError};
 use cores::Core;
-use robovec_ir::fnv::Fnv;
 use robovec_ir::machine::MemoryStyle;
 use robovec_ir::{Machine, View};
+use robovec_num::fnv::Fnv;
 use std::io;
 
 /// Name of the description of the hardware, beside the Verilog files.

@@ -5,7 +5,8 @@ use super::cores::{self, Core};
 use super::error::RtlError;
 use super::text::range;
 use robovec_ir::Operation;
-use robovec_ir::machine::{ElementDescription, NumberFormat};
+use robovec_ir::machine::ElementDescription;
+use robovec_num::NumberFormat;
 use std::fmt::Write;
 
 /// A core of a kind, with its operations and their codes.

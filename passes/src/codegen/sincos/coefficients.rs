@@ -3,7 +3,7 @@
 use crate::codegen::c::Real;
 
 /// The numbers of a kernel. A test derives the polynomials anew (Remez,
-/// [`robovec_ir::trigonometry::Polynomial::minimax_behind`]) and the parts
+/// [`robovec_num::trigonometry::Polynomial::minimax_behind`]) and the parts
 /// from the digits of pi.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Constants {

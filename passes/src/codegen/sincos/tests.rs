@@ -1,8 +1,8 @@
 use super::*;
 use robovec_ir::Format;
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::{Double, DoubleDouble};
-use robovec_ir::trigonometry::{Circular, Polynomial};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::trigonometry::{Circular, Polynomial};
 
 #[test]
 fn polynomials_are_the_best_of_their_degree() {

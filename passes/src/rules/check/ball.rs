@@ -7,8 +7,8 @@
 //! products of binary64 numbers that fit into a double-double are exact, so
 //! that small numbers keep a radius of zero.
 
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{Double, DoubleDouble};
 
 /// A real number and how far it can be from there.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -11,7 +11,7 @@ use super::super::random::Random;
 use super::super::rule::Rule;
 use super::counterexample;
 use super::states::{States, numbers};
-use robovec_ir::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
 
 /// A remark on special values, with an example.
 #[derive(Clone, PartialEq, Eq, Debug)]

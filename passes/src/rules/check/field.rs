@@ -1,6 +1,6 @@
 //! Prime fields with roots that are roots and angles that are angles.
 //!
-//! The field of whole functions ([`robovec_ir::field::PrimeField`]) knows
+//! The field of whole functions ([`robovec_num::field::PrimeField`]) knows
 //! nothing of square roots, since it must be fast and total. A rule may be
 //! about roots and about sums of angles, so here a number is a pair: what it
 //! is modulo a prime `p`, and what it is as an angle, modulo another prime `r`
@@ -21,8 +21,8 @@
 
 use super::super::random::Random;
 use super::primes::{COFACTOR, primes};
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::field::Modulus;
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::field::Modulus;
 
 /// A number of a [`RuleField`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default, Debug)]

@@ -15,8 +15,8 @@ use super::facts::Facts;
 use super::field::{Residue, RuleField};
 use super::polynomial::{Polynomial, common, divide, negative, product, sum, without};
 use robovec_ir::Operation;
-use robovec_ir::arithmetic::Arithmetic;
-use robovec_ir::field::Modulus;
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::field::Modulus;
 
 /// More angles than in any rule that makes sense.
 const MOST_ANGLES: usize = 5;

@@ -137,7 +137,7 @@ impl Zeros<'_> {
         }
         let residues = self.residues.get_or_insert_with(|| {
             self.fields.map(|field| {
-                use robovec_ir::arithmetic::Arithmetic;
+                use robovec_num::arithmetic::Arithmetic;
                 let literal = |&value: &f64| field.literal(value);
                 let inputs: Vec<Residue> = self.place.values.iter().map(literal).collect();
                 self.pattern.evaluate_all(&field, &inputs)

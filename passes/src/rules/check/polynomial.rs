@@ -5,7 +5,7 @@
 //! and one polynomial divides another in all variables exactly when it does
 //! so on a line in general position.
 
-use robovec_ir::field::Modulus;
+use robovec_num::field::Modulus;
 
 /// The largest degree that is worked with.
 const HIGHEST: usize = 96;

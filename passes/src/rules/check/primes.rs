@@ -12,7 +12,7 @@
 //!   number whose denominator `r` does not divide has an inverse there.
 
 use super::super::random::Random;
-use robovec_ir::field::is_prime;
+use robovec_num::field::is_prime;
 
 /// What divides `p + 1` beside `r`.
 pub(super) const COFACTOR: u64 = 2_042_040;
@@ -32,7 +32,7 @@ pub(super) fn primes(random: &mut Random) -> (u64, u64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_ir::field::Modulus;
+    use robovec_num::field::Modulus;
 
     #[test]
     fn primes_have_the_form_that_rules_need() {

@@ -9,7 +9,7 @@ use super::super::check::{Residue, RuleField};
 use super::super::pattern::{Pattern, PatternNode, apply};
 use hashbrown::HashMap;
 use robovec_ir::Operation::{self, Add, Cos, Mul, Sin, Sub};
-use robovec_ir::arithmetic::Arithmetic;
+use robovec_num::arithmetic::Arithmetic;
 
 /// Which terms are tried.
 #[derive(Clone, PartialEq, Debug)]

@@ -2,8 +2,8 @@
 
 use super::super::random::Random;
 use super::super::rule::{Requirement, Rule};
-use robovec_ir::arithmetic::{Arithmetic, Binary32};
-use robovec_ir::double_double::{Double, DoubleDouble};
+use robovec_num::arithmetic::{Arithmetic, Binary32};
+use robovec_num::double_double::{Double, DoubleDouble};
 
 /// Errors of one side, in units in the last place of binary32.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]

@@ -11,7 +11,7 @@
 mod steps;
 
 use robovec_ir::Operation;
-use robovec_ir::machine::NumberFormat;
+use robovec_num::NumberFormat;
 pub use steps::Step;
 
 /// A floating-point operator in hardware.

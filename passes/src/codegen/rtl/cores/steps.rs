@@ -10,7 +10,7 @@
 //! same order; the tests of latency in simulation fail otherwise.
 
 use super::Core;
-use robovec_ir::machine::NumberFormat;
+use robovec_num::NumberFormat;
 
 /// A step of an operator: what stands between two neighbouring cuts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -1,6 +1,6 @@
 //! Operands that find mistakes: every kind of number beside random ones.
 
-use crate::machine::NumberFormat;
+use crate::NumberFormat;
 
 /// A random sequence (splitmix64, Steele, Lea and Flood 2014).
 pub(super) struct Random(pub(super) u64);

@@ -58,35 +58,3 @@ where
         self.arithmetic.fnma(a, b, c)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::arithmetic::Binary32;
-    use crate::evaluate::evaluate;
-    use crate::parse::parse_module;
-
-    #[test]
-    fn sines_come_from_the_unit_and_the_rest_does_not() {
-        let text = "function f equations {
-          meta trigonometry \"cordic(iterations=8 bits=12)\"
-          in q
-          out o[1..3]
-          o[1] = sin(q)
-          o[2] = cos(q)
-          o[3] = q*q
-        }";
-        let module = parse_module("f", text).expect("it is well formed");
-        let function = &module.functions[0];
-        let unit = Unit::of(function).expect("it is named").expect("it is one");
-        let arithmetic = WithTrigonometry {
-            arithmetic: Binary32,
-            unit: &unit,
-        };
-        let found = evaluate(function, &arithmetic, &[0.7f32]);
-        let expected = unit.sine_and_cosine(f64::from(0.7f32));
-        assert_eq!(found[..2], expected.map(|number| number as f32));
-        assert_eq!(found[2], 0.7f32 * 0.7f32);
-        assert_ne!(found[0], 0.7f32.sin());
-    }
-}

@@ -1,8 +1,8 @@
 //! The one rounding that makes a result a number of its format.
 
 use super::exact::Exact;
+use crate::NumberFormat;
 use crate::format::{FixedFormat, Format};
-use crate::machine::NumberFormat;
 
 /// The most bits behind the leading one for which binary64 rounded to odd
 /// carries enough.

@@ -62,14 +62,14 @@ impl CircleField {
             plain,
             generator: (0, 0),
         };
-        // Four times a point of the circle lies in the subgroup of order r;
-        // it generates it unless it is the neutral point.
+        // A point of the circle 24 times lies in the subgroup of order r; it
+        // generates it unless it is the neutral point.
         let neutral = (plain.prime.field.one(), 0);
         let generator = (0..)
             .map(|trial| {
                 let point = plain.circle_point(plain.draw(trial, Role::Generator));
-                let twice = field.add_points(point, point);
-                field.add_points(twice, twice)
+                let thrice = field.add_points(field.add_points(point, point), point);
+                (0..3).fold(thrice, |sum, _| field.add_points(sum, sum))
             })
             .find(|&point| point != neutral)
             .expect("nearly every point of the circle leads to a generator");

@@ -5,8 +5,8 @@
 //! complement of its multiple of the unit.
 
 use super::FormatArithmetic;
+use crate::NumberFormat;
 use crate::format::{FixedFormat, Format};
-use crate::machine::NumberFormat;
 
 impl FormatArithmetic {
     /// The word of a number of the format, in its lowest [`Format::width`]

@@ -39,9 +39,9 @@ mod rounding;
 mod tests;
 mod word;
 
+use crate::NumberFormat;
 use crate::arithmetic::Arithmetic;
 use crate::format::Format;
-use crate::machine::NumberFormat;
 use rounding::Rounding;
 
 /// The arithmetic of one format.

@@ -3,10 +3,9 @@
 use super::cordic::Cordic;
 use super::kernel::{Kernel, fixed, half_unit, product};
 use super::reduction::{self, FRACTION, reduce};
-use super::{Implementation, ImplementationError, KEY, WithTrigonometry};
+use super::{Implementation, ImplementationError, WithTrigonometry};
 use crate::arithmetic::Arithmetic;
 use crate::double_double::{Double, DoubleDouble};
-use crate::function::Function;
 use std::f64::consts::FRAC_PI_4;
 
 /// An implementation with its constants.
@@ -68,14 +67,13 @@ impl Unit {
         })
     }
 
-    /// The unit that a function's metadata names; `None` when it names none.
+    /// The unit of a name.
     ///
     /// # Errors
     ///
     /// When the name is that of no implementation.
-    pub fn of(function: &Function) -> Option<Result<Unit, ImplementationError>> {
-        let name = function.metadata(KEY)?;
-        Some(name.parse().and_then(Unit::new))
+    pub fn named(name: &str) -> Result<Unit, ImplementationError> {
+        name.parse().and_then(Unit::new)
     }
 
     /// What it implements.

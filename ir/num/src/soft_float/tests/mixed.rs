@@ -2,9 +2,9 @@
 
 use super::operands::{Random, any, near, special};
 use super::reference::{quad_of, rounded};
+use crate::NumberFormat;
 use crate::arithmetic::Arithmetic;
 use crate::format::Format;
-use crate::machine::NumberFormat;
 use crate::soft_float::FormatArithmetic;
 use rustc_apfloat::ieee::Quad;
 use rustc_apfloat::{Float, Round, StatusAnd};

@@ -14,8 +14,7 @@ mod field;
 
 pub use field::{LimitedField, deserialize};
 
-use crate::machine;
-
+use std::borrow::Cow;
 use std::fmt;
 
 /// A number as a user writes it.
@@ -102,7 +101,7 @@ impl NumberLimit {
 
     /// What to tell the user about a number that is not allowed, as written.
     pub fn refusal(&self, written: &str) -> String {
-        let written = crate::diagnostic::clip(written);
+        let written = clip(written);
         format!(
             "{written} is not allowed: {self}, since {reason}",
             reason = self.reason
@@ -147,11 +146,20 @@ impl NumberLimit {
     }
 }
 
+/// A piece of the user's text for use in a message: at most 60 characters,
+/// with an ellipsis where it was cut.
+pub fn clip(text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(60) {
+        None => Cow::Borrowed(text),
+        Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
+    }
+}
+
 /// A word that is no number stands in quotation marks.
 fn quoted(text: &str) -> String {
     match text.parse::<f64>() {
         Ok(_) => text.to_owned(),
-        Err(_) => format!("'{}'", crate::diagnostic::clip(text)),
+        Err(_) => format!("'{}'", clip(text)),
     }
 }
 
@@ -193,11 +201,6 @@ pub struct LimitRow {
     pub limit: NumberLimit,
     /// What it is when nobody says; empty when it must be given.
     pub usual: String,
-}
-
-/// The limits of machine files.
-pub fn machine_rows() -> Vec<LimitRow> {
-    rows("machine file", machine::fields::FIELDS)
 }
 
 /// The limits of the fields of a kind of file, for the table.

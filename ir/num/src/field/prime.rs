@@ -10,10 +10,10 @@
 //! multiplication without trial division", Mathematics of Computation 44,
 //! 1985).
 //!
-//! **Invariant.** Every prime is below 2⁶¹ and of the form `4r − 1` with `r`
+//! **Invariant.** Every prime is below 2⁶¹ and of the form `24r − 1` with `r`
 //! prime: −1 is then no square, so that every angle has its point on the
-//! circle, and the points of the circle have a subgroup of the prime order
-//! `r`, in which angles add up ([`super::CircleField`]).
+//! circle, 2 and 3 are squares, and the points of the circle have a subgroup of the prime
+//! order `r`, in which angles add up ([`super::CircleField`]).
 
 use super::mix;
 
@@ -154,23 +154,38 @@ impl Modulus {
     }
 }
 
-/// A prime of the form `4r − 1` with `r` prime, between 2⁶⁰ and 2⁶¹.
+/// So many numbers can be made squares: each halves the primes that will do.
+pub const MAX_RADICANDS: usize = 6;
+
+/// A prime of the form `24r − 1` with `r` prime, between 2⁶⁰ and 2⁶¹.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Prime {
     pub(super) field: Modulus,
     /// The order `r` of the subgroup of the circle.
     pub(super) order: Modulus,
+    /// Squares that the prime was drawn for, and their roots, which are
+    /// squares too; pairs of zeros behind the last.
+    pub(super) roots: [(u64, u64); MAX_RADICANDS],
 }
 
 impl Prime {
     /// Two different primes, the same for the same seed. Costs some hundred
     /// microseconds.
     pub fn pair(seed: u64) -> [Prime; 2] {
-        let first = Prime::draw(mix(seed));
+        Prime::pair_for(seed, &[])
+    }
+
+    /// As [`Prime::pair`], but the first [`MAX_RADICANDS`] of these positive
+    /// numbers are squares modulo both primes, and the fields know their roots.
+    /// The root of a product is the product of roots then, as it is of real
+    /// numbers. Costs a millisecond per prime for all of them.
+    pub fn pair_for(seed: u64, radicands: &[f64]) -> [Prime; 2] {
+        let radicands = &radicands[..radicands.len().min(MAX_RADICANDS)];
+        let first = Prime::draw(mix(seed), radicands);
         let mut salt = mix(seed ^ 0x5eed_0002);
         loop {
-            let second = Prime::draw(salt);
-            if second != first {
+            let second = Prime::draw(salt, radicands);
+            if second.field != first.field {
                 return [first, second];
             }
             salt = mix(salt);
@@ -182,24 +197,82 @@ impl Prime {
         self.field.modulus
     }
 
-    /// The first prime of the form at or after a random place.
-    fn draw(bits: u64) -> Prime {
-        const LOWEST: u64 = 1 << 58;
-        let mut order = LOWEST | bits >> 7 | 1;
-        loop {
-            let modulus = 4 * order - 1;
-            if !has_small_divisor(modulus) && is_prime(order) && is_prime(modulus) {
+    /// The first prime of the form at or after a random place modulo which
+    /// the numbers are squares.
+    fn draw(bits: u64, mut radicands: &[f64]) -> Prime {
+        // 24 times either is between 2⁶⁰ and 2⁶¹.
+        const LOWEST: u64 = 3 << 54;
+        const HIGHEST: u64 = 4 << 54;
+        // One in 400 candidates is prime, and one in 2⁶ of those has six
+        // squares; numbers of which never all are squares lose the last.
+        const PATIENCE: u32 = 1 << 21;
+        let mut order = LOWEST + (bits >> 10) | 1;
+        for candidate in 1u32.. {
+            if candidate.is_multiple_of(PATIENCE) {
+                radicands = radicands.split_last().map_or(&[], |(_, rest)| rest);
+            }
+            let modulus = 24 * order - 1;
+            let is_wanted = !has_small_divisor(modulus)
+                && !has_small_divisor(order)
+                && radicands
+                    .iter()
+                    .all(|&number| may_be_square(number, modulus));
+            if is_wanted && is_prime(order) && is_prime(modulus) {
+                let field = Modulus::new(modulus);
+                let mut roots = [(0, 0); MAX_RADICANDS];
+                for (place, &number) in roots.iter_mut().zip(radicands) {
+                    let square = field.literal(number);
+                    // Of the two roots the one that is a square itself.
+                    let root = field.power(square, 6 * order);
+                    assert_eq!(field.mul(root, root), square, "the number is a square");
+                    *place = (square, root);
+                }
                 return Prime {
-                    field: Modulus::new(modulus),
+                    field,
                     order: Modulus::new(order),
+                    roots,
                 };
             }
             order += 2;
-            if order >= 2 * LOWEST {
+            if order >= HIGHEST {
                 order = LOWEST | 1;
             }
         }
+        unreachable!("there are primes of every form")
     }
+}
+
+/// Whether a positive number is a square modulo a number that is prime: its
+/// Jacobi symbol is 1.
+fn may_be_square(number: f64, modulus: u64) -> bool {
+    let bits = number.to_bits();
+    let fraction = bits & ((1 << 52) - 1);
+    let mantissa = match bits >> 52 {
+        0 => fraction,
+        _ => fraction | 1 << 52,
+    };
+    let odd = mantissa >> mantissa.trailing_zeros();
+    // The number 2 is a square, and so are its powers.
+    jacobi(odd, modulus) == 1
+}
+
+/// The Jacobi symbol of two odd numbers (H. Cohen, *A Course in Computational
+/// Algebraic Number Theory*, 1993, algorithm 1.4.10).
+fn jacobi(mut above: u64, mut below: u64) -> i32 {
+    let mut sign = 1;
+    above %= below;
+    while above != 0 {
+        let twos = above.trailing_zeros();
+        above >>= twos;
+        if twos % 2 == 1 && matches!(below % 8, 3 | 5) {
+            sign = -sign;
+        }
+        if above % 4 == 3 && below % 4 == 3 {
+            sign = -sign;
+        }
+        (above, below) = (below % above, above);
+    }
+    if below == 1 { sign } else { 0 }
 }
 
 /// Rules out nearly all composite numbers cheaply.
@@ -262,7 +335,7 @@ mod tests {
             assert_ne!(first.modulus(), second.modulus());
             for prime in [first, second] {
                 assert!((1 << 60..1 << 61).contains(&prime.modulus()));
-                assert_eq!(prime.modulus(), 4 * prime.order.modulus() - 1);
+                assert_eq!(prime.modulus(), 24 * prime.order.modulus() - 1);
                 assert!(slowly(prime.modulus()) && slowly(prime.order.modulus()));
             }
         }
@@ -280,6 +353,21 @@ mod tests {
             assert!(!is_prime(number), "{number}");
         }
         assert!(is_prime((1 << 61) - 1));
+    }
+
+    #[test]
+    fn radicands_are_squares_and_their_roots_multiply() {
+        let numbers = [0.1, 2.0, 3.0, 0.2, 1e300, 5e-324];
+        for prime in Prime::pair_for(5, &numbers) {
+            let field = prime.field;
+            for (&number, (square, root)) in numbers.iter().zip(prime.roots) {
+                assert_eq!(square, field.literal(number));
+                assert_eq!(field.mul(root, root), square);
+            }
+            // 0.2 is twice 0.1 in binary64.
+            let [tenth, two, _, fifth, ..] = prime.roots.map(|(_, root)| root);
+            assert_eq!(field.mul(tenth, two), fifth);
+        }
     }
 
     #[test]

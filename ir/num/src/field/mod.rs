@@ -31,7 +31,7 @@ mod circle;
 mod prime;
 
 pub use circle::{Angular, CircleField};
-pub use prime::{Modulus, Prime, is_prime};
+pub use prime::{MAX_RADICANDS, Modulus, Prime, is_prime};
 
 use crate::arithmetic::Arithmetic;
 
@@ -193,6 +193,10 @@ impl PrimeField {
     /// looks like one by accident.
     fn exact_root(&self, a: u64) -> Option<u64> {
         let field = &self.prime.field;
+        let known = self.prime.roots.iter().find(|(square, _)| *square == a);
+        if let Some(&(_, root)) = known {
+            return Some(root);
+        }
         (-15..=15).find_map(|exponent: i32| {
             let scale = field.literal(f64::from(exponent).exp2());
             let shrink = field.literal(f64::from(-2 * exponent).exp2());

@@ -7,12 +7,27 @@
 //! `fixed(12,19)` for a sign, 12 bits before the point and 19 behind it. The
 //! thesis calls formats between and below the IEEE ones *customised* (1.1).
 
-use crate::machine::NumberFormat;
+pub mod fields;
+
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
+
+/// A binary floating-point format.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NumberFormat {
+    /// Width of the exponent, in bits.
+    #[serde(deserialize_with = "fields::exponent::deserialize")]
+    pub exponent: u32,
+    /// Width of the stored mantissa, in bits.
+    #[serde(deserialize_with = "fields::mantissa::deserialize")]
+    pub mantissa: u32,
+    /// Whether subnormal numbers are kept (true) or flushed to zero.
+    pub subnormals: bool,
+}
 
 /// A number format.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]

@@ -4,9 +4,9 @@ use super::operands::{Random, any, near, special};
 use super::reference::{
     Other, converted, flushed, flushed_result, is_root, is_small, read, widened, written,
 };
+use crate::NumberFormat;
 use crate::arithmetic::Arithmetic;
 use crate::format::Format;
-use crate::machine::NumberFormat;
 use crate::soft_float::FormatArithmetic;
 use rustc_apfloat::{Float, Round};
 

@@ -49,7 +49,7 @@ impl Operation {
 
     /// How many operands the operation takes: 1 to [`Operand::MOST`].
     ///
-    /// [`Operand::MOST`]: crate::Operand::MOST
+    ///
     #[inline]
     pub fn arity(self) -> usize {
         match self {

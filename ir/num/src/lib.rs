@@ -1,0 +1,22 @@
+//! Numbers and what is computed with them, below everything that knows what a
+//! function is.
+//!
+//! The [`operation`]s, the [`arithmetic`] trait that evaluation is generic
+//! over, and its kinds of number: IEEE formats of any width ([`format`],
+//! [`soft_float`]), numbers of twice the length ([`double_double`]), prime
+//! fields ([`field`]), and sine and cosine by series ([`trigonometry`]).
+
+pub mod arithmetic;
+pub mod batch;
+pub mod double_double;
+pub mod field;
+pub mod fnv;
+pub mod format;
+pub mod limits;
+pub mod operation;
+pub mod soft_float;
+pub mod trigonometry;
+
+pub use format::{FixedFormat, Format, NumberFormat};
+pub use limits::{Amount, LimitRow, NumberLimit};
+pub use operation::Operation;
