@@ -18,6 +18,8 @@ mod agreement;
 mod check;
 mod cli;
 mod codegen_c;
+mod commands;
+mod determinism;
 mod docs;
 mod drop_in;
 mod exact_outputs;
