@@ -20,4 +20,4 @@ for file in "$@"; do
 done
 here=$(cd "$(dirname "$0")/.." && pwd)
 ROBOVEC_C_FILES=$files cargo test --quiet --manifest-path "$here/Cargo.toml" \
-    --test against_gcc files_elsewhere -- --ignored --nocapture
+    --workspace --test all against_gcc::files_elsewhere -- --ignored --nocapture

@@ -4,13 +4,11 @@
 //! refused; the examples; and the examples changed at random. The same with
 //! Python, and with Matlab where there is an Octave.
 
-mod compiled;
-mod mutation;
-
-use compiled::{
+use crate::compiled::{
     Outcome, Subject, compare, compare_octave, compare_python, compare_within, has_gcc,
 };
-use mutation::Mutator;
+use crate::mutation::Mutator;
+use crate::support::files::{compare_with_record, tree};
 use robovec::robotran::{Language, read};
 use std::path::{Path, PathBuf};
 
@@ -63,25 +61,16 @@ fn verdicts(functions: &[(String, String)], language: Language) -> String {
     text
 }
 
-fn settings() -> insta::Settings {
-    let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path("semantics");
-    settings.set_prepend_module_to_snapshot(false);
-    settings.set_omit_expression(true);
-    settings
-}
-
 #[test]
 fn every_construct_is_read_or_refused_with_its_place() {
-    settings().bind(|| {
-        let c = functions("c.txt", in_c);
-        assert!(c.len() > 120);
-        insta::assert_snapshot!("c", verdicts(&c, Language::C));
-        let matlab = functions("matlab.txt", in_matlab);
-        insta::assert_snapshot!("matlab", verdicts(&matlab, Language::Matlab));
-        let python = functions("python.txt", in_python);
-        insta::assert_snapshot!("python", verdicts(&python, Language::Python));
-    });
+    let folder = tree("tests/semantics");
+    let c = functions("c.txt", in_c);
+    assert!(c.len() > 120);
+    compare_with_record(&folder, "c", &verdicts(&c, Language::C));
+    let matlab = functions("matlab.txt", in_matlab);
+    compare_with_record(&folder, "matlab", &verdicts(&matlab, Language::Matlab));
+    let python = functions("python.txt", in_python);
+    compare_with_record(&folder, "python", &verdicts(&python, Language::Python));
 }
 
 #[test]

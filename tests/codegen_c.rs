@@ -1,10 +1,6 @@
 //! Generated C, compiled, against the evaluator, bit for bit.
 
-#[path = "simulate/naive.rs"]
-#[allow(dead_code)]
-mod naive;
-
-use naive::Random;
+use crate::simulate::naive::{self, Random};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{
     Array, Assignment, Constant, Function, Input, Level, Machine, Module, Name, Node, Operand,

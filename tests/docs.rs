@@ -12,7 +12,7 @@ fn the_manual_of_passes_is_up_to_date() {
     let written = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(
         written == manual,
-        "docs/passes.md is not up to date; INSTA_UPDATE=always cargo test --test docs writes it"
+        "docs/passes.md is not up to date; INSTA_UPDATE=always cargo test --workspace --test all docs:: writes it"
     );
 }
 
@@ -26,6 +26,6 @@ fn the_table_of_limits_is_up_to_date() {
     let written = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(
         written == manual,
-        "docs/limits.md is not up to date; INSTA_UPDATE=always cargo test --test docs writes it"
+        "docs/limits.md is not up to date; INSTA_UPDATE=always cargo test --workspace --test all docs:: writes it"
     );
 }

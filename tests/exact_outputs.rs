@@ -3,7 +3,7 @@
 //! binary64 number. With the feature `mpfr` also with GNU MPFR at 400 bits, on
 //! all models:
 //!
-//!     cargo test --features mpfr --test exact_outputs
+//!     cargo test --features mpfr --test all exact_outputs::
 
 use astro_float::{BigFloat, Consts, RoundingMode};
 use robovec::generate::{FunctionKind, Request, generate};

@@ -1,9 +1,6 @@
 //! `robovec gen` and `robovec-opt` on models, as a user meets them.
 
-#[path = "support/programs.rs"]
-mod programs;
-
-use programs::{model, robovec};
+use crate::support::programs::{model, robovec};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,10 +1,11 @@
 //! Models: the examples are what the program writes, and every mistake in a
 //! file is told with its place and with what to do.
 
+use crate::support::files::{compare_with_record, each, list, name};
 use robovec::model::family::Family;
 use robovec::model::mbs::{JOINT_LIMIT, read_mbs, write_mbs};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 fn root() -> &'static Path {
@@ -19,21 +20,6 @@ fn robovec(arguments: &[&str]) -> Output {
 }
 
 /// The `.mbs` files of a folder, sorted.
-fn models(folder: &str) -> Vec<PathBuf> {
-    let entries = fs::read_dir(root().join(folder)).expect("the folder exists");
-    let mut paths: Vec<PathBuf> = entries
-        .map(|entry| entry.expect("it can be listed").path())
-        .filter(|path| path.extension().is_some_and(|extension| extension == "mbs"))
-        .collect();
-    paths.sort();
-    paths
-}
-
-fn file_name(path: &Path) -> String {
-    let name = path.file_name().expect("a file");
-    name.to_string_lossy().into_owned()
-}
-
 /// `semi-serial-23` is 23 joints of a family; a family of one size is its own
 /// name.
 fn family_of(stem: &str) -> (Family, Option<usize>) {
@@ -83,9 +69,9 @@ fn the_examples_are_what_the_command_writes() {
         let model = family.build(joints.unwrap_or_default(), 1);
         assert!(read.model == model, "{stem}");
     }
-    let there: Vec<String> = models("examples/models")
+    let there: Vec<String> = list("examples/models", &["mbs"])
         .iter()
-        .map(|path| file_name(path))
+        .map(|path| name(path))
         .collect();
     let expected: Vec<String> = stems.iter().map(|stem| format!("{stem}.mbs")).collect();
     assert_eq!(there, expected);
@@ -93,9 +79,9 @@ fn the_examples_are_what_the_command_writes() {
 
 #[test]
 fn mistakes_are_told_with_place_and_advice() {
-    for path in models("tests/models/errors") {
-        let bytes = fs::read(&path).expect("it can be read");
-        let name = file_name(&path);
+    each("tests/models/errors", &["mbs"], |path| {
+        let bytes = fs::read(path).expect("it can be read");
+        let name = name(path);
         let shown = match read_mbs(&name, &bytes) {
             Ok(read) if read.warnings.is_empty() => panic!("{name}: nothing is wrong"),
             Ok(read) => {
@@ -108,12 +94,9 @@ fn mistakes_are_told_with_place_and_advice() {
                 error.report.render_plain()
             }
         };
-        let mut settings = insta::Settings::clone_current();
-        settings.set_snapshot_path(path.parent().expect("a folder").join("snapshots"));
-        settings.set_prepend_module_to_snapshot(false);
-        settings.set_omit_expression(true);
-        settings.bind(|| insta::assert_snapshot!(name, shown.trim_end()));
-    }
+        let folder = path.parent().expect("a folder");
+        compare_with_record(&folder.join("snapshots"), &name, shown.trim_end());
+    });
 }
 
 #[test]
@@ -121,7 +104,7 @@ fn a_refused_model_exits_with_1_and_writes_nothing() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let result = folder.path().join("result");
     let result = result.to_str().expect("a plain name");
-    for path in models("tests/models/errors") {
+    for path in list("tests/models/errors", &["mbs"]) {
         let bytes = fs::read(&path).expect("it can be read");
         if read_mbs("m", &bytes).is_ok() {
             continue;

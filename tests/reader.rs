@@ -1,6 +1,7 @@
 //! The reader of Robotran's files: what it makes of good files, what it says
 //! about bad ones, and that no text makes it panic or hang.
 
+use crate::support::files::{self, each};
 use robovec::robotran::{Language, Read, ReadError, read};
 use robovec_ir::count::Counts;
 use robovec_ir::parse::parse_module;
@@ -22,28 +23,19 @@ fn load(path: &Path) -> (String, Vec<u8>) {
     )
 }
 
-/// Compares with the snapshot beside the file.
+/// Compares with what is recorded for the file.
 fn compare(path: &Path, text: &str) {
-    let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path(
-        path.parent()
-            .expect("files lie in folders")
-            .join("snapshots"),
+    let folder = path.parent().expect("files lie in folders");
+    files::compare_with_record(
+        &folder.join("snapshots"),
+        &files::name(path),
+        text.trim_end(),
     );
-    settings.set_prepend_module_to_snapshot(false);
-    settings.remove_snapshot_suffix();
-    settings.set_omit_expression(true);
-    settings.remove_input_file();
-    let name = path
-        .file_name()
-        .expect("glob gives files")
-        .to_string_lossy();
-    settings.bind(|| insta::assert_snapshot!(name.into_owned(), text.trim_end()));
 }
 
 #[test]
 fn files_become_modules() {
-    insta::glob!("parse/*.{c,m,py}", |path| {
+    each("tests/parse", &["c", "m", "py"], |path| {
         let (name, bytes) = load(path);
         let text = match read(&name, &bytes, None) {
             Ok(read) => print_module(&read.module) + "\n" + &read.warnings.render_plain(),
@@ -69,7 +61,7 @@ fn modules_keep_the_invariants_and_survive_their_text() {
 
 #[test]
 fn bad_files_are_refused_with_places() {
-    insta::glob!("errors/robotran/*.{c,m,py,txt}", |path| {
+    each("tests/errors/robotran", &["c", "m", "py", "txt"], |path| {
         let (name, bytes) = load(path);
         let error = read(&name, &bytes, None).expect_err("the file is bad");
         assert!(error.report.has_errors());

@@ -4,14 +4,9 @@
 //! Where a tool is missing, a line on the standard error says so and nothing
 //! is checked with it.
 
-#[path = "support/programs.rs"]
-mod programs;
-
-mod rtl_support;
-
-use programs::{model, robovec};
+use crate::rtl_support::{Loaded, is_there, replace};
+use crate::support::programs::{model, robovec};
 use robovec::rtl::{CheckFailure, Door, Tool, check};
-use rtl_support::{Loaded, is_there, replace};
 use std::fs;
 use std::path::Path;
 

@@ -1,10 +1,7 @@
 //! Another program on hardware that is there: what `robovec rtl --fits` says,
 //! writes and runs.
 
-#[path = "support/programs.rs"]
-mod programs;
-
-use programs::{model, robovec};
+use crate::support::programs::{model, robovec};
 use robovec::rtl::Tool;
 use std::process::Output;
 

@@ -1,6 +1,7 @@
 //! `robovec rules` on the files of tests/rules: what it prints stands beside
 //! each file. Bless with INSTA_UPDATE=always.
 
+use crate::support::files::{compare_with_record, each, list, name, stem};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -32,22 +33,11 @@ fn both(output: &Output) -> String {
 
 #[test]
 fn files_of_rules_are_checked_as_their_snapshots_say() {
-    let folder = file("");
-    let mut names: Vec<String> = std::fs::read_dir(&folder)
-        .expect("the folder")
-        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .filter(|name| name.ends_with(".rules"))
-        .collect();
-    names.sort();
-    assert!(names.len() >= 3);
-    for name in names {
-        let mut settings = insta::Settings::clone_current();
-        settings.set_snapshot_path(&folder);
-        settings.set_prepend_module_to_snapshot(false);
-        settings.set_omit_expression(true);
-        let shown = both(&rules(&["check", &name]));
-        settings.bind(|| insta::assert_snapshot!(name.trim_end_matches(".rules"), shown));
-    }
+    assert!(list("tests/rules", &["rules"]).len() >= 3);
+    each("tests/rules", &["rules"], |path| {
+        let shown = both(&rules(&["check", &name(path)]));
+        compare_with_record(&file(""), &stem(path), &shown);
+    });
 }
 
 #[test]

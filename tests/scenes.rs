@@ -1,6 +1,7 @@
 //! Scenes: what is compiled for them is small, right, and told; what is wrong
 //! in them is told too.
 
+use crate::support::files::{compare_with_record, each, stem, tree};
 use robovec::generate::{Formulation, FunctionKind, Options, Request, generate};
 use robovec::scene::{PIPELINE, SceneFile, Subject, USUAL, read};
 use robovec_ir::count::Counts;
@@ -385,21 +386,12 @@ fn a_scene_is_told() {
 
 #[test]
 fn scenes_that_are_wrong_are_refused_with_a_caret() {
-    insta::glob!("scenes/errors/*.toml", |path| {
+    each("tests/scenes/errors", &["toml"], |path| {
         let output = robovec(&["scene", &path.to_string_lossy()]);
         assert_eq!(output.status.code(), Some(1));
         assert!(output.stdout.is_empty());
-        let mut settings = insta::Settings::clone_current();
-        settings.set_snapshot_path("scenes/errors");
-        settings.set_prepend_module_to_snapshot(false);
-        let name = path
-            .file_stem()
-            .expect("a name")
-            .to_string_lossy()
-            .into_owned();
-        settings.bind(|| {
-            insta::assert_snapshot!(name, String::from_utf8_lossy(&output.stderr));
-        });
+        let told = String::from_utf8_lossy(&output.stderr);
+        compare_with_record(&tree("tests/scenes/errors"), &stem(path), &told);
     });
 }
 

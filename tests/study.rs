@@ -1,6 +1,7 @@
 //! `robovec study`: results of a small plan, what is drawn and written, what
 //! is left of an interrupted run, and messages about plans that are wrong.
 
+use crate::support::files::{compare_with_record, each, stem, tree};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -47,43 +48,39 @@ fn a_small_plan_gives_these_numbers() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     run_small(folder, &[]);
-    let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path("study/plans");
-    settings.set_prepend_module_to_snapshot(false);
-    settings.bind(|| {
-        for table in [
-            "programs",
-            "points",
-            "table-2.2",
-            "table-3.1",
-            "knee",
-            "split",
-            "errors",
-        ] {
-            let text = read(&folder.join(format!("tables/{table}.csv")));
-            insta::assert_snapshot!(table, text);
-        }
-        for figure in ["cycles-suspension", "rate-chain", "memory-suspension"] {
-            let text = read(&folder.join(format!("figures/{figure}.csv")));
-            insta::assert_snapshot!(figure, text);
-        }
-        let results = read(&folder.join("results.json"));
-        let mut results: serde_json::Value = serde_json::from_str(&results).expect("JSON");
-        let points = results["points"].as_array_mut().expect("a list of points");
-        for kind in points
-            .iter_mut()
-            .flat_map(|point| point["kinds"].as_array_mut().into_iter().flatten())
-        {
-            let curve = kind["occupation"].as_array().expect("a curve");
-            assert_eq!(curve.len(), 201);
-            kind.as_object_mut()
-                .expect("an object")
-                .remove("occupation");
-        }
-        points.truncate(3);
-        let text = serde_json::to_string_pretty(&results).expect("JSON");
-        insta::assert_snapshot!("results", text);
-    });
+    let recorded = tree("tests/study/plans");
+    for table in [
+        "programs",
+        "points",
+        "table-2.2",
+        "table-3.1",
+        "knee",
+        "split",
+        "errors",
+    ] {
+        let text = read(&folder.join(format!("tables/{table}.csv")));
+        compare_with_record(&recorded, table, &text);
+    }
+    for figure in ["cycles-suspension", "rate-chain", "memory-suspension"] {
+        let text = read(&folder.join(format!("figures/{figure}.csv")));
+        compare_with_record(&recorded, figure, &text);
+    }
+    let results = read(&folder.join("results.json"));
+    let mut results: serde_json::Value = serde_json::from_str(&results).expect("JSON");
+    let points = results["points"].as_array_mut().expect("a list of points");
+    for kind in points
+        .iter_mut()
+        .flat_map(|point| point["kinds"].as_array_mut().into_iter().flatten())
+    {
+        let curve = kind["occupation"].as_array().expect("a curve");
+        assert_eq!(curve.len(), 201);
+        kind.as_object_mut()
+            .expect("an object")
+            .remove("occupation");
+    }
+    points.truncate(3);
+    let text = serde_json::to_string_pretty(&results).expect("JSON");
+    compare_with_record(&recorded, "results", &text);
 }
 
 #[test]
@@ -182,24 +179,15 @@ fn the_command_line_chooses_among_models_pipelines_and_numbers() {
 
 #[test]
 fn plans_that_are_wrong_are_refused_with_a_caret() {
-    insta::glob!("study/errors/*.toml", |path| {
+    each("tests/study/errors", &["toml"], |path| {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let results = folder.path().join("results");
         let output = study(path, &results, &[]);
         assert_eq!(output.status.code(), Some(1));
         let left = results.join("results.json").exists() || results.join("report.html").exists();
         assert!(!left, "something was written");
-        let mut settings = insta::Settings::clone_current();
-        settings.set_snapshot_path("study/errors");
-        settings.set_prepend_module_to_snapshot(false);
-        let name = path
-            .file_stem()
-            .expect("a name")
-            .to_string_lossy()
-            .into_owned();
-        settings.bind(|| {
-            insta::assert_snapshot!(name, String::from_utf8_lossy(&output.stderr));
-        });
+        let told = String::from_utf8_lossy(&output.stderr);
+        compare_with_record(&tree("tests/study/errors"), &stem(path), &told);
     });
 }
 

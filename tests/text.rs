@@ -1,6 +1,7 @@
 //! The text form: reading and printing are inverse at every level, and what
 //! is wrong with a text is said with a caret under the place.
 
+use crate::support::files::{compare_with_record, each, name, tree};
 use robovec_ir::diagnostic::Report;
 use robovec_ir::parse::parse_module;
 use robovec_ir::print::print_module;
@@ -19,7 +20,7 @@ fn parse(name: &str, text: &str) -> Module {
 #[test]
 fn printed_text_reads_and_prints_the_same() {
     let mut levels = Vec::new();
-    insta::glob!("text/*.rvir", |path| {
+    each("tests/text", &["rvir"], |path| {
         let text = fs::read_to_string(path).expect("the test file is readable");
         let name = path.display().to_string();
         let module = parse(&name, &text);
@@ -55,23 +56,14 @@ fn assert_same_lines(name: &str, expected: &str, actual: &str) {
 
 #[test]
 fn errors_point_at_their_place() {
-    insta::glob!("errors/text/*.rvir", |path| {
+    each("tests/errors/text", &["rvir"], |path| {
         let text = fs::read_to_string(path).expect("the test file is readable");
-        let name = path
-            .file_name()
-            .map(|name| name.to_string_lossy().into_owned())
-            .unwrap_or_default();
+        let name = name(path);
         match parse_module(&name, &text) {
             Ok(_) => panic!("{name} is read without complaint"),
             Err(diagnostics) => {
                 let shown = Report::of(&name, text, diagnostics).render_plain();
-                let mut settings = insta::Settings::clone_current();
-                settings.set_snapshot_path("errors/text");
-                settings.set_prepend_module_to_snapshot(false);
-                settings.remove_snapshot_suffix();
-                settings.set_omit_expression(true);
-                settings.remove_input_file();
-                settings.bind(|| insta::assert_snapshot!(name.clone(), shown));
+                compare_with_record(&tree("tests/errors/text"), &name, &shown);
             }
         }
     });

@@ -2,9 +2,8 @@
 //! it was, in every language, and compiles to the same numbers.
 
 #[allow(dead_code)]
-mod compiled;
-
-use compiled::{Outcome, Subject, compare, has_gcc};
+use crate::compiled::{Outcome, Subject, compare, has_gcc};
+use crate::support::files::{compare_with_record, each};
 use robovec::generate::{FunctionKind, Request, generate};
 use robovec::model::mbs::read_mbs;
 use robovec::robotran::write::{WriteOptions, write};
@@ -195,7 +194,7 @@ fn equation_files(folder: &Path, files: &mut Vec<PathBuf>) {
 /// must also read back.
 #[test]
 fn modules_become_files() {
-    insta::glob!("write/*.rvir", |path| {
+    each("tests/write", &["rvir"], |path| {
         let source = std::fs::read_to_string(path).expect("a readable file");
         let name = path.file_name().expect("a file").to_string_lossy();
         let module = parse_module(&name, &source).expect("a well-formed test file");
@@ -208,14 +207,8 @@ fn modules_become_files() {
             around(&module, language);
         }
         let text = text.replace(env!("CARGO_PKG_VERSION"), "VERSION");
-        let mut settings = insta::Settings::clone_current();
         let folder = path.parent().expect("files lie in folders");
-        settings.set_snapshot_path(folder.join("snapshots"));
-        settings.set_prepend_module_to_snapshot(false);
-        settings.remove_snapshot_suffix();
-        settings.set_omit_expression(true);
-        settings.remove_input_file();
-        settings.bind(|| insta::assert_snapshot!(name.into_owned(), text.trim_end()));
+        compare_with_record(&folder.join("snapshots"), &name, text.trim_end());
     });
 }
 

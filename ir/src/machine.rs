@@ -197,35 +197,35 @@ pub enum MachineError {
 
 /// The machine files that ship with robovec, by name.
 pub const BUILT_IN: [(&str, &str); 17] = [
-    ("ideal", include_str!("../../machines/ideal.toml")),
-    ("thesis", include_str!("../../machines/thesis.toml")),
-    ("side-split", include_str!("../../machines/side-split.toml")),
+    ("ideal", include_str!("../machines/ideal.toml")),
+    ("thesis", include_str!("../machines/thesis.toml")),
+    ("side-split", include_str!("../machines/side-split.toml")),
     (
         "pipeline-3-3",
-        include_str!("../../machines/pipeline-3-3.toml"),
+        include_str!("../machines/pipeline-3-3.toml"),
     ),
     (
         "pipeline-6-4",
-        include_str!("../../machines/pipeline-6-4.toml"),
+        include_str!("../machines/pipeline-6-4.toml"),
     ),
     (
         "pipeline-10-5",
-        include_str!("../../machines/pipeline-10-5.toml"),
+        include_str!("../machines/pipeline-10-5.toml"),
     ),
-    ("fused", include_str!("../../machines/fused.toml")),
-    ("solver", include_str!("../../machines/solver.toml")),
-    ("de10-nano", include_str!("../../machines/de10-nano.toml")),
-    ("bufferless", include_str!("../../machines/bufferless.toml")),
+    ("fused", include_str!("../machines/fused.toml")),
+    ("solver", include_str!("../machines/solver.toml")),
+    ("de10-nano", include_str!("../machines/de10-nano.toml")),
+    ("bufferless", include_str!("../machines/bufferless.toml")),
     (
         "bufferless-split",
-        include_str!("../../machines/bufferless-split.toml"),
+        include_str!("../machines/bufferless-split.toml"),
     ),
-    ("four-port", include_str!("../../machines/four-port.toml")),
-    ("bus", include_str!("../../machines/bus.toml")),
-    ("mesh", include_str!("../../machines/mesh.toml")),
-    ("torus", include_str!("../../machines/torus.toml")),
-    ("omega", include_str!("../../machines/omega.toml")),
-    ("hypercube", include_str!("../../machines/hypercube.toml")),
+    ("four-port", include_str!("../machines/four-port.toml")),
+    ("bus", include_str!("../machines/bus.toml")),
+    ("mesh", include_str!("../machines/mesh.toml")),
+    ("torus", include_str!("../machines/torus.toml")),
+    ("omega", include_str!("../machines/omega.toml")),
+    ("hypercube", include_str!("../machines/hypercube.toml")),
 ];
 
 impl Machine {
@@ -415,7 +415,7 @@ mod tests {
 
     #[test]
     fn number_formats_are_tables_or_names() {
-        let text = include_str!("../../machines/thesis.toml");
+        let text = include_str!("../machines/thesis.toml");
         let start = text.find("[number]").expect("it has a format");
         let (before, table) = text.split_at(start);
         let end = table.find("\n\n").expect("more follows");
@@ -450,7 +450,7 @@ mod tests {
             .expect("it has such elements");
         assert!(fused.elements[kind].is_fused());
         assert!(!fused.elements[0].is_fused());
-        let split = include_str!("../../machines/fused.toml").replace("unified", "side-split");
+        let split = include_str!("../machines/fused.toml").replace("unified", "side-split");
         let error = Machine::parse(&split).expect_err("it cannot be built");
         assert!(error.to_string().contains("three operands"), "{error}");
     }

@@ -1,4 +1,8 @@
-//! What the functions of random models must agree with.
+//! Generated equations against an independent account of the dynamics, on
+//! random trees of all six kinds of joints.
+//!
+//! `ROBOVEC_TREES=2000 cargo test --workspace --test all agreement::` tries
+//! more trees.
 
 mod accelerations;
 mod devices;

@@ -4,7 +4,7 @@
 //! A number of a pass, a subcommand or a kind of file that has a template is
 //! tried without a word here; one without fails the test that says so.
 
-use crate::run::Invocation;
+use super::run::Invocation;
 use robovec_num::limits::LimitRow;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! The commands `sim` and `eval` as a user meets them.
 
-use crate::programs::{model, robovec};
+use crate::support::programs::{model, robovec};
 use std::fs;
 use std::path::Path;
 

@@ -255,7 +255,7 @@ mod tests {
     use crate::Machine;
 
     fn machine(interconnect: &str) -> Result<Machine, crate::machine::MachineError> {
-        let text = include_str!("../../../machines/thesis.toml");
+        let text = include_str!("../../machines/thesis.toml");
         Machine::parse(&format!("interconnect = {interconnect}\n{text}"))
     }
 

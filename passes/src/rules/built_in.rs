@@ -4,25 +4,25 @@ use super::RuleSet;
 
 /// The rule files that ship: name and text.
 pub const BUILT_IN: &[(&str, &str)] = &[
-    ("signs", include_str!("../../../rules/signs.rules")),
+    ("signs", include_str!("../../rules/signs.rules")),
     (
         "commutativity",
-        include_str!("../../../rules/commutativity.rules"),
+        include_str!("../../rules/commutativity.rules"),
     ),
     (
         "distribution",
-        include_str!("../../../rules/distribution.rules"),
+        include_str!("../../rules/distribution.rules"),
     ),
-    ("factoring", include_str!("../../../rules/factoring.rules")),
-    ("sums", include_str!("../../../rules/sums.rules")),
-    ("division", include_str!("../../../rules/division.rules")),
+    ("factoring", include_str!("../../rules/factoring.rules")),
+    ("sums", include_str!("../../rules/sums.rules")),
+    ("division", include_str!("../../rules/division.rules")),
     (
         "trigonometry",
-        include_str!("../../../rules/trigonometry.rules"),
+        include_str!("../../rules/trigonometry.rules"),
     ),
     (
         "associativity",
-        include_str!("../../../rules/associativity.rules"),
+        include_str!("../../rules/associativity.rules"),
     ),
 ];
 

@@ -30,16 +30,16 @@ const BOARD_MHZ: f64 = 50.0;
 const BOARD: [(&str, &str); 2] = [
     (
         "de10_nano_board.v",
-        include_str!("../../../../hdl/board/de10_nano_board.v"),
+        include_str!("../../../hdl/board/de10_nano_board.v"),
     ),
     (
         "virtual_jtag_host.v",
-        include_str!("../../../../hdl/board/virtual_jtag_host.v"),
+        include_str!("../../../hdl/board/virtual_jtag_host.v"),
     ),
 ];
 
 /// The script that talks to the host on the cable.
-const HOST: &str = include_str!("../../../../hdl/board/host.tcl");
+const HOST: &str = include_str!("../../../hdl/board/host.tcl");
 
 /// Pins of the board (its user manual, tables 3-5, 3-7 and 3-8).
 const PINS: [(&str, &str); 11] = [

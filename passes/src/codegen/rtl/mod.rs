@@ -46,27 +46,27 @@ pub const DESCRIPTION: &str = "machine.json";
 const COMMON: [(&str, &str); 6] = [
     (
         "host_window.v",
-        include_str!("../../../../hdl/machine/host_window.v"),
+        include_str!("../../../hdl/machine/host_window.v"),
     ),
     (
         "instruction_memory.v",
-        include_str!("../../../../hdl/machine/instruction_memory.v"),
+        include_str!("../../../hdl/machine/instruction_memory.v"),
     ),
     (
         "multiplexer_4.v",
-        include_str!("../../../../hdl/machine/multiplexer_4.v"),
+        include_str!("../../../hdl/machine/multiplexer_4.v"),
     ),
     (
         "result_buffer.v",
-        include_str!("../../../../hdl/machine/result_buffer.v"),
+        include_str!("../../../hdl/machine/result_buffer.v"),
     ),
     (
         "sequencer.v",
-        include_str!("../../../../hdl/machine/sequencer.v"),
+        include_str!("../../../hdl/machine/sequencer.v"),
     ),
     (
         "simple_dual_port_memory.v",
-        include_str!("../../../../hdl/machine/simple_dual_port_memory.v"),
+        include_str!("../../../hdl/machine/simple_dual_port_memory.v"),
     ),
 ];
 
@@ -74,11 +74,11 @@ const COMMON: [(&str, &str); 6] = [
 const SPLIT: [(&str, &str); 2] = [
     (
         "operand_side.v",
-        include_str!("../../../../hdl/machine/operand_side.v"),
+        include_str!("../../../hdl/machine/operand_side.v"),
     ),
     (
         "pe_split.v",
-        include_str!("../../../../hdl/machine/pe_split.v"),
+        include_str!("../../../hdl/machine/pe_split.v"),
     ),
 ];
 
@@ -86,15 +86,15 @@ const SPLIT: [(&str, &str); 2] = [
 const PUMPED: [(&str, &str); 3] = [
     (
         "pe_pumped.v",
-        include_str!("../../../../hdl/machine/pe_pumped.v"),
+        include_str!("../../../hdl/machine/pe_pumped.v"),
     ),
     (
         "pumped_operand.v",
-        include_str!("../../../../hdl/machine/pumped_operand.v"),
+        include_str!("../../../hdl/machine/pumped_operand.v"),
     ),
     (
         "true_dual_port_memory.v",
-        include_str!("../../../../hdl/machine/true_dual_port_memory.v"),
+        include_str!("../../../hdl/machine/true_dual_port_memory.v"),
     ),
 ];
 

@@ -34,32 +34,32 @@ use std::fmt::Write;
 const STATIC: [(&str, &str); 6] = [
     (
         "robovec_avalon.v",
-        include_str!("../../../../../hdl/host/robovec_avalon.v"),
+        include_str!("../../../../hdl/host/robovec_avalon.v"),
     ),
     (
         "robovec_axi4lite.v",
-        include_str!("../../../../../hdl/host/robovec_axi4lite.v"),
+        include_str!("../../../../hdl/host/robovec_axi4lite.v"),
     ),
     (
         "robovec_bench_top.v",
-        include_str!("../../../../../hdl/bench/robovec_bench_top.v"),
+        include_str!("../../../../hdl/bench/robovec_bench_top.v"),
     ),
     (
         "robovec_bench.v",
-        include_str!("../../../../../hdl/bench/robovec_bench.v"),
+        include_str!("../../../../hdl/bench/robovec_bench.v"),
     ),
     (
         "robovec_bench.cpp",
-        include_str!("../../../../../hdl/bench/robovec_bench.cpp"),
+        include_str!("../../../../hdl/bench/robovec_bench.cpp"),
     ),
     (
         "run_iverilog.sh",
-        include_str!("../../../../../hdl/bench/run_iverilog.sh"),
+        include_str!("../../../../hdl/bench/run_iverilog.sh"),
     ),
 ];
 
 /// The makefile for Verilator.
-const MAKEFILE: &str = include_str!("../../../../../hdl/bench/Makefile");
+const MAKEFILE: &str = include_str!("../../../../hdl/bench/Makefile");
 
 /// A word that holds a value before the first cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

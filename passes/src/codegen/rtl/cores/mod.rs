@@ -42,7 +42,7 @@ macro_rules! sources {
     ($($name:literal),* $(,)?) => {
         [$(SourceFile {
             name: $name,
-            text: include_str!(concat!("../../../../../hdl/cores/", $name)),
+            text: include_str!(concat!("../../../../hdl/cores/", $name)),
         }),*]
     };
 }

@@ -4,7 +4,7 @@
 mod hand;
 mod hazards;
 mod loading;
-mod naive;
+pub(crate) mod naive;
 mod refusals;
 mod rooms;
 mod trace;

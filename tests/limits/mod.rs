@@ -221,7 +221,7 @@ fn files_beyond_their_limits_are_refused_unread() {
     }
 }
 
-/// The whole table with all values: `cargo test --release --test limits --
+/// The whole table with all values: `cargo test --release --test all limits:: --
 /// --ignored --nocapture` prints what was tried, and what took longest;
 /// `LIMITS=TEXT` tries only numbers whose names hold the text.
 #[test]

@@ -7,5 +7,3 @@ mod examples;
 mod failures;
 mod forces;
 mod models;
-#[path = "../support/programs.rs"]
-mod programs;

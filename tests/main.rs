@@ -1,0 +1,49 @@
+//! All tests of the whole compiler, in one program: the compiler is linked
+//! once. `cargo test --workspace --test all MODULE::` runs those of a module.
+//!
+//! Tests run side by side in threads of one process: none changes the
+//! environment or the working directory, and files come from folders of their
+//! own or from the tree, which is only read.
+
+// What tests share.
+mod compiled;
+mod mutation;
+mod reference;
+mod rtl_support;
+mod support;
+
+mod accuracy;
+mod against_gcc;
+mod agreement;
+mod check;
+mod cli;
+mod codegen_c;
+mod commands;
+mod determinism;
+mod docs;
+mod drop_in;
+mod exact_outputs;
+mod front;
+mod generate_cli;
+mod limits;
+mod models;
+mod operations;
+mod packages;
+mod passes;
+mod provenance;
+mod quartus;
+mod reader;
+mod reduce;
+mod rtl;
+mod rtl_fits;
+mod rtl_host;
+mod rules;
+mod scenes;
+mod sim;
+mod simulate;
+mod stress;
+mod study;
+mod suspension;
+mod text;
+mod trigonometry;
+mod write;

@@ -1,0 +1,110 @@
+//! The crates of the workspace as packages: what lies outside the folder of a
+//! crate is not in its package, and a test that no program holds never runs.
+
+use crate::support::files::tree;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+/// The folders of all crates, the root's last.
+fn crates() -> Vec<PathBuf> {
+    let manifest = fs::read_to_string(tree("Cargo.toml")).expect("the root has a manifest");
+    let manifest: toml::Table = manifest.parse().expect("a well-formed manifest");
+    let members = manifest["workspace"]["members"]
+        .as_array()
+        .expect("a list of members");
+    let members = members
+        .iter()
+        .map(|member| tree(member.as_str().expect("a path")));
+    members.chain([tree("")]).collect()
+}
+
+/// All Rust files of a folder and the folders in it.
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        let Ok(entries) = fs::read_dir(folder) else {
+            continue;
+        };
+        for entry in entries {
+            let path = entry.expect("a readable folder").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// The paths that a source includes as text or bytes, as they are written.
+fn included(source: &str) -> impl Iterator<Item = &str> {
+    ["include_str!(", "include_bytes!("]
+        .into_iter()
+        .flat_map(|call| source.split(call).skip(1))
+        .filter_map(|rest| {
+            let rest = rest.trim_start();
+            let rest = rest.strip_prefix("concat!(").unwrap_or(rest).trim_start();
+            rest.strip_prefix('"')?.split('"').next()
+        })
+}
+
+/// A path without `..`, links not followed.
+fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for component in path.components() {
+        if component == Component::ParentDir {
+            plain.pop();
+        } else {
+            plain.push(component);
+        }
+    }
+    plain
+}
+
+#[test]
+fn crates_include_only_what_is_in_their_packages() {
+    let mut outside = Vec::new();
+    let mut count = 0;
+    for folder in crates() {
+        for path in sources(&folder.join("src")) {
+            // Tests are run in the tree, never from a package.
+            if path.ends_with("tests.rs") {
+                continue;
+            }
+            let source = fs::read_to_string(&path).expect("a readable source");
+            let beside = path.parent().expect("a file lies in a folder");
+            for included in included(&source) {
+                count += 1;
+                if !plain(&beside.join(included)).starts_with(&folder) {
+                    outside.push(format!("{}: {included}", path.display()));
+                }
+            }
+        }
+    }
+    assert!(count > 60, "{count} files are included");
+    assert!(outside.is_empty(), "not in the package: {outside:#?}");
+}
+
+#[test]
+fn every_file_of_tests_is_a_module() {
+    let mut forgotten = Vec::new();
+    for folder in crates() {
+        let Ok(main) = fs::read_to_string(folder.join("tests/main.rs")) else {
+            continue;
+        };
+        let entries = fs::read_dir(folder.join("tests")).expect("it holds main.rs");
+        for entry in entries {
+            let path = entry.expect("a readable folder").path();
+            let is_module = path.extension().is_some_and(|extension| extension == "rs")
+                || path.join("mod.rs").is_file();
+            let stem = path.file_stem().expect("a name").to_string_lossy();
+            if is_module && stem != "main" && !main.contains(&format!("\nmod {stem};\n")) {
+                forgotten.push(path.display().to_string());
+            }
+        }
+    }
+    assert!(forgotten.is_empty(), "in no test program: {forgotten:?}");
+}
