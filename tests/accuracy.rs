@@ -1,16 +1,16 @@
 //! No pass of a default pipeline makes the rounding errors worse.
 //!
 //! What worse means is said where errors are measured
-//! (`robovec_passes::analysis::rounding`): the median over all outputs and
+//! (`robovec_analysis::rounding`): the median over all outputs and
 //! states, of the relative or of the normwise error in binary32, grows by
 //! more than 2 % and by more than 3.5 times the noise of that comparison.
 
 use robovec::accuracy::{Options, Subject, measure};
 use robovec::generate::{FunctionKind, Request, generate};
 use robovec::model::mbs::read_mbs;
+use robovec_analysis::rounding::Trend;
 use robovec_ir::states::States;
 use robovec_ir::{Level, Machine, Module};
-use robovec_passes::analysis::rounding::Trend;
 use robovec_passes::pass::Gives;
 use robovec_passes::pipeline::{self, Pipeline, Step};
 use robovec_passes::registry::PRESETS;
@@ -150,8 +150,8 @@ fn what_does_worsen_it_is_seen() {
     // Taking all bodies into one frame costs digits: the same measure must
     // tell the formulations apart.
     use robovec::generate::Formulation;
+    use robovec_analysis::rounding::{Change, rounding};
     use robovec_ir::View;
-    use robovec_passes::analysis::rounding::{Change, rounding};
     let bytes = example("models/serial-23.mbs");
     let model = read_mbs("serial-23.mbs", &bytes)
         .expect("it is well formed")

@@ -8,10 +8,10 @@
 use astro_float::{BigFloat, Consts, RoundingMode};
 use robovec::generate::{FunctionKind, Request, generate};
 use robovec::model::mbs::read_mbs;
+use robovec_analysis::reference::{Effort, Exact, Kind, Reference};
 use robovec_ir::plan::Plan;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Module, Operation, View};
-use robovec_passes::analysis::reference::{Effort, Exact, Kind, Reference};
 use std::fs;
 use std::path::Path;
 
@@ -123,7 +123,7 @@ fn the_audit_agrees_with_what_is_certified() {
 #[cfg(feature = "mpfr")]
 #[test]
 fn certified_outputs_are_those_of_mpfr_at_400_bits() {
-    use robovec_passes::analysis::reference::mpfr;
+    use robovec_analysis::reference::mpfr;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
     let mut files: Vec<String> = fs::read_dir(folder)
         .expect("it is there")

@@ -4,9 +4,9 @@
 use crate::equations::{Contents, equations};
 use crate::statistics::{Run, Statistics};
 use arbitrary::{Result, Unstructured};
+use robovec_analysis::adjoint::{self, OutputError, Tape};
 use robovec_ir::states::States;
 use robovec_ir::{Format, View, print};
-use robovec_passes::analysis::adjoint::{self, OutputError, Tape};
 
 /// How often [`errors_are_predicted`] ran, and on what.
 pub static STATISTICS: Statistics = Statistics::new("errors_are_predicted");

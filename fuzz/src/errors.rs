@@ -1,17 +1,17 @@
 //! Random pipelines keep random equations, and their errors stay within the
-//! bound of [`robovec_passes::analysis::error_bound`].
+//! bound of [`robovec_analysis::error_bound`].
 
 use crate::equations::{Contents, equations};
 use crate::passes;
 use crate::statistics::{Run, Statistics};
 use arbitrary::{Result, Unstructured};
+use robovec_analysis::error_bound::{Binary32Bound, Bounded};
 use robovec_ir::evaluate::{evaluate, evaluate_nodes, outputs};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, View, print};
 use robovec_num::arithmetic::Binary32;
 use robovec_num::double_double::DoubleDouble;
 use robovec_passes::NumericClass;
-use robovec_passes::analysis::error_bound::{Binary32Bound, Bounded};
 use robovec_passes::manager::{self, Config, Executed, Limit, RunError};
 use robovec_passes::pipeline::{self, Pipeline};
 use robovec_passes::reduce::{Setting, WORK, reduce};

@@ -20,9 +20,9 @@
 //! that divides by zero, or a literal that is not finite, is undefined and
 //! equal to nothing.
 
-use crate::analysis::reference::ball::{Ball, Balls};
 use robovec_ir::{Function, Input, Operand, OperandKind, Operation};
 use robovec_num::arithmetic::Arithmetic;
+use robovec_num::ball::{Ball, Balls};
 use robovec_num::field::{Field, PrimeField, mix};
 use std::hash::{Hash, Hasher};
 

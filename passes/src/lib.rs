@@ -4,7 +4,6 @@
 //! run; each pass is one file. This crate reads and writes no files.
 
 pub mod accurate;
-pub mod analysis;
 pub mod asap_alap;
 pub mod atomise;
 pub mod balance;

@@ -1,6 +1,5 @@
 //! Look-ahead within a budget of operations.
 
-use crate::analysis::critical_path::{Weights, arrivals};
 use crate::balance::balanced;
 use crate::choice::compose::{Limits, look_ahead};
 use crate::choice::emit::emit;
@@ -9,6 +8,7 @@ use crate::choice::map::{Mapper, Mapping};
 use crate::choice::timing::Timing;
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
+use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_ir::{Function, Level, Tables};
 use robovec_num::limits::NumberLimit;
 

@@ -1,6 +1,5 @@
 //! Linear recurrences solved by parallel prefix.
 
-use crate::analysis::critical_path::{Weights, arrivals};
 use crate::balance::balanced;
 use crate::choice::compose::{Limits, look_ahead};
 use crate::choice::emit::emit;
@@ -8,6 +7,7 @@ use crate::choice::map::Mapper;
 use crate::choice::timing::Timing;
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
+use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_ir::{Function, Level};
 use robovec_num::limits::NumberLimit;
 

@@ -1,5 +1,7 @@
 //! Writing a function anew: what every pass that changes the body shares.
 
+use crate::rewrites::Rewrites;
+use robovec_analysis::slice::needed;
 use robovec_ir::{
     Assignment, Formats, Function, Level, Node, Operand, OperandKind, Output, SourceSet, Symbol,
     Tables, Value, View, print,
@@ -202,4 +204,37 @@ impl Layout<'_> {
             }
         }
     }
+}
+
+/// The function without the operations no output depends on, and how many
+/// there were; `None` when there are none.
+pub fn remove_dead(function: &Function) -> Option<(Function, u64)> {
+    remove_dead_asking(function, &Rewrites::default())
+}
+
+/// As [`remove_dead`], asking before each removal.
+pub fn remove_dead_asking(function: &Function, rewrites: &Rewrites) -> Option<(Function, u64)> {
+    let outputs = function.assignments.iter();
+    let live = needed(
+        function,
+        outputs.map(|assignment| assignment.operand),
+        |value| {
+            let name = function.node(value).name;
+            !name.is_none() && !rewrites.allow(name, "dead")
+        },
+    );
+    let dead = live.iter().filter(|&&live| !live).count();
+    if dead == 0 {
+        return None;
+    }
+    let mut rewriter = Rewriter::with_formats(function, function.level);
+    for (value, node) in function.values() {
+        if live[value.index()] {
+            let operands = rewriter.translate_operands(node);
+            rewriter.keep(Node { operands, ..*node });
+        } else {
+            rewriter.record(Operand::NONE);
+        }
+    }
+    Some((rewriter.finish(), dead as u64))
 }

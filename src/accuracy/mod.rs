@@ -4,17 +4,17 @@
 //! and pass, size, path and the distribution of the errors in binary32;
 //! [`view`] shows them as text, table and figure. How errors are measured and
 //! when one counts as worse is said in
-//! [`robovec_passes::analysis::rounding`].
+//! [`robovec_analysis::rounding`].
 
 pub mod outputs;
 mod view;
 
 pub use view::{figure, summary, table, text};
 
+use robovec_analysis::critical_path::critical_path;
+use robovec_analysis::rounding::{Change, Rounding};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module};
-use robovec_passes::analysis::critical_path::critical_path;
-use robovec_passes::analysis::rounding::{Change, Rounding};
 use robovec_passes::manager::{self, Config, Progress, RunError};
 use robovec_passes::pipeline::Pipeline;
 use std::io;

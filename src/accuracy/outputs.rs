@@ -2,9 +2,9 @@
 //! and as tables for programs.
 
 use crate::report;
+use robovec_analysis::accuracy::{Accuracy, ElementError, FormatAccuracy, Spread};
 use robovec_ir::View;
 use robovec_ir::print::print_output;
-use robovec_passes::analysis::accuracy::{Accuracy, ElementError, FormatAccuracy, Spread};
 use serde::Serialize;
 use std::fmt::Write;
 

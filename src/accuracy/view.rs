@@ -4,7 +4,7 @@ use super::{Step, Subject};
 use crate::report;
 use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
 use crate::study::table::{Cell, Table};
-use robovec_passes::analysis::rounding::{Change, Quantiles, Trend};
+use robovec_analysis::rounding::{Change, Quantiles, Trend};
 use std::fmt::Write;
 
 /// The errors of one subject, one line for each pass.

@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, Failure> {
         let function = &module.functions[0];
         let operations = robovec_ir::count::Counts::of(function).operations;
         let count = match arguments.states {
-            0 => robovec_passes::analysis::rounding::usual_states(operations),
+            0 => robovec_analysis::rounding::usual_states(operations),
             count => count,
         };
         let states = States::new(arguments.seed).within(Arc::new(angles(&module, arguments.angle)));

@@ -8,8 +8,8 @@ use crate::files::limited;
 use crate::files::sealed::check_folder;
 use clap::{Args, ValueEnum};
 use robovec_ir::{Function, Machine, Module, View};
-use robovec_passes::analysis::hardware::Shape;
 use robovec_passes::codegen::Artifacts;
+use robovec_passes::codegen::hardware::Shape;
 use robovec_passes::codegen::manifest::FileHash;
 use robovec_passes::codegen::quartus;
 use robovec_passes::codegen::rtl::{

@@ -10,7 +10,7 @@ use crate::synthesis::{SynthesisError, Tool};
 use crate::synthesis::{machine, page};
 use clap::Args;
 use robovec_ir::Format;
-use robovec_passes::analysis::hardware::Shape;
+use robovec_passes::codegen::hardware::Shape;
 use robovec_passes::codegen::rtl::cores::Core;
 use std::fmt::Write;
 

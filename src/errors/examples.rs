@@ -3,10 +3,10 @@
 
 use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
 use crate::model::mbs::read_mbs;
+use robovec_analysis::adjoint::{OutputError, Run, Tape};
+use robovec_analysis::stochastic::stochastic;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
-use robovec_passes::analysis::adjoint::{OutputError, Run, Tape};
-use robovec_passes::analysis::stochastic::stochastic;
 use std::path::{Path, PathBuf};
 
 /// What was found over functions and states.

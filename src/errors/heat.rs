@@ -1,9 +1,9 @@
 //! The heat of equations: their shares in the error of the outputs.
 
+use robovec_analysis::adjoint::{Blame, LANES, Run, Tape, output_weights};
 use robovec_ir::print::print_operand;
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
-use robovec_passes::analysis::adjoint::{Blame, LANES, Run, Tape, output_weights};
 use serde::Serialize;
 
 /// How many equations are named as the hottest.

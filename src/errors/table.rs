@@ -1,12 +1,12 @@
 //! Every output's error at one state, by several methods.
 
 use super::heat::{Heat, blame_of};
+use robovec_analysis::adjoint::{Run, Tape};
+use robovec_analysis::interval::{Alarm, Interval, Leaves, Window, enclose, integer_bits};
+use robovec_analysis::stochastic::{Unsupported, stochastic_slots};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
-use robovec_passes::analysis::adjoint::{Run, Tape};
-use robovec_passes::analysis::interval::{Alarm, Interval, Leaves, Window, enclose, integer_bits};
-use robovec_passes::analysis::stochastic::{Unsupported, stochastic_slots};
 use serde::Serialize;
 
 /// A way to say something of an error.

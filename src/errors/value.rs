@@ -2,9 +2,9 @@
 
 use super::heat::{Heat, blame, blame_of};
 use super::view::{percent, place, small};
+use robovec_analysis::adjoint::{Run, Tape};
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
-use robovec_passes::analysis::adjoint::{Run, Tape};
 use robovec_passes::trail::Item;
 use std::fmt::Write;
 

@@ -7,6 +7,7 @@
 //! what ties a program to its yardstick, and what is measured is everything
 //! at once: model, series and rounding.
 
+use robovec_analysis::reference::{Effort, Exact, Reference};
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::print::{print_operand, print_output};
 use robovec_ir::states::States;
@@ -16,7 +17,6 @@ use robovec_num::batch::Batch;
 use robovec_num::double_double::Double;
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_num::trigonometry::host;
-use robovec_passes::analysis::reference::{Effort, Exact, Reference};
 use std::array;
 use std::collections::BTreeMap;
 
@@ -25,7 +25,7 @@ const LANES: usize = 4;
 
 /// An element that is below this part of the largest of its array is zero but
 /// for the rounding of the reference itself, as in
-/// [`robovec_passes::analysis::accuracy`].
+/// [`robovec_analysis::accuracy`].
 const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
 
 /// Exact results at states.

@@ -2,13 +2,13 @@
 
 use super::ReportOptions;
 use super::records::SummaryReport;
+use robovec_analysis::accuracy::{
+    ElementError, FormatAccuracy, MatrixCondition, Measurement, Spread, measure,
+};
+use robovec_analysis::reference::Effort;
 use robovec_ir::View;
 use robovec_ir::print::print_output;
 use robovec_num::format::Format;
-use robovec_passes::analysis::accuracy::{
-    ElementError, FormatAccuracy, MatrixCondition, Measurement, Spread, measure,
-};
-use robovec_passes::analysis::reference::Effort;
 use serde::Serialize;
 
 /// Rounding errors over seeded random states.

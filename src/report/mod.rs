@@ -18,11 +18,11 @@ pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
 pub(crate) use text::{table, units};
 
 use crate::errors::Heat;
+use robovec_analysis::critical_path::critical_path;
+use robovec_analysis::rounding::Rounding;
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, View};
-use robovec_passes::analysis::critical_path::critical_path;
-use robovec_passes::analysis::rounding::Rounding;
 use robovec_passes::check::Verdict;
 pub use rounding::{QuantilesReport, RoundingReport};
 pub use schedule::{ByKind, KindReport, ScheduleReport, TransferReport};

@@ -2,9 +2,9 @@
 
 use super::PassRecord;
 use super::rounding::RoundingReport;
+use robovec_analysis::accuracy::Summary;
 use robovec_ir::print::print_output;
 use robovec_ir::{Boundary, View};
-use robovec_passes::analysis::accuracy::Summary;
 use robovec_passes::check::{Deviation, ErrorChange, FailureKind, Verdict};
 use serde::Serialize;
 

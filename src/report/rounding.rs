@@ -1,6 +1,6 @@
 //! What a pass did to the rounding errors in binary32.
 
-use robovec_passes::analysis::rounding::{Change, Quantiles, Rounding, UNIT};
+use robovec_analysis::rounding::{Change, Quantiles, Rounding, UNIT};
 use serde::Serialize;
 use std::sync::Arc;
 

@@ -1,9 +1,9 @@
 //! What a scene is worth: operations with more and more of it used.
 
 use super::{SceneFile, Subject};
+use robovec_analysis::critical_path::critical_path;
 use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Module};
-use robovec_passes::analysis::critical_path::critical_path;
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pipeline;
 use robovec_passes::scene::{Bindings, Scene};

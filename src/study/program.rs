@@ -3,12 +3,12 @@
 
 use super::plan::{NamedMachine, NamedPipeline, Subject};
 use super::store::Key;
+use robovec_analysis::critical_path::critical_path;
+use robovec_analysis::rounding::{Rounding, rounding, usual_states};
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Report, did_you_mean};
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module, Operation, View, print};
-use robovec_passes::analysis::critical_path::critical_path;
-use robovec_passes::analysis::rounding::{Rounding, rounding, usual_states};
 use robovec_passes::manager::{self, Config};
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -202,7 +202,7 @@ fn pick(module: &mut Module, subject: &Subject) -> Result<(), Report> {
 /// Additions and multiplications on one of the longest chains: the first, by
 /// program order, at every fork.
 fn kinds_on_path(function: &robovec_ir::Function, machine: &Machine) -> [u32; 2] {
-    use robovec_passes::analysis::critical_path::{Weights, arrivals};
+    use robovec_analysis::critical_path::{Weights, arrivals};
     let weights = Weights::cycles(machine);
     let arrivals = arrivals(function, &weights);
     let nodes = function.nodes();

@@ -11,8 +11,8 @@ use super::point::{Point, measure};
 use super::program::{Equations, Program, ProgramFacts, Sources};
 use super::store::{self, Key, Store};
 use rayon::prelude::*;
+use robovec_analysis::critical_path::Weights;
 use robovec_ir::diagnostic::{Diagnostic, Report};
-use robovec_passes::analysis::critical_path::Weights;
 use std::collections::BTreeMap;
 
 /// What a plan gave.

@@ -144,7 +144,7 @@ pub fn sweep(
     let times = cpu.clone().and_then(Result::ok).unwrap_or_default();
     let thesis = Machine::built_in("thesis");
     let path = thesis.map_or(0, |machine| {
-        robovec_passes::analysis::critical_path::critical_path(function, &machine).asap_cycle
+        robovec_analysis::critical_path::critical_path(function, &machine).asap_cycle
     });
     Ok(Sweep {
         name: name.to_owned(),

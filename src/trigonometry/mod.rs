@@ -13,12 +13,12 @@ pub use view::{figure, table, text};
 
 use crate::model::Model;
 use crate::motion::{Inputs, State};
+use robovec_analysis::accuracy::evaluate_at;
+use robovec_analysis::critical_path::critical_path;
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Format, Input, Machine, Module, View};
 use robovec_num::double_double::{Double, DoubleDouble};
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_passes::analysis::accuracy::evaluate_at;
-use robovec_passes::analysis::critical_path::critical_path;
 use robovec_passes::manager::{self, Config, RunError};
 use robovec_passes::options::OptionValue;
 use robovec_passes::pipeline;

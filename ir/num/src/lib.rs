@@ -7,6 +7,7 @@
 //! fields ([`field`]), and sine and cosine by series ([`trigonometry`]).
 
 pub mod arithmetic;
+pub mod ball;
 pub mod batch;
 pub mod double_double;
 pub mod field;

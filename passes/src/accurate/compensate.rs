@@ -16,10 +16,10 @@
 //! Over the real numbers every correction is zero.
 
 use super::profile::{LANES, Lanes, Profile, add, is_exact, product, squares};
-use crate::analysis::critical_path::{Weights, tails};
-use crate::dce::remove_dead;
 use crate::pass::Context;
+use crate::rewrite::remove_dead;
 use crate::rewrite::{Rewriter, owners};
+use robovec_analysis::critical_path::{Weights, tails};
 use robovec_ir::{
     Format, FreshNames, Function, Name, Node, Operand, Operation, SourceSet, Symbol, Value,
 };

@@ -4,7 +4,7 @@
 //! the outputs of the function they were given, in double-double. An element
 //! counts relative to itself unless it is nothing but rounding beside the
 //! largest of its array, an array by its largest error over its largest
-//! element, as in [`crate::analysis::accuracy`].
+//! element, as in [`robovec_analysis::accuracy`].
 
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;

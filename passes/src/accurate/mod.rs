@@ -9,15 +9,15 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
-use crate::analysis::critical_path::critical_path;
-use crate::analysis::rounding::usual_states;
-use crate::dce::remove_dead;
 use crate::declare_pass;
 use crate::options::OptionValue;
 use crate::pass::{Context, Gives, Pass, PassError};
+use crate::rewrite::remove_dead;
 use compensate::Budget;
 use measure::{Errors, Reference};
 use profile::{LANES, Profile};
+use robovec_analysis::critical_path::critical_path;
+use robovec_analysis::rounding::usual_states;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
 use robovec_num::limits::{Amount, NumberLimit};

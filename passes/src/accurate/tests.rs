@@ -1,9 +1,9 @@
 //! Cases where cancellation dominates.
 
-use crate::analysis::critical_path::critical_path;
 use crate::manager::{self, Config};
 use crate::pipeline;
 use crate::scene::Scene;
+use robovec_analysis::critical_path::critical_path;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;

@@ -2,7 +2,7 @@
 
 use super::pairing::Pairs;
 use super::states::StatePlace;
-use crate::analysis::slice::slice;
+use robovec_analysis::slice::slice;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::print::{print_definition, print_operand, print_output};
 use robovec_ir::states::States;

@@ -10,11 +10,11 @@
 use super::failure::{Failed, Values};
 use super::pairing::Pairs;
 use super::states::{SCALES, StatePlace};
-use crate::analysis::reference::ball::{Ball, Balls};
-use crate::analysis::reference::{Effort, Reference};
+use robovec_analysis::reference::{Effort, Reference};
 use robovec_ir::plan::Plan;
 use robovec_ir::states::States;
 use robovec_num::arithmetic::Arithmetic;
+use robovec_num::ball::{Ball, Balls};
 use std::array;
 
 /// States evaluated at a time: one of each scale.

@@ -4,7 +4,7 @@ use super::Deviation;
 use super::failure::{Failed, FailureKind, Values};
 use super::pairing::Pairs;
 use super::states::{SCALES, StatePlace, StateScale};
-use crate::analysis::accuracy::evaluate_at;
+use robovec_analysis::accuracy::evaluate_at;
 use robovec_ir::evaluate::{evaluate_mixed_nodes, evaluate_nodes};
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, OperandKind, View};

@@ -10,7 +10,7 @@
 use super::failure::{Failed, Values};
 use super::pairing::Pairs;
 use super::states::{StatePlace, StateScale};
-use crate::analysis::slice::slice;
+use robovec_analysis::slice::slice;
 use robovec_ir::evaluate::{evaluate, evaluate_nodes};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Operand, OperandKind, Operation};

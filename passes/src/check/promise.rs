@@ -4,12 +4,12 @@ use super::failure::{Failed, Values};
 use super::numbers::{self, LANES, Survey};
 use super::pairing::Pairs;
 use super::states::StatePlace;
-use crate::analysis::reference::ball::{Ball, Balls};
 use crate::mixed::Allowed;
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Format, View};
 use robovec_num::arithmetic::Arithmetic;
+use robovec_num::ball::{Ball, Balls};
 use robovec_num::double_double::DoubleDouble;
 use std::sync::Arc;
 

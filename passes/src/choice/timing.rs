@@ -4,7 +4,7 @@
 //! for one associative operation (Golumbic 1976; Parker 1979).
 
 use super::network::{Class, Form, Network, Term};
-use crate::analysis::critical_path::Weights;
+use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
 use smallvec::SmallVec;
 

@@ -18,6 +18,7 @@ pub mod batch;
 mod binding;
 pub mod c;
 mod error;
+pub mod hardware;
 mod hex;
 mod images;
 pub mod kind;

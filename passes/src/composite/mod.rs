@@ -11,11 +11,11 @@ mod search;
 mod tree;
 mod write;
 
-use crate::analysis::critical_path::Weights;
 use crate::declare_pass;
 use crate::factor;
 use crate::pass::{Context, Gives, Pass, PassError};
 use model::Model;
+use robovec_analysis::critical_path::Weights;
 use robovec_ir::Function;
 
 declare_pass! {

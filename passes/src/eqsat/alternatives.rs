@@ -6,10 +6,10 @@
 
 use super::form::{Form, terms};
 use super::graph::Graph;
-use crate::analysis::critical_path::Weights;
 use crate::reassociate::finish;
 use egg::Id;
 use hashbrown::HashMap;
+use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
 use rustc_hash::FxBuildHasher;
 

@@ -17,11 +17,11 @@ mod window;
 mod write;
 
 use crate::NumericClass;
-use crate::analysis::critical_path::{Weights, arrivals};
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rules::RuleSet;
 use pattern::BagRule;
+use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_ir::Function;
 use robovec_num::limits::NumberLimit;
 use round::{Budget, Settings};

@@ -8,7 +8,7 @@ use super::pattern::BagRule;
 use super::plain::{self, PlainRule};
 use super::saturate::{Limits, saturate};
 use super::window::{Surroundings, Window, is_one_bag};
-use crate::analysis::critical_path::{Weights, arrivals, tails};
+use robovec_analysis::critical_path::{Weights, arrivals, tails};
 use robovec_ir::{Function, Value};
 
 /// How a round is run.

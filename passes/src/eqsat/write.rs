@@ -3,10 +3,10 @@
 use super::alternatives::{Kind, all_negative};
 use super::graph::Maker;
 use super::round::Rewriting;
-use crate::analysis::critical_path::Weights;
 use crate::cse::{Key, KnownValues, SourceMerges};
-use crate::dce::remove_dead;
 use crate::rewrite::owners;
+use crate::rewrite::remove_dead;
+use robovec_analysis::critical_path::Weights;
 use robovec_ir::{
     FreshNames, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol, Tables,
 };

@@ -6,7 +6,7 @@
 //! operand were that late, the result would still be in time.
 
 use super::network::{Edge, Kind, Network};
-use crate::analysis::critical_path::Weights;
+use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

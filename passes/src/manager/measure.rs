@@ -1,7 +1,7 @@
 //! What the manager measures around a pass: time, memory, size, change.
 
-use crate::analysis::critical_path::{Weights, arrivals};
 use crate::pass::{PassError, PassInfo, Property};
+use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_ir::{Formats, Function, Machine, Operation};
 use rustc_hash::FxHasher;
 use std::hash::{Hash, Hasher};

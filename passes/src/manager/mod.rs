@@ -22,7 +22,6 @@ pub use plan::PlanError;
 pub use walk::apply;
 
 use crate::NumericClass;
-use crate::analysis::rounding::{Rounding, rounding, usual_states};
 use crate::check::{self, Promise, Verdict};
 use crate::instances::Instances;
 use crate::pass::{Artifact, Context, PassError, PassInfo};
@@ -33,6 +32,7 @@ use crate::scene::Scene;
 use crate::trail::{self, Follower, Notes, Trail};
 use instrument::Instruments;
 use measure::Meter;
+use robovec_analysis::rounding::{Rounding, rounding, usual_states};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
 use std::any::Any;

@@ -4,7 +4,6 @@ mod assign;
 mod measure;
 
 use crate::accurate::SEED;
-use crate::analysis::rounding::usual_states;
 use crate::check::Promise;
 use crate::declare_pass;
 use crate::options::OptionValue;
@@ -12,6 +11,7 @@ use crate::pass::{Context, Gives, Pass, PassError};
 use assign::{Assignment, Choices};
 pub use measure::Allowed;
 use measure::Check;
+use robovec_analysis::rounding::usual_states;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Formats, Function, View};
 use robovec_num::NumberFormat;

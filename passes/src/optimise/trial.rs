@@ -1,12 +1,12 @@
 //! Variants made and measured.
 
 use super::variants::{FUSED, VARIANTS, Variant};
-use crate::analysis::critical_path::critical_path;
 use crate::manager::apply;
 use crate::pass::{Aside, Context, PassError};
 use crate::pipeline::{self, Pipeline};
 use crate::place::{PlaceError, schedule_bound};
 use crate::trail::Notes;
+use robovec_analysis::critical_path::critical_path;
 use robovec_ir::count::Counts;
 use robovec_ir::{Function, Level, Machine, Operation};
 

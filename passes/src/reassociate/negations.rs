@@ -9,7 +9,7 @@
 use super::combine::finish;
 use super::gather::{Family, Groups, Leaf};
 use super::signs::{Natural, Wishes};
-use crate::analysis::critical_path::Weights;
+use robovec_analysis::critical_path::Weights;
 use robovec_ir::{Function, Operation, Value};
 
 /// The leaf of a group that is negated before the group is combined.

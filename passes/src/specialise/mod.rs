@@ -20,10 +20,10 @@ mod form;
 mod slice;
 mod write;
 
-use crate::dce::remove_dead;
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rewrite::lay_out;
+use crate::rewrite::remove_dead;
 use crate::scene::Scene;
 use constants::Constants;
 use evaluate::Evaluator;

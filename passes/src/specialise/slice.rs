@@ -1,6 +1,6 @@
 //! What a scene needs of a function: its outputs, and the arrays that are left.
 
-use crate::dce::remove_dead;
+use crate::rewrite::remove_dead;
 use crate::scene::Scene;
 use robovec_ir::count::Counts;
 use robovec_ir::{Array, Function, Input, Operand, OperandKind, Output, View};

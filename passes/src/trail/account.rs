@@ -5,7 +5,7 @@ use super::find::Item;
 use super::follow::origin;
 use super::state::{Definition, OutputSymbols, State, Subject, assignment_of, name_of};
 use super::{Notes, Stage, Trail};
-use crate::analysis::critical_path::{Weights, arrivals, tails};
+use robovec_analysis::critical_path::{Weights, arrivals, tails};
 use robovec_ir::{Function, Machine, Name, SourceSet, Step, Tables, View};
 
 /// What is told of a value or an output.

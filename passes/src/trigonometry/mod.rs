@@ -15,7 +15,6 @@ mod remarks;
 mod rounding;
 mod scheme;
 
-use crate::analysis::slice::slice;
 use crate::check::Promise;
 use crate::class::NumericClass;
 use crate::declare_pass;
@@ -27,6 +26,7 @@ use emit::{Emitter, Treatment, circular};
 pub use options::{Angle, Method, Place, Scheme, Tolerance};
 use ranges::Angles;
 pub use recipe::Recipe;
+use robovec_analysis::slice::slice;
 use robovec_ir::states::Ranges;
 use robovec_ir::{Function, Input, Machine, Operand, SourceSet, Tables};
 use robovec_num::arithmetic::Arithmetic;

@@ -222,7 +222,7 @@ pub(super) fn place(of: Circular) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::critical_path::critical_path;
+    use robovec_analysis::critical_path::critical_path;
     use robovec_ir::evaluate::evaluate_nodes;
     use robovec_num::arithmetic::{Arithmetic, Binary32};
     use robovec_num::double_double::{Double, DoubleDouble};

@@ -3,8 +3,8 @@
 use super::choose::Choice;
 use super::recipe::Recipe;
 use super::{Occurrence, Treatment};
-use crate::analysis::critical_path::critical_path;
 use crate::pass::Context;
+use robovec_analysis::critical_path::critical_path;
 use robovec_num::trigonometry::Circular;
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -6,7 +6,7 @@ use super::super::results::Results;
 use super::super::table::{Cell, Table};
 use super::CpuTime;
 use robovec_ir::Machine;
-use robovec_passes::analysis::hardware::{Estimate, estimated_clock_mhz};
+use robovec_passes::codegen::hardware::{Estimate, estimated_clock_mhz};
 
 /// Clock of the machine the thesis built (its section 1.3.4), MHz.
 const BUILT_MHZ: f64 = 25.0;

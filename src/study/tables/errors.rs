@@ -2,7 +2,7 @@
 
 use super::super::results::Results;
 use super::super::table::{Cell, Table};
-use robovec_passes::analysis::rounding::Change;
+use robovec_analysis::rounding::Change;
 
 pub(super) fn table(results: &Results) -> Option<Table> {
     let machine = results.main_machine()?;

@@ -3,8 +3,8 @@
 
 use super::Options;
 use crate::codegen::order::{Step, order};
-use crate::dce::live;
 use hashbrown::HashMap;
+use robovec_analysis::slice::live;
 use robovec_ir::{Function, Input, Operand, OperandKind, Operation, Value, View};
 use rustc_hash::FxBuildHasher;
 

@@ -4,7 +4,7 @@
 use super::order::order;
 use super::sines::Slots;
 use super::{Options, Sines};
-use crate::dce::live;
+use robovec_analysis::slice::live;
 use robovec_ir::{Function, Operand, Value};
 
 /// Most operations of one expression.

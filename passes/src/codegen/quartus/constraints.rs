@@ -1,6 +1,6 @@
 //! The timing constraints of the project.
 
-use crate::analysis::hardware::Shape;
+use crate::codegen::hardware::Shape;
 
 /// The constraints (Synopsys design constraints) of a machine on the board.
 ///

@@ -15,7 +15,7 @@ mod constraints;
 mod map;
 
 use super::manifest::Manifest;
-use crate::analysis::hardware::{Shape, estimated_clock_mhz};
+use crate::codegen::hardware::{Shape, estimated_clock_mhz};
 use constraints::constraints;
 use map::map;
 use robovec_ir::Machine;

@@ -4,8 +4,8 @@
 //! results of other statements. Two statements that differ in their leaves
 //! alone have one template, and only such can be passes through one loop.
 
-use crate::dce::live;
 use hashbrown::HashMap;
+use robovec_analysis::slice::live;
 use robovec_ir::{Function, Level, Operand, OperandKind, Operation, Output, Value};
 use rustc_hash::FxBuildHasher;
 

@@ -23,11 +23,11 @@ use super::graph::{Budget, Term, grow, rewrites, term};
 use super::pattern::Pattern;
 use super::rule::{Rule, RulePlaces};
 use crate::NumericClass;
-use crate::analysis::critical_path::Weights;
 use egg::Rewrite;
 use enumerate::{Candidate, enumerate};
 use hashbrown::HashSet;
 use rank::Timed;
+use robovec_analysis::critical_path::Weights;
 use robovec_ir::{Function, Machine};
 
 /// What a derivation may cost.

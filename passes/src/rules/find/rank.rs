@@ -3,7 +3,7 @@
 use super::super::pattern::{Pattern, PatternNode};
 use super::super::profile::{arrival_of, operations};
 use super::super::rule::Rule;
-use crate::analysis::critical_path::{Weights, arrivals, tails};
+use robovec_analysis::critical_path::{Weights, arrivals, tails};
 use robovec_ir::{Function, Machine, Operand, OperandKind, Value};
 
 /// What a rule gains on some functions, taken alone and at each place by

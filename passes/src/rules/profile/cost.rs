@@ -2,8 +2,8 @@
 
 use super::super::pattern::{Pattern, PatternNode};
 use super::super::rule::Rule;
-use crate::analysis::critical_path::Weights;
 use hashbrown::HashMap;
+use robovec_analysis::critical_path::Weights;
 use robovec_ir::{Machine, Operation};
 
 /// Changes from the left side to the right side; negative is better.

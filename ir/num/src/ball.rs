@@ -6,13 +6,13 @@
 //! as if they always added up, and along a chain of joints they grow by about
 //! half a bit per joint more than errors do; double-double has some fifty
 //! bits to spare for that. What is left uncertain is computed again with more
-//! bits ([`super::precise`]).
+//! bits by whoever needs it.
 //!
 //! The radii are themselves rounded; [`SLACK`] covers that for any function
 //! that fits into memory.
 
-use robovec_num::arithmetic::Arithmetic;
-use robovec_num::double_double::{DoubleDoubleLanes, DoubleLanes};
+use crate::arithmetic::Arithmetic;
+use crate::double_double::{DoubleDoubleLanes, DoubleLanes};
 
 /// Relative errors of the operations of double-double (Joldes, Muller and
 /// Popescu 2017, in units of 2⁻¹⁰⁶: 3 for a sum, 7 for a product, 15 for a
@@ -39,24 +39,24 @@ const SUNK: f64 = f64::MIN_POSITIVE;
 
 /// Covers the rounding of the radii: each operation rounds a handful of times
 /// by 2⁻⁵³, and a chain has less than 2³⁰ operations.
-pub(crate) const SLACK: f64 = 1.0 + 1.0 / (1u32 << 18) as f64;
+pub const SLACK: f64 = 1.0 + 1.0 / (1u32 << 18) as f64;
 
 /// Double-double numbers of several states with radii.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ball<const LANES: usize> {
+pub struct Ball<const LANES: usize> {
     /// The numbers.
-    pub(crate) value: DoubleLanes<LANES>,
+    pub value: DoubleLanes<LANES>,
     /// How far the exact ones can be; infinite where nothing is known.
-    pub(crate) radius: [f64; LANES],
+    pub radius: [f64; LANES],
 }
 
 /// The arithmetic of [`Ball`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Balls<const LANES: usize>;
+pub struct Balls<const LANES: usize>;
 
 impl<const LANES: usize> Ball<LANES> {
     /// Numbers that are known.
-    pub(crate) fn exact(numbers: [f64; LANES]) -> Ball<LANES> {
+    pub fn exact(numbers: [f64; LANES]) -> Ball<LANES> {
         Ball {
             value: DoubleLanes::new(numbers),
             radius: [0.0; LANES],
@@ -65,7 +65,7 @@ impl<const LANES: usize> Ball<LANES> {
 
     /// True for a lane of whose number something is known.
     #[inline]
-    pub(crate) fn is_known(&self, lane: usize) -> bool {
+    pub fn is_known(&self, lane: usize) -> bool {
         let numbers = [self.value.high[lane], self.value.low[lane]];
         numbers.iter().all(|number| number.is_finite()) && self.radius[lane].is_finite()
     }
@@ -73,7 +73,7 @@ impl<const LANES: usize> Ball<LANES> {
     /// Whether the exact numbers of a lane, of which something is known, can
     /// be one.
     #[inline]
-    pub(crate) fn touches(&self, other: &Ball<LANES>, lane: usize) -> bool {
+    pub fn touches(&self, other: &Ball<LANES>, lane: usize) -> bool {
         let [low, other_low] = [self, other].map(|ball| ball.value.low[lane]);
         // The difference of the lower halves is rounded once.
         let rounding = (low.abs() + other_low.abs()) * f64::EPSILON;
@@ -82,7 +82,7 @@ impl<const LANES: usize> Ball<LANES> {
 
     /// How far the middles of the balls of a lane are apart.
     #[inline]
-    pub(crate) fn distance(&self, other: &Ball<LANES>, lane: usize) -> f64 {
+    pub fn distance(&self, other: &Ball<LANES>, lane: usize) -> f64 {
         let low = self.value.low[lane] - other.value.low[lane];
         (self.value.high[lane] - other.value.high[lane] + low).abs()
     }

@@ -1,7 +1,7 @@
 //! Enclosures and bounds of windows against runs inside the ranges.
 
 use super::*;
-use crate::analysis::adjoint::Run;
+use crate::adjoint::Run;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Module, View};

@@ -21,17 +21,16 @@
 //! no operation rounds, literals and inputs are the binary64 numbers they
 //! are.
 
-pub(crate) mod ball;
 #[cfg(feature = "mpfr")]
 pub mod mpfr;
 mod precise;
 mod rounding;
 
 use astro_float::Consts;
-use ball::{Ball, Balls};
 use robovec_ir::Function;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::plan::Plan;
+use robovec_num::ball::{self, Ball, Balls};
 use robovec_num::double_double::{Double, DoubleDoubleLanes, DoubleLanes};
 use robovec_num::field::{CircleField, Field, FieldPoint, Prime};
 use std::array;
@@ -145,7 +144,7 @@ impl<'a> Reference<'a> {
 
     /// The exact values of some assignments, counted from 0 in ascending
     /// order, in arbitrary precision; not finite where there is none.
-    pub(crate) fn evaluate_places(&mut self, inputs: &[f64], places: &[usize]) -> Vec<Exact> {
+    pub fn evaluate_places(&mut self, inputs: &[f64], places: &[usize]) -> Vec<Exact> {
         self.precise(inputs, places)
     }
 

@@ -1,12 +1,11 @@
 //! Analyses: what passes and reports compute about a function without
-//! changing it.
+//! changing it. This crate knows numbers and functions and no pass.
 
 pub mod accuracy;
 pub mod adjoint;
 pub mod condition;
 pub mod critical_path;
 pub mod error_bound;
-pub mod hardware;
 pub mod interval;
 pub mod reference;
 pub mod rounding;

@@ -1,7 +1,7 @@
 //! Samples against what is known of them.
 
 use super::*;
-use crate::analysis::adjoint::Run;
+use crate::adjoint::Run;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
 use robovec_ir::{Module, View};

@@ -50,7 +50,7 @@ impl Sample {
 }
 
 /// Errors of one format.
-pub(in crate::analysis) struct Samples {
+pub(crate) struct Samples {
     pub(super) format: Format,
     /// For each state its number and all assignments.
     states: Vec<Vec<Sample>>,
@@ -119,13 +119,13 @@ impl Samples {
     }
 
     /// The relative errors of a state, of the outputs that have one.
-    pub(in crate::analysis) fn relative(&self, state: usize) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn relative(&self, state: usize) -> impl Iterator<Item = f64> + '_ {
         let errors = self.states[state].iter().map(Sample::relative);
         errors.filter(|error| !error.is_nan())
     }
 
     /// The normwise errors of a state, of the arrays that have one.
-    pub(in crate::analysis) fn normwise(&self, state: usize) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn normwise(&self, state: usize) -> impl Iterator<Item = f64> + '_ {
         // Arrays without an assignment, and those that are all zero, have
         // none.
         let norms = self.norms[state].iter();

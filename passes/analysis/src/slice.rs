@@ -2,20 +2,43 @@
 
 use robovec_ir::{Function, Operand, Value};
 
-/// The values that the given operands depend on, themselves included, in
-/// program order. Linear in the length of the function.
-pub fn slice(function: &Function, roots: &[Operand]) -> Vec<Value> {
+/// For every node whether one of the operands depends on it, or something
+/// that is kept does; `keep` is asked, from the last node to the first, of
+/// those that no operand depends on. Linear in the length of the function.
+pub fn needed(
+    function: &Function,
+    roots: impl IntoIterator<Item = Operand>,
+    mut keep: impl FnMut(Value) -> bool,
+) -> Vec<bool> {
     let mut needed = vec![false; function.nodes().len()];
-    for root in roots.iter().filter_map(|root| root.value()) {
+    for root in roots.into_iter().filter_map(|root| root.value()) {
         needed[root.index()] = true;
     }
     for (value, node) in function.values().rev() {
-        if needed[value.index()] {
+        if needed[value.index()] || keep(value) {
+            needed[value.index()] = true;
             for operand in node.operands().iter().filter_map(|operand| operand.value()) {
                 needed[operand.index()] = true;
             }
         }
     }
+    needed
+}
+
+/// For every node whether an output depends on it.
+pub fn live(function: &Function) -> Vec<bool> {
+    let outputs = function.assignments.iter();
+    needed(
+        function,
+        outputs.map(|assignment| assignment.operand),
+        |_| false,
+    )
+}
+
+/// The values that the given operands depend on, themselves included, in
+/// program order.
+pub fn slice(function: &Function, roots: &[Operand]) -> Vec<Value> {
+    let needed = needed(function, roots.iter().copied(), |_| false);
     function
         .values()
         .map(|(value, _)| value)
