@@ -3,91 +3,25 @@
 use crate::simulate::naive::{self, Random};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{
-    Array, Assignment, Constant, Function, Input, Level, Machine, Module, Name, Node, Operand,
-    Operation, Output, Shape, SourceSet, View,
+    Assignment, Constant, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation,
+    Output, Shape, SourceSet, View,
 };
-use robovec_num::arithmetic::{Binary32, Binary64};
-use robovec_passes::codegen::c::{Real, c_files};
-use std::fmt::Write as _;
+use robovec_num::arithmetic::Binary32;
+use robovec_passes::codegen::c::{Options, Real, Trial, c_files, trial_main};
 use std::path::Path;
 use std::process::Command;
 
-/// Reads numbers as bits from the arguments, calls the function, and prints
-/// the outputs' bits. Scalars, vectors and matrices are laid out from 1.
-fn harness(function: &Function, module: &Module, name: &str, real: Real) -> String {
-    let (bits, read) = match real {
-        Real::Double => ("unsigned long long", "strtoull(argv[next++], 0, 16)"),
-        Real::Float => ("unsigned int", "(unsigned int)strtoul(argv[next++], 0, 16)"),
-    };
-    let real = real.name();
-    let mut text = format!(
-        "#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n#include \"{name}.h\"\n\
-         int main(int argc, char **argv) {{\n int next = 1; {bits} b; (void)argc;\n"
-    );
-    let mut arguments = Vec::new();
-    for (array, is_input) in (function.inputs().iter().map(|array| (array, true)))
-        .chain(function.outputs().iter().map(|array| (array, false)))
-    {
-        let name = storage(module, array, is_input);
-        let (extent, count) = match array.shape {
-            Shape::Scalar => ("[1]".to_owned(), 1),
-            Shape::Vector(length) => (format!("[{}]", length + 1), length),
-            Shape::Matrix(rows, columns) => {
-                (format!("[{}][{}]", rows + 1, columns + 1), rows * columns)
-            }
-        };
-        writeln!(text, " static {real} {name}{extent};").expect("a string");
-        for offset in (0..count).filter(|_| is_input) {
-            let place = place(&name, array.shape, offset);
-            writeln!(text, " b = {read}; memcpy(&{place}, &b, sizeof b);").expect("a string");
-        }
-        let scalar_input = is_input && array.shape == Shape::Scalar;
-        arguments.push(if scalar_input {
-            format!("{name}[0]")
-        } else {
-            name
-        });
-    }
-    writeln!(text, " {name}({});", arguments.join(", ")).expect("a string");
-    for assignment in &function.assignments {
-        let (array, _, _) = function.output_element(assignment.output);
-        let offset = assignment.output.0 - array.offset;
-        let place = place(&storage(module, array, false), array.shape, offset);
-        writeln!(text, " memcpy(&b, &{place}, sizeof b);").expect("a string");
-        writeln!(text, " printf(\"%llx\\n\", (unsigned long long)b);").expect("a string");
-    }
-    text + " return 0;\n}\n"
-}
-
-/// An input and an output may bear one name.
-fn storage(module: &Module, array: &Array, is_input: bool) -> String {
-    let name = module.tables.symbols.text(array.name);
-    format!("{}_{name}", if is_input { "in" } else { "out" }).replace('.', "_")
-}
-
-fn place(name: &str, shape: Shape, offset: u32) -> String {
-    let (indices, rank) = shape.indices(offset);
-    match rank {
-        0 => format!("{name}[0]"),
-        1 => format!("{name}[{}]", indices[0]),
-        _ => format!("{name}[{}][{}]", indices[0], indices[1]),
-    }
-}
-
-/// Compiles without a single warning and runs; the outputs' bits.
-fn compile_and_run(directory: &Path, module: &Module, real: Real, words: &[u64]) -> Vec<u64> {
-    let function = &module.functions[0];
-    let view = View {
-        tables: &module.tables,
-        function,
-    };
+/// Compiles without a single warning and runs; the outputs, with 17 digits,
+/// which tell every number from all others.
+fn compile_and_run(directory: &Path, view: View<'_>, real: Real, trial: &Trial) -> Vec<f64> {
     let files = c_files(view, real);
-    let name = files[0].0.trim_end_matches(".c").to_owned();
     for (file, text) in &files {
         std::fs::write(directory.join(file), text).expect("a temporary file");
     }
+    let name = files[0].0.trim_end_matches(".c").to_owned();
+    let text = trial_main(view, &Options::plain(real), &[&name], trial);
     let main = directory.join("main.c");
-    std::fs::write(&main, harness(function, module, &name, real)).expect("a temporary file");
+    std::fs::write(&main, text).expect("a temporary file");
     let program = directory.join("program");
     let compiled = Command::new("gcc")
         .args([
@@ -105,14 +39,11 @@ fn compile_and_run(directory: &Path, module: &Module, real: Real, words: &[u64])
         .expect("gcc is there");
     let messages = String::from_utf8_lossy(&compiled.stderr);
     assert!(compiled.status.success(), "{messages}");
-    let inputs = words.iter().map(|word| format!("{word:x}"));
-    let output = Command::new(&program)
-        .args(inputs)
-        .output()
-        .expect("it runs");
-    let text = String::from_utf8(output.stdout).expect("hexadecimal");
-    let number = |line| u64::from_str_radix(line, 16).expect("hexadecimal");
-    text.lines().map(number).collect()
+    let output = Command::new(&program).arg("print").output();
+    let text = String::from_utf8(output.expect("it runs").stdout).expect("numbers");
+    let lines = text.lines().take(trial.expected.len());
+    let number = |line: &str| line.split(' ').nth(2).and_then(|word| word.parse().ok());
+    lines.map(|line| number(line).expect("a number")).collect()
 }
 
 fn check(module: &Module, inputs: &[f64]) {
@@ -121,22 +52,26 @@ fn check(module: &Module, inputs: &[f64]) {
         return;
     }
     let directory = tempfile::tempdir().expect("a temporary directory");
-    let function = &module.functions[0];
-    let numbers = evaluate(function, &Binary64, inputs);
+    let view = View {
+        tables: &module.tables,
+        function: &module.functions[0],
+    };
+    let trial = Trial::new(view, inputs.to_vec(), 1.0);
+    let numbers = &trial.expected;
     assert!(
         numbers.iter().all(|number| number.is_finite()),
         "{numbers:?}"
     );
     let expected: Vec<u64> = (numbers.iter()).map(|number| number.to_bits()).collect();
-    let words: Vec<u64> = inputs.iter().map(|number| number.to_bits()).collect();
-    let found = compile_and_run(directory.path(), module, Real::Double, &words);
+    let found = compile_and_run(directory.path(), view, Real::Double, &trial);
+    let found: Vec<u64> = found.iter().map(|number| number.to_bits()).collect();
     assert_eq!(found, expected);
     let singles: Vec<f32> = inputs.iter().map(|&number| number as f32).collect();
-    let expected: Vec<u64> = (evaluate(function, &Binary32, &singles).iter())
-        .map(|number| u64::from(number.to_bits()))
+    let expected: Vec<u32> = (evaluate(view.function, &Binary32, &singles).iter())
+        .map(|number| number.to_bits())
         .collect();
-    let words: Vec<u64> = singles.iter().map(|n| u64::from(n.to_bits())).collect();
-    let found = compile_and_run(directory.path(), module, Real::Float, &words);
+    let found = compile_and_run(directory.path(), view, Real::Float, &trial);
+    let found: Vec<u32> = found.iter().map(|&n| (n as f32).to_bits()).collect();
     assert_eq!(found, expected);
 }
 

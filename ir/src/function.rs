@@ -297,6 +297,16 @@ impl Function {
         element(&self.outputs, output.0)
     }
 
+    /// Which of the input arrays holds an element.
+    pub fn input_array(&self, input: Input) -> usize {
+        holder(&self.inputs, input.0)
+    }
+
+    /// Which of the output arrays holds an element.
+    pub fn output_array(&self, output: Output) -> usize {
+        holder(&self.outputs, output.0)
+    }
+
     /// The nodes, in program order.
     #[inline]
     pub fn nodes(&self) -> &[Node] {
@@ -416,11 +426,14 @@ fn flattened_len(arrays: &[Array]) -> usize {
         .map_or(0, |array| array.offset as usize + array.shape.len())
 }
 
+/// Which of the arrays holds an element. Empty arrays share their offset with
+/// the next one, so it is the last that starts at or before the element.
+fn holder(arrays: &[Array], index: u32) -> usize {
+    arrays.partition_point(|array| array.offset <= index) - 1
+}
+
 fn element(arrays: &[Array], index: u32) -> (&Array, [u32; 2], usize) {
-    let after = arrays.partition_point(|array| array.offset <= index);
-    // Empty arrays share their offset with the next one, so the last array
-    // that starts at or before the element is the one that holds it.
-    let array = &arrays[after - 1];
+    let array = &arrays[holder(arrays, index)];
     let (indices, rank) = array.shape.indices(index - array.offset);
     (array, indices, rank)
 }

@@ -63,6 +63,29 @@ pub(super) const RESULTS: &str = "results.bin";
 const MADE_OF: &str = "program.hash";
 
 impl Contestant {
+    /// Writes the files into its folder.
+    pub(super) fn write(&self, place: &Path) -> std::io::Result<()> {
+        for (name, content) in &self.files {
+            write_whole(&place.join(name), Replace::Anything, |writer| {
+                writer.write_all(content)
+            })
+            .map_err(std::io::Error::other)?;
+        }
+        Ok(())
+    }
+
+    /// Builds it in an empty folder and runs it for a time; its least time per
+    /// state, ns. Results are not compared.
+    ///
+    /// # Errors
+    ///
+    /// What the compiler or the program says.
+    pub fn time(&self, folder: &Path, milliseconds: u32) -> Result<f64, String> {
+        self.write(folder).map_err(|error| error.to_string())?;
+        self.build(folder)?;
+        self.run(folder, milliseconds)
+    }
+
     pub(super) fn build(&self, place: &Path) -> Result<Built, String> {
         let mut built = Built {
             seconds: None,

@@ -7,6 +7,7 @@
 
 use super::functions::is_varying;
 use robovec_ir::{Array, Shape, View};
+use robovec_passes::codegen::c::Real;
 use std::fmt::Write;
 
 /// How a function is called.
@@ -58,12 +59,34 @@ pub(super) fn data_header(view: View<'_>) -> String {
     text + "    double **robovec_bench_;\n} MbsData;\ntypedef MbsData MBSdataStruct;\n#endif\n"
 }
 
-/// The text of the main program: `header` declares the function `name`.
-pub(super) fn main(view: View<'_>, call: &Call, header: &str, name: &str, states: u32) -> String {
-    let lanes = call.lanes();
-    let mut writer = Writer {
+/// A function that a main program calls.
+pub(super) struct Callee<'a> {
+    /// The equations it stands for.
+    pub(super) view: View<'a>,
+    /// The type it computes in.
+    pub(super) real: Real,
+    /// How it is called.
+    pub(super) call: &'a Call,
+    /// What declares it.
+    pub(super) header: &'a str,
+    /// Its name.
+    pub(super) name: &'a str,
+}
+
+/// The text of the main program that calls a function in so many states.
+pub(super) fn main(callee: &Callee<'_>, states: u32) -> String {
+    let &Callee {
+        view,
+        real,
+        call,
+        header,
+        name,
+    } = callee;
+    let (lanes, real) = (call.lanes(), real.name());
+    let mut writer = HarnessWriter {
         view,
         call,
+        real,
         lanes,
         storage: String::new(),
         fill: String::new(),
@@ -75,7 +98,7 @@ pub(super) fn main(view: View<'_>, call: &Call, header: &str, name: &str, states
         writer.arguments.push("prepared".to_owned());
         writer.shared.push("prepared".to_owned());
         writer.storage +=
-            &format!("static double prepared[{name}_PREPARED] __attribute__((aligned(64)));\n");
+            &format!("static {real} prepared[{name}_PREPARED] __attribute__((aligned(64)));\n");
     }
     writer.outputs();
     let mut before = String::new();
@@ -89,7 +112,7 @@ pub(super) fn main(view: View<'_>, call: &Call, header: &str, name: &str, states
     };
     let inputs = view.function.input_len();
     let outputs = view.function.assignments.len();
-    let Writer { storage, fill, .. } = writer;
+    let HarnessWriter { storage, fill, .. } = writer;
     format!(
         "#define BENCH_LANES {lanes}\n#include \"bench.h\"\n{header}\n\
          enum {{ STATES = {states}, LANES = {lanes}, INPUTS = {inputs} }};\n{storage}\
@@ -103,9 +126,10 @@ pub(super) fn main(view: View<'_>, call: &Call, header: &str, name: &str, states
     )
 }
 
-struct Writer<'a> {
+struct HarnessWriter<'a> {
     view: View<'a>,
     call: &'a Call,
+    real: &'static str,
     lanes: u32,
     storage: String,
     fill: String,
@@ -114,7 +138,7 @@ struct Writer<'a> {
     shared: Vec<String>,
 }
 
-impl Writer<'_> {
+impl HarnessWriter<'_> {
     fn name(&self, array: &Array) -> &str {
         self.view.tables.symbols.text(array.name)
     }
@@ -138,7 +162,8 @@ impl Writer<'_> {
             let lanes = if shared { 1 } else { self.lanes };
             let _ = writeln!(
                 self.storage,
-                "static double i{index}{states}[{extent} * {lanes}] __attribute__((aligned(64)));"
+                "static {} i{index}{states}[{extent} * {lanes}] __attribute__((aligned(64)));",
+                self.real
             );
             let offset = array.offset;
             let element = format!("i{index}{group}");
@@ -204,7 +229,7 @@ impl Writer<'_> {
         match (self.call, shape, input) {
             (Call::Plain, Shape::Scalar, true) => format!("{element}[0]"),
             (Call::Plain, Shape::Matrix(_, columns), _) => {
-                format!("({constant}double (*)[{columns} + 1]){element}")
+                format!("({constant}{} (*)[{columns} + 1]){element}", self.real)
             }
             _ => element.to_owned(),
         }
@@ -219,7 +244,8 @@ impl Writer<'_> {
             let lanes = self.lanes;
             let _ = writeln!(
                 self.storage,
-                "static double o{index}[{extent} * {lanes}] __attribute__((aligned(64)));"
+                "static {} o{index}[{extent} * {lanes}] __attribute__((aligned(64)));",
+                self.real
             );
             bases.push(format!("o{index}"));
             if !matches!(self.call, Call::Robotran(_)) {
@@ -229,15 +255,13 @@ impl Writer<'_> {
         }
         let _ = writeln!(
             self.storage,
-            "static double *const output_base[] = {{ {} }};\nstatic const int output_list[][2] = {{",
+            "static {} *const output_base[] = {{ {} }};\nstatic const int output_list[][2] = {{",
+            self.real,
             bases.join(", ")
         );
         for assignment in &function.assignments {
             let (array, indices, _) = function.output_element(assignment.output);
-            let place = function
-                .outputs()
-                .partition_point(|known| known.offset <= assignment.output.0)
-                - 1;
+            let place = function.output_array(assignment.output);
             let offset = match array.shape {
                 Shape::Scalar => 0,
                 Shape::Vector(_) => indices[0],

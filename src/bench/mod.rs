@@ -31,7 +31,7 @@ use serde::Serialize;
 use std::path::Path;
 pub use tools::Compiler;
 
-use crate::files::{Replace, make_folder, write_whole};
+use crate::files::make_folder;
 use crate::model::Model;
 
 /// What everybody computes, and at which states.
@@ -102,12 +102,7 @@ pub fn bench(
             None => folder.join(&question.name).join(format!("{number:02}")),
         };
         make_folder(&place)?;
-        for (name, content) in &contestant.files {
-            write_whole(&place.join(name), Replace::Anything, |writer| {
-                writer.write_all(content)
-            })
-            .map_err(std::io::Error::other)?;
-        }
+        contestant.write(&place)?;
         let mut outcome = Outcome {
             name: contestant.name.clone(),
             family: contestant.family,

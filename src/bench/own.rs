@@ -3,12 +3,12 @@
 use super::Question;
 use super::contestant::{Contestant, Family, RESULTS};
 use super::functions::{inputs, outputs};
-use super::harness::{self, Call};
+use super::harness::{self, Call, Callee};
 use super::tools::{Compiler, Step};
 use robovec_ir::View;
 use robovec_ir::count::Counts;
 use robovec_passes::codegen::batch;
-use robovec_passes::codegen::c::{self, Real};
+use robovec_passes::codegen::c::{self, Real, c_files};
 use robovec_passes::codegen::rolled::rolled_files;
 
 /// The clock and the windows, shared by all programs.
@@ -16,6 +16,9 @@ pub(super) const BENCH_H: &str = include_str!("../../benches/peers/bench.h");
 
 /// How generated C is compiled; loops at `-O3`.
 pub const FLAGS: &str = "-O2 -march=native";
+
+/// How C is compiled that gives the evaluator's results.
+const EXACT: &str = "-std=c99 -O1 -ffp-contract=off";
 
 /// Operations of a function.
 pub fn operations(view: View<'_>) -> usize {
@@ -46,22 +49,21 @@ pub fn straight(
         signature: c::Signature::Plain,
         ..c::Options::default()
     };
-    let [source, header] = match c::files(view, &options) {
-        Ok(files) => files,
-        Err(error) => return missing(family, name, view, error.to_string()),
+    match c::files(view, &options) {
+        Ok(files) => {
+            Generated::plain(files, FLAGS).contestant(question, compiler, family, name, view)
+        }
+        Err(error) => missing(family, name, view, error.to_string()),
+    }
+}
+
+/// Straight-line C with the evaluator's results, bit for bit.
+pub fn exact(question: &Question<'_>, compiler: &Compiler, real: Real) -> Contestant {
+    let generated = Generated {
+        real,
+        ..Generated::plain(c_files(question.view, real), EXACT)
     };
-    let function = source.0.trim_end_matches(".c").to_owned();
-    program(
-        question,
-        compiler,
-        (family, name),
-        view,
-        vec![source, header.clone()],
-        &Call::Plain,
-        &format!("#include \"{}\"", header.0),
-        &function,
-        FLAGS,
-    )
+    generated.contestant(question, compiler, Family::Equations, "C", question.view)
 }
 
 /// C with loops found from recurrences.
@@ -72,26 +74,11 @@ pub fn rolled(
     name: &str,
     view: View<'_>,
 ) -> Contestant {
-    let files = match rolled_files(view, Real::Double) {
-        Ok(rolled) => rolled.files,
-        Err(difference) => {
-            return missing(family, name, view, difference.to_string());
-        }
-    };
-    let header = files.iter().find(|(name, _)| name.ends_with(".h"));
-    let header = header.map_or_else(String::new, |(name, _)| name.clone());
-    let function = header.trim_end_matches(".h").to_owned();
-    program(
-        question,
-        compiler,
-        (family, name),
-        view,
-        files.to_vec(),
-        &Call::Plain,
-        &format!("#include \"{header}\""),
-        &function,
-        "-O3 -march=native",
-    )
+    match rolled_files(view, Real::Double) {
+        Ok(rolled) => Generated::plain(rolled.files, "-O3 -march=native")
+            .contestant(question, compiler, family, name, view),
+        Err(difference) => missing(family, name, view, difference.to_string()),
+    }
 }
 
 /// C for eight states at once.
@@ -103,21 +90,11 @@ pub fn batch(
     view: View<'_>,
 ) -> Contestant {
     let options = batch::Options::default();
-    let [source, header] = batch::batch_files(view, &options);
-    let function = header.0.trim_end_matches("_batch.h").to_owned();
-    let include = format!("#include \"{}\"", header.0);
-    let call = Call::Batch(options.lanes, options.shared.clone());
-    program(
-        question,
-        compiler,
-        (family, name),
-        view,
-        vec![source, header],
-        &call,
-        &include,
-        &function,
-        FLAGS,
-    )
+    let generated = Generated {
+        call: Call::Batch(options.lanes, options.shared.clone()),
+        ..Generated::plain(batch::batch_files(view, &options), FLAGS)
+    };
+    generated.contestant(question, compiler, family, name, view)
 }
 
 pub(super) fn missing(family: Family, name: &str, view: View<'_>, message: String) -> Contestant {
@@ -137,55 +114,74 @@ pub(super) fn missing(family: Family, name: &str, view: View<'_>, message: Strin
     }
 }
 
-/// A program of generated files, of which all `.c` files are compiled.
-#[allow(clippy::too_many_arguments)]
-pub(super) fn program(
-    question: &Question<'_>,
-    compiler: &Compiler,
-    (family, name): (Family, &str),
-    view: View<'_>,
-    generated: Vec<(String, String)>,
-    call: &Call,
-    header: &str,
-    function: &str,
-    flags: &str,
-) -> Contestant {
-    let command = &compiler.command;
-    let mut steps = Vec::new();
-    let mut objects = String::new();
-    for (file, _) in &generated {
-        if let Some(stem) = file.strip_suffix(".c") {
-            let object = format!("{stem}.o");
-            let step = Step::new(command, flags).with("-c").with(file.clone());
-            steps.push(step.function(&object));
-            objects = format!("{objects} {object}");
+/// A source and its header, and how they are used.
+struct Generated<'a> {
+    files: [(String, String); 2],
+    call: Call,
+    real: Real,
+    flags: &'a str,
+}
+
+impl<'a> Generated<'a> {
+    /// A function that computes in binary64 and takes its arrays one after the
+    /// other.
+    fn plain(files: [(String, String); 2], flags: &'a str) -> Generated<'a> {
+        Generated {
+            files,
+            call: Call::Plain,
+            real: Real::Double,
+            flags,
         }
     }
-    steps.push(Step::new(
-        command,
-        &format!("-O2 -march=native -o program main.c {objects} -lm"),
-    ));
-    let lanes = call.lanes();
-    let main = harness::main(view, call, header, function, question.count);
-    let generated = generated.into_iter();
-    let mut files: Vec<(String, Vec<u8>)> = generated
-        .map(|(name, text)| (name, text.into_bytes()))
-        .collect();
-    files.push(("main.c".to_owned(), main.into_bytes()));
-    files.push(("bench.h".to_owned(), BENCH_H.as_bytes().to_vec()));
-    files.push(("inputs.bin".to_owned(), input_bytes(question, view)));
-    Contestant {
-        name: name.to_owned(),
-        family,
-        remark: format!("{command} {flags}"),
-        operations: Some(operations(view)),
-        lanes,
-        files,
-        steps,
-        arguments: vec![RESULTS.to_owned()],
-        outputs: outputs(view),
-        tolerance: 1e-12,
-        missing: None,
-        shared: None,
+
+    /// The program around the function.
+    fn contestant(
+        self,
+        question: &Question<'_>,
+        compiler: &Compiler,
+        family: Family,
+        name: &str,
+        view: View<'_>,
+    ) -> Contestant {
+        let (command, flags, lanes) = (&compiler.command, self.flags, self.call.lanes());
+        let [(source, _), (header, _)] = &self.files;
+        let stem = source.strip_suffix(".c").expect("the source comes first");
+        let object = format!("{stem}.o");
+        let compiled = Step::new(command, flags).with("-c").with(source.clone());
+        let linked = format!("-O2 -march=native -o program main.c {object} -lm");
+        let steps = vec![compiled.function(&object), Step::new(command, &linked)];
+        let function = match self.call {
+            Call::Batch(..) => stem.trim_end_matches("_batch"),
+            Call::Plain | Call::Robotran(_) => stem,
+        };
+        let callee = Callee {
+            view,
+            real: self.real,
+            call: &self.call,
+            header: &format!("#include \"{header}\""),
+            name: function,
+        };
+        let main = harness::main(&callee, question.count);
+        let files = self.files.into_iter();
+        let mut files: Vec<(String, Vec<u8>)> = files
+            .map(|(name, text)| (name, text.into_bytes()))
+            .collect();
+        files.push(("main.c".to_owned(), main.into_bytes()));
+        files.push(("bench.h".to_owned(), BENCH_H.as_bytes().to_vec()));
+        files.push(("inputs.bin".to_owned(), input_bytes(question, view)));
+        Contestant {
+            name: name.to_owned(),
+            family,
+            remark: format!("{command} {flags}"),
+            operations: Some(operations(view)),
+            lanes,
+            files,
+            steps,
+            arguments: vec![RESULTS.to_owned()],
+            outputs: outputs(view),
+            tolerance: 1e-12,
+            missing: None,
+            shared: None,
+        }
     }
 }

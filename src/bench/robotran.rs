@@ -8,13 +8,13 @@
 use super::Question;
 use super::contestant::{Contestant, Family, RESULTS};
 use super::functions::outputs;
-use super::harness::{self, Call, Parameter};
+use super::harness::{self, Call, Callee, Parameter};
 use super::own::{self, BENCH_H, input_bytes};
 use super::tools::{Compiler, Step};
 use crate::robotran::Language;
 use crate::robotran::write::{WriteOptions, write};
 use robovec_ir::{Module, View};
-use robovec_passes::codegen::c;
+use robovec_passes::codegen::c::{self, Real};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -158,7 +158,14 @@ impl Text<'_> {
         };
         let header = format!("#include \"{data}\"\n{declaration};");
         let call = Call::Robotran(parameters);
-        let main = harness::main(view, &call, &header, &function, question.count);
+        let callee = Callee {
+            view,
+            real: Real::Double,
+            call: &call,
+            header: &header,
+            name: &function,
+        };
+        let main = harness::main(&callee, question.count);
         files.push(("main.c".to_owned(), main.into_bytes()));
         let command = &compiler.command;
         Contestant {

@@ -5,8 +5,8 @@
 //! per memory, and a manifest that says where every input goes and every
 //! output is found (`docs/images.md` is the contract with simulator and
 //! hardware). [`c`] writes a C99 function for a processor, [`batch`] one that
-//! evaluates many states at once, [`rolled`] one with loops; [`order`] and
-//! [`sincos`] serve any of them.
+//! evaluates many states at once, [`rolled`] one with loops; [`emit`] and
+//! [`sincos`] serve all of them.
 //!
 //! Image generation decides nothing: it transcribes the placement, and
 //! refuses only what the words cannot express (more writes than ports, two
@@ -17,6 +17,7 @@
 pub mod batch;
 mod binding;
 pub mod c;
+pub mod emit;
 mod error;
 pub mod hardware;
 mod hex;
@@ -25,7 +26,6 @@ pub mod kind;
 mod layout;
 pub mod manifest;
 mod mif;
-pub mod order;
 mod pass;
 mod ports;
 pub mod quartus;
@@ -33,6 +33,8 @@ pub mod rolled;
 pub mod rtl;
 mod shape;
 pub mod sincos;
+#[cfg(test)]
+mod testing;
 mod traffic;
 mod words;
 

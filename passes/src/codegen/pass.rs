@@ -6,7 +6,6 @@ use super::images::foreign_format;
 use super::rolled::{self, Circular, rolled_files};
 use super::rtl::{self, CrossbarChoice, RtlError, write_rtl};
 use super::{Artifacts, ImageError, write_images};
-use crate::options::OptionValue;
 use crate::pass::{Artifact, Context, Gives, Pass, PassError};
 use crate::{declare_pass, option_words};
 use robovec_ir::{Format, Function, View};
@@ -36,59 +35,6 @@ option_words! {
         Shared = "shared",
         /// Every state has its own.
         Own = "own",
-    }
-}
-
-impl OptionValue for Circular {
-    fn type_name() -> String {
-        "vector | library".to_owned()
-    }
-    fn parse(text: &str) -> Result<Circular, String> {
-        match text {
-            "vector" => Ok(Circular::Vector),
-            "library" => Ok(Circular::Library),
-            _ => Err(format!("'{text}' is not one of {}", Circular::type_name())),
-        }
-    }
-    fn print(&self) -> String {
-        match self {
-            Circular::Vector => "vector".to_owned(),
-            Circular::Library => "library".to_owned(),
-        }
-    }
-}
-
-impl OptionValue for Real {
-    fn type_name() -> String {
-        "double | float".to_owned()
-    }
-    fn parse(text: &str) -> Result<Real, String> {
-        [Real::Double, Real::Float]
-            .into_iter()
-            .find(|real| real.name() == text)
-            .ok_or_else(|| format!("'{text}' is not one of {}", Real::type_name()))
-    }
-    fn print(&self) -> String {
-        self.name().to_owned()
-    }
-}
-
-impl OptionValue for CrossbarChoice {
-    fn type_name() -> String {
-        "full | pruned".to_owned()
-    }
-    fn parse(text: &str) -> Result<CrossbarChoice, String> {
-        match text {
-            "full" => Ok(CrossbarChoice::Full),
-            "pruned" => Ok(CrossbarChoice::Pruned),
-            _ => Err(format!("'{text}' is not one of {}", Self::type_name())),
-        }
-    }
-    fn print(&self) -> String {
-        match self {
-            CrossbarChoice::Full => "full".to_owned(),
-            CrossbarChoice::Pruned => "pruned".to_owned(),
-        }
     }
 }
 

@@ -10,17 +10,16 @@
 //! *true*; [`check`] proves or refutes each rule, and
 //! [`RuleSet::sound`] is what a pass may use.
 
+mod builder;
 mod built_in;
 pub mod check;
-mod cursor;
-mod expression;
 pub mod find;
 mod graph;
-mod parse;
 mod pattern;
 mod print;
 pub mod profile;
 mod random;
+mod read;
 mod rule;
 pub mod syntax;
 mod token;
@@ -57,7 +56,7 @@ impl RuleSet {
     ///
     /// All mistakes of the text (at most twenty), each with its place.
     pub fn parse(text: &str, file_name: &str) -> Result<RuleSet, Report> {
-        parse::parse(text, file_name)
+        read::parse(text, file_name)
     }
 
     /// The rule of a name.

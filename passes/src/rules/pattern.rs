@@ -19,6 +19,16 @@ pub enum PatternNode {
     Operation(Operation, [u32; 2]),
 }
 
+impl PatternNode {
+    /// An operation on one or two earlier nodes.
+    pub(super) fn of(operation: Operation, operands: &[u32]) -> PatternNode {
+        let [first, .., last] = *operands else {
+            return PatternNode::Operation(operation, [operands[0]; 2]);
+        };
+        PatternNode::Operation(operation, [first, last])
+    }
+}
+
 /// A term with variables.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct Pattern {
@@ -38,9 +48,7 @@ impl Pattern {
 
     /// Adds an operation on one or two earlier nodes.
     pub fn operation(&mut self, operation: Operation, operands: &[u32]) -> u32 {
-        let first = operands.first().copied().unwrap_or_default();
-        let second = operands.get(1).copied().unwrap_or(first);
-        self.push(PatternNode::Operation(operation, [first, second]))
+        self.push(PatternNode::of(operation, operands))
     }
 
     /// The number of the root.

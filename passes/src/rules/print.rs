@@ -1,6 +1,5 @@
 //! Rules as text: what the reader reads back as the same rules.
 
-use super::expression::precedence;
 use super::pattern::{Pattern, PatternNode};
 use super::rule::Rule;
 use crate::NumericClass;
@@ -21,6 +20,14 @@ impl Piece {
         } else {
             self.text.clone()
         }
+    }
+}
+
+/// How strongly an operator between two operands binds.
+fn strength(operation: Operation) -> u32 {
+    match operation {
+        Operation::Add | Operation::Sub => 1,
+        _ => 2,
     }
 }
 
@@ -73,7 +80,7 @@ fn operation_text(operation: Operation, a: &Piece, b: &Piece) -> Piece {
             };
         }
     };
-    let strength = precedence(operation);
+    let strength = strength(operation);
     Piece {
         text: format!("{}{sign}{}", a.within(strength), b.within(strength + 1)),
         strength,

@@ -1,15 +1,30 @@
 //! Tokens of rule files.
 
 use logos::Logos;
+use std::ops::Range;
 
 /// A token of a rule file.
 #[derive(Logos, Clone, Copy, PartialEq, Debug)]
 #[logos(skip r"[ \t\r\n\f]+")]
 #[logos(skip(r"#[^\n]*", allow_greedy = true))]
-pub(super) enum Token<'text> {
-    /// A name or a word of the language.
+pub(crate) enum RuleToken<'text> {
+    /// A name.
     #[regex(r"[\p{L}_][\p{L}\p{N}_]*")]
     Word(&'text str),
+    /// `rule`.
+    #[token("rule")]
+    Rule,
+    /// `when`.
+    #[token("when")]
+    When,
+    /// `class`.
+    #[token("class")]
+    Class,
+    /// The name of a rule, which may have hyphens: words, numbers and minus
+    /// signs without blanks between them behind `rule`.
+    RuleName(&'text str),
+    /// The same behind `class=`.
+    ClassName(&'text str),
     /// A number without sign.
     #[regex(r"([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")]
     Number(&'text str),
@@ -52,4 +67,54 @@ pub(super) enum Token<'text> {
     /// `/`.
     #[token("/")]
     Over,
+}
+
+impl RuleToken<'_> {
+    /// True for what a name with hyphens can start with.
+    fn starts_name(self) -> bool {
+        use RuleToken::{Class, Rule, When, Word};
+        matches!(self, Word(_) | Rule | When | Class)
+    }
+
+    /// True for what a name with hyphens can go on with.
+    fn continues_name(self) -> bool {
+        self.starts_name() || matches!(self, RuleToken::Number(_) | RuleToken::Minus)
+    }
+}
+
+/// A token with its place; none for characters that are no token.
+pub(super) type Placed<'text> = (Option<RuleToken<'text>>, Range<usize>);
+
+/// The tokens of a text, names with hyphens in one piece.
+pub(super) fn tokens(text: &str) -> Vec<Placed<'_>> {
+    let mut tokens: Vec<Placed<'_>> = Vec::new();
+    for (token, span) in RuleToken::lexer(text).spanned() {
+        let token = token.ok();
+        if let [.., (Some(last), place)] = &mut tokens[..]
+            && let RuleToken::RuleName(name) | RuleToken::ClassName(name) = last
+            && place.end == span.start
+            && token.is_some_and(RuleToken::continues_name)
+        {
+            place.end = span.end;
+            *name = &text[place.clone()];
+            continue;
+        }
+        let name = &text[span.clone()];
+        let token = match (&tokens[..], token) {
+            ([.., (Some(RuleToken::Rule), _)], Some(word)) if word.starts_name() => {
+                Some(RuleToken::RuleName(name))
+            }
+            (
+                [
+                    ..,
+                    (Some(RuleToken::Class), _),
+                    (Some(RuleToken::Equals), _),
+                ],
+                Some(word),
+            ) if word.starts_name() => Some(RuleToken::ClassName(name)),
+            (_, token) => token,
+        };
+        tokens.push((token, span));
+    }
+    tokens
 }

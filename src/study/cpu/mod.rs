@@ -5,28 +5,23 @@
 //! These are measurements: they differ from run to run and stay apart from
 //! the results of the study.
 
-mod harness;
 pub mod table;
 
 use crate::bench::contestant::Family;
 use crate::bench::own::{self, operations};
 use crate::bench::{Compiler, Question, bench};
-use crate::files::{Replace, TemporaryFolder, write_whole};
-use crate::process::Call;
+use crate::files::TemporaryFolder;
 use robovec_ir::View;
 use robovec_ir::print::print_file;
 use robovec_ir::states::States;
 use robovec_num::fnv::Fnv;
-use robovec_passes::codegen::c::{Real, c_files};
+use robovec_passes::codegen::c::Real;
 use serde::{Deserialize, Serialize};
 use std::fs;
 
 /// Functions with more operations are not compiled unless asked for: C
 /// compilers take a second for some ten thousand operations.
 pub const LARGEST: usize = 200_000;
-
-/// How [`compile_and_run`] compiles.
-const FLAGS: [&str; 3] = ["-std=c99", "-O1", "-ffp-contract=off"];
 
 /// Measured times, or why there are none.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
@@ -247,32 +242,14 @@ pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<Times, String> {
 /// Why there is no time: no compiler, or what it says.
 pub fn compile_and_run(view: View<'_>, real: Real) -> Result<f64, String> {
     let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
-    let [source, header] = c_files(view, real);
-    let main = ("main.c".to_owned(), harness::main(view, &header.0, real));
-    for (name, text) in [&source, &header, &main] {
-        write_whole(&folder.path().join(name), Replace::Anything, |writer| {
-            writer.write_all(text.as_bytes())
-        })
-        .map_err(|error| error.to_string())?;
-    }
-    let run = |call: Call| {
-        let run = call.folder(folder.path()).run();
-        let run = run.map_err(|error| error.to_string())?;
-        if run.status.success() {
-            return Ok(run.text());
-        }
-        let messages = run.messages();
-        Err(format!(
-            "it failed: {}",
-            messages.lines().next().unwrap_or("no message")
-        ))
+    let compiler = Compiler::find("cc")?;
+    let question = Question {
+        name: "function".to_owned(),
+        view,
+        model: None,
+        states: &States::new(SEED),
+        count: STATES,
     };
-    let names = ["-o", "program", "main.c", &source.0, "-lm"];
-    run(Call::new("cc").arguments(FLAGS).arguments(names))?;
-    let text = run(Call::new("./program"))?;
-    let nanoseconds = text
-        .split_whitespace()
-        .next()
-        .and_then(|word| word.parse::<f64>().ok());
-    nanoseconds.ok_or_else(|| "the program did not print its time".to_owned())
+    let contestant = own::exact(&question, &compiler, real);
+    contestant.time(folder.path(), ROUNDS.1)
 }

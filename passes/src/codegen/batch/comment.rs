@@ -1,10 +1,11 @@
 //! What generated files say about themselves.
 
-use super::text::Writer;
+use super::text::BatchWriter;
+use crate::codegen::emit::frame;
 use std::fmt::Write;
 
 /// The head of the source.
-pub(super) fn source(writer: &Writer<'_>) -> String {
+pub(super) fn source(writer: &BatchWriter<'_>) -> String {
     format!(
         "/* {} for batches of {} states by robovec. Compile with -O3 and for the processor at\n   \
          hand (-march=native), with -fopenmp to use its cores. */\n",
@@ -13,7 +14,7 @@ pub(super) fn source(writer: &Writer<'_>) -> String {
 }
 
 /// The head of the header: the contract.
-pub(super) fn header(writer: &Writer<'_>) -> String {
+pub(super) fn header(writer: &BatchWriter<'_>) -> String {
     let name = &writer.names.function;
     let mut text = format!(
         "/* {name} for batches of {lanes} states by robovec.
@@ -46,15 +47,6 @@ pub(super) fn header(writer: &Writer<'_>) -> String {
             shared.join(", ")
         );
     }
-    for boundary in &writer.function().boundaries {
-        // A comment cannot hold its own end.
-        let callee = boundary.callee.replace("*/", "* /");
-        let result = boundary.result.as_deref().unwrap_or("nothing");
-        let _ = writeln!(
-            text,
-            "   The results of {callee} are taken from the input {}; its arguments are outputs.",
-            result.replace("*/", "* /")
-        );
-    }
+    text += &frame::boundaries(writer.function());
     text + "\n   _many and _states return 0, or -1 when there is no memory. */\n"
 }

@@ -1,14 +1,13 @@
 //! The functions that callers call.
 
-use super::plan::input_array;
-use super::text::{List, Writer, output_array, shared_type};
-use super::{element, extent};
+use super::text::{BatchWriter, List, shared_type};
+use crate::codegen::emit::arrays::{extent, place};
 use robovec_ir::{Array, OperandKind};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// The declarations of the header: what is returned, name, parameters.
-pub(super) fn signatures(writer: &Writer<'_>) -> [(&'static str, String, String); 4] {
+pub(super) fn signatures(writer: &BatchWriter<'_>) -> [(&'static str, String, String); 4] {
     let name = &writer.names.function;
     let all = all_list(writer, List::Parameters);
     let many = match all.is_empty() {
@@ -32,7 +31,7 @@ pub(super) fn signatures(writer: &Writer<'_>) -> [(&'static str, String, String)
 }
 
 /// The shared inputs and what is prepared from them.
-pub(super) fn prepare_list(writer: &Writer<'_>, list: List) -> String {
+pub(super) fn prepare_list(writer: &BatchWriter<'_>, list: List) -> String {
     let real = writer.options.real.name();
     let mut items = Vec::new();
     for (index, name) in writer.names.inputs.iter().enumerate() {
@@ -46,7 +45,7 @@ pub(super) fn prepare_list(writer: &Writer<'_>, list: List) -> String {
 }
 
 /// The other inputs, what was prepared, and the outputs.
-pub(super) fn batch_list(writer: &Writer<'_>, list: List) -> String {
+pub(super) fn batch_list(writer: &BatchWriter<'_>, list: List) -> String {
     let real = writer.options.real.name();
     let mut items = Vec::new();
     for (name, shared) in writer.names.inputs.iter().zip(&writer.plan.shared) {
@@ -62,7 +61,7 @@ pub(super) fn batch_list(writer: &Writer<'_>, list: List) -> String {
 }
 
 /// All arrays in order of declaration.
-fn all_list(writer: &Writer<'_>, list: List) -> String {
+fn all_list(writer: &BatchWriter<'_>, list: List) -> String {
     let real = writer.options.real.name();
     let mut items = Vec::new();
     for (index, name) in writer.names.inputs.iter().enumerate() {
@@ -98,7 +97,7 @@ struct Varying<'a> {
 }
 
 /// The definitions of what [`signatures`] declares, but for the first.
-pub(super) fn functions(writer: &Writer<'_>) -> String {
+pub(super) fn functions(writer: &BatchWriter<'_>) -> String {
     let arrays = varying(writer);
     let mut text = batch(writer);
     if !arrays.is_empty() {
@@ -110,7 +109,7 @@ pub(super) fn functions(writer: &Writer<'_>) -> String {
 }
 
 /// The arrays of states, with the elements that the function touches.
-fn varying<'a>(writer: &'a Writer<'a>) -> Vec<Varying<'a>> {
+fn varying<'a>(writer: &'a BatchWriter<'a>) -> Vec<Varying<'a>> {
     let function = writer.function();
     let mut read: Vec<BTreeSet<u64>> = vec![BTreeSet::new(); function.inputs().len()];
     let mut set: Vec<BTreeSet<u64>> = vec![BTreeSet::new(); function.outputs().len()];
@@ -118,15 +117,15 @@ fn varying<'a>(writer: &'a Writer<'a>) -> Vec<Varying<'a>> {
     let outputs = function.assignments.iter().map(|a| &a.operand);
     for operand in reads.chain(outputs) {
         if let OperandKind::Input(input) = operand.kind() {
-            let index = input_array(function, input);
+            let index = function.input_array(input);
             let array = &function.inputs()[index];
-            read[index].insert(element(array, input.0 - array.offset));
+            read[index].insert(place(array, input.0 - array.offset));
         }
     }
     for assignment in &function.assignments {
         let (array, _, _) = function.output_element(assignment.output);
-        let place = element(array, assignment.output.0 - array.offset);
-        set[output_array(function, array)].insert(place);
+        let element = place(array, assignment.output.0 - array.offset);
+        set[function.output_array(assignment.output)].insert(element);
     }
     let mut arrays = Vec::new();
     let mut offset = 0;
@@ -164,7 +163,7 @@ fn spans(numbers: &BTreeSet<u64>) -> Vec<(u64, u64)> {
 }
 
 /// One batch in place.
-fn batch(writer: &Writer<'_>) -> String {
+fn batch(writer: &BatchWriter<'_>) -> String {
     let name = &writer.names.function;
     let parameters = batch_list(writer, List::Parameters);
     let whole = batch_list(writer, List::Arguments);
@@ -188,7 +187,7 @@ fn batch(writer: &Writer<'_>) -> String {
 }
 
 /// Copies of a batch whose lanes are not together, or not all there.
-fn copies(text: &mut String, writer: &Writer<'_>, arrays: &[Varying<'_>]) {
+fn copies(text: &mut String, writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) {
     let name = &writer.names.function;
     let real = writer.options.real.name();
     let lanes = writer.options.lanes;
@@ -291,7 +290,7 @@ fn arguments(arrays: &[Varying<'_>], argument: impl Fn(&Varying<'_>) -> String) 
 }
 
 /// The head that both drivers share.
-fn head(text: &mut String, writer: &Writer<'_>, own: &str, parameters: &str) {
+fn head(text: &mut String, writer: &BatchWriter<'_>, own: &str, parameters: &str) {
     let name = &writer.names.function;
     let real = writer.options.real.name();
     let _ = write!(
@@ -302,7 +301,7 @@ fn head(text: &mut String, writer: &Writer<'_>, own: &str, parameters: &str) {
 }
 
 /// Many states in arrays of runs.
-fn many(text: &mut String, writer: &Writer<'_>, arrays: &[Varying<'_>]) {
+fn many(text: &mut String, writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) {
     let [_, _, (_, own, parameters), _] = signatures(writer);
     let name = &writer.names.function;
     let lanes = writer.options.lanes;
@@ -340,7 +339,7 @@ fn many(text: &mut String, writer: &Writer<'_>, arrays: &[Varying<'_>]) {
 }
 
 /// Many states one after the other.
-fn states(text: &mut String, writer: &Writer<'_>, arrays: &[Varying<'_>]) {
+fn states(text: &mut String, writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) {
     let [_, _, _, (_, own, parameters)] = signatures(writer);
     let name = &writer.names.function;
     let (lanes, real) = (writer.options.lanes, writer.options.real.name());

@@ -8,7 +8,7 @@
 //! What decides the speed of such code is where values are, so:
 //!
 //! * operations stand in an order that keeps few values waiting
-//!   ([`crate::codegen::order`]);
+//!   ([`crate::codegen::emit::order`]);
 //! * they stand in functions of bounded length ([`plan`]), since compilers
 //!   take quadratic time for long ones; what crosses from one to the next
 //!   lies in a work array whose words are reused;
@@ -23,14 +23,13 @@
 
 mod comment;
 mod driver;
-mod expression;
 mod names;
 mod plan;
 mod prepared;
 mod text;
 
-use super::c::Real;
-use robovec_ir::{Array, Shape, View};
+use super::emit::Real;
+use robovec_ir::View;
 
 /// Arrays that hold parameters of a model, in Robotran's names: places of
 /// points, centres of mass, masses, inertias and gravity.
@@ -85,37 +84,12 @@ impl Default for Options {
 pub fn batch_files(view: View<'_>, options: &Options) -> [(String, String); 2] {
     let mut plan = plan::Plan::new(view, options);
     let prepared = prepared::Prepared::new(view.function, &mut plan, options.part);
-    let writer = text::Writer::new(view, options, &plan, &prepared);
+    let writer = text::BatchWriter::new(view, options, &plan, &prepared);
     let name = writer.names.function.clone();
     [
         (format!("{name}_batch.c"), writer.source()),
         (format!("{name}_batch.h"), writer.header()),
     ]
-}
-
-/// The numbers of one state of an array that counts from 1, or the runs of a
-/// batch: those with an index 0 are there and not used.
-fn extent(array: &Array) -> u64 {
-    match array.shape {
-        Shape::Scalar => 1,
-        Shape::Vector(length) => u64::from(length) + 1,
-        Shape::Matrix(rows, columns) => (u64::from(rows) + 1) * (u64::from(columns) + 1),
-    }
-}
-
-/// The place of an element in an array that counts from 1.
-fn element(array: &Array, offset: u32) -> u64 {
-    match array.shape.indices(offset) {
-        (_, 0) => 0,
-        ([index, _], 1) => u64::from(index),
-        ([row, column], _) => {
-            let columns = match array.shape {
-                Shape::Matrix(_, columns) => u64::from(columns),
-                Shape::Scalar | Shape::Vector(_) => 0,
-            };
-            u64::from(row) * (columns + 1) + u64::from(column)
-        }
-    }
 }
 
 #[cfg(test)]

@@ -2,8 +2,9 @@
 //! cosines, or in which part.
 
 use super::Options;
-use crate::codegen::order::{Step, order};
-use hashbrown::HashMap;
+use crate::codegen::emit::crossing::{Crossing, PartValues};
+use crate::codegen::emit::order::{Step, by_registers};
+use hashbrown::{HashMap, HashSet};
 use robovec_analysis::slice::live;
 use robovec_ir::{Function, Input, Operand, OperandKind, Operation, Value, View};
 use rustc_hash::FxBuildHasher;
@@ -38,14 +39,6 @@ pub(super) struct Group {
     pub(super) angles: Vec<Operand>,
 }
 
-/// Consecutive steps in a function of their own.
-#[derive(Clone, Default, Debug)]
-pub(super) struct Part {
-    pub(super) steps: Vec<Step>,
-    /// Values of earlier parts it reads, each once.
-    pub(super) loads: Vec<Value>,
-}
-
 /// What follows what.
 #[derive(Clone, Debug)]
 pub(super) enum Item {
@@ -67,12 +60,11 @@ pub(super) struct Plan {
     /// Angles of all groups.
     pub(super) angles: u32,
     angle_numbers: HashMap<Operand, u32, FxBuildHasher>,
-    pub(super) parts: Vec<Part>,
+    /// Consecutive steps that stand in a function of their own.
+    pub(super) parts: Vec<Vec<Step>>,
     pub(super) items: Vec<Item>,
-    /// For each value the word of the work array it travels in.
-    words: Vec<Option<u32>>,
-    /// Length of the work array.
-    pub(super) work: u32,
+    /// What travels from part to part.
+    pub(super) crossing: Crossing,
 }
 
 impl Plan {
@@ -102,12 +94,11 @@ impl Plan {
             angle_numbers: HashMap::default(),
             parts: Vec::new(),
             items: Vec::new(),
-            words: vec![None; live.len()],
-            work: 0,
+            crossing: Crossing::new(0, &[], 0, |_| 0..0),
         };
         plan.prepare(function, &lanes);
-        let steps = order(function, &computed, REGISTERS);
-        let last = stages.iter().copied().max().unwrap_or(0);
+        let steps = by_registers(function, &computed, REGISTERS);
+        let last = stages.iter().fold(0, |last, &stage| last.max(stage));
         let mut by_stage: Vec<Vec<Step>> = vec![Vec::new(); last as usize + 1];
         for step in steps {
             by_stage[plan.stage(function, &stages, step) as usize].push(step);
@@ -116,7 +107,7 @@ impl Plan {
             plan.circular(function, &lanes, &stages, stage);
             plan.cut(steps, options.part.max(1) as usize);
         }
-        plan.cross(function);
+        plan.crossing = plan.cross(function);
         plan
     }
 
@@ -136,15 +127,15 @@ impl Plan {
     /// The groups of angles at the head of a stage.
     fn circular(&mut self, function: &Function, lanes: &[bool], stages: &[u32], stage: u32) {
         let mut groups: Vec<Group> = Vec::new();
+        let mut found: HashSet<Operand, FxBuildHasher> = HashSet::default();
         for (value, node) in function.values() {
             let wanted = lanes[value.index()] && stages[value.index()] == stage;
             let angle = node.operands[0];
             let known = self.angle_numbers.contains_key(&angle);
-            if !wanted || !node.operation.is_trigonometric() || known {
+            if !wanted || !node.operation.is_trigonometric() || known || !found.insert(angle) {
                 continue;
             }
-            self.angle_numbers.insert(angle, u32::MAX);
-            let array = angle.input().map(|input| input_array(function, input));
+            let array = angle.input().map(|input| function.input_array(input));
             match groups.iter_mut().find(|group| group.array == array) {
                 Some(group) => group.angles.push(angle),
                 None => groups.push(Group {
@@ -168,17 +159,17 @@ impl Plan {
     fn cut(&mut self, steps: Vec<Step>, size: usize) {
         let mut steps = steps.into_iter().peekable();
         while steps.peek().is_some() {
-            let mut part = Part::default();
+            let mut part = Vec::new();
             let mut count = 0;
             while count < size
                 && let Some(step) = steps.next()
             {
                 count += usize::from(matches!(step, Step::Define(_)));
-                part.steps.push(step);
+                part.push(step);
                 // The outputs of the last value stand with it.
                 if count == size {
                     while let Some(&step @ Step::Assign(_)) = steps.peek() {
-                        part.steps.push(step);
+                        part.push(step);
                         steps.next();
                     }
                 }
@@ -188,45 +179,24 @@ impl Plan {
         }
     }
 
-    /// Finds the values that cross from part to part and gives them words,
-    /// which are free again behind the last part that reads them.
-    fn cross(&mut self, function: &Function) {
-        let mut made = vec![usize::MAX; self.words.len()];
-        let mut last = vec![0usize; self.words.len()];
-        for number in 0..self.parts.len() {
-            let mut loads: Vec<Value> = Vec::new();
-            for step in &self.parts[number].steps {
-                for &operand in operands(function, step) {
-                    if let Place::Variable(value) = self.place(function, operand)
-                        && made[value.index()] != number
-                        && last[value.index()] != number
-                    {
-                        last[value.index()] = number;
-                        loads.push(value);
+    /// Finds the values that cross from part to part.
+    fn cross(&self, function: &Function) -> Crossing {
+        let traffic = self.parts.iter().map(|steps| {
+            let mut traffic = PartValues::default();
+            for step in steps {
+                for &operand in step.reads(function) {
+                    if let Place::Variable(value) = self.place(function, operand) {
+                        traffic.read.push(value);
                     }
                 }
                 if let Step::Define(value) = *step {
-                    made[value.index()] = number;
+                    traffic.defined.push(value);
                 }
             }
-            self.parts[number].loads = loads;
-        }
-        let mut free: Vec<u32> = Vec::new();
-        for number in 0..self.parts.len() {
-            let part = &self.parts[number];
-            for step in &part.steps {
-                if let Step::Define(value) = *step
-                    && last[value.index()] > number
-                {
-                    self.words[value.index()] = Some(free.pop().unwrap_or_else(|| {
-                        self.work += 1;
-                        self.work - 1
-                    }));
-                }
-            }
-            let ended = part.loads.iter().filter(|v| last[v.index()] == number);
-            free.extend(ended.filter_map(|value| self.words[value.index()]));
-        }
+            traffic
+        });
+        let traffic: Vec<PartValues> = traffic.collect();
+        Crossing::new(function.nodes().len(), &traffic, 0, |_| 0..0)
     }
 
     /// Gives a place to every number that all states share and that a part
@@ -244,7 +214,7 @@ impl Plan {
     pub(super) fn share(&mut self, function: &Function, operand: Operand) {
         let uniform = match operand.kind() {
             OperandKind::Value(value) => self.uniform[value.index()],
-            OperandKind::Input(input) => self.shared[input_array(function, input)],
+            OperandKind::Input(input) => self.shared[function.input_array(input)],
             OperandKind::Constant(_) | OperandKind::None => false,
         };
         if uniform && !self.prepared_places.contains_key(&operand) {
@@ -271,18 +241,13 @@ impl Plan {
             }
             OperandKind::Input(input) => Place::Input(input),
             OperandKind::Constant(constant) => Place::Literal(function.constant_number(constant)),
-            OperandKind::None => Place::Literal(0.0),
+            OperandKind::None => unreachable!("an operation has all its operands"),
         }
     }
 
     /// The place of a number that is the same for all states.
     pub(super) fn prepared_place(&self, operand: Operand) -> Option<u32> {
         self.prepared_places.get(&operand).copied()
-    }
-
-    /// The word of the work array a value travels in.
-    pub(super) fn word(&self, value: Value) -> Option<u32> {
-        self.words[value.index()]
     }
 
     /// The number of a computed angle.
@@ -299,28 +264,13 @@ impl Plan {
     }
 }
 
-/// What a step reads.
-pub(super) fn operands<'a>(function: &'a Function, step: &Step) -> &'a [Operand] {
-    match *step {
-        Step::Define(value) => function.node(value).operands(),
-        Step::Assign(index) => std::slice::from_ref(&function.assignments[index as usize].operand),
-    }
-}
-
-/// The number of the array an input element lies in: the last that starts at
-/// or before it, since empty ones share their offset with the next.
-pub(super) fn input_array(function: &Function, input: Input) -> usize {
-    let arrays = function.inputs();
-    arrays.partition_point(|array| array.offset <= input.0) - 1
-}
-
 /// The nodes that depend on nothing but shared arrays and literals.
 fn uniform(function: &Function, shared: &[bool]) -> Vec<bool> {
     let mut uniform: Vec<bool> = Vec::with_capacity(function.nodes().len());
     for node in function.nodes() {
         let own = node.operands().iter().all(|operand| match operand.kind() {
             OperandKind::Value(value) => uniform[value.index()],
-            OperandKind::Input(input) => shared[input_array(function, input)],
+            OperandKind::Input(input) => shared[function.input_array(input)],
             OperandKind::Constant(_) | OperandKind::None => true,
         });
         uniform.push(own);

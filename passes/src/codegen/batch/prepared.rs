@@ -5,19 +5,21 @@
 //! from an earlier one is prepared as well, so that no second array is
 //! needed.
 
-use super::expression::{expression, literal};
-use super::names::Names;
-use super::plan::{Plan, input_array};
-use super::{Options, element};
-use robovec_ir::{Function, Operand, OperandKind, Value};
+use super::Options;
+use super::names::BatchNames;
+use super::plan::Plan;
+use crate::codegen::emit::arrays::place;
+use crate::codegen::emit::expression::{BoundText, Operands, apply, lane_literal};
+use crate::codegen::emit::frame::unused;
+use robovec_ir::{Function, Operand, OperandKind, Shape, Value};
 use std::fmt::Write;
 
 /// The code that prepares numbers for all states.
 pub(super) struct Prepared {
     /// For each part the values it computes.
     parts: Vec<Vec<Value>>,
-    /// For each value the part that computes it.
-    part_of: Vec<usize>,
+    /// For each value the part that computes it, if one does.
+    part_of: Vec<Option<usize>>,
 }
 
 impl Prepared {
@@ -37,10 +39,10 @@ impl Prepared {
         }
         let values = function.values().map(|(value, _)| value);
         let values: Vec<Value> = values.filter(|value| wanted[value.index()]).collect();
-        let mut part_of = vec![usize::MAX; wanted.len()];
+        let mut part_of = vec![None; wanted.len()];
         let size = part.max(1) as usize;
         for (index, value) in values.iter().enumerate() {
-            part_of[value.index()] = index / size;
+            part_of[value.index()] = Some(index / size);
         }
         for &value in &values {
             for &operand in function.node(value).operands() {
@@ -61,12 +63,12 @@ impl Prepared {
         &self,
         function: &Function,
         plan: &Plan,
-        names: &Names,
+        names: &BatchNames,
         options: &Options,
         parameters: &str,
         arguments: &str,
     ) -> String {
-        let writer = Writer {
+        let writer = PreparedWriter {
             function,
             plan,
             names,
@@ -77,84 +79,54 @@ impl Prepared {
         for (number, values) in self.parts.iter().enumerate() {
             let name = format!("{}_prepare_{}", names.function, number + 1);
             let _ = write!(text, "static void {name}({parameters})\n{{\n");
-            text += &writer.ignore(values, number);
+            let mut body = String::new();
             for &value in values {
-                writer.define(&mut text, value, number);
+                writer.define(&mut body, value, number);
             }
+            text += &unused(arguments.split(", "), &[&body]);
+            text += &body;
             text += "}\n\n";
         }
         let _ = write!(text, "void {}_prepare({parameters})\n{{\n", names.function);
-        let mut used = vec![!self.parts.is_empty(); names.inputs.len()];
-        for (place, operand) in plan.prepared.iter().enumerate() {
-            if let OperandKind::Input(input) = operand.kind() {
-                used[input_array(function, input)] = true;
-                let _ = writeln!(text, "    prepared[{place}] = {};", writer.input(*operand));
-            }
-        }
-        for (index, name) in names.inputs.iter().enumerate() {
-            if plan.shared[index] && !used[index] {
-                let _ = writeln!(text, "    (void){name};");
+        let (mut inputs, mut calls) = (String::new(), String::new());
+        for (place, &operand) in plan.prepared.iter().enumerate() {
+            if let OperandKind::Input(_) = operand.kind() {
+                let input = writer.operand(operand, 0).text;
+                let _ = writeln!(inputs, "    prepared[{place}] = {input};");
             }
         }
         for number in 1..=self.parts.len() {
             let _ = writeln!(
-                text,
+                calls,
                 "    {}_prepare_{number}({arguments});",
                 names.function
             );
         }
-        if plan.prepared.is_empty() {
-            text += "    (void)prepared;\n";
-        }
-        text + "}\n\n"
+        let unused = unused(arguments.split(", "), &[&inputs, &calls]);
+        text + &inputs + &unused + &calls + "}\n\n"
     }
 }
 
-struct Writer<'a> {
+struct PreparedWriter<'a> {
     function: &'a Function,
     plan: &'a Plan,
-    names: &'a Names,
+    names: &'a BatchNames,
     options: &'a Options,
-    part_of: &'a [usize],
+    part_of: &'a [Option<usize>],
 }
 
-impl Writer<'_> {
-    /// Marks parameters that a part leaves alone as used.
-    fn ignore(&self, values: &[Value], part: usize) -> String {
-        let mut used = vec![false; self.names.inputs.len()];
-        let mut prepared = false;
-        for &value in values {
-            prepared |= self.plan.prepared_place(value.into()).is_some();
-            for &operand in self.function.node(value).operands() {
-                match operand.kind() {
-                    OperandKind::Input(input) => used[input_array(self.function, input)] = true,
-                    OperandKind::Value(other) => prepared |= self.part_of[other.index()] != part,
-                    OperandKind::Constant(_) | OperandKind::None => {}
-                }
-            }
-        }
-        let mut text = String::new();
-        for (index, name) in self.names.inputs.iter().enumerate() {
-            if self.plan.shared[index] && !used[index] {
-                let _ = writeln!(text, "    (void){name};");
-            }
-        }
-        if !prepared {
-            text += "    (void)prepared;\n";
-        }
-        text
-    }
-
+impl PreparedWriter<'_> {
     fn define(&self, text: &mut String, value: Value, part: usize) {
         let node = self.function.node(value);
-        let operands: Vec<String> = node
+        let operands: Vec<BoundText> = node
             .operands()
             .iter()
             .map(|&operand| self.operand(operand, part))
             .collect();
-        let expression = expression(node.operation, &operands, self.options.real);
+        let real = self.options.real;
+        let expression = apply(node.operation, &operands, real, Operands::Lanes).text;
         let name = &self.names.values[value.index()];
-        let real = self.options.real.name();
+        let real = real.name();
         let _ = writeln!(text, "    const {real} {name} = {expression};");
         // What is not prepared is read in this part.
         if let Some(place) = self.plan.prepared_place(value.into()) {
@@ -162,33 +134,34 @@ impl Writer<'_> {
         }
     }
 
-    fn operand(&self, operand: Operand, part: usize) -> String {
-        match operand.kind() {
-            OperandKind::Value(value) if self.part_of[value.index()] == part => {
+    fn operand(&self, operand: Operand, part: usize) -> BoundText {
+        let text = match operand.kind() {
+            OperandKind::Value(value) if self.part_of[value.index()] == Some(part) => {
                 self.names.values[value.index()].clone()
             }
-            OperandKind::Value(_) => match self.plan.prepared_place(operand) {
-                Some(place) => format!("prepared[{place}]"),
-                None => unreachable!("what crosses parts was prepared"),
-            },
-            OperandKind::Input(_) => self.input(operand),
-            OperandKind::Constant(constant) => {
-                literal(self.function.constant_number(constant), self.options.real)
+            OperandKind::Value(_) => {
+                let place = self.plan.prepared_place(operand);
+                format!(
+                    "prepared[{}]",
+                    place.expect("what crosses parts was prepared")
+                )
             }
-            OperandKind::None => String::new(),
-        }
-    }
-
-    fn input(&self, operand: Operand) -> String {
-        let Some(input) = operand.input() else {
-            return String::new();
+            OperandKind::Input(input) => {
+                let index = self.function.input_array(input);
+                let array = &self.function.inputs()[index];
+                let name = &self.names.inputs[index];
+                match array.shape {
+                    Shape::Scalar => name.clone(),
+                    Shape::Vector(_) | Shape::Matrix(..) => {
+                        format!("{name}[{}]", place(array, input.0 - array.offset))
+                    }
+                }
+            }
+            OperandKind::Constant(constant) => {
+                return lane_literal(self.function.constant_number(constant), self.options.real);
+            }
+            OperandKind::None => unreachable!("an operation has all its operands"),
         };
-        let index = input_array(self.function, input);
-        let array = &self.function.inputs()[index];
-        let name = &self.names.inputs[index];
-        match array.shape {
-            robovec_ir::Shape::Scalar => name.clone(),
-            _ => format!("{name}[{}]", element(array, input.0 - array.offset)),
-        }
+        BoundText::primary(text)
     }
 }

@@ -1,11 +1,11 @@
 use super::*;
+use crate::codegen::emit::arrays::{extent, place as element};
+use crate::codegen::testing::compiled_output;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::parse::parse_module;
-use robovec_ir::{Function, Module};
+use robovec_ir::{Function, Module, Shape};
 use robovec_num::arithmetic::Binary64;
 use std::fmt::Write as _;
-use std::path::Path;
-use std::process::Command;
 
 /// A small generator of numbers between -1 and 1.
 struct Random(u64);
@@ -148,35 +148,18 @@ fn harness(function: &Function, module: &Module, options: &Options, states: &[Ve
     )
 }
 
-/// The numbers a program prints that is compiled without a single warning.
-fn run(directory: &Path, main: &str, files: &[(String, String)], flags: &[&str]) -> Vec<f64> {
-    for (name, text) in files {
-        std::fs::write(directory.join(name), text).expect("a temporary file");
-    }
-    std::fs::write(directory.join("main.c"), main).expect("a temporary file");
-    let compiled = Command::new("gcc")
-        .current_dir(directory)
-        .args(["-std=c99", "-Wall", "-Wextra", "-Werror"])
-        .args(flags)
-        .args(["-o", "program", "main.c", &files[0].0, "-lm"])
-        .output()
-        .expect("gcc is there");
-    let messages = String::from_utf8_lossy(&compiled.stderr);
-    assert!(compiled.status.success(), "{messages}");
-    let output = Command::new(directory.join("program")).output();
-    let output = output.expect("it runs");
-    assert!(output.status.success(), "{:?}", output.status);
-    let text = String::from_utf8(output.stdout).expect("numbers");
+/// The numbers a program prints, where there is a compiler.
+fn run(main: String, files: [(String, String); 2], flags: &[&str]) -> Option<Vec<f64>> {
+    let mut files = files.to_vec();
+    files.push(("main.c".to_owned(), main));
+    let (text, succeeds) = compiled_output(&files, flags, &[])?;
+    assert!(succeeds, "{text}");
     let numbers = text.lines().map(|line| line.parse().expect("a number"));
-    numbers.collect()
+    Some(numbers.collect())
 }
 
 /// Compiles for some states and compares with the evaluator.
 fn check(operations: usize, options: &Options, count: usize, flags: &[&str]) {
-    if Command::new("gcc").arg("--version").output().is_err() {
-        eprintln!("no gcc: the generated C is not compiled");
-        return;
-    }
     let module = module(operations);
     let function = &module.functions[0];
     let mut random = Random(17 + count as u64);
@@ -199,8 +182,9 @@ fn check(operations: usize, options: &Options, count: usize, flags: &[&str]) {
     };
     let files = batch_files(view, options);
     let main = harness(function, &module, options, &states);
-    let directory = tempfile::tempdir().expect("a temporary directory");
-    let found = run(directory.path(), &main, &files, flags);
+    let Some(found) = run(main, files, flags) else {
+        return;
+    };
     let width: u64 = function.outputs().iter().map(extent).sum();
     assert_eq!(found.len() as u64, count as u64 * width);
     let tolerance = match options.real {
@@ -285,11 +269,9 @@ fn functions_of_nothing_compile() {
     };
     let main = "#include \"f_batch.h\"\n#include <stdio.h>\nint main(void) { double c[9] = {0}; \
                 if (f_states(3, c)) return 1; for (int i = 0; i < 9; i++) printf(\"%g\\n\", c[i]); return 0; }\n";
-    if Command::new("gcc").arg("--version").output().is_err() {
-        return;
-    }
-    let directory = tempfile::tempdir().expect("a temporary directory");
     let files = batch_files(view, &Options::default());
-    let found = run(directory.path(), main, &files, &["-O1"]);
+    let Some(found) = run(main.to_owned(), files, &["-O1"]) else {
+        return;
+    };
     assert_eq!(found, [0.0, 2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 2.0, 0.0]);
 }

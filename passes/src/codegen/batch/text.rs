@@ -1,22 +1,24 @@
 //! The source and the header.
 
-use super::expression::{expression, literal};
-use super::names::Names;
-use super::plan::{Group, Item, Part, Place, Plan, input_array};
+use super::names::BatchNames;
+use super::plan::{Group, Item, Place, Plan};
 use super::prepared::Prepared;
-use super::{Options, comment, driver, element, extent};
-use crate::codegen::order::Step;
+use super::{Options, comment, driver};
+use crate::codegen::emit::arrays::{extent, place};
+use crate::codegen::emit::expression::{BoundText, Operands, apply, lane_literal};
+use crate::codegen::emit::frame::{self, APART};
+use crate::codegen::emit::order::Step;
 use crate::codegen::sincos::Kernel;
 use robovec_ir::{Array, Function, Operand, Operation, Shape, Value, View};
 use std::fmt::Write;
 
 /// Writes the files of one function.
-pub(super) struct Writer<'a> {
+pub(super) struct BatchWriter<'a> {
     pub(super) view: View<'a>,
     pub(super) options: &'a Options,
     pub(super) plan: &'a Plan,
     pub(super) prepared: &'a Prepared,
-    pub(super) names: Names,
+    pub(super) names: BatchNames,
     kernel: Kernel,
 }
 
@@ -29,15 +31,15 @@ pub(super) enum List {
     Arguments,
 }
 
-impl<'a> Writer<'a> {
+impl<'a> BatchWriter<'a> {
     pub(super) fn new(
         view: View<'a>,
         options: &'a Options,
         plan: &'a Plan,
         prepared: &'a Prepared,
-    ) -> Writer<'a> {
-        Writer {
-            names: Names::new(view, plan),
+    ) -> BatchWriter<'a> {
+        BatchWriter {
+            names: BatchNames::new(view, plan),
             kernel: Kernel {
                 real: options.real,
                 lanes: options.lanes,
@@ -100,8 +102,8 @@ impl<'a> Writer<'a> {
             &driver::prepare_list(self, List::Parameters),
             &driver::prepare_list(self, List::Arguments),
         );
-        for (number, part) in self.plan.parts.iter().enumerate() {
-            self.part(&mut text, number, part);
+        for number in 0..self.plan.parts.len() {
+            self.part(&mut text, number);
         }
         self.lanes(&mut text);
         text += &driver::functions(self);
@@ -116,8 +118,7 @@ impl<'a> Writer<'a> {
              #define IN(array, element) (*(const {unaligned} *)((array) + (element) * {lanes}))\n\
              #define OUT(array, element) (*({unaligned} *)((array) + (element) * {lanes}))\n\n\
              /* Parts stay apart: compilers are fast for short functions only. */\n\
-             #if defined(__GNUC__)\n#define ROBOVEC_APART __attribute__((noinline))\n\
-             #else\n#define ROBOVEC_APART\n#endif\n\n"
+             {APART}\n"
         );
     }
 
@@ -193,51 +194,37 @@ impl<'a> Writer<'a> {
         items.join(", ")
     }
 
-    fn part(&self, text: &mut String, number: usize, part: &Part) {
+    fn part(&self, text: &mut String, number: usize) {
         let vector = self.kernel.vector();
         let parameters = self.part_list(List::Parameters);
         let name = format!("{}_part_{}", self.names.function, number + 1);
         let _ = write!(text, "static ROBOVEC_APART void {name}({parameters})\n{{\n");
         let body = text.len();
-        for &value in &part.loads {
-            if let Some(word) = self.plan.word(value) {
-                let name = &self.names.values[value.index()];
-                let _ = writeln!(text, "    const {vector} {name} = work[{word}];");
-            }
+        let crossing = &self.plan.crossing;
+        for &value in &crossing.loads[number] {
+            let word = crossing
+                .word(value)
+                .expect("a value that is loaded has a word");
+            let name = &self.names.values[value.index()];
+            let _ = writeln!(text, "    const {vector} {name} = work[{word}];");
         }
-        for &step in &part.steps {
+        for &step in &self.plan.parts[number] {
             match step {
                 Step::Define(value) => self.define(text, value),
                 Step::Assign(index) => self.assign(text, index),
             }
         }
-        let unused = self.unused(&text[body..]);
+        let list = self.part_list(List::Arguments);
+        let unused = frame::unused(list.split(", "), &[&text[body..]]);
         text.insert_str(body, &unused);
         *text += "}\n\n";
-    }
-
-    /// Marks the parameters that a body leaves alone as used, for strict
-    /// compilers.
-    fn unused(&self, body: &str) -> String {
-        let mut words: Vec<&str> = body
-            .split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_')
-            .collect();
-        words.sort_unstable();
-        let list = self.part_list(List::Arguments);
-        let mut text = String::new();
-        for name in list.split(", ") {
-            if words.binary_search(&name).is_err() {
-                let _ = writeln!(text, "    (void){name};");
-            }
-        }
-        text
     }
 
     fn define(&self, text: &mut String, value: Value) {
         let vector = self.kernel.vector();
         let node = self.function().node(value);
         let name = &self.names.values[value.index()];
-        let operands: Vec<String> = node
+        let operands: Vec<BoundText> = node
             .operands()
             .iter()
             .map(|&operand| self.operand(operand))
@@ -246,13 +233,14 @@ impl<'a> Writer<'a> {
             let _ = writeln!(
                 text,
                 "    {vector} {name} = {};\n    robovec_root(&{name}, &{name});",
-                operands[0]
+                operands[0].text
             );
         } else {
-            let expression = expression(node.operation, &operands, self.options.real);
+            let real = self.options.real;
+            let expression = apply(node.operation, &operands, real, Operands::Lanes).text;
             let _ = writeln!(text, "    const {vector} {name} = {expression};");
         }
-        if let Some(word) = self.plan.word(value) {
+        if let Some(word) = self.plan.crossing.word(value) {
             let _ = writeln!(text, "    work[{word}] = {name};");
         }
         if let Some(angle) = self.plan.angle(value) {
@@ -263,10 +251,9 @@ impl<'a> Writer<'a> {
     fn assign(&self, text: &mut String, index: u32) {
         let assignment = &self.function().assignments[index as usize];
         let (array, _, _) = self.function().output_element(assignment.output);
-        let number = output_array(self.function(), array);
-        let name = &self.names.outputs[number];
-        let element = element(array, assignment.output.0 - array.offset);
-        let operand = self.operand(assignment.operand);
+        let name = &self.names.outputs[self.function().output_array(assignment.output)];
+        let element = place(array, assignment.output.0 - array.offset);
+        let operand = self.operand(assignment.operand).text;
         let spread = match self.plan.place(self.function(), assignment.operand) {
             Place::Prepared(_) | Place::Literal(_) => {
                 format!("({}){{0}} + ", self.kernel.vector())
@@ -276,20 +263,21 @@ impl<'a> Writer<'a> {
         let _ = writeln!(text, "    OUT({name}, {element}) = {spread}{operand};");
     }
 
-    fn operand(&self, operand: Operand) -> String {
-        match self.plan.place(self.function(), operand) {
+    fn operand(&self, operand: Operand) -> BoundText {
+        let text = match self.plan.place(self.function(), operand) {
             Place::Variable(value) => self.names.values[value.index()].clone(),
             Place::Circular(Operation::Sin, angle) => format!("sines[{angle}]"),
             Place::Circular(_, angle) => format!("cosines[{angle}]"),
             Place::Prepared(place) => format!("prepared[{place}]"),
-            Place::Literal(number) => literal(number, self.options.real),
+            Place::Literal(number) => return lane_literal(number, self.options.real),
             Place::Input(input) => {
-                let index = input_array(self.function(), input);
+                let index = self.function().input_array(input);
                 let array = &self.function().inputs()[index];
-                let element = element(array, input.0 - array.offset);
+                let element = place(array, input.0 - array.offset);
                 format!("IN({}, {element})", self.names.inputs[index])
             }
-        }
+        };
+        BoundText::primary(text)
     }
 
     /// The function that calls kernel and parts in turn.
@@ -308,7 +296,11 @@ impl<'a> Writer<'a> {
         if self.plan.has_computed_angles() {
             let _ = writeln!(text, "    {vector} angles[{}];", self.plan.angles);
         }
-        let _ = writeln!(text, "    {vector} work[{}];", self.plan.work.max(1));
+        let _ = writeln!(
+            text,
+            "    {vector} work[{}];",
+            self.plan.crossing.length.max(1)
+        );
         let arguments = self.part_list(List::Arguments);
         for item in &self.plan.items {
             match item {
@@ -319,11 +311,9 @@ impl<'a> Writer<'a> {
             }
         }
         if self.plan.parts.is_empty() {
-            let mut list: Vec<&str> = arguments.split(", ").collect();
-            list.retain(|name| !["prepared", "sines", "cosines", "angles"].contains(name));
-            for name in list {
-                let _ = writeln!(text, "    (void){name};");
-            }
+            let names = arguments.split(", ");
+            let own = ["prepared", "sines", "cosines", "angles"];
+            *text += &frame::unused(names.filter(|name| !own.contains(name)), &[]);
         }
         *text += "}\n\n";
     }
@@ -332,16 +322,19 @@ impl<'a> Writer<'a> {
         let (first, count) = (group.first, group.angles.len());
         let function = self.function();
         let places = group.angles.iter().zip(first..).map(|(angle, number)| {
-            let input = angle.input().map(|input| {
-                let array = &function.inputs()[input_array(function, input)];
-                element(array, input.0 - array.offset)
-            });
-            input.unwrap_or(u64::from(number)).to_string()
+            let place = match angle.input() {
+                Some(input) => {
+                    let array = &function.inputs()[function.input_array(input)];
+                    place(array, input.0 - array.offset)
+                }
+                None => u64::from(number),
+            };
+            place.to_string()
         });
         let places = places.collect::<Vec<_>>().join(", ");
         for (&angle, number) in group.angles.iter().zip(first..) {
             if let Place::Circular(..) = self.plan.place(function, angle) {
-                let _ = writeln!(text, "    angles[{number}] = {};", self.operand(angle));
+                let _ = writeln!(text, "    angles[{number}] = {};", self.operand(angle).text);
             }
         }
         let real = self.options.real.name();
@@ -362,12 +355,6 @@ impl<'a> Writer<'a> {
             self.kernel.runs_name()
         );
     }
-}
-
-/// Which of the outputs an array with elements is.
-pub(super) fn output_array(function: &Function, array: &Array) -> usize {
-    let outputs = function.outputs();
-    outputs.partition_point(|known| known.offset <= array.offset) - 1
 }
 
 /// The type of a parameter that all states share.

@@ -1,7 +1,8 @@
 //! How a C function is called, and how it reaches the elements of its arrays.
 
-use super::names::Names;
 use super::{Options, Real, Signature};
+use crate::codegen::emit::arrays::{self, Rows};
+use crate::codegen::emit::names::{CNames, is_word_letter};
 use crate::codegen::kind::{Kind, file_stem};
 use hashbrown::HashMap;
 use robovec_ir::{Array, Function, Input, OperandKind, Output, Shape, View};
@@ -121,7 +122,7 @@ pub(super) struct Interface<'a> {
     /// Those that parts are given.
     inner: Vec<(String, String)>,
     /// All names in use so far.
-    names: Names,
+    names: CNames,
 }
 
 impl<'a> Interface<'a> {
@@ -137,7 +138,7 @@ impl<'a> Interface<'a> {
             by_row: HashMap::default(),
             parameters: Vec::new(),
             inner: Vec::new(),
-            names: Names::new(),
+            names: CNames::new(),
         };
         match options.signature {
             Signature::Plain => interface.plain(view, options.real),
@@ -150,25 +151,17 @@ impl<'a> Interface<'a> {
         let symbols = &view.tables.symbols;
         self.name = self.names.take(&view.function.name);
         self.file.clone_from(&self.name);
-        let real = real.name();
         for (arrays, is_output) in [
             (view.function.inputs(), false),
             (view.function.outputs(), true),
         ] {
             for array in arrays {
                 let name = self.names.take(symbols.text(array.name));
-                let constant = if is_output { "" } else { "const " };
-                let (declaration, reach) = match array.shape {
-                    Shape::Scalar if is_output => (format!("{real} *{name}"), Reach::Target),
-                    Shape::Scalar => (format!("{real} {name}"), Reach::Parameter),
-                    Shape::Vector(_) => (format!("{constant}{real} *{name}"), Reach::Parameter),
-                    Shape::Matrix(_, columns) => {
-                        let columns = u64::from(columns) + 1;
-                        (
-                            format!("{constant}{real} {name}[][{columns}]"),
-                            Reach::Parameter,
-                        )
-                    }
+                let declaration =
+                    arrays::parameter(real, &name, array.shape, is_output, Rows::Brackets);
+                let reach = match array.shape {
+                    Shape::Scalar if is_output => Reach::Target,
+                    Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) => Reach::Parameter,
                 };
                 self.parameters.push((declaration, name.clone()));
                 let access = Access {
@@ -327,18 +320,15 @@ impl<'a> Interface<'a> {
     }
 
     fn place(&self, is_output: bool, element: u32) -> (usize, [u32; 2], usize) {
-        let (arrays, (_, indices, rank)) = match is_output {
-            false => (
-                self.function.inputs(),
-                self.function.input_element(Input(element)),
-            ),
+        let (input, output) = (Input(element), Output(element));
+        let function = self.function;
+        let (number, (_, indices, rank)) = match is_output {
+            false => (function.input_array(input), function.input_element(input)),
             true => (
-                self.function.outputs(),
-                self.function.output_element(Output(element)),
+                function.output_array(output),
+                function.output_element(output),
             ),
         };
-        // The last that starts where it does: those before are empty.
-        let number = arrays.partition_point(|array| array.offset <= element) - 1;
         (number, indices, rank)
     }
 
@@ -400,7 +390,7 @@ impl<'a> Interface<'a> {
     }
 
     /// The names in use, for those that come.
-    pub(super) fn names(&self) -> Names {
+    pub(super) fn names(&self) -> CNames {
         self.names.clone()
     }
 
@@ -444,6 +434,6 @@ fn is_word(name: &str) -> bool {
     characters
         .next()
         .is_some_and(|first| first.is_ascii_alphabetic())
-        && characters.all(|character| character.is_ascii_alphanumeric() || character == '_')
-        && Names::is_free(name)
+        && characters.all(is_word_letter)
+        && CNames::is_free(name)
 }

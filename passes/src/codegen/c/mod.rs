@@ -19,7 +19,7 @@
 //!
 //! **Order.** What a processor waits for in straight-line code are values
 //! that have left its registers. Statements stand in an order in which values
-//! are read soon after they are made ([`order`]), and each output is written
+//! are read soon after they are made ([`super::emit::order`]), and each output is written
 //! where its value is known, unless writing it could change an input.
 //!
 //! **Sines.** All sines and cosines of angles that need no other sine are
@@ -27,15 +27,13 @@
 //! instructions ([`sines`]).
 
 mod interface;
-mod names;
-mod order;
 mod parts;
 mod sines;
 mod text;
 mod trial;
 
+pub use super::emit::Real;
 pub use interface::SignatureError;
-pub(super) use names::Names;
 pub use trial::{Trial, minimal_data, trial_main};
 
 use crate::option_words;
@@ -43,28 +41,7 @@ use interface::Interface;
 use parts::Plan;
 use robovec_ir::{Array, Assignment, Function, Name, Node, Operand, Operation, View};
 use std::borrow::Cow;
-use text::Writer;
-pub(super) use text::literal;
-
-/// The type that a C function computes in.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum Real {
-    /// IEEE binary64.
-    #[default]
-    Double,
-    /// IEEE binary32; sine and cosine are those of binary64, rounded once.
-    Float,
-}
-
-impl Real {
-    /// The name of the type in C.
-    pub fn name(self) -> &'static str {
-        match self {
-            Real::Double => "double",
-            Real::Float => "float",
-        }
-    }
-}
+use text::PlainWriter;
 
 option_words! {
     /// How a C function is called.
@@ -152,7 +129,7 @@ pub fn files(view: View<'_>, options: &Options) -> Result<[(String, String); 2],
     };
     let interface = Interface::new(view, options)?;
     let plan = Plan::new(view.function, options, interface.overwrites());
-    let writer = Writer::new(view, options, &interface, &plan);
+    let writer = PlainWriter::new(view, options, &interface, &plan);
     let name = interface.file().to_owned();
     Ok([
         (format!("{name}.c"), writer.source()),

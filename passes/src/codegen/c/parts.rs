@@ -1,24 +1,21 @@
 //! What becomes a statement, which statements form a part, and which values
 //! cross from part to part.
 
-use super::order::order;
 use super::sines::Slots;
-use super::{Options, Sines};
+use super::{Options, Order, Sines};
+use crate::codegen::emit::crossing::{Crossing, PartValues};
+use crate::codegen::emit::inlining::{Inlining, assigned};
+use crate::codegen::emit::order::{Step, depth_first, program};
 use robovec_analysis::slice::live;
 use robovec_ir::{Function, Operand, Value};
-
-/// Most operations of one expression.
-const EXPRESSION: u32 = 24;
 
 /// A statement of the generated function.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Statement {
-    /// Defines a variable with the value of a node.
-    Define(Value),
+    /// Defines a variable or sets an output element.
+    Step(Step),
     /// Puts an angle in its slot.
     Angle(u32),
-    /// Sets an output element: the place among the assignments.
-    Assign(u32),
 }
 
 /// Some statements that follow each other.
@@ -38,46 +35,34 @@ pub(super) struct Plan {
     /// True when all parts stand in one function.
     pub(super) is_flat: bool,
     pub(super) slots: Slots,
-    /// For each node the word of the work array it travels in, or `NO_WORD`.
-    words: Vec<u32>,
-    /// For each node the number of the function it is defined in.
-    defined: Vec<u32>,
-    /// Length of the work array.
-    pub(super) work: u32,
+    crossing: Crossing,
 }
-
-const NO_WORD: u32 = u32::MAX;
 
 impl Plan {
     /// Plans a function. With `outputs_last` no output is written before
     /// everything is computed.
     pub(super) fn new(function: &Function, options: &Options, outputs_last: bool) -> Plan {
         let live = live(function);
-        let (inlined, sizes) = inlined(function, outputs_last);
+        let Inlining { inlined, sizes } = inlining(function, outputs_last);
         let slots = match options.sines {
             Sines::Inline => Slots::new(function, &live),
             Sines::Library => Slots::none(function),
         };
-        let ordered = order(function, &live, &inlined, options.order, outputs_last);
-        let mut early = vec![false; inlined.len()];
-        for &angle in slots.angles() {
-            mark(function, angle, &mut early);
-        }
-        let mut head = Vec::new();
-        let mut body = Vec::with_capacity(ordered.len());
-        for statement in ordered {
-            match statement {
-                Statement::Define(value) if slots.of(value).is_some() => {}
-                Statement::Define(value) if early[value.index()] => head.push(statement),
-                _ => body.push(statement),
-            }
-        }
-        head.extend((0..slots.angles().len() as u32).map(Statement::Angle));
+        let computed: Vec<bool> = (live.iter().zip(&inlined))
+            .map(|(live, inlined)| *live && !inlined)
+            .collect();
+        let ordered = match options.order {
+            Order::Program => program(function, &computed),
+            Order::Depth => depth_first(function, &computed, outputs_last),
+        };
+        let (head, body) = apart(function, ordered, &slots);
         let size = |statement: &Statement| {
             let operand = match *statement {
-                Statement::Define(value) => return sizes[value.index()],
+                Statement::Step(Step::Define(value)) => return sizes[value.index()],
                 Statement::Angle(slot) => slots.angles()[slot as usize],
-                Statement::Assign(index) => function.assignments[index as usize].operand,
+                Statement::Step(Step::Assign(index)) => {
+                    function.assignments[index as usize].operand
+                }
             };
             let value = operand.value().filter(|value| inlined[value.index()]);
             value.map_or(1, |value| sizes[value.index()])
@@ -85,16 +70,14 @@ impl Plan {
         let head = cut(head, options.part, size);
         let body = cut(body, options.part, size);
         let mut plan = Plan {
-            words: vec![NO_WORD; inlined.len()],
-            defined: vec![NO_WORD; inlined.len()],
             is_flat: head.len() <= 1 && body.len() <= 1,
             inlined,
             head: head.len(),
             parts: head.into_iter().chain(body).collect(),
-            work: slots.words(),
+            crossing: Crossing::new(0, &[], 0, |_| 0..0),
             slots,
         };
-        plan.cross(function);
+        plan.crossing = plan.cross(function);
         plan
     }
 
@@ -105,76 +88,55 @@ impl Plan {
 
     /// The word of the work array a value travels in.
     pub(super) fn word(&self, value: Value) -> Option<u32> {
-        let word = self.words[value.index()];
-        (word != NO_WORD).then_some(word)
+        self.crossing.word(value)
     }
 
-    /// True when a value has to be fetched from the work array in a part.
-    pub(super) fn is_foreign(&self, value: Value, part: usize) -> bool {
-        self.defined[value.index()] != self.function_of(part)
+    /// The word of the work array a value has to be fetched from in a part.
+    pub(super) fn load(&self, value: Value, part: usize) -> Option<u32> {
+        self.slots.of(value).or(self.crossing.load(value, part))
     }
 
-    fn function_of(&self, part: usize) -> u32 {
-        if self.is_flat { 0 } else { part as u32 }
+    /// Length of the work array.
+    pub(super) fn work(&self) -> u32 {
+        self.crossing.length
     }
 
-    /// Finds the values that cross from part to part and gives them words,
-    /// which are free again after the last part that reads them.
-    fn cross(&mut self, function: &Function) {
-        let nodes = function.nodes().len();
-        let mut last = vec![0u32; nodes];
-        let mut loads: Vec<Vec<Value>> = Vec::with_capacity(self.parts.len());
-        for number in 0..self.parts.len() {
-            let here = self.function_of(number);
-            let mut reads = Vec::new();
-            for index in 0..self.parts[number].statements.len() {
-                let statement = self.parts[number].statements[index];
-                if let Statement::Define(value) = statement {
-                    self.defined[value.index()] = here;
-                }
-                self.leaves(function, statement, |operand| reads.extend(operand.value()));
-            }
-            // Sines have words of their own.
-            reads.retain(|&value| {
-                self.slots.of(value).is_none() && self.defined[value.index()] != here
-            });
-            reads.sort_unstable();
-            reads.dedup();
-            for value in &reads {
-                last[value.index()] = here;
-            }
-            loads.push(reads);
-        }
-        // Angles are not read again once their sines are there.
-        let mut free: Vec<u32> = Vec::new();
-        for (number, reads) in loads.into_iter().enumerate() {
-            if number == self.head {
-                free.extend(self.slots.angle_words());
-            }
-            for &statement in &self.parts[number].statements {
-                if let Statement::Define(value) = statement
-                    && last[value.index()] > self.function_of(number)
-                {
-                    self.words[value.index()] = free.pop().unwrap_or_else(|| {
-                        self.work += 1;
-                        self.work - 1
+    /// Finds the values that cross from part to part; none does when all
+    /// stand in one function.
+    fn cross(&self, function: &Function) -> Crossing {
+        let parts = if self.is_flat { &[] } else { &*self.parts };
+        let traffic: Vec<PartValues> = parts
+            .iter()
+            .map(|part| {
+                let mut traffic = PartValues::default();
+                for &statement in &part.statements {
+                    if let Statement::Step(Step::Define(value)) = statement {
+                        traffic.defined.push(value);
+                    }
+                    self.leaves(function, statement, |operand| {
+                        traffic.read.extend(operand.value());
                     });
                 }
-            }
-            let ended = reads
-                .iter()
-                .filter(|value| last[value.index()] == number as u32);
-            free.extend(ended.map(|value| self.words[value.index()]));
-        }
+                // Sines have words of their own.
+                traffic.read.retain(|&value| self.slots.of(value).is_none());
+                traffic.read.sort_unstable();
+                traffic
+            })
+            .collect();
+        // Angles are not read again once their sines are there.
+        let freed = |part| match part == self.head {
+            true => self.slots.angle_words(),
+            false => 0..0,
+        };
+        Crossing::new(self.inlined.len(), &traffic, self.slots.words(), freed)
     }
 
     /// Calls for every variable, input and constant in a statement's
     /// expression.
     fn leaves(&self, function: &Function, statement: Statement, mut call: impl FnMut(Operand)) {
         let mut open: Vec<Operand> = match statement {
-            Statement::Define(value) => function.node(value).operands().to_vec(),
+            Statement::Step(step) => step.reads(function).to_vec(),
             Statement::Angle(slot) => vec![self.slots.angles()[slot as usize]],
-            Statement::Assign(index) => vec![function.assignments[index as usize].operand],
         };
         while let Some(operand) = open.pop() {
             match operand.value() {
@@ -185,6 +147,29 @@ impl Plan {
             }
         }
     }
+}
+
+/// What stands before the sines, angles last, and what stands behind them.
+fn apart(
+    function: &Function,
+    ordered: Vec<Step>,
+    slots: &Slots,
+) -> (Vec<Statement>, Vec<Statement>) {
+    let mut early = vec![false; function.nodes().len()];
+    for &angle in slots.angles() {
+        mark(function, angle, &mut early);
+    }
+    let mut head = Vec::new();
+    let mut body = Vec::with_capacity(ordered.len());
+    for step in ordered {
+        match step {
+            Step::Define(value) if slots.of(value).is_some() => {}
+            Step::Define(value) if early[value.index()] => head.push(Statement::Step(step)),
+            Step::Define(_) | Step::Assign(_) => body.push(Statement::Step(step)),
+        }
+    }
+    head.extend((0..slots.angles().len() as u32).map(Statement::Angle));
+    (head, body)
 }
 
 /// Cuts statements into parts of about so many operations, all of one size.
@@ -203,9 +188,8 @@ fn cut(statements: Vec<Statement>, part: u32, size: impl Fn(&Statement) -> u32) 
             done = 0;
         }
         done += u64::from(size(&statement));
-        if let Some(part) = parts.last_mut() {
-            part.statements.push(statement);
-        }
+        let part = parts.last_mut().expect("the first statement begins a part");
+        part.statements.push(statement);
     }
     parts
 }
@@ -221,28 +205,11 @@ fn mark(function: &Function, operand: Operand, marked: &mut [bool]) {
     }
 }
 
-/// For each node whether it stands inside its user's expression, and how many
-/// operations the expression that ends in it has. What outputs are set to is
-/// a variable when outputs stand last, so that it is computed before.
-fn inlined(function: &Function, outputs_last: bool) -> (Vec<bool>, Vec<u32>) {
-    let uses = function.use_counts();
-    let mut inlined = vec![false; uses.len()];
-    let mut sizes = vec![0u32; uses.len()];
-    let mut given = vec![false; uses.len()];
-    for assignment in function.assignments.iter().filter(|_| outputs_last) {
-        if let Some(value) = assignment.operand.value() {
-            given[value.index()] = true;
-        }
-    }
-    for (value, node) in function.values() {
-        let inner = node.operands().iter().filter_map(|operand| operand.value());
-        let inner = inner.filter(|value| inlined[value.index()]);
-        let size = 1 + inner.map(|value| sizes[value.index()]).sum::<u32>();
-        sizes[value.index()] = size;
-        inlined[value.index()] = node.name.is_none()
-            && uses[value.index()] == 1
-            && size <= EXPRESSION
-            && !given[value.index()];
-    }
-    (inlined, sizes)
+/// Unnamed operations stand inside their user's expression. What outputs are
+/// set to is a variable when outputs stand last, so that it is computed before.
+fn inlining(function: &Function, outputs_last: bool) -> Inlining {
+    let given = assigned(function);
+    Inlining::new(function, |value, node| {
+        node.name.is_none() && !(outputs_last && given[value.index()])
+    })
 }

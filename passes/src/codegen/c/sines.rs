@@ -22,18 +22,16 @@ use rustc_hash::FxBuildHasher;
 /// angles.
 pub(super) struct Slots {
     angles: Vec<Operand>,
-    /// For each node its word, or `NO_WORD`.
-    words: Vec<u32>,
+    /// For each node its word, if it has one.
+    words: Vec<Option<u32>>,
 }
-
-const NO_WORD: u32 = u32::MAX;
 
 impl Slots {
     /// No sine is computed in an array.
     pub(super) fn none(function: &Function) -> Slots {
         Slots {
             angles: Vec::new(),
-            words: vec![NO_WORD; function.nodes().len()],
+            words: vec![None; function.nodes().len()],
         }
     }
 
@@ -59,7 +57,7 @@ impl Slots {
         }
         let padded = slots.padded();
         for (value, is_cosine, slot) in found {
-            slots.words[value.index()] = if is_cosine { padded + slot } else { slot };
+            slots.words[value.index()] = Some(if is_cosine { padded + slot } else { slot });
         }
         slots
     }
@@ -71,8 +69,7 @@ impl Slots {
 
     /// The word that holds a sine.
     pub(super) fn of(&self, value: Value) -> Option<u32> {
-        let word = self.words[value.index()];
-        (word != NO_WORD).then_some(word)
+        self.words[value.index()]
     }
 
     /// The number of slots, a multiple of a long vector's length, so that no

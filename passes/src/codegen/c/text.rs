@@ -3,12 +3,15 @@
 use super::interface::Interface;
 use super::parts::{Part, Plan, Statement};
 use super::{Options, Real};
-use robovec_ir::{Function, Operand, OperandKind, Operation, Value, View};
+use crate::codegen::emit::expression::{BoundText, Operands, Tightness, apply, literal};
+use crate::codegen::emit::frame::{self, APART};
+use crate::codegen::emit::order::Step;
+use robovec_ir::{Function, Operand, OperandKind, Value, View};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Writes one function.
-pub(super) struct Writer<'a> {
+pub(super) struct PlainWriter<'a> {
     function: &'a Function,
     real: Real,
     plan: &'a Plan,
@@ -24,7 +27,7 @@ pub(super) struct Writer<'a> {
 
 /// The body of a part, and what it uses.
 #[derive(Default)]
-struct Body {
+struct PartBody {
     text: String,
     pointers: BTreeSet<usize>,
     /// Names that stand in the text.
@@ -33,13 +36,13 @@ struct Body {
     fetched: BTreeSet<Value>,
 }
 
-impl<'a> Writer<'a> {
+impl<'a> PlainWriter<'a> {
     pub(super) fn new(
         view: View<'a>,
         options: &Options,
         interface: &'a Interface<'a>,
         plan: &'a Plan,
-    ) -> Writer<'a> {
+    ) -> PlainWriter<'a> {
         let function = view.function;
         let symbols = &view.tables.symbols;
         let mut names = interface.names();
@@ -62,7 +65,7 @@ impl<'a> Writer<'a> {
                 },
             )
             .collect();
-        Writer {
+        PlainWriter {
             function,
             real: options.real,
             plan,
@@ -76,17 +79,17 @@ impl<'a> Writer<'a> {
 
     /// The header: one declaration.
     pub(super) fn header(&self) -> String {
-        let guard: String = self.interface.file().to_ascii_uppercase().replace('-', "_");
-        let guard = format!("ROBOVEC_{guard}_H");
+        let declared = self.declared();
         let data = self.interface.data_header();
-        let data = data.map_or(String::new(), |name| format!("#include \"{name}\"\n\n"));
-        format!(
-            "{}#ifndef {guard}\n#define {guard}\n\n{data}{} {}({});\n\n#endif\n",
-            self.comment(),
-            self.interface.result(),
-            self.interface.name(),
-            self.parameters()
-        )
+        frame::header(&self.comment(), self.interface.file(), data, &declared)
+    }
+
+    /// What is returned, the name and the parameters.
+    fn declared(&self) -> String {
+        let parameters = self.interface.parameters().iter();
+        let parameters = frame::parameters(parameters.map(|(text, _)| text));
+        let (result, name) = (self.interface.result(), self.interface.name());
+        format!("{result} {name}({parameters})")
     }
 
     /// The source.
@@ -103,10 +106,9 @@ impl<'a> Writer<'a> {
                 self.part(&mut text, number, part);
             }
         }
-        let (result, name) = (self.interface.result(), self.interface.name());
-        let _ = write!(text, "\n{result} {name}({})\n{{\n", self.parameters());
+        let _ = write!(text, "\n{}\n{{\n", self.declared());
         self.main(&mut text);
-        if result == "int" {
+        if self.interface.result() == "int" {
             text.push_str("    return 0;\n");
         }
         text.push_str("}\n");
@@ -126,6 +128,7 @@ impl<'a> Writer<'a> {
             let _ = writeln!(text, "\n#include \"{header}\"");
         }
         if has_sines || !self.plan.is_flat {
+            text.push('\n');
             text.push_str(APART);
         }
     }
@@ -146,7 +149,7 @@ impl<'a> Writer<'a> {
             "\nROBOVEC_APART static void {name}({})\n{{\n",
             parameters.join(", ")
         );
-        let mut body = Body::default();
+        let mut body = PartBody::default();
         self.statements(&mut body, number, part);
         self.ignore_unused(text, &body, true);
         self.pointers(text, &body);
@@ -157,8 +160,8 @@ impl<'a> Writer<'a> {
     /// What the function itself does: everything, or calls of its parts.
     fn main(&self, text: &mut String) {
         let has_sines = !self.plan.slots.angles().is_empty();
-        if self.plan.work > 0 || !self.plan.is_flat {
-            let words = self.plan.work.max(1);
+        if self.plan.work() > 0 || !self.plan.is_flat {
+            let words = self.plan.work().max(1);
             let _ = writeln!(text, "    {} {}[{words}];", self.real.name(), self.work);
         }
         if has_sines {
@@ -170,7 +173,7 @@ impl<'a> Writer<'a> {
         }
         let sines = format!("    {}({});\n", self.sines, self.work);
         if self.plan.is_flat {
-            let mut body = Body::default();
+            let mut body = PartBody::default();
             for (number, part) in self.plan.parts.iter().enumerate() {
                 if has_sines && number == self.plan.head {
                     body.text.push_str(&sines);
@@ -208,70 +211,46 @@ impl<'a> Writer<'a> {
             "/* {} by robovec. Arrays count from 1; element 0 is not used.\n",
             self.interface.name()
         );
-        // A comment cannot hold its own end.
-        let quoted = |text: &str| text.replace("*/", "* /");
         if self.interface.is_robotran() {
             let model = self.function.metadata("model").unwrap_or("model");
             let _ = writeln!(
                 text,
                 "   It takes the place of Robotran's function of the model {}.",
-                quoted(model)
+                frame::quoted(model)
             );
         }
-        for boundary in &self.function.boundaries {
-            let result = boundary.result.as_deref().unwrap_or("nothing");
-            let _ = writeln!(
-                text,
-                "   The results of {} are taken from the input {}; its arguments are outputs.",
-                quoted(&boundary.callee),
-                quoted(result)
-            );
-        }
-        text.push_str("*/\n");
-        text
-    }
-
-    fn parameters(&self) -> String {
-        let parameters = self.interface.parameters().iter();
-        let parameters: Vec<&str> = parameters.map(|(text, _)| &**text).collect();
-        match parameters.is_empty() {
-            true => "void".to_owned(),
-            false => parameters.join(", "),
-        }
+        text + &frame::boundaries(self.function) + "*/\n"
     }
 
     /// Marks the parameters that a body leaves alone as used, for strict
     /// compilers.
-    fn ignore_unused(&self, text: &mut String, body: &Body, is_part: bool) {
+    fn ignore_unused(&self, text: &mut String, body: &PartBody, is_part: bool) {
         let parameters = match is_part {
             true => self.interface.inner(),
             false => self.interface.parameters(),
         };
         let mut declarations = String::new();
         self.pointers(&mut declarations, body);
-        for (_, name) in parameters {
-            if !has_word(&body.text, name) && !has_word(&declarations, name) {
-                let _ = writeln!(text, "    (void){name};");
-            }
-        }
+        let names = parameters.iter().map(|(_, name)| &**name);
+        text.push_str(&frame::unused(names, &[&body.text, &declarations]));
         if is_part && !body.uses_work {
             let _ = writeln!(text, "    (void){};", self.work);
         }
     }
 
-    fn pointers(&self, text: &mut String, body: &Body) {
+    fn pointers(&self, text: &mut String, body: &PartBody) {
         for &pointer in &body.pointers {
             let _ = writeln!(text, "    {}", self.interface.pointers[pointer].declaration);
         }
     }
 
-    fn statements(&self, body: &mut Body, number: usize, part: &Part) {
+    fn statements(&self, body: &mut PartBody, number: usize, part: &Part) {
         let real = self.real.name();
         for &statement in &part.statements {
             match statement {
-                Statement::Define(value) => {
+                Statement::Step(Step::Define(value)) => {
                     let name = &self.values[value.index()];
-                    let (expression, _) = self.expression(body, number, value);
+                    let expression = self.expression(body, number, value).text;
                     let _ = writeln!(body.text, "    const {real} {name} = {expression};");
                     if let Some(word) = self.plan.word(value) {
                         body.uses_work = true;
@@ -282,12 +261,12 @@ impl<'a> Writer<'a> {
                     body.uses_work = true;
                     let angle = self.plan.slots.angles()[slot as usize];
                     let word = self.plan.slots.angle_words().start + slot;
-                    let operand = self.operand(body, number, angle, 0);
+                    let operand = self.operand(body, number, angle).text;
                     let _ = writeln!(body.text, "    {}[{word}] = {operand};", self.work);
                 }
-                Statement::Assign(index) => {
+                Statement::Step(Step::Assign(index)) => {
                     let assignment = &self.function.assignments[index as usize];
-                    let operand = self.operand(body, number, assignment.operand, 0);
+                    let operand = self.operand(body, number, assignment.operand).text;
                     let target = self.interface.element(true, assignment.output.0);
                     body.pointers.extend(target.pointer);
                     let _ = writeln!(body.text, "    {} = {operand};", target.text);
@@ -298,14 +277,9 @@ impl<'a> Writer<'a> {
 
     /// A value's variable, fetched from the work array where it is read
     /// first.
-    fn variable(&self, body: &mut Body, number: usize, value: Value) -> String {
+    fn variable(&self, body: &mut PartBody, number: usize, value: Value) -> String {
         let name = &self.values[value.index()];
-        let sine = self.plan.slots.of(value);
-        let crossing = self
-            .plan
-            .word(value)
-            .filter(|_| self.plan.is_foreign(value, number));
-        if let Some(word) = sine.or(crossing)
+        if let Some(word) = self.plan.load(value, number)
             && body.fetched.insert(value)
         {
             body.uses_work = true;
@@ -315,143 +289,39 @@ impl<'a> Writer<'a> {
         name.clone()
     }
 
-    /// The expression of a node, and how tightly it binds. Inlined trees are
-    /// at most [`super::parts`]' limit deep, so the recursion is bounded.
-    fn expression(&self, body: &mut Body, number: usize, value: Value) -> (String, u8) {
+    /// The expression of a node. Inlined trees have a bounded number of
+    /// operations ([`Inlining`](crate::codegen::emit::inlining::Inlining)), so
+    /// the recursion is bounded.
+    fn expression(&self, body: &mut PartBody, number: usize, value: Value) -> BoundText {
         let node = self.function.node(value);
-        let [left, right, third] = node.operands;
-        let mut binary = |sign: &str, binding: u8| {
-            let a = self.operand(body, number, left, binding);
-            let b = self.operand(body, number, right, binding + 1);
-            (format!("{a} {sign} {b}"), binding)
-        };
-        let double = self.real == Real::Double;
-        match node.operation {
-            Operation::Copy => (self.operand(body, number, left, PRIMARY), PRIMARY),
-            Operation::Neg => (
-                format!("-{}", self.operand(body, number, left, PRIMARY)),
-                UNARY,
-            ),
-            Operation::Add => binary("+", SUM),
-            Operation::Sub => binary("-", SUM),
-            Operation::Mul => binary("*", PRODUCT),
-            Operation::Div => binary("/", PRODUCT),
-            Operation::Sin | Operation::Cos if !double => {
-                let (name, argument) = (
-                    node.operation.name(),
-                    self.operand(body, number, left, UNARY),
-                );
-                (format!("(float){name}((double){argument})"), UNARY)
-            }
-            Operation::Sin | Operation::Cos | Operation::Sqrt => {
-                let suffix = if double { "" } else { "f" };
-                let (name, argument) = (node.operation.name(), self.operand(body, number, left, 0));
-                (format!("{name}{suffix}({argument})"), PRIMARY)
-            }
-            Operation::Fma | Operation::Fms | Operation::Fnma => {
-                let function = if double { "fma" } else { "fmaf" };
-                let mut signed = |minus: bool, operand: Operand| match minus {
-                    true => format!("-{}", self.operand(body, number, operand, PRIMARY)),
-                    false => self.operand(body, number, operand, 0),
-                };
-                let a = signed(node.operation == Operation::Fnma, left);
-                let b = signed(false, right);
-                let c = signed(node.operation == Operation::Fms, third);
-                (format!("{function}({a}, {b}, {c})"), PRIMARY)
-            }
-        }
+        let operands: Vec<BoundText> = node
+            .operands()
+            .iter()
+            .map(|&operand| self.operand(body, number, operand))
+            .collect();
+        apply(node.operation, &operands, self.real, Operands::Numbers)
     }
 
-    /// An operand, in parentheses where it binds less tightly than it must.
-    fn operand(&self, body: &mut Body, number: usize, operand: Operand, binding: u8) -> String {
-        let (text, own) = match operand.kind() {
+    fn operand(&self, body: &mut PartBody, number: usize, operand: Operand) -> BoundText {
+        match operand.kind() {
             OperandKind::Value(value) if self.plan.is_inlined(value) => {
                 self.expression(body, number, value)
             }
-            OperandKind::Value(value) => (self.variable(body, number, value), PRIMARY),
+            OperandKind::Value(value) => BoundText::primary(self.variable(body, number, value)),
             OperandKind::Input(input) => {
                 let element = self.interface.element(false, input.0);
                 body.pointers.extend(element.pointer);
                 match self.real {
                     Real::Float if self.interface.is_robotran() => {
-                        (format!("(float){}", element.text), UNARY)
+                        BoundText::new(format!("(float){}", element.text), Tightness::Unary)
                     }
-                    Real::Float | Real::Double => (element.text, PRIMARY),
+                    Real::Float | Real::Double => BoundText::primary(element.text),
                 }
             }
             OperandKind::Constant(constant) => {
-                let text = literal(self.function.constant_number(constant), self.real);
-                let own = if text.starts_with('-') {
-                    UNARY
-                } else {
-                    PRIMARY
-                };
-                (text, own)
+                literal(self.function.constant_number(constant), self.real)
             }
-            OperandKind::None => ("0".to_owned(), PRIMARY),
-        };
-        if own < binding {
-            format!("({text})")
-        } else {
-            text
+            OperandKind::None => unreachable!("an operation has all its operands"),
         }
-    }
-}
-
-const SUM: u8 = 1;
-const PRODUCT: u8 = 2;
-const UNARY: u8 = 3;
-const PRIMARY: u8 = 4;
-
-/// Keeps compilers from putting parts together again.
-const APART: &str = "
-#if defined(__GNUC__)
-#define ROBOVEC_APART __attribute__((noinline))
-#else
-#define ROBOVEC_APART
-#endif
-";
-
-/// True when a word stands in a text.
-fn has_word(text: &str, word: &str) -> bool {
-    let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    text.match_indices(word).any(|(place, _)| {
-        !text[..place].ends_with(is_letter) && !text[place + word.len()..].starts_with(is_letter)
-    })
-}
-
-/// A number as a C literal that reads back as the same number.
-pub(in crate::codegen) fn literal(number: f64, real: Real) -> String {
-    let single = number as f32;
-    let (finite, text) = match real {
-        Real::Double => (number.is_finite(), format!("{:?}", number.abs())),
-        Real::Float => (single.is_finite(), format!("{:?}f", single.abs())),
-    };
-    let text = match (finite, number.is_nan()) {
-        (true, _) => text,
-        (false, true) => return "NAN".to_owned(),
-        (false, false) => "INFINITY".to_owned(),
-    };
-    if number.is_sign_negative() {
-        format!("-{text}")
-    } else {
-        text
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn literals_keep_every_bit_and_their_sign() {
-        let double = |number| literal(number, Real::Double);
-        assert_eq!(double(0.1), "0.1");
-        assert_eq!(double(-0.0), "-0.0");
-        assert_eq!(double(1e300), "1e300");
-        assert_eq!(double(f64::NEG_INFINITY), "-INFINITY");
-        assert_eq!(literal(1e300, Real::Float), "INFINITY");
-        assert_eq!(literal(0.1, Real::Float), "0.1f");
-        assert_eq!(literal(3.0, Real::Float), "3.0f");
     }
 }

@@ -13,9 +13,12 @@
 
 use super::interface::structure;
 use super::{Options, Real, Signature};
+use crate::codegen::emit::arrays::{Rows, dimensions, parameter, rank};
+use crate::codegen::emit::frame::parameters;
+use crate::codegen::emit::names::is_word_letter;
 use crate::codegen::kind::Kind;
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::{Array, Input, Shape, View};
+use robovec_ir::{Array, Input, View};
 use robovec_num::arithmetic::Binary64;
 use std::fmt::Write;
 
@@ -94,7 +97,7 @@ pub fn minimal_data<'a>(views: impl IntoIterator<Item = View<'a>>) -> (String, S
     for view in views {
         for array in view.function.inputs().iter().chain(view.function.outputs()) {
             let name = view.tables.symbols.text(array.name);
-            let is_word = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+            let is_word = name.chars().all(is_word_letter);
             if is_word && name != "tsim" && members.iter().all(|(known, _)| known != name) {
                 members.push((name.to_owned(), rank(array.shape)));
             }
@@ -111,14 +114,6 @@ pub fn minimal_data<'a>(views: impl IntoIterator<Item = View<'a>>) -> (String, S
     }
     let _ = write!(text, "}} {name};\n\n#endif\n");
     (header.to_owned(), text)
-}
-
-fn rank(shape: Shape) -> usize {
-    match shape {
-        Shape::Scalar => 0,
-        Shape::Vector(_) => 1,
-        Shape::Matrix(..) => 2,
-    }
 }
 
 /// An array that the program keeps.
@@ -175,11 +170,7 @@ impl Main<'_> {
                 Some(_) => format!("its_{name}"),
                 None => format!("{prefix}_{}", stored.len()),
             };
-            let (rows, columns) = match array.shape {
-                Shape::Scalar => (1, 1),
-                Shape::Vector(length) => (1, u64::from(length) + 1),
-                Shape::Matrix(rows, columns) => (u64::from(rows) + 1, u64::from(columns) + 1),
-            };
+            let [rows, columns] = dimensions(array.shape);
             if let Some(known) = stored.iter().position(|known| known.storage == storage) {
                 stored[known].rows = stored[known].rows.max(rows);
                 stored[known].columns = stored[known].columns.max(columns);
@@ -237,7 +228,7 @@ impl Main<'_> {
         }
         text.push('\n');
         for name in self.contestants {
-            let parameters = self.parameters(stored);
+            let parameters = self.parameters();
             let result = match self.kind {
                 Some(kind) if kind.has_status() => "int",
                 Some(_) | None => "void",
@@ -247,7 +238,7 @@ impl Main<'_> {
         text.push('\n');
     }
 
-    fn parameters(&self, stored: &[Stored]) -> String {
+    fn parameters(&self) -> String {
         if let Some(kind) = self.kind {
             let outputs = kind.outputs.iter();
             let mut list: Vec<String> = outputs
@@ -257,24 +248,14 @@ impl Main<'_> {
             list.extend([format!("{data} *s"), "double tsim".to_owned()]);
             return list.join(", ");
         }
-        let real = self.real.name();
-        let inputs = self.view.function.inputs().len();
-        let list: Vec<String> = stored
-            .iter()
-            .enumerate()
-            .map(|(number, array)| {
-                let constant = if number < inputs { "const " } else { "" };
-                match array.rank {
-                    0 if number < inputs => real.to_owned(),
-                    0 | 1 => format!("{constant}{real} *"),
-                    _ => format!("{constant}{real} [][{}]", array.columns),
-                }
-            })
-            .collect();
-        match list.is_empty() {
-            true => "void".to_owned(),
-            false => list.join(", "),
-        }
+        let function = self.view.function;
+        let inputs = function.inputs().iter().map(|array| (array.shape, false));
+        let outputs = function.outputs().iter().map(|array| (array.shape, true));
+        let list = inputs.chain(outputs).map(|(shape, is_output)| {
+            let declared = parameter(self.real, "", shape, is_output, Rows::Brackets);
+            declared.trim_end().to_owned()
+        });
+        parameters(list)
     }
 
     /// The state, what is expected, and where both are.
@@ -298,7 +279,7 @@ impl Main<'_> {
             "static const struct {{ {real} *place; double number; }} given[] = {{"
         );
         for (index, number) in (0u32..).zip(&self.trial.inputs) {
-            let at = position(function.inputs(), index);
+            let at = function.input_array(Input(index));
             let (array, _, _) = function.input_element(Input(index));
             let place = place(array, inputs[at], index - array.offset);
             let _ = writeln!(text, "    {{{place}, {}}},", literal(*number));
@@ -310,7 +291,7 @@ impl Main<'_> {
         );
         let norms = self.norms();
         for (assignment, number) in function.assignments.iter().zip(&self.trial.expected) {
-            let at = position(function.outputs(), assignment.output.0);
+            let at = function.output_array(assignment.output);
             let (array, indices, rank) = function.output_element(assignment.output);
             let place = place(array, outputs[at], assignment.output.0 - array.offset);
             let mut name = self.view.tables.symbols.text(array.name).to_owned();
@@ -332,7 +313,7 @@ impl Main<'_> {
         let function = self.view.function;
         let mut norms = vec![0.0f64; function.outputs().len()];
         for (assignment, number) in function.assignments.iter().zip(&self.trial.expected) {
-            let at = position(function.outputs(), assignment.output.0);
+            let at = function.output_array(assignment.output);
             norms[at] = norms[at].max(number.abs());
         }
         norms
@@ -422,11 +403,6 @@ impl Main<'_> {
         };
         list.join(", ")
     }
-}
-
-/// The array that holds an element.
-fn position(arrays: &[Array], element: u32) -> usize {
-    arrays.partition_point(|array| array.offset <= element) - 1
 }
 
 /// A number in decimal digits that read back as the same bits.

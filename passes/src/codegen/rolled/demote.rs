@@ -4,7 +4,7 @@
 //! every pass of its loop, and always in the same array. Otherwise the output
 //! becomes a copy, made when everything is computed.
 
-use super::layout::{coordinates, place_of};
+use super::layout::coordinates;
 use super::nest::Nest;
 use super::statements::{Statements, Target};
 use robovec_ir::{Function, Output, Value};
@@ -66,6 +66,5 @@ impl Outputs {
 /// An output as array and element.
 pub(super) fn element(function: &Function, output: Output) -> (usize, [i64; 2]) {
     let (array, indices, _) = function.output_element(output);
-    let place = place_of(function.outputs(), array);
-    (place, coordinates(array, indices))
+    (function.output_array(output), coordinates(array, indices))
 }

@@ -20,7 +20,7 @@ use hashbrown::{HashMap, HashSet};
 use robovec_ir::{Function, Operand, Value};
 use rustc_hash::FxBuildHasher;
 
-pub(super) use places::{coordinates, place_of};
+pub(super) use places::coordinates;
 
 type Map<K, V> = HashMap<K, V, FxBuildHasher>;
 

@@ -28,7 +28,8 @@ mod unroll;
 
 pub use unroll::Difference;
 
-use super::c::Real;
+use super::emit::Real;
+use crate::option_words;
 use demote::Outputs;
 use layout::Layout;
 use nest::{Element, Nest};
@@ -41,15 +42,17 @@ use statements::Statements;
 /// Operations of a part of straight-line code, as a bound for compilers.
 const PART: usize = 500;
 
-/// How sines and cosines are computed.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub enum Circular {
-    /// Those of inputs all at once, by the kernel of
-    /// [`sincos`](super::sincos): within 1 ulp.
-    #[default]
-    Vector,
-    /// One by one, by the library.
-    Library,
+option_words! {
+    /// How sines and cosines are computed.
+    #[derive(Default)]
+    pub enum Circular {
+        /// Those of inputs all at once, by the kernel of
+        /// [`sincos`](super::sincos): within 1 ulp.
+        #[default]
+        Vector = "vector",
+        /// One by one, by the library.
+        Library = "library",
+    }
 }
 
 /// How rolled C is written.
@@ -162,7 +165,10 @@ fn assemble(
     let parts = parts(nest, statements, PART);
     let resolved = resolve(nest, statements, &parts);
     let mut layout = Layout::new(function, nest, statements, outputs, &resolved);
-    let number = |operand: Operand| function.number(operand).unwrap_or(f64::NAN);
+    let number = |operand: Operand| {
+        let number = function.number(operand);
+        number.expect("a leaf that is no result, input or output is a constant")
+    };
     let source = |layout: &Layout<'_>, resolution: Resolution| match resolution {
         Resolution::Position(position) => Source::Position(position),
         Resolution::Carried(carried) => Source::Carried(carried),

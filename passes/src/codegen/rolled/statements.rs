@@ -4,13 +4,11 @@
 //! results of other statements. Two statements that differ in their leaves
 //! alone have one template, and only such can be passes through one loop.
 
+use crate::codegen::emit::inlining::{Inlining, assigned as assigned_values};
 use hashbrown::HashMap;
 use robovec_analysis::slice::live;
-use robovec_ir::{Function, Level, Operand, OperandKind, Operation, Output, Value};
+use robovec_ir::{Function, Level, Node, Operand, OperandKind, Operation, Output, Value};
 use rustc_hash::FxBuildHasher;
-
-/// Most operations of one expression.
-const EXPRESSION: u32 = 24;
 
 /// A step of a template, in postfix order.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -236,27 +234,13 @@ fn assigned(function: &Function) -> (Vec<u32>, Vec<Output>) {
     )
 }
 
-/// For each node whether it stands inside the expression of the only node
-/// that uses it. Where equations are kept as they were written their inner
-/// nodes do, and nothing else, so that equations that look alike stay alike.
+/// Where equations are kept as they were written their inner nodes stand inside
+/// the expression of their reader, and nothing else, so that equations that
+/// look alike stay alike.
 fn inlined(function: &Function) -> Vec<bool> {
-    let uses = function.use_counts();
-    let mut inlined = vec![false; uses.len()];
-    let mut sizes = vec![0u32; uses.len()];
-    for (value, node) in function.values() {
-        let inner = node.operands().iter().filter_map(|operand| operand.value());
-        let inner = inner.filter(|value| inlined[value.index()]);
-        let size = 1 + inner.map(|value| sizes[value.index()]).sum::<u32>();
-        sizes[value.index()] = size;
-        let written = function.level == Level::Equations && node.name.is_none();
-        inlined[value.index()] = uses[value.index()] == 1
-            && size <= EXPRESSION
-            && (written || function.level != Level::Equations);
-    }
-    for assignment in &function.assignments {
-        if let Some(value) = assignment.operand.value() {
-            inlined[value.index()] = false;
-        }
-    }
-    inlined
+    let given = assigned_values(function);
+    let written = function.level == Level::Equations;
+    let may_stand =
+        |value: Value, node: &Node| !given[value.index()] && (!written || node.name.is_none());
+    Inlining::new(function, may_stand).inlined
 }

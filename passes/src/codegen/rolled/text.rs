@@ -2,17 +2,21 @@
 
 mod expression;
 
-use super::super::c::{Names, Real, literal};
+use super::super::emit::Real;
+use super::super::emit::arrays::{Rows, parameter};
+use super::super::emit::expression::literal;
+use super::super::emit::frame;
+use super::super::emit::names::CNames;
 use super::super::sincos::Kernel;
 use super::nest::Element;
 use super::program::{Copy, Place, Program, Source, Space};
 use super::{Circular, Options};
-use robovec_ir::{Array, Function, Shape, View};
+use robovec_ir::{Array, Function, View};
 use std::fmt::Write;
 
 /// The source and the header.
 pub(super) fn files(view: View<'_>, options: Options, program: &Program) -> [(String, String); 2] {
-    let writer = Writer::new(view, options, program);
+    let writer = RolledWriter::new(view, options, program);
     let name = writer.name.clone();
     [
         (format!("{name}.c"), writer.source()),
@@ -20,7 +24,7 @@ pub(super) fn files(view: View<'_>, options: Options, program: &Program) -> [(St
     ]
 }
 
-struct Writer<'a> {
+struct RolledWriter<'a> {
     function: &'a Function,
     program: &'a Program,
     real: Real,
@@ -52,11 +56,11 @@ struct Used {
     work: bool,
 }
 
-impl<'a> Writer<'a> {
-    fn new(view: View<'a>, options: Options, program: &'a Program) -> Writer<'a> {
+impl<'a> RolledWriter<'a> {
+    fn new(view: View<'a>, options: Options, program: &'a Program) -> RolledWriter<'a> {
         let function = view.function;
         let symbols = &view.tables.symbols;
-        let mut names = Names::new();
+        let mut names = CNames::new();
         let name = names.take(&function.name);
         let mut arrays = |arrays: &[Array]| -> Vec<String> {
             let arrays = arrays.iter();
@@ -65,8 +69,7 @@ impl<'a> Writer<'a> {
                 .collect()
         };
         let (inputs, outputs) = (arrays(function.inputs()), arrays(function.outputs()));
-        let last = program.parts.last().copied().unwrap_or(0);
-        let parts = (1..=last)
+        let parts = (1..=program.parts.last().map_or(0, |&last| last))
             .map(|number| names.take(&format!("{name}_part_{number}")))
             .collect();
         let upper = name.to_ascii_uppercase();
@@ -88,7 +91,7 @@ impl<'a> Writer<'a> {
         let vector = options.circular == Circular::Vector;
         let circular = program.loops.iter().any(|place| place.circular);
         let kernel = (vector && circular).then(|| Kernel::widest(options.real));
-        Writer {
+        RolledWriter {
             function,
             program,
             real: options.real,
@@ -111,33 +114,20 @@ impl<'a> Writer<'a> {
     }
 
     fn comment(&self) -> String {
-        let mut text = format!(
+        format!(
             "/* {} by robovec, rolled. Arrays count from 1; element 0 is not used.\n   \
-             No two of the arrays may overlap.\n",
-            self.name
-        );
-        for boundary in &self.function.boundaries {
-            // A comment cannot hold its own end.
-            let callee = boundary.callee.replace("*/", "* /");
-            let result = boundary.result.as_deref().unwrap_or("nothing");
-            let _ = writeln!(
-                text,
-                "   The results of {callee} are taken from the input {}; its arguments are outputs.",
-                result.replace("*/", "* /")
-            );
-        }
-        text.push_str("*/\n");
-        text
+             No two of the arrays may overlap.\n{}*/\n",
+            self.name,
+            frame::boundaries(self.function)
+        )
     }
 
     fn header(&self) -> String {
-        let guard = format!("ROBOVEC_{}_H", self.name.to_ascii_uppercase());
-        format!(
-            "{}#ifndef {guard}\n#define {guard}\n\nvoid {}({});\n\n#endif\n",
-            self.comment(),
-            self.name,
-            self.parameters(None)
-        )
+        frame::header(&self.comment(), &self.name, None, &self.declared())
+    }
+
+    fn declared(&self) -> String {
+        format!("void {}({})", self.name, self.parameters(None))
     }
 
     fn source(&self) -> String {
@@ -172,21 +162,10 @@ impl<'a> Writer<'a> {
             let _ = writeln!(calls, "    {name}({});", self.arguments(&used).join(", "));
             start = end;
         }
-        let _ = write!(
-            text,
-            "\nvoid {}({})\n{{\n",
-            self.name,
-            self.parameters(None)
-        );
+        let _ = write!(text, "\n{}\n{{\n", self.declared());
+        let names = self.inputs.iter().chain(&self.outputs);
+        text.push_str(&frame::unused(names.map(String::as_str), &[&calls]));
         let everything = self.used(0..self.program.items.len());
-        let arrays = self.inputs.iter().zip(&everything.inputs);
-        for (name, _) in arrays.filter(|(_, used)| !**used) {
-            let _ = writeln!(text, "    (void){name};");
-        }
-        let arrays = self.outputs.iter().zip(&everything.outputs);
-        for (name, _) in arrays.filter(|(_, used)| !**used) {
-            let _ = writeln!(text, "    (void){name};");
-        }
         if everything.work {
             let real = self.real.name();
             let _ = writeln!(
@@ -222,7 +201,9 @@ impl<'a> Writer<'a> {
     fn data(&self, text: &mut String) {
         if !self.program.constants.is_empty() {
             let numbers = self.program.constants.iter();
-            let numbers: Vec<String> = numbers.map(|&number| literal(number, self.real)).collect();
+            let numbers: Vec<String> = numbers
+                .map(|&number| literal(number, self.real).text)
+                .collect();
             let real = self.real.name();
             self.list(
                 text,
@@ -231,8 +212,7 @@ impl<'a> Writer<'a> {
             );
         }
         for (table, name) in self.program.tables.iter().zip(&self.tables) {
-            let largest = table.iter().max().copied().unwrap_or(0);
-            let kind = if largest <= u32::from(u16::MAX) {
+            let kind = if table.iter().all(|&entry| entry <= u32::from(u16::MAX)) {
                 "unsigned short"
             } else {
                 "unsigned int"
@@ -256,39 +236,29 @@ impl<'a> Writer<'a> {
     /// code that stores wrong numbers (seen on a program of 18,764 operations,
     /// right without optimisation), and independent loops say so themselves.
     fn parameters(&self, used: Option<&Used>) -> String {
-        let real = self.real.name();
         let mut list = Vec::new();
-        let is_used = |used: &[bool], number: usize| used.get(number).copied().unwrap_or(false);
-        for (number, array) in self.function.inputs().iter().enumerate() {
-            let name = &self.inputs[number];
-            if used.is_none_or(|used| is_used(&used.inputs, number)) {
-                list.push(match array.shape {
-                    Shape::Scalar => format!("{real} {name}"),
-                    Shape::Vector(_) => format!("const {real} *{name}"),
-                    Shape::Matrix(_, columns) => {
-                        format!("const {real} (*{name})[{}]", u64::from(columns) + 1)
-                    }
-                });
+        let inputs = (self.function.inputs().iter().zip(&self.inputs)).enumerate();
+        for (number, (array, name)) in inputs {
+            if used.is_none_or(|used| used.inputs[number]) {
+                list.push(parameter(
+                    self.real,
+                    name,
+                    array.shape,
+                    false,
+                    Rows::Pointer,
+                ));
             }
         }
-        for (number, array) in self.function.outputs().iter().enumerate() {
-            let name = &self.outputs[number];
-            if used.is_none_or(|used| is_used(&used.outputs, number)) {
-                list.push(match array.shape {
-                    Shape::Scalar | Shape::Vector(_) => format!("{real} *{name}"),
-                    Shape::Matrix(_, columns) => {
-                        format!("{real} (*{name})[{}]", u64::from(columns) + 1)
-                    }
-                });
+        let outputs = (self.function.outputs().iter().zip(&self.outputs)).enumerate();
+        for (number, (array, name)) in outputs {
+            if used.is_none_or(|used| used.outputs[number]) {
+                list.push(parameter(self.real, name, array.shape, true, Rows::Pointer));
             }
         }
         if used.is_some_and(|used| used.work) {
-            list.push(format!("{real} *{}", self.work));
+            list.push(format!("{} *{}", self.real.name(), self.work));
         }
-        if list.is_empty() {
-            return "void".to_owned();
-        }
-        list.join(", ")
+        frame::parameters(list)
     }
 
     fn arguments(&self, used: &Used) -> Vec<&str> {
@@ -416,7 +386,7 @@ impl<'a> Writer<'a> {
         }
         let real = self.real.name();
         for &carried in &self.program.carries[number] {
-            let first = self.source_text(&self.program.carried[carried].first).0;
+            let first = self.source_text(&self.program.carried[carried].first).text;
             let name = &self.carried[carried];
             let _ = writeln!(text, "{indent}{real} {name} = {first};");
         }

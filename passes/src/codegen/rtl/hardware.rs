@@ -12,6 +12,7 @@ use super::window::Window;
 use crate::codegen::layout::{Layout, Sizes, bits};
 use crate::codegen::manifest::{Buffer, FileHash};
 use crate::codegen::traffic::Traffic;
+use crate::option_words;
 use robovec_ir::machine::{ElementDescription, Interconnect, MemoryStyle};
 use robovec_ir::{Format, Machine};
 use robovec_num::NumberFormat;
@@ -27,14 +28,16 @@ const MOST_WORDS: u32 = 1 << 24;
 /// Elements at most: a crossbar grows with their square.
 const MOST_ELEMENTS: usize = 1024;
 
-/// How much of the crossbar is built.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum CrossbarChoice {
-    /// Every source reaches every write port: any program fits.
-    #[default]
-    Full,
-    /// Only the pairs of source and write port that the schedule uses.
-    Pruned,
+option_words! {
+    /// How much of the crossbar is built.
+    #[derive(Default)]
+    pub enum CrossbarChoice {
+        /// Every source reaches every write port: any program fits.
+        #[default]
+        Full = "full",
+        /// Only the pairs of source and write port that the schedule uses.
+        Pruned = "pruned",
+    }
 }
 
 /// The crossbar as built.

@@ -20,7 +20,7 @@
 mod coefficients;
 mod text;
 
-use super::c::Real;
+use super::emit::Real;
 pub use coefficients::Constants;
 
 /// The kernel for one type and number of lanes.

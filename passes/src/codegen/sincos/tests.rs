@@ -1,4 +1,5 @@
 use super::*;
+use crate::codegen::testing::compiled_output;
 use robovec_ir::Format;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
@@ -90,12 +91,6 @@ fn units(found: f64, exact: Double, significand: i32) -> f64 {
 #[test]
 fn compiled_kernels_are_within_one_unit_in_the_last_place() {
     use std::fmt::Write;
-    use std::process::Command;
-    if Command::new("gcc").arg("--version").output().is_err() {
-        eprintln!("no gcc: the kernel is not compiled");
-        return;
-    }
-    let directory = tempfile::tempdir().expect("a temporary directory");
     for (real, significand) in [(Real::Double, 53), (Real::Float, 24)] {
         let kernel = Kernel::widest(real);
         let angles = angles(Constants::of(real).limit, significand);
@@ -112,20 +107,13 @@ fn compiled_kernels_are_within_one_unit_in_the_last_place() {
             kernel.arrays_name()
         )
         .expect("a string");
-        std::fs::write(directory.path().join("kernel.c"), text).expect("a temporary file");
+        let files = [("kernel.c".to_owned(), text)];
         // Neither contraction nor leave to regroup changes anything.
         for flags in [&["-O2"][..], &["-O3", "-march=native", "-ffast-math"]] {
-            let compiled = Command::new("gcc")
-                .current_dir(directory.path())
-                .args(["-std=c99", "-Wall", "-Wextra", "-Werror"])
-                .args(flags)
-                .args(["-o", "kernel", "kernel.c", "-lm"])
-                .output()
-                .expect("gcc is there");
-            let messages = String::from_utf8_lossy(&compiled.stderr);
-            assert!(compiled.status.success(), "{messages}");
-            let output = Command::new(directory.path().join("kernel")).output();
-            let text = String::from_utf8(output.expect("it runs").stdout).expect("numbers");
+            let Some((text, succeeds)) = compiled_output(&files, flags, &[]) else {
+                return;
+            };
+            assert!(succeeds, "{text}");
             let mut lines = text.lines().map(|line| {
                 let (sine, cosine) = line.split_once(' ').expect("two numbers");
                 [sine, cosine].map(|word| word.parse::<f64>().unwrap_or(f64::NAN))

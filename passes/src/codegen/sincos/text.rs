@@ -1,12 +1,14 @@
 //! The C text of the kernel.
 
 use super::{Constants, Kernel};
-use crate::codegen::c::Real;
+use crate::codegen::emit::Real;
+use crate::codegen::emit::expression::{self, BoundText, Operands, apply};
+use robovec_ir::Operation;
 use std::fmt::Write;
 
 /// Whether vectors are there, and their types.
 pub(super) fn types(kernel: Kernel) -> String {
-    let Names {
+    let KernelNames {
         real,
         integer,
         vector,
@@ -14,7 +16,7 @@ pub(super) fn types(kernel: Kernel) -> String {
         unaligned,
         suffix,
         ..
-    } = Names::of(kernel);
+    } = KernelNames::of(kernel);
     let bytes = kernel.lanes * size(kernel.real);
     let mut text = String::from("#include <math.h>\n\n");
     if kernel.lanes == 1 {
@@ -54,8 +56,8 @@ typedef {real} {unaligned};
 
 /// The function for angles one behind the other.
 pub(super) fn arrays(kernel: Kernel) -> String {
-    let names = Names::of(kernel);
-    let Names { real, lanes, .. } = names;
+    let names = KernelNames::of(kernel);
+    let KernelNames { real, lanes, .. } = names;
     let name = kernel.arrays_name();
     let library = format!(
         "static void {name}(long count, const {real} *angles, {real} *sines, {real} *cosines)
@@ -66,13 +68,13 @@ pub(super) fn arrays(kernel: Kernel) -> String {
     }}
 }}
 ",
-        sine = library(kernel.real, "sin", "angles[i]"),
-        cosine = library(kernel.real, "cos", "angles[i]"),
+        sine = library(kernel.real, Operation::Sin, "angles[i]"),
+        cosine = library(kernel.real, Operation::Cos, "angles[i]"),
     );
     if lanes == 1 {
         return library;
     }
-    let Names {
+    let KernelNames {
         vector,
         bits,
         unaligned,
@@ -130,8 +132,8 @@ static ROBOVEC_PRECISE void {name}(long count, const {real} *angles, {real} *sin
 
 /// The function for angles of many states.
 pub(super) fn runs(kernel: Kernel) -> String {
-    let names = Names::of(kernel);
-    let Names {
+    let names = KernelNames::of(kernel);
+    let KernelNames {
         real,
         lanes,
         ref vector,
@@ -152,13 +154,13 @@ pub(super) fn runs(kernel: Kernel) -> String {
     }}
 }}
 ",
-        sine = library(kernel.real, "sin", angle),
-        cosine = library(kernel.real, "cos", angle),
+        sine = library(kernel.real, Operation::Sin, angle),
+        cosine = library(kernel.real, Operation::Cos, angle),
     );
     if lanes == 1 {
         return library;
     }
-    let Names {
+    let KernelNames {
         bits,
         unaligned,
         suffix,
@@ -198,14 +200,14 @@ pub(super) fn runs(kernel: Kernel) -> String {
 /// One vector of angles; `far` gathers lanes that are left to the library in
 /// its sign bits.
 fn core(kernel: Kernel) -> String {
-    let Names {
+    let KernelNames {
         vector,
         bits,
         suffix,
         sign,
         ones,
         ..
-    } = Names::of(kernel);
+    } = KernelNames::of(kernel);
     let constants = Constants::of(kernel.real);
     let number = |value: f64| literal(kernel.real, value);
     let most = match kernel.real {
@@ -293,7 +295,7 @@ fn reduction(text: &mut String, kernel: Kernel) {
 
 /// The library for lanes that are too large or no numbers.
 fn far(kernel: Kernel) -> String {
-    let Names { real, suffix, .. } = Names::of(kernel);
+    let KernelNames { real, suffix, .. } = KernelNames::of(kernel);
     let limit = literal(kernel.real, Constants::of(kernel.real).limit);
     let absolute = match kernel.real {
         Real::Double => "fabs",
@@ -311,13 +313,13 @@ static void __attribute__((noinline, cold)) robovec_far_{suffix}(long count, con
         }}
 }}
 ",
-        sine = library(kernel.real, "sin", "angles[i]"),
-        cosine = library(kernel.real, "cos", "angles[i]"),
+        sine = library(kernel.real, Operation::Sin, "angles[i]"),
+        cosine = library(kernel.real, Operation::Cos, "angles[i]"),
     )
 }
 
 /// The names that the text is made of.
-struct Names {
+struct KernelNames {
     real: &'static str,
     integer: &'static str,
     /// What makes a literal an unsigned integer of the lanes' width.
@@ -332,14 +334,14 @@ struct Names {
     guard: String,
 }
 
-impl Names {
-    fn of(kernel: Kernel) -> Names {
+impl KernelNames {
+    fn of(kernel: Kernel) -> KernelNames {
         let suffix = kernel.suffix();
         let (integer, ones) = match kernel.real {
             Real::Double => ("long long", "ull"),
             Real::Float => ("int", "u"),
         };
-        Names {
+        KernelNames {
             real: kernel.real.name(),
             integer,
             ones,
@@ -371,11 +373,19 @@ fn most_positive(real: Real) -> u64 {
 }
 
 /// A call of the library.
-fn library(real: Real, function: &str, angle: &str) -> String {
-    match real {
-        Real::Double => format!("{function}({angle})"),
-        Real::Float => format!("(float){function}((double){angle})"),
-    }
+fn library(real: Real, operation: Operation, angle: &str) -> String {
+    apply(
+        operation,
+        &[BoundText::primary(angle)],
+        real,
+        Operands::Numbers,
+    )
+    .text
+}
+
+/// A number as a literal that reads back as itself.
+fn literal(real: Real, number: f64) -> String {
+    expression::literal(number, real).text
 }
 
 /// A polynomial in `z`: pairs of terms are one step each and joined by powers
@@ -393,12 +403,4 @@ fn pairs(real: Real, coefficients: &[f64]) -> String {
         };
     }
     text
-}
-
-/// A number as a literal that reads back as itself.
-fn literal(real: Real, number: f64) -> String {
-    match real {
-        Real::Double => format!("{number:?}"),
-        Real::Float => format!("{:?}f", number as f32),
-    }
 }

@@ -66,9 +66,12 @@ impl Layout<'_> {
     /// The input array that an access reads alone, and the elements.
     pub(super) fn inputs(&self, access: &Access) -> Option<(usize, Vec<[i64; 2]>)> {
         let elements = access.operands.iter().map(|operand| {
-            let (array, indices, _) = self.function.input_element(operand.input()?);
-            let place = place_of(self.function.inputs(), array);
-            Some((place, coordinates(array, indices)))
+            let input = operand.input()?;
+            let (array, indices, _) = self.function.input_element(input);
+            Some((
+                self.function.input_array(input),
+                coordinates(array, indices),
+            ))
         });
         let elements: Vec<(usize, [i64; 2])> = elements.collect::<Option<_>>()?;
         let array = elements.first()?.0;
@@ -254,7 +257,7 @@ impl Layout<'_> {
         match operand.kind() {
             OperandKind::Input(input) => {
                 let (array, indices, _) = self.function.input_element(input);
-                let place = place_of(self.function.inputs(), array);
+                let place = self.function.input_array(input);
                 (Space::Input(place), coordinates(array, indices))
             }
             OperandKind::Value(value) => (Space::Work, [0, i64::from(self.home[value.index()])]),
@@ -310,10 +313,4 @@ pub(in super::super) fn coordinates(array: &Array, indices: [u32; 2]) -> [i64; 2
         Shape::Vector(_) => [0, i64::from(indices[0])],
         Shape::Matrix(..) => indices.map(i64::from),
     }
-}
-
-/// Which of the arrays one with elements is: the last that starts where it
-/// does, since those before it at the same offset are empty.
-pub(in super::super) fn place_of(arrays: &[Array], array: &Array) -> usize {
-    arrays.partition_point(|known| known.offset <= array.offset) - 1
 }

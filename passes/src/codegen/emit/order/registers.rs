@@ -8,9 +8,8 @@
 //! branch first, which halves what waits. Then it goes through that order
 //! once more with a model of the registers, and does next whatever is ready,
 //! reads what lies in registers, and ends the lives of values there.
-//!
-//! Nothing but the order changes, so results stay the same bit for bit.
 
+use super::{DepthWalk, Step, Ties};
 use robovec_ir::{Function, Operand, OperandKind, Value};
 use std::collections::BTreeSet;
 
@@ -29,21 +28,12 @@ const KILL: i64 = 30;
 /// What each operation is worth that only waited for this one.
 const ENABLE: i64 = 10;
 
-/// A step of straight-line code.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Step {
-    /// Computes a value.
-    Define(Value),
-    /// Sets an output element: the place among the assignments.
-    Assign(u32),
-}
-
 /// All values that are marked in `computed`, each once and behind its
 /// operands, and all assignments, each right behind its value. Operands that
 /// are not marked are in memory from the start.
-pub fn order(function: &Function, computed: &[bool], registers: usize) -> Vec<Step> {
+pub fn by_registers(function: &Function, computed: &[bool], registers: usize) -> Vec<Step> {
     let walked = walk(function, computed);
-    let values = Schedule::new(function, computed, &walked, registers).run();
+    let values = RegisterSchedule::new(function, computed, &walked, registers).run();
     let mut setters: Vec<Vec<u32>> = vec![Vec::new(); function.nodes().len()];
     let mut steps = Vec::with_capacity(values.len() + function.assignments.len());
     for (index, assignment) in (0u32..).zip(&function.assignments) {
@@ -65,42 +55,28 @@ fn walk(function: &Function, computed: &[bool]) -> Vec<Value> {
     let mut depths = vec![0u32; function.nodes().len()];
     for (value, node) in function.values() {
         let below = node.operands().iter().filter_map(|operand| operand.value());
-        depths[value.index()] = below.map(|v| depths[v.index()] + 1).max().unwrap_or(0);
+        depths[value.index()] = below.fold(0, |most, v| most.max(depths[v.index()] + 1));
     }
-    let mut done = vec![false; computed.len()];
+    let mut walk = DepthWalk::new(function, &depths, Ties::RightFirst);
+    for (done, computed) in walk.done.iter_mut().zip(computed) {
+        *done = !computed;
+    }
     let mut walked = Vec::with_capacity(computed.len());
     let outputs = function.assignments.iter().rev();
-    let outputs = outputs.filter_map(|assignment| assignment.operand.value());
-    let all = function.values().rev().map(|(value, _)| value);
-    let mut open: Vec<(Value, bool)> = Vec::new();
+    let outputs = outputs.map(|assignment| assignment.operand);
+    let all = function.values().rev().map(|(value, _)| value.into());
     for root in outputs.chain(all) {
-        open.push((root, false));
-        while let Some((value, entered)) = open.pop() {
-            if entered {
-                walked.push(value);
-                continue;
-            }
-            if done[value.index()] || !computed[value.index()] {
-                continue;
-            }
-            done[value.index()] = true;
-            open.push((value, true));
-            let first = open.len();
-            let operands = function.node(value).operands().iter();
-            open.extend(operands.filter_map(|operand| operand.value().map(|v| (v, false))));
-            // The last is walked first.
-            open[first..].sort_by_key(|(value, _)| depths[value.index()]);
-        }
+        walk.reach(root, &mut walked);
     }
     walked
 }
 
 /// List scheduling with a model of the registers.
-struct Schedule<'a> {
+struct RegisterSchedule<'a> {
     function: &'a Function,
     computed: &'a [bool],
     registers: usize,
-    /// For each value its place in the walk.
+    /// For each value that is walked its place in the walk.
     rank: Vec<u32>,
     walked: &'a [Value],
     /// For each value how many operands are still to be computed.
@@ -117,20 +93,20 @@ struct Schedule<'a> {
     held: Vec<(usize, u32)>,
 }
 
-impl<'a> Schedule<'a> {
+impl<'a> RegisterSchedule<'a> {
     fn new(
         function: &'a Function,
         computed: &'a [bool],
         walked: &'a [Value],
         registers: usize,
-    ) -> Schedule<'a> {
+    ) -> RegisterSchedule<'a> {
         let count = function.nodes().len();
         let places = count + function.input_len();
-        let mut schedule = Schedule {
+        let mut schedule = RegisterSchedule {
             function,
             computed,
             registers: registers.max(1),
-            rank: vec![u32::MAX; count],
+            rank: vec![0; count],
             walked,
             waits: vec![0; count],
             reads: vec![0; places],
@@ -183,11 +159,10 @@ impl<'a> Schedule<'a> {
             let candidates = self.held.iter();
             let candidates =
                 candidates.flat_map(|&(place, _)| self.ready_readers[place].iter().take(READERS));
-            let best = candidates
+            let costs = candidates
                 .chain([&first])
-                .map(|&rank| (self.cost(rank) + i64::from(rank - first), rank))
-                .min()
-                .map_or(first, |(_, rank)| rank);
+                .map(|&rank| (self.cost(rank) + i64::from(rank - first), rank));
+            let (_, best) = costs.min().expect("the first that is ready can be done");
             let value = self.walked[best as usize];
             values.push(value);
             self.take(value, best, values.len() as u32);
@@ -234,7 +209,8 @@ impl<'a> Schedule<'a> {
         self.touch(value.index(), time);
         while self.held.len() > self.registers {
             let oldest = (0..self.held.len()).min_by_key(|&index| self.held[index].1);
-            self.held.swap_remove(oldest.unwrap_or(0));
+            let oldest = oldest.expect("more is held than there are registers");
+            self.held.swap_remove(oldest);
         }
         let readers = std::mem::take(&mut self.readers[value.index()]);
         for reader in readers {
@@ -254,6 +230,3 @@ impl<'a> Schedule<'a> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -61,7 +61,7 @@ fn every_value_stands_once_and_behind_its_operands() {
     let module = module(&waves(50));
     let function = &module.functions[0];
     let computed = vec![true; function.nodes().len()];
-    let steps = order(function, &computed, 8);
+    let steps = by_registers(function, &computed, 8);
     let mut done = vec![false; computed.len()];
     let mut assigned = 0;
     for step in &steps {
@@ -90,7 +90,7 @@ fn chains_are_done_one_after_the_other() {
     let program: Vec<Step> = (function.values().map(|(value, _)| Step::Define(value)))
         .chain([Step::Assign(0), Step::Assign(1)])
         .collect();
-    let steps = order(function, &computed, 8);
+    let steps = by_registers(function, &computed, 8);
     assert!(waiting(function, &program) >= 200);
     assert!(
         waiting(function, &steps) <= 110,
@@ -105,7 +105,7 @@ fn what_is_in_memory_is_not_computed() {
     let function = &module.functions[0];
     let mut computed = vec![true; function.nodes().len()];
     computed[0] = false;
-    let steps = order(function, &computed, 4);
+    let steps = by_registers(function, &computed, 4);
     assert_eq!(steps.len(), function.nodes().len() - 1 + 2);
     assert!(!steps.contains(&Step::Define(Value(0))));
 }

@@ -1,0 +1,154 @@
+//! In which order statements stand.
+//!
+//! A processor has some thirty registers; a value that is read long after it
+//! was made has been to memory and back. Three orders:
+//!
+//! * that of the function ([`program`]);
+//! * a walk from each output down to what it needs ([`depth_first`]), which
+//!   makes the operand that needs most registers first (Sethi and Ullman,
+//!   1970): values stand close to where they are read, and what is shared
+//!   where it is read first;
+//! * that of a model of the registers ([`by_registers`]).
+//!
+//! Nothing but the order changes, so results stay the same bit for bit.
+
+mod registers;
+#[cfg(test)]
+mod tests;
+
+pub use registers::by_registers;
+
+use robovec_ir::{Function, Operand, Value};
+
+/// A step of straight-line code.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Step {
+    /// Computes a value.
+    Define(Value),
+    /// Sets an output element: the place among the assignments.
+    Assign(u32),
+}
+
+impl Step {
+    /// What the step reads.
+    pub fn reads(self, function: &Function) -> &[Operand] {
+        match self {
+            Step::Define(value) => function.node(value).operands(),
+            Step::Assign(index) => {
+                std::slice::from_ref(&function.assignments[index as usize].operand)
+            }
+        }
+    }
+}
+
+/// The values that are marked in `computed`, in the function's order, and then
+/// all assignments.
+pub fn program(function: &Function, computed: &[bool]) -> Vec<Step> {
+    let values = function.values().map(|(value, _)| value);
+    let values = values.filter(|value| computed[value.index()]);
+    let outputs = 0..function.assignments.len() as u32;
+    let definitions = values.map(Step::Define);
+    definitions.chain(outputs.map(Step::Assign)).collect()
+}
+
+/// The values that are marked in `computed`, each once and behind what it
+/// needs, and all assignments. With `outputs_last` no output is written before
+/// everything is computed.
+///
+/// Outputs are taken from the last to the first: those of the last bodies come
+/// first in a recursion from the leaves of a tree to its root, which is what
+/// most of the operations are.
+pub fn depth_first(function: &Function, computed: &[bool], outputs_last: bool) -> Vec<Step> {
+    let needs = needs(function);
+    let mut walk = DepthWalk::new(function, &needs, Ties::LeftFirst);
+    let mut steps = Vec::with_capacity(computed.len());
+    let outputs = 0..function.assignments.len() as u32;
+    let mut found = Vec::new();
+    for output in outputs.clone().rev() {
+        let root = function.assignments[output as usize].operand;
+        found.clear();
+        walk.reach(root, &mut found);
+        let defined = found.iter().filter(|value| computed[value.index()]);
+        steps.extend(defined.copied().map(Step::Define));
+        if !outputs_last {
+            steps.push(Step::Assign(output));
+        }
+    }
+    if outputs_last {
+        steps.extend(outputs.map(Step::Assign));
+    }
+    steps
+}
+
+/// Which of two operands with equal keys is walked first.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Ties {
+    LeftFirst,
+    RightFirst,
+}
+
+/// A walk from roots to what they need, the operand with the largest key
+/// first.
+struct DepthWalk<'a> {
+    function: &'a Function,
+    keys: &'a [u32],
+    ties: Ties,
+    /// For each value whether it was found, or shall not be.
+    done: Vec<bool>,
+    /// What is still to be done; true when everything below was found.
+    open: Vec<(Value, bool)>,
+}
+
+impl<'a> DepthWalk<'a> {
+    fn new(function: &'a Function, keys: &'a [u32], ties: Ties) -> DepthWalk<'a> {
+        DepthWalk {
+            function,
+            keys,
+            ties,
+            done: vec![false; keys.len()],
+            open: Vec::new(),
+        }
+    }
+
+    /// Appends what a root needs and was not found before, and the root.
+    fn reach(&mut self, root: Operand, found: &mut Vec<Value>) {
+        self.open.extend(root.value().map(|value| (value, false)));
+        while let Some((value, entered)) = self.open.pop() {
+            if entered {
+                found.push(value);
+                continue;
+            }
+            if std::mem::replace(&mut self.done[value.index()], true) {
+                continue;
+            }
+            self.open.push((value, true));
+            let first = self.open.len();
+            let operands = self.function.node(value).operands().iter();
+            let values = operands.filter_map(|operand| operand.value());
+            self.open.extend(values.map(|value| (value, false)));
+            // The last one is walked first.
+            let below = &mut self.open[first..];
+            if self.ties == Ties::LeftFirst {
+                below.reverse();
+            }
+            below.sort_by_key(|(value, _)| self.keys[value.index()]);
+        }
+    }
+}
+
+/// About how many registers the expression of each value needs, as if nothing
+/// were shared.
+fn needs(function: &Function) -> Vec<u32> {
+    let mut needs: Vec<u32> = Vec::with_capacity(function.nodes().len());
+    for node in function.nodes() {
+        let values = node.operands().iter().filter_map(|operand| operand.value());
+        let mut own = [0; Operand::MOST];
+        for (need, value) in own.iter_mut().zip(values) {
+            *need = needs[value.index()];
+        }
+        own.sort_unstable_by(|a, b| b.cmp(a));
+        let held = (0u32..).zip(own).filter(|&(_, need)| need > 0);
+        needs.push(held.fold(1, |most, (place, need)| most.max(place + need)));
+    }
+    needs
+}
