@@ -14,6 +14,7 @@ pub mod hexadecimal;
 pub mod limits;
 pub mod model;
 pub mod motion;
+pub mod present;
 pub mod process;
 pub mod report;
 pub mod robotran;

@@ -25,6 +25,7 @@ pub mod opt;
 mod output;
 mod output_errors;
 mod placed;
+mod progress;
 mod reduction;
 mod reproducer;
 mod rtl;

@@ -1,7 +1,7 @@
 //! `robovec scene`: what a scene means.
 
 use super::{Failure, input};
-use crate::report::table;
+use crate::present::text_table;
 use crate::scene::{Effect, SceneFile, Subject, effects};
 use clap::Args;
 use robovec_ir::{Input, Machine, Module, View};
@@ -69,7 +69,10 @@ fn joints(scene: &Scene) -> String {
             vec![joint.number.to_string(), joint.name.clone(), hold]
         })
         .collect();
-    format!("\n{}\n", table(&["joint", "name", "held"], &rows, &[0]))
+    format!(
+        "\n{}\n",
+        text_table(&["joint", "name", "held"], &rows, &[0])
+    )
 }
 
 fn outputs(scene: &Scene, module: &Module) -> String {
@@ -102,7 +105,7 @@ fn outputs(scene: &Scene, module: &Module) -> String {
     let head = ["output", "elements", "allowed error"];
     format!(
         "\n{needed} of {all} outputs are needed\n{}\n",
-        table(&head, &rows, &[1])
+        text_table(&head, &rows, &[1])
     )
 }
 
@@ -159,7 +162,7 @@ fn inputs(scene: &Scene, module: &Module) -> String {
         })
         .collect();
     let head = ["input", "read", "bound", "ranged", "free"];
-    format!("\n{}\n", table(&head, &rows, &[1, 2, 3, 4]))
+    format!("\n{}\n", text_table(&head, &rows, &[1, 2, 3, 4]))
 }
 
 fn worth(effects: &[Effect], machine: &Machine, scene: &Scene) -> String {
@@ -178,7 +181,7 @@ fn worth(effects: &[Effect], machine: &Machine, scene: &Scene) -> String {
         })
         .collect();
     let head = ["used", "operations", "of them", "sin, cos", "cycles"];
-    let mut text = format!("\n{}\n", table(&head, &rows, &[1, 2, 3, 4]));
+    let mut text = format!("\n{}\n", text_table(&head, &rows, &[1, 2, 3, 4]));
     if let (Some(deadline), Some(last)) = (scene.deadline, effects.last()) {
         let time = f64::from(last.cycles) / machine.clock_mhz;
         let verdict = match time <= deadline {

@@ -2,9 +2,10 @@
 
 use super::flags::whole;
 use super::front::programs;
+use super::output::result_files;
 use super::{Failure, output};
+use crate::present::json::json_text;
 use crate::study::couples::couples;
-use crate::study::plot;
 use crate::sweep::design::{Space, interconnect_names};
 use crate::sweep::{Sweep, page, sweep, text};
 use clap::{Args, ValueEnum};
@@ -183,18 +184,8 @@ fn prepare(module: &mut Module, passes: &str) -> Result<(), String> {
 }
 
 fn write(folder: &Path, sweeps: &[Sweep]) -> Result<(), Failure> {
-    output::make_folder(folder)?;
-    // Sweeps are plain data.
-    let json = serde_json::to_string_pretty(sweeps).unwrap_or_default();
-    for (name, content) in [
-        ("sweep.csv", text::points_table(sweeps).to_csv()),
-        ("sweep.json", json + "\n"),
-        ("sweep.svg", plot::draw(&text::figure(sweeps))),
-        ("sweep.html", page::page(sweeps)),
-    ] {
-        output::write_file(&folder.join(name), |writer| {
-            writer.write_all(content.as_bytes())
-        })?;
-    }
-    Ok(())
+    let table = text::points_table(sweeps);
+    let mut files = result_files(&table, json_text(sweeps), &text::figure(sweeps));
+    files.push(("sweep.html".to_owned(), page::page(sweeps)));
+    output::write_files(folder, &files)
 }

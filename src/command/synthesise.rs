@@ -2,8 +2,8 @@
 
 use super::Failure;
 use super::flags::whole;
+use crate::present::text_table;
 use crate::process::ToolError;
-use crate::report::table;
 use crate::study::couples::{ADDERS, MULTIPLIERS, Operator};
 use crate::synthesis::cores::{self, Mapped};
 use crate::synthesis::{SynthesisError, Tool};
@@ -129,7 +129,7 @@ fn operators(mapped: &[Mapped]) -> String {
         "thesis LUT",
     ];
     let right: Vec<usize> = (1..head.len()).collect();
-    table(&head, &rows, &right)
+    text_table(&head, &rows, &right)
 }
 
 /// The row of Tables 1.1 and 1.2.

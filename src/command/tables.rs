@@ -1,7 +1,7 @@
 //! `--time-passes` and `--stats`.
 
 use super::arguments::TableFormat;
-use crate::report::table;
+use crate::present::text_table;
 use robovec_passes::manager::PassRecord;
 use serde_json::{Value, json};
 
@@ -77,7 +77,7 @@ pub(crate) fn times(records: &[PassRecord], stages: &[Stage], format: TableForma
         "operations",
         "path",
     ];
-    let table = table(&head, &rows, &[2, 3, 4, 5, 6]);
+    let table = text_table(&head, &rows, &[2, 3, 4, 5, 6]);
     format!("{table}\nCPU time in all: {:.2} ms\n", total * 1e3)
 }
 
@@ -110,6 +110,6 @@ pub(crate) fn statistics(records: &[PassRecord], format: TableFormat) -> String 
     }
     format!(
         "{}\n",
-        table(&["pass", "function", "number", "of"], &rows, &[2])
+        text_table(&["pass", "function", "number", "of"], &rows, &[2])
     )
 }

@@ -1,7 +1,8 @@
 //! The error of one value or output, for `--explain`.
 
 use super::heat::{Heat, blame, blame_of};
-use super::view::{percent, place, small};
+use super::view::{place, small};
+use crate::present::number::percent;
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
 use robovec_passes::analysis::adjoint::{Run, Tape};

@@ -1,8 +1,9 @@
 //! What was found, as text, table, figure and page.
 
 use super::{Case, Class, Findings, Treatment};
-use crate::report;
-use crate::study::table::{Cell, Table};
+use crate::present::number::or_dash;
+use crate::present::text_lines;
+use crate::present::{DataCell, DataTable};
 use robovec_ir::Format;
 
 /// A case with what was found.
@@ -40,17 +41,7 @@ pub fn text(findings: &[Finding<'_>]) -> String {
         }
         rows.push(row);
     }
-    lines(&report::table(&head, &rows, &[1, 2, 3, 7, 8, 10, 11]))
-}
-
-/// A table without blanks at the ends of its lines.
-fn lines(table: &str) -> String {
-    let mut text = String::new();
-    for line in table.lines() {
-        text.push_str(line.trim_end());
-        text.push('\n');
-    }
-    text
+    text_lines(&head, &rows, &[1, 2, 3, 7, 8, 10, 11])
 }
 
 /// The step of long simulations against the drift, and the best step in
@@ -84,7 +75,7 @@ pub fn steps(findings: &[Finding<'_>]) -> String {
                 *best = Some((step, error));
             }
         }
-        let cell = |error: Option<f64>| error.map_or_else(|| "-".to_owned(), short);
+        let cell = |error: Option<f64>| or_dash(error, short);
         rows.push(vec![
             format!("{step:e}"),
             short(found.short.error),
@@ -105,7 +96,7 @@ pub fn steps(findings: &[Finding<'_>]) -> String {
     ];
     let mut text =
         "Energy drift of the double pendulum, relative to its kinetic energy:\n".to_owned();
-    text += &lines(&report::table(&head, &rows, &[0, 1, 2, 3, 4]));
+    text += &text_lines(&head, &rows, &[0, 1, 2, 3, 4]);
     let names = ["in f32", "in f32 with a compensated state"];
     for (name, best) in names.into_iter().zip(best) {
         if let Some((step, error)) = best {
@@ -151,7 +142,7 @@ pub fn classes(findings: &[Finding<'_>]) -> String {
 }
 
 /// The same for programs: one row for each case and treatment.
-pub fn table(findings: &[Finding<'_>]) -> Table {
+pub fn table(findings: &[Finding<'_>]) -> DataTable {
     let columns = [
         "case",
         "class",
@@ -167,9 +158,9 @@ pub fn table(findings: &[Finding<'_>]) -> Table {
     ];
     let number = |number: f64| {
         if number.is_finite() {
-            Cell::text(format!("{number:.3e}"))
+            DataCell::text(format!("{number:.3e}"))
         } else {
-            Cell::Empty
+            DataCell::Empty
         }
     };
     let mut rows = Vec::new();
@@ -181,31 +172,30 @@ pub fn table(findings: &[Finding<'_>]) -> Table {
         });
         for (label, measured, cost, chosen) in std::iter::once(untreated).chain(trials) {
             rows.push(vec![
-                Cell::text(&case.name),
-                Cell::text(case.class.name()),
-                Cell::text(found.metric),
+                DataCell::text(&case.name),
+                DataCell::text(case.class.name()),
+                DataCell::text(found.metric),
                 number(found.condition),
                 number(found.floor),
-                Cell::text(found.verdict.name()),
-                Cell::text(label),
+                DataCell::text(found.verdict.name()),
+                DataCell::text(label),
                 number(measured.error),
-                Cell::number(cost, 3),
+                DataCell::number(cost, 3),
                 number(measured.outside),
                 if chosen {
-                    Cell::text("yes")
+                    DataCell::text("yes")
                 } else {
-                    Cell::Empty
+                    DataCell::Empty
                 },
             ]);
         }
     }
-    Table {
-        name: "stress".to_owned(),
-        title: "Hard cases and their cures".to_owned(),
-        caption: "Every case as it is in binary32 and under every treatment tried; the cost \
-                  is operations times bits, relative to the untreated program."
-            .to_owned(),
-        columns: columns.map(str::to_owned).to_vec(),
+    DataTable::new(
+        "stress",
+        "Hard cases and their cures",
+        "Every case as it is in binary32 and under every treatment tried; the cost \
+                  is operations times bits, relative to the untreated program.",
+        columns,
         rows,
-    }
+    )
 }

@@ -12,20 +12,18 @@
 
 pub mod couples;
 pub mod cpu;
-pub mod figure;
 pub mod figures;
 pub mod knee;
 pub mod occupation;
 pub mod page;
 pub mod plan;
-pub mod plot;
 pub mod point;
 pub mod printed;
 pub mod program;
 pub mod results;
 pub mod run;
 pub mod store;
-pub mod table;
 pub mod tables;
 mod variants;
 pub mod verdict;
+pub mod zone;

@@ -5,11 +5,11 @@
 //! one is placed, on all cores, the next is made ready. Results stand in the
 //! order of their requests, whatever the order of work.
 
-use super::knee::is_saturated;
 use super::plan::{ChoiceKey, Plan, PriorityKey, Request};
 use super::point::{Point, measure};
 use super::program::{Equations, Program, ProgramFacts, Sources};
 use super::store::{self, Key, Store};
+use super::zone::is_saturated;
 use rayon::prelude::*;
 use robovec_ir::diagnostic::{Diagnostic, Report};
 use robovec_passes::analysis::critical_path::Weights;

@@ -1,10 +1,10 @@
 //! What the study means, in plain words, computed from its points.
 
-use super::figures::{BUSY, SATURATED};
 use super::knee::{Knee, Split, knee};
 use super::program::ProgramFacts;
 use super::results::Results;
 use super::variants;
+use super::zone::{BUSY, SATURATED};
 use serde::Serialize;
 
 /// The verdict about one program.

@@ -3,7 +3,7 @@
 use super::Tool;
 use super::machine::MappedMachine;
 use super::timing::{FAST_NET, Path, SLOW_NET};
-use crate::report::table;
+use crate::present::text_table;
 use robovec_passes::analysis::hardware::{PartKind, Resources};
 use std::fmt::Write;
 
@@ -88,7 +88,7 @@ fn resources(machine: &MappedMachine) -> String {
         "DSP",
     ];
     let right: Vec<usize> = (2..head.len()).collect();
-    table(&head, &rows, &right)
+    text_table(&head, &rows, &right)
 }
 
 /// Tables, registers, memory blocks and multiplier blocks: both counts and

@@ -158,7 +158,8 @@ pub fn measure(job: &Job<'_>, computer: &Computer, largest: usize) -> CpuTime {
         contest(job.view, job.shorter)
     };
     let times = result.as_ref().copied().unwrap_or_default();
-    let microseconds = |time: Option<f64>| time.map(|time| super::table::round(time * 1e-3, 4));
+    let microseconds =
+        |time: Option<f64>| time.map(|time| crate::present::number::round(time * 1e-3, 4));
     CpuTime {
         model: job.model.to_owned(),
         pipeline: job.pipeline.to_owned(),
