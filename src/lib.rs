@@ -6,6 +6,7 @@ pub mod bench;
 pub mod command;
 pub mod errors;
 pub mod evaluate_command;
+pub mod explore;
 pub mod files;
 pub mod fit;
 pub mod front;

@@ -70,8 +70,8 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
         seed: arguments.seed,
     };
     let bar = progress::spinner();
-    let mut progress = |what: &str| bar.set_message(what.to_owned());
-    let outcome = fit::fit(&task, &mut progress).map_err(|error| fail(error.to_string()))?;
+    let progress = |what: &str| bar.set_message(what.to_owned());
+    let outcome = fit::fit(&task, &progress).map_err(|error| fail(error.to_string()))?;
     let confirmation = match outcome.chosen {
         Some(chosen) => {
             bar.set_message("trying the choice again");

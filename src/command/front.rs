@@ -74,8 +74,8 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, Failure> {
             angle: arguments.angle,
             cpu: arguments.cpu,
         };
-        let mut progress = |choice: &str| bar.set_message(format!("{name}: {choice}"));
-        let front = front::front(&name, &module, others, &question, &mut progress)
+        let progress = |choice: &str| bar.set_message(format!("{name}: {choice}"));
+        let front = front::front(&name, &module, others, &question, &progress)
             .map_err(|error| Failure::plain(format!("{name}: {error}")))?;
         text += &front::text::text(&front);
         text.push('\n');

@@ -3,16 +3,18 @@
 use super::flags::{FlagLimit, whole};
 use super::subjects::{self, Files, locate};
 use super::{Failure, input, output, progress};
+use crate::explore::processor::{Computer, LARGEST};
+use crate::explore::program::view;
+use crate::explore::store::PointStore;
 use crate::files::limited;
 use crate::present::json::json_text;
 use crate::present::plot;
-use crate::study::cpu::{self, Computer, CpuTime, Job};
+use crate::study::cpu::{self, CpuTime, Job};
 use crate::study::plan::{self, Plan, Selection};
 use crate::study::program::Equations;
 use crate::study::results::Results;
-use crate::study::store::Store;
 use crate::study::{figures, page, run, tables};
-use robovec_ir::{Module, View};
+use robovec_ir::Module;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -48,7 +50,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     cpu: bool,
     /// Leave functions with more operations than this out of --cpu
-    #[arg(long, value_name = "OPERATIONS", default_value_t = cpu::LARGEST,
+    #[arg(long, value_name = "OPERATIONS", default_value_t = LARGEST,
           add = whole(0, 100_000_000, "compiling takes minutes beyond some million"))]
     cpu_limit: usize,
     /// Threads; as many as there are processors by default
@@ -67,7 +69,7 @@ pub(super) fn study(arguments: &Arguments) -> Result<String, Failure> {
         locate(subject)?;
     }
     output::make_folder(&arguments.output)?;
-    let store = Store::open(&arguments.output.join("points"), arguments.resume)
+    let store = PointStore::open(&arguments.output.join("points"), arguments.resume)
         .map_err(|error| Failure::plain(format!("cannot make the folder for points: {error}")))?;
     let results = compute(arguments, plan, &store)?;
     let times = if arguments.cpu {
@@ -106,7 +108,7 @@ fn read_plan(arguments: &Arguments) -> Result<Plan, Failure> {
     plan::resolve(&name, &text, &selection, &read_machine).map_err(Failure)
 }
 
-fn compute(arguments: &Arguments, plan: Plan, store: &Store) -> Result<Results, Failure> {
+fn compute(arguments: &Arguments, plan: Plan, store: &PointStore) -> Result<Results, Failure> {
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(jobs) = arguments.jobs {
         pool = pool.num_threads(jobs as usize);
@@ -144,15 +146,11 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
     let mut times: Vec<CpuTime> = Vec::new();
     let mut timed: HashMap<String, usize> = HashMap::new();
     let mut measure = |model: &str, pipeline: &str, [module, shorter]: [&Module; 2]| {
-        let [view, shorter] = [module, shorter].map(|module| View {
-            tables: &module.tables,
-            function: &module.functions[0],
-        });
         let job = Job {
             model,
             pipeline,
-            view,
-            shorter,
+            view: view(module),
+            shorter: view(shorter),
         };
         // Models of several formulations are the same for a processor.
         let same = timed.entry(job.program()).or_insert(times.len());

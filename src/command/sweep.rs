@@ -3,16 +3,14 @@
 use super::flags::whole;
 use super::front::programs;
 use super::output::result_files;
-use super::{Failure, output};
+use super::{Failure, input, output};
+use crate::explore::operators::{Couple, couples};
+use crate::explore::program::{transformed_by, view};
 use crate::present::json::json_text;
-use crate::study::couples::couples;
 use crate::sweep::design::{Space, interconnect_names};
 use crate::sweep::{Sweep, page, sweep, text};
 use clap::{Args, ValueEnum};
 use robovec_ir::machine::{Interconnect, MemoryStyle};
-use robovec_ir::{Machine, Module, View};
-use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline;
 use std::path::{Path, PathBuf};
 
 /// Resources against time: every design of a space of machines, and those that no other one beats
@@ -79,21 +77,22 @@ enum MemoryWord {
 /// Runs the command.
 pub(super) fn run(arguments: &SweepArguments) -> Result<String, Failure> {
     let space = space(arguments)?;
+    let thesis = input::machine("thesis")?;
     let mut sweeps: Vec<Sweep> = Vec::new();
     let mut report = String::new();
     for subject in &arguments.subjects {
-        let (name, mut module, _) = programs(subject, &arguments.function)?;
-        let failure = |error| Failure::plain(format!("{name}: {error}"));
-        let mut compiled = module.clone();
-        prepare(&mut module, &arguments.passes).map_err(failure)?;
-        if arguments.cpu {
-            prepare(&mut compiled, "$cpu").map_err(failure)?;
-        }
-        let view = View {
-            tables: &compiled.tables,
-            function: &compiled.functions[0],
+        let (name, module, _) = programs(subject, &arguments.function)?;
+        let failure = |error: String| Failure::plain(format!("{name}: {error}"));
+        let made = |passes: &str| {
+            let made = transformed_by(&module, passes, &thesis, None);
+            made.map_err(|error| failure(error.to_string()))
         };
-        let result = sweep(&name, &module, &space, arguments.cpu.then_some(view))
+        let program = made(&arguments.passes)?;
+        let compiled = match arguments.cpu {
+            true => Some(made("$cpu")?),
+            false => None,
+        };
+        let result = sweep(&name, &program, &space, compiled.as_ref().map(view))
             .map_err(|error| failure(error.to_string()))?;
         report += &text::text(&result);
         report.push('\n');
@@ -114,7 +113,7 @@ fn space(arguments: &SweepArguments) -> Result<Space, Failure> {
     };
     let mut known = couples();
     for wanted in &arguments.couples {
-        let is_it = |couple: &crate::study::couples::Couple| {
+        let is_it = |couple: &Couple| {
             let [add, multi] = couple.stages();
             *wanted == format!("{add}-{multi}")
         };
@@ -171,16 +170,6 @@ fn space(arguments: &SweepArguments) -> Result<Space, Failure> {
         instances: sorted(&arguments.instances),
         interconnects,
     })
-}
-
-/// Runs the pipeline that makes the program.
-fn prepare(module: &mut Module, passes: &str) -> Result<(), String> {
-    let pipeline = pipeline::parse(passes).map_err(|error| error.to_string())?;
-    let machine = Machine::built_in("thesis").ok_or("the thesis' machine is missing")?;
-    let mut log = Vec::new();
-    manager::run(module, &pipeline, Config::new(&machine, &mut log))
-        .map(|_| ())
-        .map_err(|error| error.to_string())
 }
 
 fn write(folder: &Path, sweeps: &[Sweep]) -> Result<(), Failure> {

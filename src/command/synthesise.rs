@@ -2,9 +2,9 @@
 
 use super::Failure;
 use super::flags::whole;
+use crate::explore::operators::{ADDERS, MULTIPLIERS, Operator};
 use crate::present::text_table;
 use crate::process::ToolError;
-use crate::study::couples::{ADDERS, MULTIPLIERS, Operator};
 use crate::synthesis::cores::{self, Mapped};
 use crate::synthesis::{SynthesisError, Tool};
 use crate::synthesis::{machine, page};

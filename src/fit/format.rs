@@ -2,8 +2,8 @@
 
 use super::ranges::{exponent_bits, largest_exponent};
 use super::{FitError, Program, Task, used};
-use crate::front::measure::{MeasureError, view};
-use crate::front::yardstick::{Errors, Yardstick};
+use crate::explore::program::{ExplorationError, view};
+use crate::explore::yardstick::{Errors, Yardstick};
 use robovec_ir::Format;
 use robovec_ir::machine::NumberFormat;
 
@@ -29,7 +29,7 @@ pub(super) fn formats(
 ) -> Result<Vec<(Format, Errors)>, FitError> {
     let measure_at = |yardstick: &Yardstick, format: Format| -> Result<Errors, FitError> {
         let errors = yardstick.errors(view(&program.module), format);
-        Ok(errors.map_err(MeasureError::from)?)
+        Ok(errors.map_err(ExplorationError::from)?)
     };
     let measure = |format: Format| measure_at(search, format);
     let mut found = vec![(Format::BINARY32, measure_at(validation, Format::BINARY32)?)];
@@ -37,7 +37,7 @@ pub(super) fn formats(
         // No format helps a series that is not exact enough.
         return Ok(found);
     }
-    let exponent = largest_exponent(program, validation).map_err(MeasureError::from)?;
+    let exponent = largest_exponent(program, validation).map_err(ExplorationError::from)?;
     let meets = |errors: &Errors| {
         errors.normwise.worst.is_finite() && used(task.scene, program, errors) <= PART
     };

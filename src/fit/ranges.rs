@@ -1,8 +1,8 @@
 //! How large the numbers of a program get, and the exponent that holds them.
 
 use super::Program;
-use crate::front::measure::view;
-use crate::front::yardstick::{Unmeasurable, Yardstick};
+use crate::explore::program::view;
+use crate::explore::yardstick::{Unmeasurable, Yardstick};
 use robovec_ir::arithmetic::Binary64;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::machine::NumberFormat;

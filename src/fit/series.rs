@@ -1,9 +1,10 @@
 //! Sines and cosines on the elements: of each method the least order whose
 //! error leaves room for rounding.
 
-use super::{FitError, Program, Progress, Task, used};
-use crate::front::measure::{MeasureError, run_scene, view};
-use crate::front::yardstick::Yardstick;
+use super::{FitError, Program, Task, used};
+use crate::explore::Progress;
+use crate::explore::program::{ExplorationError, transformed_by, view};
+use crate::explore::yardstick::Yardstick;
 use robovec_ir::Format;
 use serde::Serialize;
 use std::fmt;
@@ -113,10 +114,10 @@ fn with_series(
         return Ok(program.clone());
     };
     let stage = format!("{pass},{BEHIND}");
-    let module = run_scene(&program.module, &stage, task.machine, Some(task.scene))?;
+    let module = transformed_by(&program.module, &stage, task.machine, Some(task.scene))?;
     let errors = yardstick
         .errors(view(&module), Format::BINARY64)
-        .map_err(MeasureError::from)?;
+        .map_err(ExplorationError::from)?;
     let mut new = Program {
         pipeline: format!("{},{stage}", program.pipeline),
         treatment,

@@ -1,10 +1,10 @@
 //! How many elements: the fewest that meet the deadline, and more.
 
 use super::{Program, Task};
-use crate::front::measure::with_elements;
+use crate::explore::placing::{placed, with_counts};
 use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Operation};
-use robovec_passes::place::{PlaceOptions, place, placement_statistics, schedule_bound};
+use robovec_passes::place::{PlaceOptions, schedule_bound};
 
 /// The most elements of a kind.
 const MOST: u32 = 64;
@@ -26,14 +26,15 @@ impl Size {
     }
 }
 
+/// The machine with so many adders and multipliers, fused elements among the
+/// latter.
 pub(super) fn sized(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
-    let mut machine = with_elements(machine, add);
-    for operation in [Operation::Mul, Operation::Fma] {
-        if let Some(kind) = machine.kind_of(operation) {
-            machine.elements[kind].count = multi;
-        }
-    }
-    machine
+    let counts = [
+        (Operation::Add, add),
+        (Operation::Mul, multi),
+        (Operation::Fma, multi),
+    ];
+    with_counts(machine, &counts)
 }
 
 /// The sizes a program is placed on: equal numbers by powers of two up to the
@@ -61,14 +62,11 @@ pub(super) fn sizes(task: &Task<'_>, program: &Program) -> Vec<Size> {
 
 fn attempt(task: &Task<'_>, program: &Program, elements: [u32; 2]) -> Option<Size> {
     let machine = sized(task.machine, elements);
-    let mut function = program.module.functions[0].clone();
-    let placed = place(&mut function, &machine, PlaceOptions::default()).ok()?;
-    let statistics = placement_statistics(&function, &machine)?;
-    let words = statistics.kinds.iter().map(|kind| kind.memory.max).max();
+    let placed = placed(&program.module, &machine, PlaceOptions::default()).ok()?;
     Some(Size {
         elements,
-        cycles: placed.cycles,
-        words: words.unwrap_or(1),
+        cycles: placed.summary.cycles,
+        words: placed.most_words(&machine),
     })
 }
 

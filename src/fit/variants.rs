@@ -1,9 +1,10 @@
 //! The programs: every formulation specialised, with the equations as short
 //! or as few as the passes make them.
 
-use super::{FitError, Program, Progress, Task, Treatment, used};
-use crate::front::measure::{MeasureError, run_scene, view};
-use crate::front::yardstick::Yardstick;
+use super::{FitError, Program, Task, Treatment, used};
+use crate::explore::Progress;
+use crate::explore::program::{ExplorationError, transformed_by, view};
+use crate::explore::yardstick::Yardstick;
 use robovec_ir::Format;
 use robovec_ir::count::Counts;
 use robovec_ir::print::print_function;
@@ -34,10 +35,10 @@ pub(super) fn programs(
     progress: Progress<'_>,
 ) -> Result<Vec<Program>, FitError> {
     let mut programs: Vec<Program> = Vec::new();
-    let mut last: Option<MeasureError> = None;
+    let mut last: Option<ExplorationError> = None;
     let mut texts: Vec<String> = Vec::new();
     for (formulation, module) in &task.formulations {
-        let special = match run_scene(module, "specialise", task.machine, Some(task.scene)) {
+        let special = match transformed_by(module, "specialise", task.machine, Some(task.scene)) {
             Ok(special) => special,
             Err(error) => {
                 last = Some(error);
@@ -57,7 +58,7 @@ pub(super) fn programs(
             if size > LARGE && variant != VARIANTS[0].0 {
                 continue;
             }
-            match run_scene(&special, stages, task.machine, Some(task.scene)) {
+            match transformed_by(&special, stages, task.machine, Some(task.scene)) {
                 Ok(module) => programs.push(Program {
                     name,
                     pipeline: format!("specialise,{stages}"),
@@ -73,7 +74,7 @@ pub(super) fn programs(
     for program in &mut programs {
         let errors = yardstick
             .errors(view(&program.module), Format::BINARY64)
-            .map_err(MeasureError::from)?;
+            .map_err(ExplorationError::from)?;
         program.model_share = used(task.scene, program, &errors);
     }
     if programs.is_empty() {

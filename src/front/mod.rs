@@ -11,16 +11,17 @@ pub mod choice;
 pub mod measure;
 pub mod page;
 pub mod text;
-pub mod yardstick;
 
+use crate::explore::pareto::{self, Ties};
+use crate::explore::program::{ExplorationError, Workshop, view};
+use crate::explore::yardstick::Yardstick;
+use crate::explore::{Progress, processor};
 use crate::generate::Formulation;
-use crate::study::cpu;
 use choice::Choice;
-use measure::{MeasureError, Point, Workshop, measure};
+use measure::{Point, measure};
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
 use serde::Serialize;
-use yardstick::Yardstick;
 
 /// What is asked.
 #[derive(Clone, Debug)]
@@ -71,11 +72,9 @@ pub struct Verdict {
     pub in_its_format: Option<usize>,
 }
 
-/// Told of every choice before it is measured.
-pub type Progress<'a> = &'a mut dyn FnMut(&str);
-
 /// Measures all choices for a function: `module` holds it alone, as it came;
-/// `others` the same in other formulations.
+/// `others` the same in other formulations. Each choice is told before it is
+/// measured.
 ///
 /// # Errors
 ///
@@ -86,8 +85,8 @@ pub fn front(
     others: Vec<(Formulation, Module)>,
     question: &Question<'_>,
     progress: Progress<'_>,
-) -> Result<Front, MeasureError> {
-    let view = measure::view(module);
+) -> Result<Front, ExplorationError> {
+    let view = view(module);
     let operations = robovec_ir::count::Counts::of(view.function).operations;
     let yardstick = Yardstick::new(view, question.states, question.count);
     let mut workshop = Workshop::new(question.machine, module.clone());
@@ -101,10 +100,10 @@ pub fn front(
     let mut points = Vec::new();
     for choice in &choices {
         progress(&choice.name);
-        let program = workshop.program(choice)?;
+        let program = workshop.program(choice.formulation, &choice.stages)?;
         let (machine, elements) = (question.machine, question.elements);
         let mut measured = measure(choice, &program, machine, elements, &yardstick)?;
-        if question.cpu && operations <= cpu::LARGEST {
+        if question.cpu && operations <= processor::LARGEST {
             measure::time(&program, &mut measured);
         }
         points.extend(measured);
@@ -120,33 +119,31 @@ pub fn front(
     })
 }
 
+/// What is compared with a given number of elements: cycles, the median of the
+/// relative errors and the worst normwise error.
+fn measures(point: &Point, elements: usize) -> [f64; 3] {
+    let cycles = point.cycles[elements].map_or(f64::INFINITY, f64::from);
+    [cycles, point.relative.median, point.normwise.worst]
+}
+
 /// True when the first point is nowhere worse than the second and somewhere
 /// better, with the given number of elements: in cycles, in the median of the
 /// relative errors and in the worst normwise error.
 pub fn dominates(first: &Point, second: &Point, elements: usize) -> bool {
-    let measures = |point: &Point| {
-        let cycles = point.cycles[elements].map_or(f64::INFINITY, f64::from);
-        [cycles, point.relative.median, point.normwise.worst]
-    };
-    let (first, second) = (measures(first), measures(second));
-    let pairs = || first.iter().zip(&second);
-    pairs().all(|(a, b)| a <= b) && pairs().any(|(a, b)| a < b)
+    pareto::dominates(&measures(first, elements), &measures(second, elements))
 }
 
 impl Front {
     /// The points that no other one dominates, by cycles.
     pub fn undominated(&self, elements: usize) -> Vec<usize> {
-        let beaten = |point: &Point| {
-            let others = self.points.iter();
-            others
-                .into_iter()
-                .any(|other| dominates(other, point, elements))
-        };
-        let mut front: Vec<usize> = (0..self.points.len())
-            .filter(|&index| self.points[index].cycles[elements].is_some())
-            .filter(|&index| !beaten(&self.points[index]))
+        let points: Vec<[f64; 3]> = self
+            .points
+            .iter()
+            .map(|point| measures(point, elements))
             .collect();
-        front.sort_by_key(|&index| self.points[index].cycles[elements]);
+        let mut front = pareto::front(&points, Ties::All);
+        front.retain(|&index| self.points[index].cycles[elements].is_some());
+        front.sort_by_key(|&index| (self.points[index].cycles[elements], index));
         front
     }
 }

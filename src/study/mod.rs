@@ -2,7 +2,7 @@
 //! person who has to choose.
 //!
 //! `plan` says what is placed; `run` places it, in parallel, with finished
-//! points kept by `store`; `tables` and `figures` are views of the points,
+//! points kept by [`crate::explore::store`]; `tables` and `figures` are views of the points,
 //! each named by its number in the thesis; `verdict` says in words what they
 //! mean; `page` puts everything into one HTML file. The figures of the thesis
 //! itself are data (`printed`), shown beside ours and never mixed with them.
@@ -13,6 +13,7 @@
 pub mod couples;
 pub mod cpu;
 pub mod figures;
+pub mod key;
 pub mod knee;
 pub mod occupation;
 pub mod page;
@@ -22,7 +23,6 @@ pub mod printed;
 pub mod program;
 pub mod results;
 pub mod run;
-pub mod store;
 pub mod tables;
 mod variants;
 pub mod verdict;

@@ -3,8 +3,9 @@
 use super::occupation::{Occupation, occupation};
 use super::plan::{NamedMachine, Request};
 use super::program::Program;
-use robovec_ir::{Machine, Operation, View, verify};
-use robovec_passes::place::{Spread, place, placement_statistics};
+use crate::explore::placing::{verified, with_counts};
+use robovec_ir::Operation;
+use robovec_passes::place::Spread;
 use serde::{Deserialize, Serialize};
 
 /// What is kept of a placement. Names and numbers of its [`Request`] are not
@@ -49,31 +50,24 @@ pub struct KindPoint {
 /// Places a program and measures the placement, which the verifier has
 /// accepted.
 pub fn measure(program: &Program, machine: &NamedMachine, request: &Request) -> Point {
-    let machine = with_counts(&machine.machine, request);
-    let fail = |reason: String| Point {
-        failure: Some(reason),
-        ..Point::default()
+    // Fused elements are as many as the machine has.
+    let counts = [
+        (Operation::Add, request.n_add),
+        (Operation::Mul, request.n_multi),
+    ];
+    let machine = with_counts(&machine.machine, &counts);
+    let placed = match verified(&program.module, &machine, request.options()) {
+        Ok(placed) => placed,
+        Err(reason) => {
+            return Point {
+                failure: Some(reason),
+                ..Point::default()
+            };
+        }
     };
-    let mut function = program.module.functions[0].clone();
-    if let Err(error) = place(&mut function, &machine, request.options()) {
-        return fail(error.to_string());
-    }
-    let view = View {
-        tables: &program.module.tables,
-        function: &function,
-    };
-    if let Some(violation) = verify::verify_placement(view, &machine).first() {
-        return fail(format!(
-            "the verifier refuses the placement: {}",
-            violation.message
-        ));
-    }
-    let (Some(schedule), Some(statistics)) = (
-        &function.schedule,
-        placement_statistics(&function, &machine),
-    ) else {
-        return fail("the placer left no placement".to_owned());
-    };
+    let statistics = placed.statistics(&machine);
+    let schedule = placed.function.schedule.as_ref();
+    let schedule = schedule.expect("what is placed has a schedule");
     let kind = |operation: Operation| {
         let Some(index) = machine.kind_of(operation) else {
             return KindPoint::default();
@@ -101,19 +95,4 @@ pub fn measure(program: &Program, machine: &NamedMachine, request: &Request) -> 
 
 fn words(spread: Spread) -> [f64; 3] {
     [f64::from(spread.min), spread.mean, f64::from(spread.max)]
-}
-
-/// The machine with the numbers of elements a placement asks for.
-fn with_counts(machine: &Machine, request: &Request) -> Machine {
-    let mut machine = machine.clone();
-    let counts = [
-        (Operation::Add, request.n_add),
-        (Operation::Mul, request.n_multi),
-    ];
-    for (operation, count) in counts {
-        if let Some(kind) = machine.kind_of(operation) {
-            machine.elements[kind].count = count;
-        }
-    }
-    machine
 }

@@ -5,11 +5,13 @@
 //! one is placed, on all cores, the next is made ready. Results stand in the
 //! order of their requests, whatever the order of work.
 
+use super::key::key;
 use super::plan::{ChoiceKey, Plan, PriorityKey, Request};
 use super::point::{Point, measure};
 use super::program::{Equations, Program, ProgramFacts, Sources};
-use super::store::{self, Key, Store};
 use super::zone::is_saturated;
+use crate::explore::Progress;
+use crate::explore::store::{PointKey, PointStore, build_key};
 use rayon::prelude::*;
 use robovec_ir::diagnostic::{Diagnostic, Report};
 use robovec_passes::analysis::critical_path::Weights;
@@ -26,10 +28,7 @@ pub struct Outcome {
     pub reused: usize,
 }
 
-/// Told of every finished placement.
-pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
-
-/// Runs a plan.
+/// Runs a plan; the model of every finished placement is told.
 ///
 /// # Errors
 ///
@@ -39,7 +38,7 @@ pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
 pub fn run(
     plan: &Plan,
     sources: &dyn Sources,
-    store: &Store,
+    store: &PointStore,
     progress: Progress<'_>,
 ) -> Result<Outcome, Report> {
     let runner = Runner {
@@ -47,7 +46,7 @@ pub fn run(
         sources,
         store,
         progress,
-        build: store::build_key().ok(),
+        build: build_key().ok(),
     };
     let mut outcome = Outcome::default();
     let models = runner.models();
@@ -76,17 +75,17 @@ pub fn run(
 struct Runner<'a> {
     plan: &'a Plan,
     sources: &'a dyn Sources,
-    store: &'a Store,
+    store: &'a PointStore,
     progress: Progress<'a>,
     /// Of this robovec; absent when it cannot be known, and then no point is
     /// stored or found.
-    build: Option<Key>,
+    build: Option<PointKey>,
 }
 
 /// A model made ready.
 struct Prepared {
     model: usize,
-    key: Key,
+    key: PointKey,
     programs: Vec<Program>,
     /// The program of each pipeline and machine.
     variant_of: BTreeMap<(usize, usize), usize>,
@@ -184,18 +183,18 @@ impl Runner<'_> {
         let machine = &self.plan.machines[request.machine];
         let key = self
             .build
-            .map(|build| store::key(prepared.key, build, pipeline, machine, &request));
+            .map(|build| key(prepared.key, build, pipeline, machine, &request));
         (self.progress)(&self.plan.models[request.model].name);
-        if let Some(point) = key.and_then(|key| self.store.load(key)) {
-            return Ok((request, point, true));
-        }
         let variant = prepared.variant_of[&(request.pipeline, request.machine)];
-        let point = measure(&prepared.programs[variant], machine, &request);
-        if let Some(key) = key {
-            let stored = self.store.save(key, &point);
-            stored.map_err(|error| failure(format!("cannot store a point: {error}")))?;
-        }
-        Ok((request, point, false))
+        let measure = || measure(&prepared.programs[variant], machine, &request);
+        let (point, reused) = match key {
+            None => (measure(), false),
+            Some(key) => {
+                let point = self.store.point(key, measure);
+                point.map_err(|error| failure(format!("cannot store a point: {error}")))?
+            }
+        };
+        Ok((request, point, reused))
     }
 
     /// Halves the distance between the largest equal numbers that fall short

@@ -11,6 +11,7 @@ mod view;
 
 pub use view::{figure, table, text};
 
+use crate::explore::program::transformed;
 use crate::model::Model;
 use crate::motion::{Inputs, State};
 use robovec_ir::double_double::{Double, DoubleDouble};
@@ -19,11 +20,10 @@ use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Format, Input, Machine, Module, View};
 use robovec_passes::analysis::accuracy::evaluate_at;
 use robovec_passes::analysis::critical_path::critical_path;
-use robovec_passes::manager::{self, Config, RunError};
+use robovec_passes::manager::RunError;
 use robovec_passes::options::OptionValue;
 use robovec_passes::pipeline;
 use robovec_passes::trigonometry::{Angle, Method, Trigonometry};
-use std::io;
 use std::sync::Arc;
 
 /// What is measured.
@@ -176,11 +176,7 @@ fn replaced(
          atomise,fold,cse,dce"
     );
     let pipeline = pipeline::parse(&text).expect("made of known passes and options");
-    let mut module = module.clone();
-    // Remarks of the passes are for who compiles.
-    let mut log = io::sink();
-    manager::run(&mut module, &pipeline, Config::new(machine, &mut log))?;
-    Ok(module)
+    transformed(module, &pipeline, machine, None)
 }
 
 /// The proved errors of sine and cosine; an order that is given always gives

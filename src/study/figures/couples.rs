@@ -1,8 +1,8 @@
 //! Figures 1.9 to 1.12: pipelining variants; and all couples of Table 1.3.
 
-use super::super::couples::{ADDERS, MEMORY_CAP_MHZ, MULTIPLIERS, couples};
 use super::super::results::{Placed, Results};
 use super::{ladder, pipeline_label};
+use crate::explore::operators::{ADDERS, MEMORY_CAP_MHZ, MULTIPLIERS, couples};
 use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
 /// The couples that thesis 1.2.3 compares. It names adders of 3 and
@@ -14,7 +14,7 @@ const ELEMENTS: &str = "processing elements, adders + multipliers";
 
 /// Figure 1.9.
 pub(super) fn operators() -> Option<Figure> {
-    let curve = |label: &str, index: usize, operators: &[super::super::couples::Operator]| {
+    let curve = |label: &str, index: usize, operators: &[crate::explore::operators::Operator]| {
         Curve::new(
             label,
             Paint::Distinct(index),

@@ -1,9 +1,9 @@
 //! How many elements each program is worth.
 
-use super::super::couples::{MEMORY_CAP_MHZ, couples};
 use super::super::figures::{best_splits, grid, ladder};
 use super::super::knee::{Split, knee};
 use super::super::results::Results;
+use crate::explore::operators::{MEMORY_CAP_MHZ, couples};
 use crate::present::{DataCell, DataTable};
 
 /// The knee of every program.

@@ -1,6 +1,6 @@
 //! Tables 1.1 to 1.3: operators of the Cyclone V, and which share a clock.
 
-use super::super::couples::{ADDERS, MEMORY_CAP_MHZ, MULTIPLIERS, couples};
+use crate::explore::operators::{ADDERS, MEMORY_CAP_MHZ, MULTIPLIERS, couples};
 use crate::present::{DataCell, DataTable};
 
 pub(super) fn tables() -> Vec<DataTable> {
