@@ -12,7 +12,6 @@ pub mod fit;
 pub mod front;
 pub mod generate;
 pub mod hexadecimal;
-pub mod limits;
 pub mod model;
 pub mod motion;
 pub mod present;
@@ -29,3 +28,5 @@ pub mod study;
 pub mod sweep;
 pub mod synthesis;
 pub mod trigonometry;
+
+pub use command::limits;

@@ -37,6 +37,7 @@ pub struct Yardstick {
     /// The exact results, output by output, and of which array each is.
     outputs: BTreeMap<String, usize>,
     arrays: Vec<usize>,
+    array_count: usize,
     exact: Vec<Vec<Double>>,
 }
 
@@ -68,8 +69,11 @@ pub struct Errors {
     /// Of every element in every state, relative to its exact value.
     pub relative: Spread,
     /// Of every array in every state: its largest error over its largest
-    /// element.
+    /// element. Arrays of zeros alone are left out.
     pub normwise: Spread,
+    /// The same of every array of the exact function on its own, in all
+    /// states.
+    pub arrays: Vec<Spread>,
     /// For every output of the program its largest absolute, relative and
     /// normwise error in any state, with the number of the state with the
     /// largest normwise one.
@@ -96,9 +100,14 @@ impl Yardstick {
     /// Evaluates a function exactly at a number of states. Where a scene binds
     /// an input, its states have that number as it is, not rounded.
     pub fn new(view: View<'_>, source: &States, count: u32) -> Yardstick {
-        let names = input_names(view);
         let states = (0..count).map(|index| source.draw(view, index));
-        let states: Vec<Vec<f64>> = states.collect();
+        Yardstick::at(view, states.collect())
+    }
+
+    /// Evaluates a function exactly at states: numbers of all its input
+    /// elements.
+    pub fn at(view: View<'_>, states: Vec<Vec<f64>>) -> Yardstick {
+        let names = input_names(view);
         let outputs = view.function.outputs();
         let assignments = view.function.assignments.iter().enumerate();
         Yardstick {
@@ -112,6 +121,7 @@ impl Yardstick {
             outputs: assignments
                 .map(|(index, assignment)| (print_output(view, assignment.output), index))
                 .collect(),
+            array_count: outputs.len(),
             // Empty arrays share an offset with the next.
             arrays: (view.function.assignments.iter())
                 .map(|a| outputs.partition_point(|array| array.offset <= a.output.0) - 1)
@@ -180,6 +190,7 @@ impl Yardstick {
         let mut tally = Tally {
             relative: Vec::new(),
             normwise: Vec::new(),
+            arrays: vec![Vec::new(); self.array_count],
             outputs: names.into_iter().map(OutputError::none).collect(),
         };
         for (state, (exact, computed)) in self.exact.iter().zip(results).enumerate() {
@@ -188,6 +199,9 @@ impl Yardstick {
         Ok(Errors {
             relative: Spread::of(&mut tally.relative),
             normwise: Spread::of(&mut tally.normwise),
+            arrays: (tally.arrays.iter_mut())
+                .map(|errors| Spread::of(errors))
+                .collect(),
             outputs: tally.outputs,
         })
     }
@@ -197,6 +211,7 @@ impl Yardstick {
 struct Tally {
     relative: Vec<f64>,
     normwise: Vec<f64>,
+    arrays: Vec<Vec<f64>>,
     outputs: Vec<OutputError>,
 }
 
@@ -240,6 +255,9 @@ impl Tally {
                 output.relative = output.relative.max(relative);
                 self.relative.push(relative);
             }
+        }
+        for (&array, &(error, size)) in &norms {
+            self.arrays[array].push(quotient(error, size));
         }
         let norms = norms
             .values()
