@@ -214,23 +214,9 @@ fn arrays(view: View<'_>, format: &FormatAccuracy) -> String {
     row.extend(spread(&format.relative));
     row.extend(spread(&format.mixed));
     rows.push(row);
-    let head = [
-        "array",
-        "normwise: median",
-        "99 %",
-        "worst",
-        "state",
-        "relative: median",
-        "99 %",
-        "worst",
-        "state",
-        "mixed: median",
-        "99 %",
-        "worst",
-        "state",
-    ];
-    let right: Vec<usize> = (1..head.len()).collect();
-    text_lines(&head, &rows, &right)
+    let head = "array | >normwise: median | >99 % | >worst | >state | >relative: median | >99 % | \
+         >worst | >state | >mixed: median | >99 % | >worst | >state";
+    text_lines(head, &rows)
 }
 
 fn elements(view: View<'_>, format: &FormatAccuracy, most: usize) -> String {
@@ -264,20 +250,9 @@ fn elements(view: View<'_>, format: &FormatAccuracy, most: usize) -> String {
             ]
         })
         .collect();
-    let head = [
-        "output",
-        "relative: median",
-        "99 %",
-        "worst",
-        "state",
-        "ulps",
-        "bits",
-        "mixed",
-        "condition",
-        "backward",
-        "judgement",
-    ];
-    text_lines(&head, &rows, &[1, 2, 3, 4, 5, 6, 7, 8, 9])
+    let head = "output | >relative: median | >99 % | >worst | >state | >ulps | >bits | >mixed | \
+         >condition | >backward | judgement";
+    text_lines(head, &rows)
 }
 
 fn array_name(view: View<'_>, array: usize) -> String {

@@ -17,20 +17,10 @@ pub fn text(subject: &Subject) -> String {
         "{}: rounding errors in binary32 in units of 2^-24, {} random states, seed {}\n",
         subject.name, first.rounding.states, first.rounding.seed
     );
-    let head = [
-        "pass",
-        "operations",
-        "path",
-        "relative: median",
-        "99 %",
-        "worst",
-        "normwise: median",
-        "99 %",
-        "worst",
-        "median became",
-    ];
+    let head = "pass | >operations | >path | >relative: median | >99 % | >worst | \
+         >normwise: median | >99 % | >worst | median became";
     let rows: Vec<Vec<String>> = subject.steps.iter().map(row).collect();
-    text += &text_lines(&head, &rows, &[1, 2, 3, 4, 5, 6, 7, 8]);
+    text += &text_lines(head, &rows);
     text
 }
 
@@ -81,18 +71,10 @@ pub fn summary(subjects: &[Subject]) -> String {
     }
     tallies.push(whole);
     let rows: Vec<Vec<String>> = tallies.iter().map(Tally::row).collect();
-    let head = [
-        "pass",
-        "relative: better",
-        "same",
-        "worse",
-        "normwise: better",
-        "same",
-        "worse",
-        "worse for",
-    ];
+    let head = "pass | >relative: better | >same | >worse | >normwise: better | >same | >worse | \
+         worse for";
     let mut text = format!("The medians of {} functions:\n", subjects.len());
-    text += &text_lines(&head, &rows, &[1, 2, 3, 4, 5, 6]);
+    text += &text_lines(head, &rows);
     text
 }
 
@@ -140,25 +122,6 @@ impl Tally<'_> {
 
 /// The same as a table for programs.
 pub fn table(subjects: &[Subject]) -> DataTable {
-    let columns = [
-        "function",
-        "pass",
-        "operations",
-        "path (cycles)",
-        "states",
-        "relative median (2^-24)",
-        "relative 99 % (2^-24)",
-        "relative worst (2^-24)",
-        "normwise median (2^-24)",
-        "normwise 99 % (2^-24)",
-        "normwise worst (2^-24)",
-        "relative median after/before",
-        "noise",
-        "trend",
-        "normwise median after/before",
-        "noise",
-        "trend",
-    ];
     let line = |subject: &Subject, step: &Step| {
         let mut row = vec![
             DataCell::text(&subject.name),
@@ -188,7 +151,10 @@ pub fn table(subjects: &[Subject]) -> DataTable {
         "All outputs in all states as one population, in units of the rounding of \
                   one operation, 2^-24; relative to the element, and to the largest element \
                   of its array. A line without a pass is the function as it was read.",
-        columns,
+        "function | pass | operations | path (cycles) | states | relative median (2^-24) | \
+         relative 99 % (2^-24) | relative worst (2^-24) | normwise median (2^-24) | \
+         normwise 99 % (2^-24) | normwise worst (2^-24) | relative median after/before | \
+         noise | trend | normwise median after/before | noise | trend",
         subjects
             .iter()
             .flat_map(|subject| subject.steps.iter().map(move |step| line(subject, step))),

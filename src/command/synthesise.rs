@@ -114,22 +114,9 @@ fn operators(mapped: &[Mapped]) -> String {
             printed.map_or(String::new(), |operator| operator.luts.to_string()),
         ]);
     }
-    let head = [
-        "operator",
-        "stages",
-        "ALUT",
-        "formula",
-        "registers",
-        "formula",
-        "DSP",
-        "MHz low",
-        "mid",
-        "high",
-        "thesis MHz",
-        "thesis LUT",
-    ];
-    let right: Vec<usize> = (1..head.len()).collect();
-    text_table(&head, &rows, &right)
+    let head = "operator | >stages | >ALUT | >formula | >registers | >formula | >DSP | >MHz low | \
+         >mid | >high | >thesis MHz | >thesis LUT";
+    text_table(head, &rows)
 }
 
 /// The row of Tables 1.1 and 1.2.

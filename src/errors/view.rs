@@ -22,7 +22,7 @@ pub fn text(errors: &ErrorTable) -> String {
         errors.function, errors.format, errors.state, errors.seed
     );
     let shown = worst(&errors.outputs);
-    let mut head = vec!["output", "exact", "error"];
+    let mut head = "output | >exact | >error".to_owned();
     let first = errors.outputs.first();
     let has = |pick: fn(&OutputRow) -> bool| first.is_some_and(pick);
     let columns = [
@@ -32,20 +32,19 @@ pub fn text(errors: &ErrorTable) -> String {
         has(|row| row.interval.is_some()),
     ];
     let names = [
-        &["predicted"] as &[&str],
-        &["bound"],
-        &["sigma"],
-        &["least", "greatest", "window loses", "ranges"],
+        " | >predicted",
+        " | >bound",
+        " | >sigma",
+        " | >least | >greatest | >window loses | >ranges",
     ];
-    for (names, has) in names.iter().zip(columns) {
-        head.extend(names.iter().filter(|_| has));
+    for (names, _) in names.iter().zip(columns).filter(|(_, has)| *has) {
+        head.push_str(names);
     }
     let rows: Vec<Vec<String>> = shown
         .iter()
         .map(|&index| row(&errors.outputs[index]))
         .collect();
-    let right: Vec<usize> = (1..head.len()).collect();
-    text += &text_lines(&head, &rows, &right);
+    text += &text_lines(&head, &rows);
     let rest = errors.outputs.len() - shown.len();
     if rest > 0 {
         let _ = writeln!(text, "and {rest} more outputs with smaller relative errors");
@@ -131,8 +130,8 @@ pub(crate) fn heat_text(heat: &Heat) -> String {
         .iter()
         .map(|equation| equation_row(equation, hottest));
     let rows: Vec<Vec<String>> = rows.collect();
-    let head = ["share", "", "equation", "operations", "where"];
-    text += &text_lines(&head, &rows, &[0, 3]);
+    let head = ">share |  | equation | >operations | where";
+    text += &text_lines(head, &rows);
     if heat.literals > 0.0 {
         let _ = writeln!(
             text,

@@ -5,13 +5,17 @@
 //! An exploration makes programs, varies axes ([`axes`]), measures a point for
 //! every combination and keeps what no other point beats ([`pareto`]). Its
 //! clients are the rooms `front`, `fit`, `sweep`, `study` and `trigonometry`;
-//! none of them uses another one but `fit`, which is asked about points of its
-//! own. Points differ in what they are points of, and stay with the clients:
-//! `front` has one for a program in a format with times for every size, `fit`
-//! one for a program in a format and a size, `sweep` one for a design, `study`
-//! one for a request.
+//! none of them uses another one.
 //!
-//! `accuracy` is no client: the pass manager measures for it, at every pass.
+//! What stays with the clients, since its meaning differs:
+//!
+//! - points: `front` has one for a program in a format with times for every
+//!   size, `fit` one for a program in a format and a size, `sweep` one for a
+//!   design, `study` one for a request;
+//! - the order of work: `front` shares the beginnings of pipelines, `fit` stops
+//!   an axis where it is exact or quick enough, `sweep` and `study` place on
+//!   all cores, and `study` alone keeps its points;
+//! - `accuracy` is no client: the pass manager measures for it, at every pass.
 
 pub mod axes;
 pub mod device;

@@ -38,19 +38,8 @@ pub fn text(task: &Task<'_>, outcome: &Outcome, confirmation: Option<&Confirmati
         .take(SHOWN)
         .map(|&index| row(outcome, index))
         .collect();
-    let head = [
-        "",
-        "program",
-        "sin, cos",
-        "format",
-        "elements",
-        "operations",
-        "cycles",
-        "us",
-        "worst normwise",
-        "of tolerance",
-        "of device",
-    ];
+    let head = " | program | sin, cos | format | elements | >operations | >cycles | >us | \
+         >worst normwise | >of tolerance | >of device";
     let _ = writeln!(
         text,
         "\nFront of time, error and share of the device, {}: {} of {} shown\n{}",
@@ -60,7 +49,7 @@ pub fn text(task: &Task<'_>, outcome: &Outcome, confirmation: Option<&Confirmati
         },
         rows.len(),
         front.len(),
-        text_table(&head, &rows, &[5, 6, 7, 8, 9, 10])
+        text_table(head, &rows)
     );
     text
 }
@@ -225,31 +214,14 @@ pub fn candidates_table(outcome: &Outcome) -> DataTable {
         row.push(DataCell::text(on_front));
         row
     });
-    let columns = [
-        "program",
-        "sin, cos",
-        "format",
-        "adders",
-        "multipliers",
-        "operations",
-        "path (cycles)",
-        "cycles",
-        "time (us)",
-        "relative median",
-        "normwise median",
-        "normwise 99 %",
-        "normwise worst",
-        "of tolerance",
-        "share of device",
-        "standing",
-        "front",
-    ];
     DataTable::new(
         "fit",
         "Candidates",
         "Every program in every format and size that was measured. Errors are those of \
                   the whole program: series, rounding, data. Shares of the device are estimates.",
-        columns,
+        "program | sin, cos | format | adders | multipliers | operations | path (cycles) | \
+         cycles | time (us) | relative median | normwise median | normwise 99 % | \
+         normwise worst | of tolerance | share of device | standing | front",
         rows,
     )
 }

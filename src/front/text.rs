@@ -66,25 +66,13 @@ pub fn text(front: &Front) -> String {
                 ]
             })
             .collect();
-        let head = [
-            "by",
-            "choice",
-            "format",
-            "operations",
-            "path",
-            "cycles",
-            "us",
-            "CPU ns",
-            "median",
-            "99 %",
-            "worst normwise",
-            "",
-        ];
+        let head = "by | choice | format | >operations | >path | >cycles | >us | >CPU ns | >median | \
+         >99 % | >worst normwise | ";
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             "\n{count}+{count} elements\n{}",
-            text_table(&head, &rows, &[3, 4, 5, 6, 7, 8, 9, 10])
+            text_table(head, &rows)
         );
     }
     let count = |by: fn(&Verdict) -> Option<usize>| {
@@ -150,27 +138,6 @@ pub fn points_table(fronts: &[Front]) -> DataTable {
             }
         }
     }
-    let columns = [
-        "function",
-        "elements per kind",
-        "by",
-        "choice",
-        "format",
-        "operations",
-        "path (cycles)",
-        "cycles",
-        "time (us)",
-        "CPU (ns)",
-        "relative median",
-        "relative 99 %",
-        "relative worst",
-        "normwise median",
-        "normwise 99 %",
-        "normwise worst",
-        "of",
-        "in state",
-        "standing",
-    ];
     DataTable::new(
         "front",
         "Speed against error",
@@ -178,10 +145,15 @@ pub fn points_table(fronts: &[Front]) -> DataTable {
                   double-double: series, rounding, data. A choice is beaten when another one is \
                   nowhere worse and somewhere better in cycles, in the median of the relative \
                   errors and in the worst normwise error.",
-        columns,
+        "function | elements per kind | by | choice | format | operations | path (cycles) | \
+         cycles | time (us) | CPU (ns) | relative median | relative 99 % | relative worst | \
+         normwise median | normwise 99 % | normwise worst | of | in state | standing",
         rows,
     )
 }
+
+/// Columns of the table of verdicts.
+const VERDICT_CELLS: usize = 12;
 
 /// What the thesis could choose, and what of ours is nowhere worse.
 pub fn verdicts_table(fronts: &[Front]) -> DataTable {
@@ -201,7 +173,7 @@ pub fn verdicts_table(fronts: &[Front]) -> DataTable {
             ];
             let Some(new) = verdict.by.map(|by| &front.points[by]) else {
                 row.push(DataCell::text("not dominated"));
-                row.resize(VERDICT_COLUMNS.len(), DataCell::Empty);
+                row.resize(VERDICT_CELLS, DataCell::Empty);
                 rows.push(row);
                 continue;
             };
@@ -225,25 +197,11 @@ pub fn verdicts_table(fronts: &[Front]) -> DataTable {
         "What the thesis could choose, and what dominates it",
         "The fastest of ours that is nowhere worse in cycles, median and worst error; in \
                   the last columns the same with the number format of the thesis.",
-        VERDICT_COLUMNS,
+        "function | elements per kind | thesis | cycles | worst error | ours | cycles | \
+         worst error | times faster | times more exact | ours in its format | cycles",
         rows,
     )
 }
-
-const VERDICT_COLUMNS: [&str; 12] = [
-    "function",
-    "elements per kind",
-    "thesis",
-    "cycles",
-    "worst error",
-    "ours",
-    "cycles",
-    "worst error",
-    "times faster",
-    "times more exact",
-    "ours in its format",
-    "cycles",
-];
 
 /// One panel per function and number of elements: cycles against error.
 pub fn figure(fronts: &[Front]) -> Figure {

@@ -2,6 +2,7 @@
 
 use super::csv;
 use super::number::round;
+use super::text::BETWEEN;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
@@ -88,19 +89,19 @@ impl DataCell {
 }
 
 impl DataTable {
-    /// A table with a row of heads.
+    /// A table; `columns` has the heads of all columns, ` | ` between them.
     pub fn new(
         name: impl Into<String>,
         title: impl Into<String>,
         caption: impl Into<String>,
-        columns: impl IntoIterator<Item: Into<String>>,
+        columns: &str,
         rows: impl IntoIterator<Item = Vec<DataCell>>,
     ) -> DataTable {
         DataTable {
             name: name.into(),
             title: title.into(),
             caption: caption.into(),
-            columns: columns.into_iter().map(Into::into).collect(),
+            columns: columns.split(BETWEEN).map(str::to_owned).collect(),
             rows: rows.into_iter().collect(),
         }
     }
@@ -127,7 +128,7 @@ mod tests {
             "table-0",
             "Table 0: nothing",
             "",
-            ["system, name", "Y", "path"],
+            "system, name | Y | path",
             [vec![
                 DataCell::text("a \"bogie\""),
                 DataCell::number(7.4219, 2),

@@ -12,6 +12,9 @@ use crate::present::number::{or_dash, scientific, units};
 use crate::present::{indented, text_table};
 use robovec_ir::Level;
 
+/// The columns of rows of a label, a number and a remark: without heads.
+const LABELLED: &str = " | >";
+
 /// How many of an array's elements are named as its worst.
 const NAMED_ELEMENTS: usize = 3;
 
@@ -114,7 +117,7 @@ fn counts(function: &FunctionReport, text: &mut String) {
             "operations per cycle of the longest chain".to_owned(),
         ]);
     }
-    section("Size", &text_table(&[], &rows, &[1]), text);
+    section("Size", &text_table(LABELLED, &rows), text);
 }
 
 fn boundaries(function: &FunctionReport, text: &mut String) {
@@ -136,9 +139,9 @@ fn boundaries(function: &FunctionReport, text: &mut String) {
             ]
         })
         .collect();
-    let head = ["call", "arguments it computes", "input with the result"];
+    let head = "call | arguments it computes | input with the result";
     let title = "User calls split the function: evaluate the arguments, call, evaluate the rest";
-    section(title, &text_table(&head, &rows, &[]), text);
+    section(title, &text_table(head, &rows), text);
 }
 
 fn passes(function: &FunctionReport, text: &mut String) {
@@ -146,15 +149,7 @@ fn passes(function: &FunctionReport, text: &mut String) {
         return;
     }
     let rows: Vec<Vec<String>> = function.passes.iter().map(pass_row).collect();
-    let head = [
-        "pass",
-        "CPU ms",
-        "peak MB",
-        "operations",
-        "ASAPCycle",
-        "check",
-        "error in binary32",
-    ];
+    let head = "pass | >CPU ms | >peak MB | >operations | >ASAPCycle | check | error in binary32";
     let checked = function.passes.iter().find_map(|pass| pass.check.as_ref());
     let title = checked.map_or("Passes".to_owned(), |check| {
         format!(
@@ -162,7 +157,7 @@ fn passes(function: &FunctionReport, text: &mut String) {
             check.points, check.seed
         )
     });
-    section(&title, &text_table(&head, &rows, &[1, 2, 3, 4]), text);
+    section(&title, &text_table(head, &rows), text);
     for pass in &function.passes {
         let failure = pass.check.as_ref().and_then(|check| check.failure.as_ref());
         if let Some(failure) = failure {
@@ -206,17 +201,8 @@ fn pass_errors(function: &FunctionReport, text: &mut String) {
     if rows.is_empty() {
         return;
     }
-    let head = [
-        "pass",
-        "relative",
-        "99 %",
-        "worst",
-        "normwise",
-        "99 %",
-        "worst",
-        "the median is",
-    ];
-    section(&title, &text_table(&head, &rows, &[1, 2, 3, 4, 5, 6]), text);
+    let head = "pass | >relative | >99 % | >worst | >normwise | >99 % | >worst | the median is";
+    section(&title, &text_table(head, &rows), text);
 }
 
 fn pass_row(pass: &PassReport) -> Vec<String> {
@@ -284,7 +270,7 @@ fn print_schedule(schedule: &ScheduleReport, text: &mut String) {
         rate,
         "of all issue slots is used (parallelisation rate)",
     ));
-    section("Schedule", &text_table(&[], &rows, &[1]), text);
+    section("Schedule", &text_table(LABELLED, &rows), text);
     section(
         "Occupation: share of issue slots used, over the run",
         &chart::occupation(schedule),
@@ -294,10 +280,10 @@ fn print_schedule(schedule: &ScheduleReport, text: &mut String) {
         let rows: Vec<Vec<String>> = usage("memory", memory)
             .chain(usage("buffer", buffer))
             .collect();
-        let head = ["words used", "elements", "min", "mean", "max"];
+        let head = "words used | elements | >min | >mean | >max";
         section(
             "Memory and buffer, per element",
-            &text_table(&head, &rows, &[2, 3, 4]),
+            &text_table(head, &rows),
             text,
         );
     }
@@ -328,7 +314,7 @@ fn print_transfers(transfers: &TransferReport, text: &mut String) {
             "results that pass through a buffer",
         ),
     ];
-    section("Transfers", &text_table(&[], &rows, &[1]), text);
+    section("Transfers", &text_table(LABELLED, &rows), text);
 }
 
 fn usage<'a>(what: &'a str, kinds: &'a ByKind) -> impl Iterator<Item = Vec<String>> + 'a {
@@ -371,43 +357,22 @@ fn speed_against_error(function: &FunctionReport, text: &mut String) {
         row("binary32", &function.error.binary32),
         row("binary64", &function.error.binary64),
     ];
-    let head = [
-        "format",
-        "cycles",
-        "time us",
-        "median relative",
-        "worst normwise",
-        "worst ulps",
-        "of",
-    ];
+    let head =
+        "format | >cycles | >time us | >median relative | >worst normwise | >worst ulps | of";
     let title = format!(
         "Speed against error: rounding against exact values ({}), {} random states, seed {}",
         function.error.reference, function.error.states, function.error.seed
     );
-    section(&title, &text_table(&head, &rows, &[1, 2, 3, 4, 5]), text);
+    section(&title, &text_table(head, &rows), text);
 }
 
 /// One row per output array, its worst elements named.
 fn errors(format: &str, report: &FormatReport, text: &mut String) {
     let rows: Vec<Vec<String>> = report.arrays.iter().map(array_row).collect();
-    let head = [
-        "output",
-        "elements",
-        "vanish",
-        "normwise",
-        "worst",
-        "relative",
-        "worst",
-        "ulps",
-        "worst",
-        "worst elements",
-    ];
+    let head = "output | >elements | >vanish | >normwise | >worst | >relative | >worst | >ulps | \
+         >worst | worst elements";
     let title = format!("Error of each output in {format} (medians and worst cases)");
-    section(
-        &title,
-        &text_table(&head, &rows, &[1, 2, 3, 4, 5, 6, 7, 8]),
-        text,
-    );
+    section(&title, &text_table(head, &rows), text);
 }
 
 fn array_row(array: &ArrayReport) -> Vec<String> {
@@ -475,23 +440,10 @@ fn worst_errors(format: &str, report: &FormatReport, text: &mut String) {
             ]
         })
         .collect();
-    let head = [
-        "element",
-        "relative",
-        "99 %",
-        "worst",
-        "state",
-        "mixed",
-        "condition",
-        "backward",
-        "judgement",
-    ];
+    let head = "element | >relative | >99 % | >worst | >state | >mixed | >condition | >backward | \
+         judgement";
     let title = format!("Largest relative errors in {format}, and how hard the problem is");
-    section(
-        &title,
-        &text_table(&head, &rows, &[1, 2, 3, 4, 5, 6, 7]),
-        text,
-    );
+    section(&title, &text_table(head, &rows), text);
 }
 
 /// What solving with the output matrices does to errors.
@@ -506,9 +458,9 @@ fn matrices(function: &FunctionReport, text: &mut String) {
     };
     let rows: Vec<Vec<String>> = function.error.matrices.iter().map(row).collect();
     if !rows.is_empty() {
-        let head = ["matrix", "median", "worst", "state"];
+        let head = "matrix | >median | >worst | >state";
         let title = "Condition of symmetric outputs in the 2-norm";
-        section(title, &text_table(&head, &rows, &[1, 2, 3]), text);
+        section(title, &text_table(head, &rows), text);
     }
 }
 

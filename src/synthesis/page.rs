@@ -70,25 +70,9 @@ fn resources(machine: &MappedMachine) -> String {
     all.extend(pairs(&machine.total(), &machine.estimate()));
     all.extend(PRINTED.map(str::to_owned));
     rows.push(all);
-    let head = [
-        "kind",
-        "part",
-        "count",
-        "ALUT",
-        "%",
-        "registers",
-        "%",
-        "M10K",
-        "%",
-        "DSP",
-        "%",
-        "thesis ALUT",
-        "registers",
-        "M10K",
-        "DSP",
-    ];
-    let right: Vec<usize> = (2..head.len()).collect();
-    text_table(&head, &rows, &right)
+    let head = "kind | part | >count | >ALUT | >% | >registers | >% | >M10K | >% | >DSP | >% | \
+         >thesis ALUT | >registers | >M10K | >DSP";
+    text_table(head, &rows)
 }
 
 /// Tables, registers, memory blocks and multiplier blocks: both counts and

@@ -8,24 +8,13 @@ use crate::present::{DataCell, DataTable};
 
 /// The rows of one function, for people.
 pub fn text(effect: &Effect) -> String {
-    let mut head: Vec<String> = [
-        "angles ±",
-        "order",
-        "error of sin",
-        "error of cos",
-        "operations",
-        "path",
-    ]
-    .map(str::to_owned)
-    .to_vec();
+    let mut head =
+        "angles ± | order | >error of sin | >error of cos | >operations | >path".to_owned();
     for array in &effect.arrays {
-        head.push(format!("{array}: median"));
-        head.push(format!("{array}: worst"));
+        head += &format!(" | >{array}: median | >{array}: worst");
     }
     let rows: Vec<Vec<String>> = effect.rows.iter().map(cells).collect();
-    let head: Vec<&str> = head.iter().map(String::as_str).collect();
-    let right: Vec<usize> = (2..head.len()).collect();
-    format!("{}:\n{}", effect.name, text_lines(&head, &rows, &right))
+    format!("{}:\n{}", effect.name, text_lines(&head, &rows))
 }
 
 fn cells(row: &Row) -> Vec<String> {
@@ -46,18 +35,6 @@ fn cells(row: &Row) -> Vec<String> {
 
 /// The same as a table for programs: one row for every output array.
 pub fn table(effects: &[Effect]) -> DataTable {
-    let columns = [
-        "function",
-        "range (rad)",
-        "order",
-        "largest error of sin",
-        "largest error of cos",
-        "operations",
-        "path (cycles)",
-        "array",
-        "normwise error, median",
-        "normwise error, worst",
-    ];
     let exact = |number: f64| DataCell::text(format!("{number:e}"));
     let line = |effect: &Effect, row: &Row, array: usize| {
         vec![
@@ -86,7 +63,8 @@ pub fn table(effects: &[Effect]) -> DataTable {
         "The errors of sine and cosine are proved bounds on the range; those of the \
                   outputs are the largest of an array over its largest element, over random \
                   states with joints in the range, rounding included.",
-        columns,
+        "function | range (rad) | order | largest error of sin | largest error of cos | \
+         operations | path (cycles) | array | normwise error, median | normwise error, worst",
         rows,
     )
 }

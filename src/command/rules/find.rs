@@ -181,16 +181,8 @@ fn to_text(search: &Search, all: usize) -> String {
             ]
         })
         .collect();
-    let head = [
-        "name",
-        "rule",
-        "class",
-        "cycles",
-        "at critical places",
-        "operations",
-        "at places",
-    ];
-    let _ = writeln!(text, "\n{}", text_table(&head, &rows, &[3, 4, 5, 6]));
+    let head = "name | rule | class | >cycles | >at critical places | >operations | >at places";
+    let _ = writeln!(text, "\n{}", text_table(head, &rows));
     text.push_str(
         "\nCycles: by how much values on a longest chain would be earlier, each place by itself, \
          added up.\nOperations: saved, added up over the places where some are.\n",

@@ -126,19 +126,9 @@ fn to_text(set: &RuleSet, profiles: &[Profile], pairs: Option<&[PairGrowth]>) ->
         row.push(profile.partner.clone().unwrap_or_default());
         rows.push(row);
     }
-    let head = [
-        "rule",
-        "median error",
-        "p99.9 error",
-        "operations",
-        "cycles",
-        "late variable",
-        "growth",
-        "nodes",
-        "on",
-        "with",
-    ];
-    let mut text = text_table(&head, &rows, &[1, 2, 3, 4, 5]);
+    let head = "rule | >median error | >p99.9 error | >operations | >cycles | >late variable | \
+         growth | nodes | on | with";
+    let mut text = text_table(head, &rows);
     text.push_str(
         "\n\nErrors: left side > right side, in units in the last place of binary32 against the \
          left side in\ndouble-double arithmetic; inputs log-uniform from 1e-3 to 1e3, of either \

@@ -36,15 +36,8 @@ pub fn programs(cpu: &[CpuTime]) -> Option<DataTable> {
              cpu.json.",
             first.processor, first.compiler
         ),
-        [
-            "model",
-            "pipeline",
-            "operations",
-            "straight-line C (µs)",
-            "C with loops (µs)",
-            "batch C, per state (µs)",
-            "remark",
-        ],
+        "model | pipeline | operations | straight-line C (µs) | C with loops (µs) | \
+         batch C, per state (µs) | remark",
         rows,
     ))
 }
@@ -72,19 +65,9 @@ pub fn winners(results: &Results, cpu: &[CpuTime]) -> Option<DataTable> {
              column.",
             plan.machines[machine].name, first.processor
         ),
-        [
-            "model",
-            "placed program",
-            "elements",
-            "cycles",
-            "FPGA as built (µs)",
-            "estimated clock (MHz)",
-            "FPGA estimated (µs)",
-            "C program",
-            "one core (µs)",
-            "one core, batch (µs)",
-            "who wins",
-        ],
+        "model | placed program | elements | cycles | FPGA as built (µs) | \
+         estimated clock (MHz) | FPGA estimated (µs) | C program | one core (µs) | \
+         one core, batch (µs) | who wins",
         rows,
     ))
 }

@@ -29,24 +29,10 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
             over the thesis'. Struck through: printed figures that cannot be right, which no \
             ratio uses. The thesis changed its \"modified\" systems by hand and did not count \
             their operations again; here the compiler changes all of them.",
-            [
-                "system",
-                "model",
-                "pipeline",
-                "operations",
-                "ASAP",
-                "ASAPCycle",
-                "Y",
-                "thesis: operations",
-                "thesis: ASAP",
-                "thesis: ASAPCycle",
-                "thesis: Y",
-                "ratio operations",
-                "ratio ASAP",
-                "ratio ASAPCycle",
-                "ratio Y",
-                "reason for the difference",
-            ],
+            "system | model | pipeline | operations | ASAP | ASAPCycle | Y | \
+         thesis: operations | thesis: ASAP | thesis: ASAPCycle | thesis: Y | \
+         ratio operations | ratio ASAP | ratio ASAPCycle | ratio Y | \
+         reason for the difference",
             rows,
         )
     })

@@ -53,19 +53,8 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
             "Other recursions for the same function. Ratios are to the first formulation of \
             each system and pipeline. All but the first use that sin^2 + cos^2 = 1, which the \
             thesis' machine with sin x = x does not keep.",
-            [
-                "system",
-                "formulation",
-                "pipeline",
-                "operations",
-                "ASAPCycle",
-                "number Y",
-                "ratio operations",
-                "ratio ASAPCycle",
-                "worth",
-                "time there (µs)",
-                "time with 1+1 (µs)",
-            ],
+            "system | formulation | pipeline | operations | ASAPCycle | number Y | \
+         ratio operations | ratio ASAPCycle | worth | time there (µs) | time with 1+1 (µs)",
             rows,
         )
     })

@@ -53,18 +53,8 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
             starts an operation in nine of ten cycles. Knee: the smallest equal numbers within \
             2 % of the longest chain, exact where one of each kind less was placed too. Cheapest: \
             the fewest elements within 2 %, unequal numbers included where they were placed.",
-            [
-                "model",
-                "pipeline",
-                "number Y",
-                "busy up to",
-                "knee",
-                "exact",
-                "cheapest",
-                "cycles there",
-                "parallelisation rate there (%)",
-                "times as fast as 1+1",
-            ],
+            "model | pipeline | number Y | busy up to | knee | exact | cheapest | cycles there | \
+         parallelisation rate there (%) | times as fast as 1+1",
             rows,
         )
     })
@@ -116,15 +106,8 @@ pub(super) fn splits(results: &Results) -> Option<DataTable> {
             ),
             "For each total the numbers of adders and multipliers with the fewest cycles, \
             and what equal numbers take.",
-            [
-                "pipeline",
-                "elements",
-                "adders",
-                "multipliers",
-                "cycles",
-                "cycles of equal numbers",
-                "saved (%)",
-            ],
+            "pipeline | elements | adders | multipliers | cycles | cycles of equal numbers | \
+         saved (%)",
             rows,
         )
     })
@@ -177,16 +160,7 @@ pub(super) fn couples_table(results: &Results) -> Option<DataTable> {
         ),format!(
             "The longest chain and the fastest placement tried, at the couple's own clock and at \
              most at {MEMORY_CAP_MHZ} MHz, which double-pumped memories allow."
-        ),[
-            "pipeline",
-            "stages",
-            "clock (MHz)",
-            "ASAPCycle",
-            "longest chain (µs)",
-            "longest chain, capped (µs)",
-            "number Y",
-            "fastest",
-            "fastest (µs)",
-            "fastest, capped (µs)",
-        ],rows))
+        ),"pipeline | stages | clock (MHz) | ASAPCycle | longest chain (µs) | \
+         longest chain, capped (µs) | number Y | fastest | fastest (µs) | \
+         fastest, capped (µs)",rows))
 }

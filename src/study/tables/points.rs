@@ -28,20 +28,8 @@ pub(super) fn programs(results: &Results) -> DataTable {
         "All programs",
         "One row per model, pipeline and machine; sines and cosines come from the host \
             and are not counted.",
-        [
-            "model",
-            "pipeline",
-            "machine",
-            "equations",
-            "operations",
-            "additions",
-            "multiplications",
-            "ASAP",
-            "ASAPCycle",
-            "additions on the chain",
-            "multiplications on the chain",
-            "number Y",
-        ],
+        "model | pipeline | machine | equations | operations | additions | multiplications | \
+         ASAP | ASAPCycle | additions on the chain | multiplications on the chain | number Y",
         rows,
     )
 }
@@ -92,27 +80,10 @@ pub(super) fn points(results: &Results) -> DataTable {
         "points",
         "All placements",
         "One row per placement; memory and buffer are the most words of an element.",
-        [
-            "model",
-            "pipeline",
-            "machine",
-            "adders",
-            "multipliers",
-            "order",
-            "choice",
-            "cycles",
-            "lower bound",
-            "time (µs)",
-            "parallelisation rate (%)",
-            "memory of adders (words)",
-            "memory of multipliers (words)",
-            "buffer of adders (words)",
-            "buffer of multipliers (words)",
-            "direct writes",
-            "indirect writes",
-            "zone",
-            "failure",
-        ],
+        "model | pipeline | machine | adders | multipliers | order | choice | cycles | \
+         lower bound | time (µs) | parallelisation rate (%) | memory of adders (words) | \
+         memory of multipliers (words) | buffer of adders (words) | \
+         buffer of multipliers (words) | direct writes | indirect writes | zone | failure",
         rows,
     )
 }

@@ -22,15 +22,11 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
     let pipeline = results.pipeline(Printed::Original).unwrap_or(0);
     let placed = ladder(results, results.plan.headline, pipeline, machine);
-    let mut columns = vec![
-        "rank".to_owned(),
-        "left operand".to_owned(),
-        "right operand".to_owned(),
-    ];
-    columns.extend(placed.iter().map(|placed| {
-        let request = placed.request;
-        format!("{}+{} (% of operations)", request.n_add, request.n_multi)
-    }));
+    let mut columns = "rank | left operand | right operand".to_owned();
+    for placed in &placed {
+        let (add, multi) = (placed.request.n_add, placed.request.n_multi);
+        columns += &format!(" | {add}+{multi} (% of operations)");
+    }
     let share = |counts: &[u32; 9], rank: usize| {
         let total: u32 = counts.iter().sum();
         DataCell::number(100.0 * f64::from(counts[rank]) / f64::from(total.max(1)), 1)
@@ -54,7 +50,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
             "An operand is in the memory of the element, or is written there in the cycle \
             in which it appears (direct), or later, through a buffer (indirect). A small rank is \
             preferred.",
-            columns,
+            &columns,
             rows,
         )
     })

@@ -70,19 +70,9 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
             docs/quartus.md; nothing was synthesised. All figures are for one part. \
             The device of the thesis has 83820 look-up tables, 553 blocks of 10 kbit and 112 \
             multiplier blocks.",
-        [
-            "part",
-            "count",
-            "memory (words x bits)",
-            "look-up tables",
-            "registers",
-            "blocks of 10 kbit",
-            "multiplier blocks",
-            "thesis: look-up tables",
-            "thesis: blocks",
-            "thesis: multiplier blocks",
-            "remark",
-        ],
+        "part | count | memory (words x bits) | look-up tables | registers | \
+         blocks of 10 kbit | multiplier blocks | thesis: look-up tables | thesis: blocks | \
+         thesis: multiplier blocks | remark",
         rows,
     ))
 }
