@@ -4,7 +4,7 @@ use super::flags::{SEED, states};
 use super::output::result_files;
 use super::{Failure, input, output, progress};
 use crate::fit::confirm::{self, Confirmation};
-use crate::fit::{self, Outcome, Place, Task};
+use crate::fit::{self, FitOutcome, Place, Task};
 use crate::generate::Formulation;
 use crate::present::json::json_text;
 use crate::scene::{SceneFile, Subject};
@@ -157,7 +157,7 @@ const TRIED: [Formulation; 5] = [
 fn write(
     folder: &Path,
     task: &Task<'_>,
-    outcome: &Outcome,
+    outcome: &FitOutcome,
     confirmation: Option<&Confirmation>,
 ) -> Result<(), Failure> {
     let json = json!({

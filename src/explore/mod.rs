@@ -29,4 +29,4 @@ pub mod store;
 pub mod yardstick;
 
 /// Told of what is measured next, or of what was measured.
-pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
+pub type ExplorationProgress<'a> = &'a (dyn Fn(&str) + Sync);

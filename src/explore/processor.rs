@@ -62,7 +62,7 @@ impl Computer {
 
 /// Times of one function, ns.
 #[derive(Clone, Copy, Default, PartialEq, Debug)]
-pub struct Times {
+pub struct ProcessorTimes {
     /// One evaluation by straight-line C.
     pub straight: Option<f64>,
     /// One evaluation by C with loops.
@@ -71,7 +71,7 @@ pub struct Times {
     pub batch: Option<f64>,
 }
 
-impl Times {
+impl ProcessorTimes {
     /// The time of one evaluation by the faster C.
     pub fn single(&self) -> Option<f64> {
         let both = self.straight.into_iter().chain(self.rolled);
@@ -87,7 +87,7 @@ impl Times {
 /// # Errors
 ///
 /// Why there is no time: no compiler, what it says, or another result.
-pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<Times, String> {
+pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, String> {
     let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
     let compiler = Compiler::find("cc")?;
     let question = Question {
@@ -117,7 +117,7 @@ pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<Times, String> {
     .map_err(|error| error.to_string())?;
     let failure = outcomes.iter().find_map(|outcome| outcome.failure.clone());
     match (failure, outcomes.as_slice()) {
-        (None, [straight, rolled, batch]) => Ok(Times {
+        (None, [straight, rolled, batch]) => Ok(ProcessorTimes {
             straight: straight.nanoseconds,
             rolled: rolled.nanoseconds,
             batch: batch.nanoseconds,

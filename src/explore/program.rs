@@ -70,7 +70,7 @@ pub fn transformed_by(
 
 /// Programs by formulation and stages: those that start with the same stages
 /// share their work.
-pub struct Workshop<'a> {
+pub struct ProgramWorkshop<'a> {
     machine: &'a Machine,
     start: BTreeMap<&'static str, Arc<Module>>,
     made: BTreeMap<(&'static str, Vec<String>), Arc<Module>>,
@@ -79,10 +79,10 @@ pub struct Workshop<'a> {
 /// The name under which equations as they came are kept.
 const AS_THEY_CAME: &str = "";
 
-impl<'a> Workshop<'a> {
+impl<'a> ProgramWorkshop<'a> {
     /// A workshop for a module of one function.
-    pub fn new(machine: &'a Machine, module: Module) -> Workshop<'a> {
-        Workshop {
+    pub fn new(machine: &'a Machine, module: Module) -> ProgramWorkshop<'a> {
+        ProgramWorkshop {
             machine,
             start: BTreeMap::from([(AS_THEY_CAME, Arc::new(module))]),
             made: BTreeMap::new(),

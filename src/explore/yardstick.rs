@@ -54,7 +54,7 @@ pub enum Unmeasurable {
 
 /// Three places in a distribution of errors.
 #[derive(Clone, Copy, PartialEq, Default, Debug, serde::Serialize)]
-pub struct Spread {
+pub struct ErrorSpread {
     /// Half of the errors are at or below it.
     pub median: f64,
     /// 99 of 100 errors are at or below it.
@@ -65,24 +65,24 @@ pub struct Spread {
 
 /// How far a program is from the exact results.
 #[derive(Clone, PartialEq, Default, Debug)]
-pub struct Errors {
+pub struct MeasuredErrors {
     /// Of every element in every state, relative to its exact value.
-    pub relative: Spread,
+    pub relative: ErrorSpread,
     /// Of every array in every state: its largest error over its largest
     /// element. Arrays of zeros alone are left out.
-    pub normwise: Spread,
+    pub normwise: ErrorSpread,
     /// The same of every array of the exact function on its own, in all
     /// states.
-    pub arrays: Vec<Spread>,
+    pub arrays: Vec<ErrorSpread>,
     /// For every output of the program its largest absolute, relative and
     /// normwise error in any state, with the number of the state with the
     /// largest normwise one.
-    pub outputs: Vec<OutputError>,
+    pub outputs: Vec<LargestErrors>,
 }
 
 /// The largest errors of one output.
 #[derive(Clone, PartialEq, Debug)]
-pub struct OutputError {
+pub struct LargestErrors {
     /// Its name, as `qdd[3]`.
     pub name: String,
     /// In the output's unit.
@@ -165,7 +165,7 @@ impl Yardstick {
     /// # Errors
     ///
     /// See [`Unmeasurable`].
-    pub fn errors(&self, view: View<'_>, format: Format) -> Result<Errors, Unmeasurable> {
+    pub fn errors(&self, view: View<'_>, format: Format) -> Result<MeasuredErrors, Unmeasurable> {
         let inputs = self.inputs(view)?;
         self.judge(view, &results(view, format, &inputs))
     }
@@ -176,7 +176,11 @@ impl Yardstick {
     /// # Errors
     ///
     /// See [`Unmeasurable`].
-    pub fn judge(&self, view: View<'_>, results: &[Vec<f64>]) -> Result<Errors, Unmeasurable> {
+    pub fn judge(
+        &self,
+        view: View<'_>,
+        results: &[Vec<f64>],
+    ) -> Result<MeasuredErrors, Unmeasurable> {
         let names = view.function.assignments.iter();
         let names: Vec<String> = names.map(|a| print_output(view, a.output)).collect();
         let rows: Result<Vec<usize>, Unmeasurable> = names
@@ -191,16 +195,16 @@ impl Yardstick {
             relative: Vec::new(),
             normwise: Vec::new(),
             arrays: vec![Vec::new(); self.array_count],
-            outputs: names.into_iter().map(OutputError::none).collect(),
+            outputs: names.into_iter().map(LargestErrors::none).collect(),
         };
         for (state, (exact, computed)) in self.exact.iter().zip(results).enumerate() {
             tally.add(state, &rows, &self.arrays, exact, computed);
         }
-        Ok(Errors {
-            relative: Spread::of(&mut tally.relative),
-            normwise: Spread::of(&mut tally.normwise),
+        Ok(MeasuredErrors {
+            relative: ErrorSpread::of(&mut tally.relative),
+            normwise: ErrorSpread::of(&mut tally.normwise),
             arrays: (tally.arrays.iter_mut())
-                .map(|errors| Spread::of(errors))
+                .map(|errors| ErrorSpread::of(errors))
                 .collect(),
             outputs: tally.outputs,
         })
@@ -212,7 +216,7 @@ struct Tally {
     relative: Vec<f64>,
     normwise: Vec<f64>,
     arrays: Vec<Vec<f64>>,
-    outputs: Vec<OutputError>,
+    outputs: Vec<LargestErrors>,
 }
 
 impl Tally {
@@ -267,9 +271,9 @@ impl Tally {
     }
 }
 
-impl OutputError {
-    fn none(name: String) -> OutputError {
-        OutputError {
+impl LargestErrors {
+    fn none(name: String) -> LargestErrors {
+        LargestErrors {
             name,
             absolute: 0.0,
             relative: 0.0,
@@ -279,15 +283,15 @@ impl OutputError {
     }
 }
 
-impl Spread {
+impl ErrorSpread {
     /// The places in a population, which is reordered; zero for an empty one.
-    pub fn of(errors: &mut [f64]) -> Spread {
+    pub fn of(errors: &mut [f64]) -> ErrorSpread {
         errors.sort_unstable_by(f64::total_cmp);
         let place = |part: usize, of: usize| match errors.len() {
             0 => 0.0,
             count => errors[(count * part).div_ceil(of) - 1],
         };
-        Spread {
+        ErrorSpread {
             median: place(1, 2),
             percentile_99: place(99, 100),
             worst: place(1, 1),

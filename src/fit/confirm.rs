@@ -6,10 +6,10 @@
 //! nothing of the placer: its results must be the evaluator's bit for bit,
 //! and within the tolerances.
 
-use super::{Candidate, FitError, MORE, Program, Task, size, used, yardstick};
+use super::{Candidate, FitError, FitProgram, MORE, Task, size, used, yardstick};
 use crate::explore::placing::placed;
 use crate::explore::program::{ExplorationError, view};
-use crate::explore::yardstick::{Spread, results};
+use crate::explore::yardstick::{ErrorSpread, results};
 use crate::simulate;
 use robovec_ir::{Machine, Module, View};
 use robovec_passes::codegen::write_images;
@@ -28,7 +28,7 @@ pub struct Confirmation {
     /// The seed that drew them.
     pub seed: u64,
     /// Normwise errors there.
-    pub normwise: Spread,
+    pub normwise: ErrorSpread,
     /// The largest error over its tolerance there.
     pub used: f64,
     /// States run cycle by cycle.
@@ -63,7 +63,11 @@ pub struct Ready {
 /// # Errors
 ///
 /// When it cannot be placed any more, which would be a mistake of the search.
-pub fn ready(task: &Task<'_>, program: &Program, candidate: &Candidate) -> Result<Ready, FitError> {
+pub fn ready(
+    task: &Task<'_>,
+    program: &FitProgram,
+    candidate: &Candidate,
+) -> Result<Ready, FitError> {
     let mut machine = size::sized(task.machine, candidate.elements);
     if let Ok(number) = candidate.format.parse() {
         machine.number = number;
@@ -82,7 +86,7 @@ pub fn ready(task: &Task<'_>, program: &Program, candidate: &Candidate) -> Resul
 /// See [`FitError`]; that it does not hold is no error.
 pub fn confirm(
     task: &Task<'_>,
-    program: &Program,
+    program: &FitProgram,
     candidate: &Candidate,
 ) -> Result<Confirmation, FitError> {
     let ready = ready(task, program, candidate)?;

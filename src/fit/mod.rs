@@ -31,11 +31,11 @@ mod variants;
 
 pub use series::{Place, Treatment};
 
-use crate::explore::Progress;
+use crate::explore::ExplorationProgress;
 use crate::explore::device::{self, DeviceShare};
 use crate::explore::pareto::{self, Ties};
 use crate::explore::program::{ExplorationError, view};
-use crate::explore::yardstick::{Errors, Spread, Yardstick};
+use crate::explore::yardstick::{ErrorSpread, MeasuredErrors, Yardstick};
 use crate::generate::Formulation;
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Machine, Module};
@@ -66,7 +66,7 @@ pub struct Task<'a> {
 
 /// A program made for the scene.
 #[derive(Clone, Debug)]
-pub struct Program {
+pub struct FitProgram {
     /// Formulation and passes, in words.
     pub name: String,
     /// The pipeline that made it from the general equations.
@@ -100,9 +100,9 @@ pub struct Candidate {
     /// The same at the machine's clock, µs.
     pub microseconds: f64,
     /// Errors at the scene's states, everything included.
-    pub relative: Spread,
+    pub relative: ErrorSpread,
     /// The same over the largest element of the array.
-    pub normwise: Spread,
+    pub normwise: ErrorSpread,
     /// The largest error over its tolerance: at most 1 when all are met; 0
     /// when the scene allows any.
     pub used: f64,
@@ -115,9 +115,9 @@ pub struct Candidate {
 }
 
 /// What was found.
-pub struct Outcome {
+pub struct FitOutcome {
     /// The programs.
-    pub programs: Vec<Program>,
+    pub programs: Vec<FitProgram>,
     /// Everything that was placed and measured.
     pub candidates: Vec<Candidate>,
     /// Index of the cheapest that meets everything; `None` when none does.
@@ -141,7 +141,7 @@ pub enum FitError {
 ///
 /// See [`FitError`]. That nothing meets the scene is no error: the outcome
 /// then has no chosen candidate, and its front shows what is possible.
-pub fn fit(task: &Task<'_>, progress: Progress<'_>) -> Result<Outcome, FitError> {
+pub fn fit(task: &Task<'_>, progress: ExplorationProgress<'_>) -> Result<FitOutcome, FitError> {
     let search = yardstick(task, task.states, task.seed);
     let validation = yardstick(task, task.states * MORE, task.seed.wrapping_add(1));
     let mut programs = variants::programs(task, &search, progress)?;
@@ -173,7 +173,7 @@ pub fn fit(task: &Task<'_>, progress: Progress<'_>) -> Result<Outcome, FitError>
             );
             order.then(a.cycles.cmp(&b.cycles))
         });
-    Ok(Outcome {
+    Ok(FitOutcome {
         chosen: cheapest.map(|(index, _)| index),
         programs,
         candidates,
@@ -191,9 +191,9 @@ fn yardstick(task: &Task<'_>, states: u32, seed: u64) -> Yardstick {
 
 fn candidate(
     task: &Task<'_>,
-    (index, program): (usize, &Program),
+    (index, program): (usize, &FitProgram),
     format: Format,
-    errors: &Errors,
+    errors: &MeasuredErrors,
     size: &size::Size,
 ) -> Candidate {
     let machine = size.machine(task.machine);
@@ -226,7 +226,7 @@ fn candidate(
 }
 
 /// The largest error of any output over its tolerance.
-fn used(scene: &Scene, program: &Program, errors: &Errors) -> f64 {
+fn used(scene: &Scene, program: &FitProgram, errors: &MeasuredErrors) -> f64 {
     let view = view(&program.module);
     let mut used = 0.0f64;
     for (assignment, output) in view.function.assignments.iter().zip(&errors.outputs) {
@@ -242,7 +242,7 @@ fn used(scene: &Scene, program: &Program, errors: &Errors) -> f64 {
     used
 }
 
-impl Outcome {
+impl FitOutcome {
     /// The candidates that no other one dominates in time, share of the device
     /// and error, by time: of those that meet the scene, or of all when none
     /// does.

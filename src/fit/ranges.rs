@@ -1,6 +1,6 @@
 //! How large the numbers of a program get, and the exponent that holds them.
 
-use super::Program;
+use super::FitProgram;
 use crate::explore::program::view;
 use crate::explore::yardstick::{Unmeasurable, Yardstick};
 use robovec_ir::arithmetic::Binary64;
@@ -10,7 +10,7 @@ use robovec_ir::machine::NumberFormat;
 /// The exponent of the largest number that a program meets at the yardstick's
 /// states: inputs, constants and every value on the way.
 pub(super) fn largest_exponent(
-    program: &Program,
+    program: &FitProgram,
     yardstick: &Yardstick,
 ) -> Result<i32, Unmeasurable> {
     let view = view(&program.module);

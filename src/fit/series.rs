@@ -1,8 +1,8 @@
 //! Sines and cosines on the elements: of each method the least order whose
 //! error leaves room for rounding.
 
-use super::{FitError, Program, Task, used};
-use crate::explore::Progress;
+use super::{FitError, FitProgram, Task, used};
+use crate::explore::ExplorationProgress;
 use crate::explore::program::{ExplorationError, transformed_by, view};
 use crate::explore::yardstick::Yardstick;
 use robovec_ir::Format;
@@ -75,8 +75,8 @@ const BEHIND: &str = "fold,zero-removal,balance,cse,dce";
 pub(super) fn write(
     task: &Task<'_>,
     yardstick: &Yardstick,
-    programs: &mut Vec<Program>,
-    progress: Progress<'_>,
+    programs: &mut Vec<FitProgram>,
+    progress: ExplorationProgress<'_>,
 ) -> Result<(), FitError> {
     if task.trigonometry == Place::Host {
         return Ok(());
@@ -107,9 +107,9 @@ pub(super) fn write(
 fn with_series(
     task: &Task<'_>,
     yardstick: &Yardstick,
-    program: &Program,
+    program: &FitProgram,
     treatment: Treatment,
-) -> Result<Program, FitError> {
+) -> Result<FitProgram, FitError> {
     let Some(pass) = treatment.pass() else {
         return Ok(program.clone());
     };
@@ -118,7 +118,7 @@ fn with_series(
     let errors = yardstick
         .errors(view(&module), Format::BINARY64)
         .map_err(ExplorationError::from)?;
-    let mut new = Program {
+    let mut new = FitProgram {
         pipeline: format!("{},{stage}", program.pipeline),
         treatment,
         module: Arc::new(module),

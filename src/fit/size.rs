@@ -1,6 +1,6 @@
 //! How many elements: the fewest that meet the deadline, and more.
 
-use super::{Program, Task};
+use super::{FitProgram, Task};
 use crate::explore::placing::{placed, with_counts};
 use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Operation};
@@ -39,7 +39,7 @@ pub(super) fn sized(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
 
 /// The sizes a program is placed on: equal numbers by powers of two up to the
 /// longest chain, and the fewest adders and multipliers within the deadline.
-pub(super) fn sizes(task: &Task<'_>, program: &Program) -> Vec<Size> {
+pub(super) fn sizes(task: &Task<'_>, program: &FitProgram) -> Vec<Size> {
     let mut sizes: Vec<Size> = Vec::new();
     let mut count = 1;
     while count <= MOST {
@@ -60,7 +60,7 @@ pub(super) fn sizes(task: &Task<'_>, program: &Program) -> Vec<Size> {
     sizes
 }
 
-fn attempt(task: &Task<'_>, program: &Program, elements: [u32; 2]) -> Option<Size> {
+fn attempt(task: &Task<'_>, program: &FitProgram, elements: [u32; 2]) -> Option<Size> {
     let machine = sized(task.machine, elements);
     let placed = placed(&program.module, &machine, PlaceOptions::default()).ok()?;
     Some(Size {
@@ -73,7 +73,7 @@ fn attempt(task: &Task<'_>, program: &Program, elements: [u32; 2]) -> Option<Siz
 /// The fewest elements within the deadline: from as many as the work needs,
 /// one more of the kind that the work bound calls for until the schedule is
 /// short enough; then fewer again, as long as it stays so.
-fn fewest(task: &Task<'_>, program: &Program) -> Option<Size> {
+fn fewest(task: &Task<'_>, program: &FitProgram) -> Option<Size> {
     let deadline = (task.scene.deadline? * task.machine.clock_mhz).floor();
     if deadline < 1.0 {
         return None;
@@ -104,7 +104,7 @@ fn fewest(task: &Task<'_>, program: &Program) -> Option<Size> {
     }
 }
 
-fn fewer(task: &Task<'_>, program: &Program, mut size: Size, deadline: u32) -> Size {
+fn fewer(task: &Task<'_>, program: &FitProgram, mut size: Size, deadline: u32) -> Size {
     for kind in [1, 0] {
         while size.elements[kind] > 1 {
             let mut elements = size.elements;

@@ -1,7 +1,7 @@
 //! What a search found, as text, table and figure.
 
 use super::confirm::Confirmation;
-use super::{Candidate, Outcome, Task};
+use super::{Candidate, FitOutcome, Task};
 use crate::present::text_table;
 use crate::present::{AxisScale, Curve, Figure, Mark, Panel, PlotAxis};
 use crate::present::{DataCell, DataTable};
@@ -11,7 +11,7 @@ use std::fmt::Write;
 const SHOWN: usize = 24;
 
 /// The choice, why, and the front.
-pub fn text(task: &Task<'_>, outcome: &Outcome, confirmation: Option<&Confirmation>) -> String {
+pub fn text(task: &Task<'_>, outcome: &FitOutcome, confirmation: Option<&Confirmation>) -> String {
     let mut text = format!("scene {}", task.scene.name);
     // Writing to a string cannot fail, here and below.
     let _ = match task.scene.deadline {
@@ -54,7 +54,7 @@ pub fn text(task: &Task<'_>, outcome: &Outcome, confirmation: Option<&Confirmati
     text
 }
 
-fn row(outcome: &Outcome, index: usize) -> Vec<String> {
+fn row(outcome: &FitOutcome, index: usize) -> Vec<String> {
     let candidate = &outcome.candidates[index];
     let program = &outcome.programs[candidate.program];
     let [add, multi] = candidate.elements;
@@ -85,7 +85,7 @@ fn percent(share: f64) -> String {
     }
 }
 
-fn choice(outcome: &Outcome, chosen: usize) -> String {
+fn choice(outcome: &FitOutcome, chosen: usize) -> String {
     let candidate = &outcome.candidates[chosen];
     let program = &outcome.programs[candidate.program];
     let [add, multi] = candidate.elements;
@@ -119,7 +119,7 @@ fn choice(outcome: &Outcome, chosen: usize) -> String {
 }
 
 /// Why nothing meets the scene: what comes nearest.
-fn refusal(task: &Task<'_>, outcome: &Outcome) -> String {
+fn refusal(task: &Task<'_>, outcome: &FitOutcome) -> String {
     let fastest = outcome
         .candidates
         .iter()
@@ -178,7 +178,7 @@ fn held(confirmation: &Confirmation) -> String {
 }
 
 /// All candidates as a table for programs.
-pub fn candidates_table(outcome: &Outcome) -> DataTable {
+pub fn candidates_table(outcome: &FitOutcome) -> DataTable {
     let front = outcome.front();
     let rows = (0..outcome.candidates.len()).map(|index| {
         let candidate = &outcome.candidates[index];
@@ -227,7 +227,7 @@ pub fn candidates_table(outcome: &Outcome) -> DataTable {
 }
 
 /// Time against error, and time against the share of the device.
-pub fn figure(task: &Task<'_>, outcome: &Outcome) -> Figure {
+pub fn figure(task: &Task<'_>, outcome: &FitOutcome) -> Figure {
     type Measure = fn(&Candidate) -> f64;
     let panel = |title: &str, axis: &str, measure: Measure| {
         let mark = |index: usize| {

@@ -1,8 +1,8 @@
 //! The programs: every formulation specialised, with the equations as short
 //! or as few as the passes make them.
 
-use super::{FitError, Program, Task, Treatment, used};
-use crate::explore::Progress;
+use super::{FitError, FitProgram, Task, Treatment, used};
+use crate::explore::ExplorationProgress;
 use crate::explore::program::{ExplorationError, transformed_by, view};
 use crate::explore::yardstick::Yardstick;
 use robovec_ir::Format;
@@ -32,9 +32,9 @@ const LARGE: usize = 60_000;
 pub(super) fn programs(
     task: &Task<'_>,
     yardstick: &Yardstick,
-    progress: Progress<'_>,
-) -> Result<Vec<Program>, FitError> {
-    let mut programs: Vec<Program> = Vec::new();
+    progress: ExplorationProgress<'_>,
+) -> Result<Vec<FitProgram>, FitError> {
+    let mut programs: Vec<FitProgram> = Vec::new();
     let mut last: Option<ExplorationError> = None;
     let mut texts: Vec<String> = Vec::new();
     for (formulation, module) in &task.formulations {
@@ -59,7 +59,7 @@ pub(super) fn programs(
                 continue;
             }
             match transformed_by(&special, stages, task.machine, Some(task.scene)) {
-                Ok(module) => programs.push(Program {
+                Ok(module) => programs.push(FitProgram {
                     name,
                     pipeline: format!("specialise,{stages}"),
                     formulation: *formulation,

@@ -1,10 +1,10 @@
 //! Measuring the programs of the choices.
 
-use super::choice::Choice;
+use super::choice::FrontChoice;
 use crate::explore::placing::{placed, with_counts};
 use crate::explore::processor;
 use crate::explore::program::{ExplorationError, view};
-use crate::explore::yardstick::{Errors, OutputError, Spread, Yardstick};
+use crate::explore::yardstick::{ErrorSpread, LargestErrors, MeasuredErrors, Yardstick};
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Machine, Module, Operation};
 use robovec_passes::analysis::critical_path::critical_path;
@@ -14,7 +14,7 @@ use serde::Serialize;
 
 /// A choice, measured in a format.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Point {
+pub struct FrontPoint {
     /// The choice's name.
     pub choice: String,
     /// True for what the thesis could choose.
@@ -37,9 +37,9 @@ pub struct Point {
     pub cpu_ns: Option<f64>,
     /// Errors relative to the element, everything included: series and
     /// rounding.
-    pub relative: Spread,
+    pub relative: ErrorSpread,
     /// Errors over the largest element of the array.
-    pub normwise: Spread,
+    pub normwise: ErrorSpread,
     /// The output with the largest normwise error, and the state.
     pub worst: (String, usize),
 }
@@ -50,12 +50,12 @@ pub struct Point {
 ///
 /// When program and yardstick do not fit.
 pub fn measure(
-    choice: &Choice,
+    choice: &FrontChoice,
     module: &Module,
     machine: &Machine,
     elements: &[u32],
     yardstick: &Yardstick,
-) -> Result<Vec<Point>, ExplorationError> {
+) -> Result<Vec<FrontPoint>, ExplorationError> {
     let view = view(module);
     let counts = Counts::of(view.function);
     let path = critical_path(view.function, machine).asap_cycle;
@@ -69,7 +69,7 @@ pub fn measure(
     let time = |cycles: &Option<u32>| Some(f64::from((*cycles)?) / machine.clock_mhz);
     let point = |format: &Format| {
         let errors = yardstick.errors(view, *format)?;
-        Ok(Point {
+        Ok(FrontPoint {
             choice: choice.name.clone(),
             thesis: choice.thesis,
             format: format.to_string(),
@@ -89,7 +89,7 @@ pub fn measure(
 
 /// Times a program on this computer, in the formats that C has. Where there is
 /// no compiler, times stay away.
-pub(super) fn time(module: &Module, points: &mut [Point]) {
+pub(super) fn time(module: &Module, points: &mut [FrontPoint]) {
     for point in points {
         let real = match point.format.as_str() {
             "f32" => Real::Float,
@@ -100,8 +100,8 @@ pub(super) fn time(module: &Module, points: &mut [Point]) {
     }
 }
 
-fn worst(errors: &Errors) -> (String, usize) {
-    let mut worst: Option<&OutputError> = None;
+fn worst(errors: &MeasuredErrors) -> (String, usize) {
+    let mut worst: Option<&LargestErrors> = None;
     for output in &errors.outputs {
         if worst.is_none_or(|worst| output.normwise > worst.normwise) {
             worst = Some(output);

@@ -13,12 +13,12 @@ pub mod page;
 pub mod text;
 
 use crate::explore::pareto::{self, Ties};
-use crate::explore::program::{ExplorationError, Workshop, view};
+use crate::explore::program::{ExplorationError, ProgramWorkshop, view};
 use crate::explore::yardstick::Yardstick;
-use crate::explore::{Progress, processor};
+use crate::explore::{ExplorationProgress, processor};
 use crate::generate::Formulation;
-use choice::Choice;
-use measure::{Point, measure};
+use choice::FrontChoice;
+use measure::{FrontPoint, measure};
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
 use serde::Serialize;
@@ -52,15 +52,15 @@ pub struct Front {
     /// States measured at.
     pub states: u32,
     /// All points.
-    pub points: Vec<Point>,
+    pub points: Vec<FrontPoint>,
     /// For every choice of the thesis and every number of elements the best
     /// of ours that dominates it.
-    pub verdicts: Vec<Verdict>,
+    pub verdicts: Vec<FrontVerdict>,
 }
 
 /// Whether a choice of the thesis is dominated.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Verdict {
+pub struct FrontVerdict {
     /// Index of the thesis' point.
     pub point: usize,
     /// Index of the number of elements.
@@ -84,18 +84,18 @@ pub fn front(
     module: &Module,
     others: Vec<(Formulation, Module)>,
     question: &Question<'_>,
-    progress: Progress<'_>,
+    progress: ExplorationProgress<'_>,
 ) -> Result<Front, ExplorationError> {
     let view = view(module);
     let operations = robovec_ir::count::Counts::of(view.function).operations;
     let yardstick = Yardstick::new(view, question.states, question.count);
-    let mut workshop = Workshop::new(question.machine, module.clone());
+    let mut workshop = ProgramWorkshop::new(question.machine, module.clone());
     let formulations: Vec<Formulation> =
         others.iter().map(|(formulation, _)| *formulation).collect();
     for (formulation, module) in others {
         workshop.add(formulation, module);
     }
-    let mut choices: Vec<Choice> = choice::of_the_thesis();
+    let mut choices: Vec<FrontChoice> = choice::of_the_thesis();
     choices.extend(choice::ours(operations, &formulations, question.angle));
     let mut points = Vec::new();
     for choice in &choices {
@@ -121,7 +121,7 @@ pub fn front(
 
 /// What is compared with a given number of elements: cycles, the median of the
 /// relative errors and the worst normwise error.
-fn measures(point: &Point, elements: usize) -> [f64; 3] {
+fn measures(point: &FrontPoint, elements: usize) -> [f64; 3] {
     let cycles = point.cycles[elements].map_or(f64::INFINITY, f64::from);
     [cycles, point.relative.median, point.normwise.worst]
 }
@@ -129,7 +129,7 @@ fn measures(point: &Point, elements: usize) -> [f64; 3] {
 /// True when the first point is nowhere worse than the second and somewhere
 /// better, with the given number of elements: in cycles, in the median of the
 /// relative errors and in the worst normwise error.
-pub fn dominates(first: &Point, second: &Point, elements: usize) -> bool {
+pub fn dominates(first: &FrontPoint, second: &FrontPoint, elements: usize) -> bool {
     pareto::dominates(&measures(first, elements), &measures(second, elements))
 }
 
@@ -148,7 +148,7 @@ impl Front {
     }
 }
 
-fn verdicts(points: &[Point], elements: usize) -> Vec<Verdict> {
+fn verdicts(points: &[FrontPoint], elements: usize) -> Vec<FrontVerdict> {
     let mut verdicts = Vec::new();
     for (index, point) in points.iter().enumerate().filter(|(_, point)| point.thesis) {
         for count in 0..elements {
@@ -163,7 +163,7 @@ fn verdicts(points: &[Point], elements: usize) -> Vec<Verdict> {
                 });
                 best.map(|(index, _)| index)
             };
-            verdicts.push(Verdict {
+            verdicts.push(FrontVerdict {
                 point: index,
                 elements: count,
                 by: best(false),

@@ -1,7 +1,7 @@
 //! The front as aligned text, as a table for programs, and as a figure.
 
-use super::measure::Point;
-use super::{Front, Verdict};
+use super::measure::FrontPoint;
+use super::{Front, FrontVerdict};
 use crate::present::number::{exponential, or_dash};
 use crate::present::text_table;
 use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
@@ -75,7 +75,7 @@ pub fn text(front: &Front) -> String {
             text_table(head, &rows)
         );
     }
-    let count = |by: fn(&Verdict) -> Option<usize>| {
+    let count = |by: fn(&FrontVerdict) -> Option<usize>| {
         let verdicts = front.verdicts.iter();
         verdicts.filter(|verdict| by(verdict).is_some()).count()
     };
@@ -95,7 +95,7 @@ fn order(front: &Front, elements: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..front.points.len()).collect();
     order.sort_by(|&a, &b| {
         let (a, b) = (&front.points[a], &front.points[b]);
-        let cycles = |point: &Point| point.cycles[elements].unwrap_or(u32::MAX);
+        let cycles = |point: &FrontPoint| point.cycles[elements].unwrap_or(u32::MAX);
         let faster = cycles(a).cmp(&cycles(b));
         faster.then(a.normwise.worst.total_cmp(&b.normwise.worst))
     });
@@ -162,8 +162,8 @@ pub fn verdicts_table(fronts: &[Front]) -> DataTable {
         for verdict in &front.verdicts {
             let (place, old) = (verdict.elements, &front.points[verdict.point]);
             let cycles =
-                |point: &Point| point.cycles[place].map_or(DataCell::Empty, DataCell::count);
-            let error = |point: &Point| DataCell::text(exponential(point.normwise.worst));
+                |point: &FrontPoint| point.cycles[place].map_or(DataCell::Empty, DataCell::count);
+            let error = |point: &FrontPoint| DataCell::text(exponential(point.normwise.worst));
             let mut row = vec![
                 DataCell::text(&front.name),
                 DataCell::count(front.elements[place]),

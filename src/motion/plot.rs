@@ -11,14 +11,14 @@ const CURVES: usize = 10;
 const COLOURS: usize = 7;
 
 /// A quantity over the samples of a run, with its name.
-struct Quantity<'a> {
+struct RunQuantity<'a> {
     name: &'a str,
     values: Vec<f64>,
 }
 
-impl Quantity<'_> {
-    fn new<'a>(name: &'a str, run: &Run, value: impl Fn(&Sample) -> f64) -> Quantity<'a> {
-        Quantity {
+impl RunQuantity<'_> {
+    fn new<'a>(name: &'a str, run: &Run, value: impl Fn(&Sample) -> f64) -> RunQuantity<'a> {
+        RunQuantity {
             name,
             values: run.samples.iter().map(value).collect(),
         }
@@ -49,13 +49,13 @@ pub fn figure(model: &Model, run: &Run) -> Figure {
 }
 
 /// The joints that move most, in their order.
-fn positions<'a>(model: &'a Model, run: &Run) -> Vec<Quantity<'a>> {
+fn positions<'a>(model: &'a Model, run: &Run) -> Vec<RunQuantity<'a>> {
     let joints = model.joints.iter().enumerate();
-    let mut moving: Vec<(usize, Quantity<'a>)> = joints
+    let mut moving: Vec<(usize, RunQuantity<'a>)> = joints
         .map(|(index, joint)| {
             (
                 index,
-                Quantity::new(&joint.name, run, |sample| sample.state.q[index]),
+                RunQuantity::new(&joint.name, run, |sample| sample.state.q[index]),
             )
         })
         .collect();
@@ -66,20 +66,20 @@ fn positions<'a>(model: &'a Model, run: &Run) -> Vec<Quantity<'a>> {
 }
 
 /// The energies that are there, and what is left of them without work.
-fn energies(run: &Run) -> Vec<Quantity<'static>> {
+fn energies(run: &Run) -> Vec<RunQuantity<'static>> {
     let energies = [
-        Quantity::new("kinetic", run, |sample| sample.energy.kinetic),
-        Quantity::new("gravity", run, |sample| sample.energy.gravity),
-        Quantity::new("springs", run, |sample| sample.energy.springs),
-        Quantity::new("less work", run, |sample| {
+        RunQuantity::new("kinetic", run, |sample| sample.energy.kinetic),
+        RunQuantity::new("gravity", run, |sample| sample.energy.gravity),
+        RunQuantity::new("springs", run, |sample| sample.energy.springs),
+        RunQuantity::new("less work", run, |sample| {
             sample.energy.total() - sample.work
         }),
     ];
-    let there = |energy: &Quantity<'_>| energy.values.iter().any(|&value| value != 0.0);
+    let there = |energy: &RunQuantity<'_>| energy.values.iter().any(|&value| value != 0.0);
     energies.into_iter().filter(there).collect()
 }
 
-fn panel(title: &str, run: &Run, quantities: &[Quantity<'_>]) -> Panel {
+fn panel(title: &str, run: &Run, quantities: &[RunQuantity<'_>]) -> Panel {
     let curves = quantities.iter().enumerate().map(|(index, quantity)| {
         let stroke = match index < COLOURS {
             true => Stroke::Plain,

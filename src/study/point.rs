@@ -2,7 +2,7 @@
 
 use super::occupation::{Occupation, occupation};
 use super::plan::{NamedMachine, Request};
-use super::program::Program;
+use super::program::StudyProgram;
 use crate::explore::placing::{verified, with_counts};
 use robovec_ir::Operation;
 use robovec_passes::place::Spread;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// part of it: a point is found by its key.
 #[derive(Clone, PartialEq, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Point {
+pub struct PlacedPoint {
     /// Why there is no placement; everything else is 0 then.
     pub failure: Option<String>,
     /// Length: the first cycle in which every result can be read.
@@ -49,7 +49,7 @@ pub struct KindPoint {
 
 /// Places a program and measures the placement, which the verifier has
 /// accepted.
-pub fn measure(program: &Program, machine: &NamedMachine, request: &Request) -> Point {
+pub fn measure(program: &StudyProgram, machine: &NamedMachine, request: &Request) -> PlacedPoint {
     // Fused elements are as many as the machine has.
     let counts = [
         (Operation::Add, request.n_add),
@@ -59,9 +59,9 @@ pub fn measure(program: &Program, machine: &NamedMachine, request: &Request) -> 
     let placed = match verified(&program.module, &machine, request.options()) {
         Ok(placed) => placed,
         Err(reason) => {
-            return Point {
+            return PlacedPoint {
                 failure: Some(reason),
-                ..Point::default()
+                ..PlacedPoint::default()
             };
         }
     };
@@ -81,7 +81,7 @@ pub fn measure(program: &Program, machine: &NamedMachine, request: &Request) -> 
             occupation: occupation(schedule, index),
         }
     };
-    Point {
+    PlacedPoint {
         failure: None,
         cycles: schedule.cycles,
         lower_bound: schedule.lower_bound,

@@ -130,7 +130,7 @@ impl Equations {
         subject: &Subject,
         pipeline: &NamedPipeline,
         machine: &NamedMachine,
-    ) -> Result<Program, String> {
+    ) -> Result<StudyProgram, String> {
         let module = transformed(&self.module, &pipeline.pipeline, &machine.machine, None)
             .map_err(|error| error.to_string())?;
         let function = &module.functions[0];
@@ -154,12 +154,12 @@ impl Equations {
             path_add,
             rounding: [self.rounding.clone(), Arc::new(now)],
         };
-        Ok(Program { module, facts })
+        Ok(StudyProgram { module, facts })
     }
 }
 
 /// A program ready to be placed.
-pub struct Program {
+pub struct StudyProgram {
     /// One function, at the atomic level.
     pub module: Module,
     /// Its figures.

@@ -7,10 +7,10 @@
 
 use super::key::key;
 use super::plan::{ChoiceKey, Plan, PriorityKey, Request};
-use super::point::{Point, measure};
-use super::program::{Equations, Program, ProgramFacts, Sources};
+use super::point::{PlacedPoint, measure};
+use super::program::{Equations, ProgramFacts, Sources, StudyProgram};
 use super::zone::is_saturated;
-use crate::explore::Progress;
+use crate::explore::ExplorationProgress;
 use crate::explore::store::{PointKey, PointStore, build_key};
 use rayon::prelude::*;
 use robovec_ir::diagnostic::{Diagnostic, Report};
@@ -19,9 +19,9 @@ use std::collections::BTreeMap;
 
 /// What a plan gave.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Outcome {
+pub struct StudyOutcome {
     /// Every placement, those that the search for knees added included.
-    pub points: BTreeMap<Request, Point>,
+    pub points: BTreeMap<Request, PlacedPoint>,
     /// Programs by model, pipeline, machine.
     pub programs: BTreeMap<(usize, usize, usize), ProgramFacts>,
     /// Points that were found on disk.
@@ -39,8 +39,8 @@ pub fn run(
     plan: &Plan,
     sources: &dyn Sources,
     store: &PointStore,
-    progress: Progress<'_>,
-) -> Result<Outcome, Report> {
+    progress: ExplorationProgress<'_>,
+) -> Result<StudyOutcome, Report> {
     let runner = Runner {
         plan,
         sources,
@@ -48,7 +48,7 @@ pub fn run(
         progress,
         build: build_key().ok(),
     };
-    let mut outcome = Outcome::default();
+    let mut outcome = StudyOutcome::default();
     let models = runner.models();
     let mut next = models
         .first()
@@ -76,7 +76,7 @@ struct Runner<'a> {
     plan: &'a Plan,
     sources: &'a dyn Sources,
     store: &'a PointStore,
-    progress: Progress<'a>,
+    progress: ExplorationProgress<'a>,
     /// Of this robovec; absent when it cannot be known, and then no point is
     /// stored or found.
     build: Option<PointKey>,
@@ -86,14 +86,14 @@ struct Runner<'a> {
 struct Prepared {
     model: usize,
     key: PointKey,
-    programs: Vec<Program>,
+    programs: Vec<StudyProgram>,
     /// The program of each pipeline and machine.
     variant_of: BTreeMap<(usize, usize), usize>,
     facts: BTreeMap<(usize, usize, usize), ProgramFacts>,
 }
 
 /// A placement, and whether it was found on disk.
-type Found = (Request, Point, bool);
+type Found = (Request, PlacedPoint, bool);
 
 impl Runner<'_> {
     /// The models that requests ask for.
@@ -129,7 +129,7 @@ impl Runner<'_> {
             });
             variant_of.insert(pair, place);
         }
-        let programs: Result<Vec<Program>, Report> = variants
+        let programs: Result<Vec<StudyProgram>, Report> = variants
             .par_iter()
             .map(|&(pipeline, machine, _)| {
                 let pipeline = &self.plan.pipelines[pipeline];

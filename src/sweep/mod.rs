@@ -33,7 +33,7 @@ pub const MOST_DESIGNS: u64 = 1_000_000;
 
 /// A design with what came of it.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Point {
+pub struct SweepPoint {
     /// The design.
     pub design: Design,
     /// Clock of the elements, MHz.
@@ -66,7 +66,7 @@ pub struct Sweep {
     /// Its longest chain on the thesis' machine, cycles.
     pub path: u32,
     /// The points, by design.
-    pub points: Vec<Point>,
+    pub points: Vec<SweepPoint>,
     /// Designs the program could not be placed on, and why.
     pub failures: Vec<(Design, String)>,
     /// Time of one evaluation in binary64 by the fastest generated C on one
@@ -124,7 +124,7 @@ pub fn sweep(
         let place = space.instances.iter().position(|&k| k == design.instances);
         &programs[place.expect("a design has instances of the space")]
     };
-    let results: Vec<Result<Point, String>> = designs
+    let results: Vec<Result<SweepPoint, String>> = designs
         .par_iter()
         .map(|design| measure(program(design), design))
         .collect();
@@ -174,7 +174,7 @@ fn thesis() -> Machine {
 }
 
 /// Places a program for one design.
-fn measure(program: &Module, design: &Design) -> Result<Point, String> {
+fn measure(program: &Module, design: &Design) -> Result<SweepPoint, String> {
     let machine = design.machine();
     let placed = verified(program, &machine, PlaceOptions::default())?;
     // What the statistics count together lies in as many memories.
@@ -183,7 +183,7 @@ fn measure(program: &Module, design: &Design) -> Result<Point, String> {
     let summary = placed.summary;
     let taken = device::taken(&machine, machine.number, summary.cycles, words);
     let latency_us = f64::from(summary.cycles) / machine.clock_mhz;
-    Ok(Point {
+    Ok(SweepPoint {
         design: *design,
         clock_mhz: machine.clock_mhz,
         cycles: summary.cycles,
@@ -198,8 +198,8 @@ fn measure(program: &Module, design: &Design) -> Result<Point, String> {
 
 /// Marks the points that no other one beats in share and time per
 /// evaluation; of equal points the first.
-fn mark_front(points: &mut [Point]) {
-    let measures = |point: &Point| [point.share, point.us_per_evaluation];
+fn mark_front(points: &mut [SweepPoint]) {
+    let measures = |point: &SweepPoint| [point.share, point.us_per_evaluation];
     let all: Vec<[f64; 2]> = points.iter().map(measures).collect();
     for index in pareto::front(&all, Ties::First) {
         points[index].on_front = true;
@@ -208,8 +208,9 @@ fn mark_front(points: &mut [Point]) {
 
 impl Sweep {
     /// The points of the front, from the smallest on.
-    pub fn front(&self) -> Vec<&Point> {
-        let mut front: Vec<&Point> = self.points.iter().filter(|point| point.on_front).collect();
+    pub fn front(&self) -> Vec<&SweepPoint> {
+        let mut front: Vec<&SweepPoint> =
+            self.points.iter().filter(|point| point.on_front).collect();
         front.sort_by(|a, b| a.share.total_cmp(&b.share));
         front
     }
@@ -247,8 +248,8 @@ mod tests {
         assert_eq!(sweep.points.len(), space.designs().len());
         let front = sweep.front();
         assert!(!front.is_empty() && front.len() < sweep.points.len());
-        let values = |point: &Point| [point.share, point.us_per_evaluation];
-        let beats = |a: &Point, b: &Point| pareto::dominates(&values(a), &values(b));
+        let values = |point: &SweepPoint| [point.share, point.us_per_evaluation];
+        let beats = |a: &SweepPoint, b: &SweepPoint| pareto::dominates(&values(a), &values(b));
         for point in &sweep.points {
             let beaten = sweep.points.iter().any(|other| beats(other, point));
             assert!(!(point.on_front && beaten));

@@ -1,6 +1,6 @@
 //! A sweep as aligned text, as a table for programs, and as a figure.
 
-use super::{Point, Sweep};
+use super::{Sweep, SweepPoint};
 use crate::present::number::or_dash;
 use crate::present::text_table;
 use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
@@ -35,7 +35,7 @@ pub fn text(sweep: &Sweep) -> String {
     text
 }
 
-fn row(point: &Point, cpu_us: Option<f64>) -> Vec<String> {
+fn row(point: &SweepPoint, cpu_us: Option<f64>) -> Vec<String> {
     let design = &point.design;
     vec![
         format!("{:.1}", 100.0 * point.share),
@@ -160,7 +160,7 @@ pub fn figure(sweeps: &[Sweep]) -> Figure {
 }
 
 fn panel(sweep: &Sweep) -> Panel {
-    let mark = |point: &Point| Mark::at(100.0 * point.share, point.us_per_evaluation);
+    let mark = |point: &SweepPoint| Mark::at(100.0 * point.share, point.us_per_evaluation);
     let mut instances: Vec<u32> = sweep.points.iter().map(|p| p.design.instances).collect();
     instances.sort_unstable();
     instances.dedup();

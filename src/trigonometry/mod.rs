@@ -12,7 +12,7 @@ mod view;
 pub use view::{figure, table, text};
 
 use crate::explore::program::transformed;
-use crate::explore::yardstick::{Spread, Unmeasurable, Yardstick};
+use crate::explore::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
 use crate::model::Model;
 use crate::motion::{Inputs, State};
 use robovec_ir::soft_float::FormatArithmetic;
@@ -57,7 +57,7 @@ pub struct Row {
     pub size: [u32; 2],
     /// For each output array the largest error of an element in a state over
     /// the largest element in that state.
-    pub errors: Vec<Spread>,
+    pub errors: Vec<ErrorSpread>,
 }
 
 /// All rows of one function.
