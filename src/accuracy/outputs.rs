@@ -1,8 +1,13 @@
 //! The errors of every output of a function in any number formats, as text
 //! and as tables for programs.
 
-use crate::report;
-use robovec_analysis::accuracy::{Accuracy, ElementError, FormatAccuracy, Spread};
+use crate::present::csv::push_line;
+use crate::present::number::{or_dash, scientific};
+use crate::present::text_lines;
+use robovec_analysis::accuracy::Accuracy;
+use robovec_analysis::accuracy::ElementError;
+use robovec_analysis::accuracy::FormatAccuracy;
+use robovec_analysis::accuracy::Spread;
 use robovec_ir::View;
 use robovec_ir::print::print_output;
 use serde::Serialize;
@@ -101,56 +106,52 @@ pub fn lines(name: &str, view: View<'_>, accuracy: &Accuracy) -> Vec<OutputLine>
 
 /// The lines as a table with a head, numbers in full.
 pub fn csv(lines: &[OutputLine]) -> String {
-    let mut text = String::from("function,format,output");
+    let mut head = ["function", "format", "output"].map(str::to_owned).to_vec();
     for measure in ["absolute", "relative", "ulps", "bits", "mixed"] {
-        let _ = write!(
-            text,
-            ",{measure} median,{measure} 99 %,{measure} worst,{measure} state"
-        );
+        let places = ["median", "99 %", "worst", "state"];
+        head.extend(places.map(|place| format!("{measure} {place}")));
     }
-    text += ",sensitivity,condition,backward,judgement,vanishing,subnormal,overflowed\n";
+    let rest = "sensitivity,condition,backward,judgement,vanishing,subnormal,overflowed";
+    head.extend(rest.split(',').map(str::to_owned));
+    let mut text = String::new();
+    push_line(&mut text, head.iter().map(String::as_str));
+    for line in lines {
+        push_line(&mut text, fields(line).iter().map(String::as_str));
+    }
+    text
+}
+
+fn fields(line: &OutputLine) -> Vec<String> {
     let number = |number: f64| match number.is_nan() {
         true => String::new(),
         false => format!("{number:e}"),
     };
     let optional = |value: Option<f64>| value.map_or_else(String::new, number);
-    for line in lines {
-        let [function, output] = [&line.function, &line.output].map(|name| quoted(name));
-        let _ = write!(text, "{function},{},{output}", quoted(&line.format));
-        for places in [
-            line.absolute,
-            line.relative,
-            line.ulps,
-            line.bits,
-            line.mixed,
-        ] {
-            for value in [places.median, places.percentile_99, places.worst] {
-                let _ = write!(text, ",{}", number(value));
-            }
-            let _ = write!(text, ",{}", places.state);
-        }
-        let _ = writeln!(
-            text,
-            ",{},{},{},{},{},{},{}",
-            number(line.sensitivity),
-            optional(line.condition),
-            optional(line.backward),
-            line.judgement.unwrap_or_default(),
-            line.vanishing,
-            line.subnormal,
-            line.overflowed,
-        );
+    let mut fields = vec![
+        line.function.clone(),
+        line.format.clone(),
+        line.output.clone(),
+    ];
+    for places in [
+        line.absolute,
+        line.relative,
+        line.ulps,
+        line.bits,
+        line.mixed,
+    ] {
+        fields.extend([places.median, places.percentile_99, places.worst].map(number));
+        fields.push(places.state.to_string());
     }
-    text
-}
-
-/// A field of a table; quoted where it holds a comma or quote.
-fn quoted(field: &str) -> String {
-    if field.contains([',', '"', '\n']) {
-        format!("\"{}\"", field.replace('"', "\"\""))
-    } else {
-        field.to_owned()
-    }
+    fields.extend([
+        number(line.sensitivity),
+        optional(line.condition),
+        optional(line.backward),
+        line.judgement.unwrap_or_default().to_owned(),
+        line.vanishing.to_string(),
+        line.subnormal.to_string(),
+        line.overflowed.to_string(),
+    ]);
+    fields
 }
 
 /// The errors for a person: each format as a whole, its arrays, and at most
@@ -188,19 +189,12 @@ pub fn text(name: &str, view: View<'_>, accuracy: &Accuracy, most: usize) -> Str
             100.0 * format.subnormal,
             100.0 * format.overflowed,
         );
-        push(&arrays(view, format), &mut text);
+        text += &arrays(view, format);
         text.push('\n');
-        push(&elements(view, format, most), &mut text);
+        text += &elements(view, format, most);
         text.push('\n');
     }
     text
-}
-
-fn push(table: &str, text: &mut String) {
-    for line in table.lines() {
-        text.push_str(line.trim_end());
-        text.push('\n');
-    }
 }
 
 fn arrays(view: View<'_>, format: &FormatAccuracy) -> String {
@@ -223,23 +217,9 @@ fn arrays(view: View<'_>, format: &FormatAccuracy) -> String {
     row.extend(spread(&format.relative));
     row.extend(spread(&format.mixed));
     rows.push(row);
-    let head = [
-        "array",
-        "normwise: median",
-        "99 %",
-        "worst",
-        "state",
-        "relative: median",
-        "99 %",
-        "worst",
-        "state",
-        "mixed: median",
-        "99 %",
-        "worst",
-        "state",
-    ];
-    let right: Vec<usize> = (1..head.len()).collect();
-    report::table(&head, &rows, &right)
+    let head = "array | >normwise: median | >99 % | >worst | >state | >relative: median | >99 % | \
+         >worst | >state | >mixed: median | >99 % | >worst | >state";
+    text_lines(head, &rows)
 }
 
 fn elements(view: View<'_>, format: &FormatAccuracy, most: usize) -> String {
@@ -254,7 +234,7 @@ fn elements(view: View<'_>, format: &FormatAccuracy, most: usize) -> String {
     let rows: Vec<Vec<String>> = shown
         .iter()
         .map(|element| {
-            let optional = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
+            let optional = |value: Option<f64>| or_dash(value, number);
             let conditioned = element.conditioned;
             vec![
                 print_output(view, element.output),
@@ -273,20 +253,9 @@ fn elements(view: View<'_>, format: &FormatAccuracy, most: usize) -> String {
             ]
         })
         .collect();
-    let head = [
-        "output",
-        "relative: median",
-        "99 %",
-        "worst",
-        "state",
-        "ulps",
-        "bits",
-        "mixed",
-        "condition",
-        "backward",
-        "judgement",
-    ];
-    report::table(&head, &rows, &[1, 2, 3, 4, 5, 6, 7, 8, 9])
+    let head = "output | >relative: median | >99 % | >worst | >state | >ulps | >bits | >mixed | \
+         >condition | >backward | judgement";
+    text_lines(head, &rows)
 }
 
 fn array_name(view: View<'_>, array: usize) -> String {
@@ -294,12 +263,10 @@ fn array_name(view: View<'_>, array: usize) -> String {
     view.tables.symbols.text(name).to_owned()
 }
 
-/// Two digits, and nothing for what no state says anything about.
+/// Nothing for what no state says anything about.
 fn number(number: f64) -> String {
-    match number {
-        number if number.is_nan() => "-".to_owned(),
-        0.0 => "0".to_owned(),
-        number if (0.1..1000.0).contains(&number) => format!("{number:.2}"),
-        number => format!("{number:.1e}"),
+    match number.is_nan() {
+        true => "-".to_owned(),
+        false => scientific(number),
     }
 }

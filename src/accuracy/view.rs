@@ -1,9 +1,10 @@
 //! Errors of passes as text, table and figure.
 
 use super::{Step, Subject};
-use crate::report;
-use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
-use crate::study::table::{Cell, Table};
+use crate::present::number::units;
+use crate::present::text_lines;
+use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
+use crate::present::{DataCell, DataTable};
 use robovec_analysis::rounding::{Change, Quantiles, Trend};
 use std::fmt::Write;
 
@@ -16,31 +17,11 @@ pub fn text(subject: &Subject) -> String {
         "{}: rounding errors in binary32 in units of 2^-24, {} random states, seed {}\n",
         subject.name, first.rounding.states, first.rounding.seed
     );
-    let head = [
-        "pass",
-        "operations",
-        "path",
-        "relative: median",
-        "99 %",
-        "worst",
-        "normwise: median",
-        "99 %",
-        "worst",
-        "median became",
-    ];
+    let head = "pass | >operations | >path | >relative: median | >99 % | >worst | \
+         >normwise: median | >99 % | >worst | median became";
     let rows: Vec<Vec<String>> = subject.steps.iter().map(row).collect();
-    push_table(
-        &report::table(&head, &rows, &[1, 2, 3, 4, 5, 6, 7, 8]),
-        &mut text,
-    );
+    text += &text_lines(head, &rows);
     text
-}
-
-fn push_table(table: &str, text: &mut String) {
-    for line in table.lines() {
-        text.push_str(line.trim_end());
-        text.push('\n');
-    }
 }
 
 fn row(step: &Step) -> Vec<String> {
@@ -54,7 +35,7 @@ fn row(step: &Step) -> Vec<String> {
         step.path.to_string(),
     ];
     for quantiles in [&step.rounding.relative, &step.rounding.normwise] {
-        row.extend(numbers(quantiles).map(report::units));
+        row.extend(numbers(quantiles).map(units));
     }
     row.push(match &step.changes {
         None => String::new(),
@@ -90,18 +71,10 @@ pub fn summary(subjects: &[Subject]) -> String {
     }
     tallies.push(whole);
     let rows: Vec<Vec<String>> = tallies.iter().map(Tally::row).collect();
-    let head = [
-        "pass",
-        "relative: better",
-        "same",
-        "worse",
-        "normwise: better",
-        "same",
-        "worse",
-        "worse for",
-    ];
+    let head = "pass | >relative: better | >same | >worse | >normwise: better | >same | >worse | \
+         worse for";
     let mut text = format!("The medians of {} functions:\n", subjects.len());
-    push_table(&report::table(&head, &rows, &[1, 2, 3, 4, 5, 6]), &mut text);
+    text += &text_lines(head, &rows);
     text
 }
 
@@ -148,62 +121,44 @@ impl Tally<'_> {
 }
 
 /// The same as a table for programs.
-pub fn table(subjects: &[Subject]) -> Table {
-    let columns = [
-        "function",
-        "pass",
-        "operations",
-        "path (cycles)",
-        "states",
-        "relative median (2^-24)",
-        "relative 99 % (2^-24)",
-        "relative worst (2^-24)",
-        "normwise median (2^-24)",
-        "normwise 99 % (2^-24)",
-        "normwise worst (2^-24)",
-        "relative median after/before",
-        "noise",
-        "trend",
-        "normwise median after/before",
-        "noise",
-        "trend",
-    ];
+pub fn table(subjects: &[Subject]) -> DataTable {
     let line = |subject: &Subject, step: &Step| {
         let mut row = vec![
-            Cell::text(&subject.name),
-            Cell::text(&step.pass),
-            Cell::count(step.operations),
-            Cell::count(step.path),
-            Cell::count(step.rounding.states),
+            DataCell::text(&subject.name),
+            DataCell::text(&step.pass),
+            DataCell::count(step.operations),
+            DataCell::count(step.path),
+            DataCell::count(step.rounding.states),
         ];
         for quantiles in [&step.rounding.relative, &step.rounding.normwise] {
-            row.extend(numbers(quantiles).map(|number| Cell::number(number, 4)));
+            row.extend(numbers(quantiles).map(|number| DataCell::number(number, 4)));
         }
         for measure in 0..2 {
             row.extend(match step.changes.map(|changes| changes[measure]) {
-                None => [Cell::Empty, Cell::Empty, Cell::Empty],
+                None => [DataCell::Empty, DataCell::Empty, DataCell::Empty],
                 Some(change) => [
-                    Cell::number(change.ratio, 4),
-                    Cell::number(change.noise, 4),
-                    Cell::text(change.trend.name()),
+                    DataCell::number(change.ratio, 4),
+                    DataCell::number(change.noise, 4),
+                    DataCell::text(change.trend.name()),
                 ],
             });
         }
         row
     };
-    Table {
-        name: "accuracy".to_owned(),
-        title: "Rounding errors in binary32 after every pass".to_owned(),
-        caption: "All outputs in all states as one population, in units of the rounding of \
+    DataTable::new(
+        "accuracy",
+        "Rounding errors in binary32 after every pass",
+        "All outputs in all states as one population, in units of the rounding of \
                   one operation, 2^-24; relative to the element, and to the largest element \
-                  of its array. A line without a pass is the function as it was read."
-            .to_owned(),
-        columns: columns.map(str::to_owned).to_vec(),
-        rows: subjects
+                  of its array. A line without a pass is the function as it was read.",
+        "function | pass | operations | path (cycles) | states | relative median (2^-24) | \
+         relative 99 % (2^-24) | relative worst (2^-24) | normwise median (2^-24) | \
+         normwise 99 % (2^-24) | normwise worst (2^-24) | relative median after/before | \
+         noise | trend | normwise median after/before | noise | trend",
+        subjects
             .iter()
-            .flat_map(|subject| subject.steps.iter().map(move |step| line(subject, step)))
-            .collect(),
-    }
+            .flat_map(|subject| subject.steps.iter().map(move |step| line(subject, step))),
+    )
 }
 
 /// Speed against error: for each subject the way the passes take it.
@@ -213,25 +168,24 @@ pub fn figure(subjects: &[Subject]) -> Figure {
         .filter(|subject| !subject.steps.is_empty())
         .map(panel)
         .collect();
-    Figure {
-        name: "accuracy".to_owned(),
-        title: "Speed against error, pass by pass".to_owned(),
-        caption: "The longest path and the median of the relative error in binary32 after \
-                  every pass; the line joins the passes in order."
-            .to_owned(),
-        columns: panels.len().clamp(1, 3),
+    Figure::new(
+        "accuracy",
+        "Speed against error, pass by pass",
+        "The longest path and the median of the relative error in binary32 after \
+                  every pass; the line joins the passes in order.",
+        panels.len().clamp(1, 3),
         panels,
-    }
+    )
 }
 
 fn panel(subject: &Subject) -> Panel {
     let mark = |step: &Step| Mark::at(f64::from(step.path), step.rounding.relative.median);
-    let mut curves = vec![Curve {
-        label: String::new(),
-        paint: Paint::Distinct(0),
-        stroke: Stroke::Plain,
-        marks: subject.steps.iter().map(mark).collect(),
-    }];
+    let mut curves = vec![Curve::new(
+        "",
+        Paint::Distinct(0),
+        Stroke::Plain,
+        subject.steps.iter().map(mark),
+    )];
     // Passes that stay where they are share the mark of the one before.
     let mut last: Option<(u32, f64)> = None;
     for step in &subject.steps {
@@ -247,21 +201,13 @@ fn panel(subject: &Subject) -> Panel {
             continue;
         }
         last = Some(place);
-        curves.push(Curve {
-            label: name.to_owned(),
-            paint: Paint::Distinct(curves.len() - 1),
-            stroke: Stroke::Points,
-            marks: vec![mark(step)],
-        });
+        curves.push(Curve::points(name, curves.len() - 1, vec![mark(step)]));
     }
-    Panel {
-        title: subject.name.clone(),
-        x: Axis::new("longest path (cycles)", Scale::Linear),
-        // From zero: a scale of its own would make noise look like a cliff.
-        y: Axis {
-            from: Some(0.0),
-            ..Axis::new("median relative error (2^-24)", Scale::Linear)
-        },
-        content: Content::Curves(curves),
-    }
+    Panel::curves(
+        subject.name.clone(),
+        PlotAxis::new("longest path (cycles)", AxisScale::Linear),
+        // A scale of its own would make noise look like a cliff.
+        PlotAxis::new("median relative error (2^-24)", AxisScale::Linear).from(0.0),
+        curves,
+    )
 }

@@ -1,13 +1,12 @@
 //! `robovec accuracy`: what every pass does to the rounding errors.
 
 use super::flags::{SEED, states};
+use super::output::result_files;
 use super::output_errors::{self, OutputArguments};
-use super::{Failure, input, output};
+use super::{Failure, input, output, progress};
 use crate::accuracy::{self, Options, Subject};
-use crate::study::plot;
+use crate::present::json::json_text;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
 /// What is measured.
@@ -52,7 +51,7 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
         states: arguments.states,
         seed: arguments.seed,
     };
-    let bar = progress_bar(arguments.files.len());
+    let bar = progress::bar(arguments.files.len(), "{pos}/{len} files, {msg}");
     let mut subjects: Vec<Subject> = Vec::new();
     let mut text = String::new();
     for path in &arguments.files {
@@ -61,8 +60,7 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
         if let Some(wanted) = function {
             super::opt::select(&mut read.module, wanted)?;
         }
-        let stem = path.file_stem().unwrap_or(path.as_os_str());
-        let name = stem.to_string_lossy().into_owned();
+        let name = input::stem(path);
         let mut progress = |done: usize, total: usize, pass: &str| {
             bar.set_message(format!("{name}: {pass} ({done}/{total})"));
         };
@@ -82,31 +80,9 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
         text += &accuracy::summary(&subjects);
     }
     if let Some(folder) = &arguments.output {
-        output::make_folder(folder)?;
         let table = accuracy::table(&subjects);
-        // A table is strings and numbers: nothing JSON cannot hold.
-        let json = serde_json::to_string_pretty(&table).expect("a table is plain data");
-        for (name, content) in [
-            ("accuracy.csv", table.to_csv()),
-            ("accuracy.json", json + "\n"),
-            ("accuracy.svg", plot::draw(&accuracy::figure(&subjects))),
-        ] {
-            output::write_file(&folder.join(name), |writer| {
-                writer.write_all(content.as_bytes())
-            })?;
-        }
+        let files = result_files(&table, json_text(&table), &accuracy::figure(&subjects));
+        output::write_files(folder, &files)?;
     }
     Ok(text)
-}
-
-fn progress_bar(length: usize) -> ProgressBar {
-    let bar = ProgressBar::hidden();
-    if stderr().is_terminal() {
-        bar.set_draw_target(indicatif::ProgressDrawTarget::stderr());
-    }
-    bar.set_length(length as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} files, {msg}") {
-        bar.set_style(style);
-    }
-    bar
 }

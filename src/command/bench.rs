@@ -1,7 +1,7 @@
 //! `robovec bench`: how fast the same function is in the hands of others.
 
 use super::flags::{SEED, states, whole};
-use super::{Failure, generation, input, output, subjects};
+use super::{Failure, generation, input, output, progress, subjects};
 use crate::bench::contestant::{Contestant, Family};
 use crate::bench::{self, Compiler, Question, own, peers, robotran, text};
 use crate::files::TemporaryFolder;
@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, Failure> {
     let temporary = TemporaryFolder::new()
         .map_err(|error| Failure::plain(format!("no temporary folder: {error}")))?;
     let folder = arguments.output.as_deref().unwrap_or(temporary.path());
-    let bar = super::fit::progress_bar();
+    let bar = progress::spinner();
     let mut text = String::new();
     let mut results = Vec::new();
     for subject in &arguments.subjects {
@@ -115,16 +115,8 @@ impl Loaded {
 }
 
 fn load(subject: &str, arguments: &BenchArguments) -> Result<Loaded, Failure> {
-    subjects::check_number(subject)?;
+    let (name, model) = subjects::named_model(subject)?;
     let path = Path::new(subject);
-    let is_model = path.extension().is_some_and(|extension| extension == "mbs");
-    let model = match subjects::built_in(subject) {
-        Some(model) => Some(model),
-        None if is_model => Some(input::model(path)?.model),
-        None => None,
-    };
-    let stem = path.file_stem().unwrap_or(path.as_os_str());
-    let name = stem.to_string_lossy().into_owned();
     if let Some(model) = model {
         let options = Options::default();
         let kinds = [FunctionKind::Dirdyna];

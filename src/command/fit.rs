@@ -1,20 +1,18 @@
 //! `robovec fit`: the cheapest program and machine for a scene.
 
 use super::flags::{SEED, states};
-use super::{Failure, input, output};
+use super::output::result_files;
+use super::{Failure, input, output, progress};
 use crate::fit::confirm::{self, Confirmation};
-use crate::fit::{self, Outcome, Place, Task};
+use crate::fit::{self, FitOutcome, Place, Task};
 use crate::generate::Formulation;
+use crate::present::json::json_text;
 use crate::scene::{SceneFile, Subject};
-use crate::study::plot;
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use robovec_analysis::rounding::usual_states;
 use robovec_ir::{Machine, Module, print};
 use serde_json::json;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// Find the cheapest program, number format and machine that meet a scene
 #[derive(Args, Debug)]
@@ -71,9 +69,9 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
         states,
         seed: arguments.seed,
     };
-    let bar = progress_bar();
-    let mut progress = |what: &str| bar.set_message(what.to_owned());
-    let outcome = fit::fit(&task, &mut progress).map_err(|error| fail(error.to_string()))?;
+    let bar = progress::spinner();
+    let progress = |what: &str| bar.set_message(what.to_owned());
+    let outcome = fit::fit(&task, &progress).map_err(|error| fail(error.to_string()))?;
     let confirmation = match outcome.chosen {
         Some(chosen) => {
             bar.set_message("trying the choice again");
@@ -159,10 +157,9 @@ const TRIED: [Formulation; 5] = [
 fn write(
     folder: &Path,
     task: &Task<'_>,
-    outcome: &Outcome,
+    outcome: &FitOutcome,
     confirmation: Option<&Confirmation>,
 ) -> Result<(), Failure> {
-    output::make_folder(folder)?;
     let json = json!({
         "scene": task.scene.name,
         "machine": task.machine.name,
@@ -181,12 +178,10 @@ fn write(
         })).collect::<Vec<_>>(),
         "candidates": outcome.candidates,
     });
-    let mut files = vec![
-        ("fit.csv", fit::text::candidates_table(outcome).to_csv()),
-        ("fit.json", format!("{json:#}\n")),
-        ("fit.svg", plot::draw(&fit::text::figure(task, outcome))),
-        ("fit.html", fit::page::page(task, outcome, confirmation)),
-    ];
+    let table = fit::text::candidates_table(outcome);
+    let mut files = result_files(&table, json_text(&json), &fit::text::figure(task, outcome));
+    let page = fit::page::page(task, outcome, confirmation);
+    files.push(("fit.html".to_owned(), page));
     if let Some(chosen) = outcome.chosen {
         let candidate = &outcome.candidates[chosen];
         let program = &outcome.programs[candidate.program];
@@ -194,26 +189,14 @@ fn write(
             .map_err(|error| Failure::plain(error.to_string()))?;
         let machine = toml::to_string(&ready.machine)
             .expect("a machine that was read is one that can be written");
-        files.push(("program.rvir", print::print_module(&ready.module)));
-        files.push(("machine.toml", format!("# Written by robovec.\n{machine}")));
+        files.push((
+            "program.rvir".to_owned(),
+            print::print_module(&ready.module),
+        ));
+        files.push((
+            "machine.toml".to_owned(),
+            format!("# Written by robovec.\n{machine}"),
+        ));
     }
-    for (name, content) in files {
-        output::write_file(&folder.join(name), |writer| {
-            writer.write_all(content.as_bytes())
-        })?;
-    }
-    Ok(())
-}
-
-/// Tells what is being done, where somebody looks.
-pub(super) fn progress_bar() -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-    if std::io::stderr().is_terminal() {
-        bar.set_draw_target(ProgressDrawTarget::stderr());
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
-            bar.set_style(style);
-        }
-        bar.enable_steady_tick(Duration::from_millis(200));
-    }
-    bar
+    output::write_files(folder, &files)
 }

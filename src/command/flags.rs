@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn every_flag_that_is_a_number_has_a_limit() {
-        for command in crate::limits::commands() {
+        for command in crate::command::commands() {
             let complaints = complaints(&command);
             assert!(complaints.is_empty(), "{}", complaints.join("\n"));
         }

@@ -1,10 +1,12 @@
 //! `robovec front`: speed against error.
 
 use super::flags::{SEED, real, states, whole};
-use super::{Failure, generation, input, output, subjects};
+use super::output::result_files;
+use super::{Failure, generation, input, output, progress, subjects};
 use crate::front::{self, Front, Question};
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::model::Model;
+use crate::present::json::json_text;
 use clap::Args;
 use robovec_ir::Module;
 use robovec_ir::states::{Ranges, States};
@@ -52,7 +54,7 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, Failure> {
         return Err(Failure::plain("'--angle' must be a positive number"));
     }
     let machine = input::machine(&arguments.machine)?;
-    let bar = super::fit::progress_bar();
+    let bar = progress::spinner();
     let mut fronts: Vec<Front> = Vec::new();
     let mut text = String::new();
     for subject in &arguments.subjects {
@@ -72,8 +74,8 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, Failure> {
             angle: arguments.angle,
             cpu: arguments.cpu,
         };
-        let mut progress = |choice: &str| bar.set_message(format!("{name}: {choice}"));
-        let front = front::front(&name, &module, others, &question, &mut progress)
+        let progress = |choice: &str| bar.set_message(format!("{name}: {choice}"));
+        let front = front::front(&name, &module, others, &question, &progress)
             .map_err(|error| Failure::plain(format!("{name}: {error}")))?;
         text += &front::text::text(&front);
         text.push('\n');
@@ -103,16 +105,8 @@ fn angles(module: &Module, bound: f64) -> Ranges {
 pub(super) type Programs = (String, Module, Vec<(Formulation, Module)>);
 
 pub(super) fn programs(subject: &str, function: &str) -> Result<Programs, Failure> {
+    let (name, model) = subjects::named_model(subject)?;
     let path = Path::new(subject);
-    let is_model = path.extension().is_some_and(|extension| extension == "mbs");
-    subjects::check_number(subject)?;
-    let model = match subjects::built_in(subject) {
-        Some(model) => Some(model),
-        None if is_model => Some(input::model(path)?.model),
-        None => None,
-    };
-    let stem = path.file_stem().unwrap_or(path.as_os_str());
-    let name = stem.to_string_lossy().into_owned();
     let Some(model) = model else {
         let mut module = input::equations(path, None)?.module;
         if module.functions.len() != 1 {
@@ -155,20 +149,9 @@ fn equations(
 }
 
 fn write(folder: &Path, fronts: &[Front], machine: &robovec_ir::Machine) -> Result<(), Failure> {
-    output::make_folder(folder)?;
     let table = front::text::points_table(fronts);
-    // Fronts are plain data.
-    let json = serde_json::to_string_pretty(fronts).unwrap_or_default();
     let figure = front::text::figure(fronts);
-    for (name, content) in [
-        ("front.csv", table.to_csv()),
-        ("front.json", json + "\n"),
-        ("front.svg", crate::study::plot::draw(&figure)),
-        ("front.html", front::page::page(fronts, machine)),
-    ] {
-        output::write_file(&folder.join(name), |writer| {
-            writer.write_all(content.as_bytes())
-        })?;
-    }
-    Ok(())
+    let mut files = result_files(&table, json_text(fronts), &figure);
+    files.push(("front.html".to_owned(), front::page::page(fronts, machine)));
+    output::write_files(folder, &files)
 }

@@ -129,6 +129,12 @@ pub(crate) fn text(path: &Path, limit: &FileLimit) -> Result<String, Failure> {
     sources::text(path, limit).map_err(Failure)
 }
 
+/// The name of a file without folder and extension.
+pub(crate) fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or(path.as_os_str());
+    stem.to_string_lossy().into_owned()
+}
+
 /// Reads a pipeline, from a file when it starts with `@`.
 pub(crate) fn passes(text: &str) -> Result<Pipeline, Failure> {
     let content = match text.strip_prefix('@') {

@@ -18,6 +18,7 @@ pub(crate) mod flags;
 mod front;
 mod generation;
 pub(crate) mod input;
+pub mod limits;
 mod listing;
 mod model;
 mod names;
@@ -25,6 +26,7 @@ pub mod opt;
 mod output;
 mod output_errors;
 mod placed;
+mod progress;
 mod reduction;
 mod reproducer;
 mod rtl;
@@ -44,6 +46,11 @@ mod trig;
 mod write;
 
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
+
+/// The command lines of both programs, with the limits of their numbers.
+pub(crate) fn commands() -> [clap::Command; 2] {
+    [arguments::command(), tool::command()]
+}
 
 /// Why a program stops, already as messages for the user.
 #[derive(Debug)]

@@ -2,6 +2,7 @@
 
 use super::Failure;
 use crate::files::{self, Replace, WriteError};
+use crate::present::{DataTable, Figure, plot};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -30,6 +31,35 @@ pub(crate) fn write_folder(
     replace: Replace,
 ) -> Result<(), Failure> {
     files::sealed::write_folder(folder, files, replace).map_err(|error| failure(&error, replace))
+}
+
+/// Writes files, given as (name, text), into a folder, which is made.
+pub(crate) fn write_files<N: AsRef<str>>(
+    folder: &Path,
+    files: &[(N, String)],
+) -> Result<(), Failure> {
+    make_folder(folder)?;
+    for (name, text) in files {
+        write_file(&folder.join(name.as_ref()), |writer| {
+            writer.write_all(text.as_bytes())
+        })?;
+    }
+    Ok(())
+}
+
+/// The files of a table of results, all under its name: itself, its data for
+/// programs, and its figure.
+pub(crate) fn result_files(
+    table: &DataTable,
+    data: String,
+    figure: &Figure,
+) -> Vec<(String, String)> {
+    let name = &table.name;
+    vec![
+        (format!("{name}.csv"), table.to_csv()),
+        (format!("{name}.json"), data),
+        (format!("{name}.svg"), plot::draw(figure)),
+    ]
 }
 
 /// What an option `--force` makes of what may be replaced without it.

@@ -5,6 +5,7 @@ use super::flags::whole;
 use super::{Failure, input, output};
 use crate::accuracy::outputs;
 use crate::hexadecimal;
+use crate::present::json::json_text;
 use clap::Args;
 use robovec_analysis::accuracy::{Measurement, measure};
 use robovec_analysis::reference::Effort;
@@ -97,7 +98,7 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
             text += &state_text(module, &states, state);
             continue;
         }
-        let stem = path.file_stem().unwrap_or(path.as_os_str());
+        let stem = input::stem(path);
         let measurement = Measurement {
             effort: options.reference,
             sensitivities: true,
@@ -105,8 +106,8 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
         };
         for function in &module.functions {
             let name = match module.functions.len() {
-                1 => stem.to_string_lossy().into_owned(),
-                _ => format!("{} {}", stem.to_string_lossy(), function.name),
+                1 => stem.clone(),
+                _ => format!("{} {}", stem, function.name),
             };
             let view = View {
                 tables: &module.tables,
@@ -122,17 +123,11 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
         }
     }
     if let Some(folder) = &arguments.output {
-        output::make_folder(folder)?;
-        // Strings and numbers: nothing that JSON cannot hold.
-        let json = serde_json::to_string_pretty(&lines).expect("a line is plain data");
-        for (name, content) in [
+        let files = [
             ("outputs.csv", outputs::csv(&lines)),
-            ("outputs.json", json + "\n"),
-        ] {
-            output::write_file(&folder.join(name), |writer| {
-                writer.write_all(content.as_bytes())
-            })?;
-        }
+            ("outputs.json", json_text(&lines)),
+        ];
+        output::write_files(folder, &files)?;
     }
     Ok(text)
 }

@@ -1,7 +1,7 @@
 //! `robovec scene`: what a scene means.
 
 use super::{Failure, input};
-use crate::report::table;
+use crate::present::text_table;
 use crate::scene::{Effect, SceneFile, Subject, effects};
 use clap::Args;
 use robovec_ir::{Input, Machine, Module, View};
@@ -69,7 +69,7 @@ fn joints(scene: &Scene) -> String {
             vec![joint.number.to_string(), joint.name.clone(), hold]
         })
         .collect();
-    format!("\n{}\n", table(&["joint", "name", "held"], &rows, &[0]))
+    format!("\n{}\n", text_table(">joint | name | held", &rows))
 }
 
 fn outputs(scene: &Scene, module: &Module) -> String {
@@ -99,10 +99,10 @@ fn outputs(scene: &Scene, module: &Module) -> String {
             set.filter(|set| scene.needs(view, set.output)).count()
         })
         .sum();
-    let head = ["output", "elements", "allowed error"];
+    let head = "output | >elements | allowed error";
     format!(
         "\n{needed} of {all} outputs are needed\n{}\n",
-        table(&head, &rows, &[1])
+        text_table(head, &rows)
     )
 }
 
@@ -158,8 +158,8 @@ fn inputs(scene: &Scene, module: &Module) -> String {
             row
         })
         .collect();
-    let head = ["input", "read", "bound", "ranged", "free"];
-    format!("\n{}\n", table(&head, &rows, &[1, 2, 3, 4]))
+    let head = "input | >read | >bound | >ranged | >free";
+    format!("\n{}\n", text_table(head, &rows))
 }
 
 fn worth(effects: &[Effect], machine: &Machine, scene: &Scene) -> String {
@@ -177,8 +177,8 @@ fn worth(effects: &[Effect], machine: &Machine, scene: &Scene) -> String {
             ]
         })
         .collect();
-    let head = ["used", "operations", "of them", "sin, cos", "cycles"];
-    let mut text = format!("\n{}\n", table(&head, &rows, &[1, 2, 3, 4]));
+    let head = "used | >operations | >of them | >sin, cos | >cycles";
+    let mut text = format!("\n{}\n", text_table(head, &rows));
     if let (Some(deadline), Some(last)) = (scene.deadline, effects.last()) {
         let time = f64::from(last.cycles) / machine.clock_mhz;
         let verdict = match time <= deadline {

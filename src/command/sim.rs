@@ -1,18 +1,18 @@
 //! `robovec sim`: a model in motion.
 
 use super::flags::{real, whole};
-use super::{Failure, input, output};
+use super::{Failure, input, output, progress};
 use crate::files::limited;
 use crate::generate::Formulation;
 use crate::model::mbs::ReadModel;
 use crate::model::{Model, Nature};
 use crate::motion::{Laws, Method, MotionError, Plan, Run, Setting, System, plot, simulate};
+use crate::present;
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use robovec_ir::Format;
 use robovec_ir::diagnostic::{Report, Severity, clip, did_you_mean};
 use std::fmt::Write as _;
-use std::io::{IsTerminal, Write as _};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Steps of the progress bar.
@@ -112,15 +112,14 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
     };
     let (mut system, initial) = System::new(model, laws, &setting).map_err(failure)?;
     let remark = roles(model, &system);
-    let bar = progress_bar();
+    let bar = progress::bar(BAR_LENGTH as usize, "{percent}% {elapsed}, {eta} left");
     let run = simulate(&mut system, &initial, &plan(arguments), &mut |time| {
         bar.set_position((time / arguments.time * BAR_LENGTH) as u64);
     });
     bar.finish_and_clear();
     let run = run.map_err(failure)?;
     if let Some(path) = &arguments.plot {
-        let svg = plot::svg(model, &run)
-            .map_err(|error| Failure::plain(format!("cannot draw: {error}")))?;
+        let svg = present::plot::draw(&plot::figure(model, &run));
         output::write_file(path, |writer| writer.write_all(svg.as_bytes()))?;
     }
     // When the standard error is closed there is nobody left to tell.
@@ -194,18 +193,6 @@ fn plan(arguments: &SimArguments) -> Plan {
 fn failure(error: MotionError) -> Failure {
     let notes = error.advice().map(str::to_owned).into_iter().collect();
     Failure::advised(error.to_string(), notes)
-}
-
-fn progress_bar() -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(BAR_LENGTH as u64), ProgressDrawTarget::hidden());
-    if std::io::stderr().is_terminal() {
-        bar.set_draw_target(ProgressDrawTarget::stderr());
-        if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent}% {elapsed}, {eta} left")
-        {
-            bar.set_style(style);
-        }
-    }
-    bar
 }
 
 /// What moves freely, and what follows.

@@ -1,14 +1,13 @@
 //! `robovec stress`: hard cases, verdicts and cures.
 
-use super::{Failure, output};
+use super::output::result_files;
+use super::{Failure, output, progress};
+use crate::present::json::json_text;
 use crate::stress::{self, Case, Class, Findings, StressError};
-use crate::study::plot;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use std::fmt::Write as _;
-use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
 /// Measure hard cases, judge whose fault the errors are, and try cures
@@ -41,7 +40,7 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, Failure> {
     if arguments.list {
         return Ok(list(&cases));
     }
-    let bar = progress_bar(cases.len());
+    let bar = progress::bar(cases.len(), "{pos}/{len} cases, {msg}");
     // The largest cases stand last in their classes: begun first, they leave
     // no core idle at the end.
     let mut order: Vec<usize> = (0..cases.len()).collect();
@@ -141,21 +140,10 @@ fn list(cases: &[Case]) -> String {
 }
 
 fn write_files(folder: &std::path::Path, findings: &[(&Case, Findings)]) -> Result<(), Failure> {
-    output::make_folder(folder)?;
     let table = stress::table(findings);
-    // A table is strings and numbers: nothing JSON cannot hold.
-    let json = serde_json::to_string_pretty(&table).expect("a table is plain data");
-    for (name, content) in [
-        ("stress.csv", table.to_csv()),
-        ("stress.json", json + "\n"),
-        ("stress.svg", plot::draw(&stress::figure(findings))),
-        ("stress.html", stress::page(findings)),
-    ] {
-        output::write_file(&folder.join(name), |writer| {
-            writer.write_all(content.as_bytes())
-        })?;
-    }
-    Ok(())
+    let mut files = result_files(&table, json_text(&table), &stress::figure(findings));
+    files.push(("stress.html".to_owned(), stress::page(findings)));
+    output::write_files(folder, &files)
 }
 
 /// What is not as it should be: verdicts, and classes without a cure.
@@ -180,15 +168,4 @@ fn complaints(arguments: &StressArguments, findings: &[(&Case, Findings)]) -> Ve
         }
     }
     complaints
-}
-
-fn progress_bar(length: usize) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(length as u64), ProgressDrawTarget::hidden());
-    if stderr().is_terminal() {
-        bar.set_draw_target(ProgressDrawTarget::stderr());
-    }
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} cases, {msg}") {
-        bar.set_style(style);
-    }
-    bar
 }

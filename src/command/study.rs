@@ -2,19 +2,21 @@
 
 use super::flags::{FlagLimit, whole};
 use super::subjects::{self, Files, locate};
-use super::{Failure, input, output};
+use super::{Failure, input, output, progress};
+use crate::explore::processor::{Computer, LARGEST};
+use crate::explore::program::view;
+use crate::explore::store::PointStore;
 use crate::files::limited;
-use crate::study::cpu::{self, Computer, CpuTime, Job};
+use crate::present::json::json_text;
+use crate::present::plot;
+use crate::study::cpu::{self, CpuTime, Job};
 use crate::study::plan::{self, Plan, Selection};
 use crate::study::program::Equations;
 use crate::study::results::Results;
-use crate::study::store::Store;
-use crate::study::{figures, page, plot, run, tables};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use robovec_ir::{Module, View};
+use crate::study::{figures, page, run, tables};
+use robovec_ir::Module;
 use std::collections::HashMap;
 use std::fs;
-use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
 /// Place sets of models on sets of machines, and write tables, figures and a
@@ -48,13 +50,16 @@ pub(super) struct Arguments {
     #[arg(long)]
     cpu: bool,
     /// Leave functions with more operations than this out of --cpu
-    #[arg(long, value_name = "OPERATIONS", default_value_t = cpu::LARGEST,
+    #[arg(long, value_name = "OPERATIONS", default_value_t = LARGEST,
           add = whole(0, 100_000_000, "compiling takes minutes beyond some million"))]
     cpu_limit: usize,
     /// Threads; as many as there are processors by default
     #[arg(long, value_name = "N", add = whole(1, 1024, "every thread takes memory of its own"))]
     jobs: Option<u32>,
 }
+
+/// What stands beside the bar.
+const PROGRESS: &str = "{pos}/{len} placements, {eta} left, {msg}";
 
 /// Runs the study; the text is for the standard output.
 pub(super) fn study(arguments: &Arguments) -> Result<String, Failure> {
@@ -64,7 +69,7 @@ pub(super) fn study(arguments: &Arguments) -> Result<String, Failure> {
         locate(subject)?;
     }
     output::make_folder(&arguments.output)?;
-    let store = Store::open(&arguments.output.join("points"), arguments.resume)
+    let store = PointStore::open(&arguments.output.join("points"), arguments.resume)
         .map_err(|error| Failure::plain(format!("cannot make the folder for points: {error}")))?;
     let results = compute(arguments, plan, &store)?;
     let times = if arguments.cpu {
@@ -103,7 +108,7 @@ fn read_plan(arguments: &Arguments) -> Result<Plan, Failure> {
     plan::resolve(&name, &text, &selection, &read_machine).map_err(Failure)
 }
 
-fn compute(arguments: &Arguments, plan: Plan, store: &Store) -> Result<Results, Failure> {
+fn compute(arguments: &Arguments, plan: Plan, store: &PointStore) -> Result<Results, Failure> {
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(jobs) = arguments.jobs {
         pool = pool.num_threads(jobs as usize);
@@ -111,7 +116,7 @@ fn compute(arguments: &Arguments, plan: Plan, store: &Store) -> Result<Results, 
     let pool = pool
         .build()
         .map_err(|error| Failure::plain(format!("cannot start threads: {error}")))?;
-    let bar = progress_bar(plan.requests.len());
+    let bar = progress::bar(plan.requests.len(), PROGRESS);
     let progress = |model: &str| {
         bar.inc(1);
         bar.set_message(model.to_owned());
@@ -122,19 +127,6 @@ fn compute(arguments: &Arguments, plan: Plan, store: &Store) -> Result<Results, 
         outcome: outcome.map_err(Failure)?,
         plan,
     })
-}
-
-fn progress_bar(length: usize) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(length as u64), ProgressDrawTarget::hidden());
-    if io::stderr().is_terminal() {
-        bar.set_draw_target(ProgressDrawTarget::stderr());
-    }
-    if let Ok(style) =
-        ProgressStyle::with_template("{bar:40} {pos}/{len} placements, {eta} left, {msg}")
-    {
-        bar.set_style(style);
-    }
-    bar
 }
 
 /// Times every program on one core, one after the other; times of an earlier
@@ -150,19 +142,15 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
     let Some(machine) = results.main_machine() else {
         return Ok(Vec::new());
     };
-    let bar = progress_bar(plan.models.len() * plan.pipelines.len());
+    let bar = progress::bar(plan.models.len() * plan.pipelines.len(), PROGRESS);
     let mut times: Vec<CpuTime> = Vec::new();
     let mut timed: HashMap<String, usize> = HashMap::new();
     let mut measure = |model: &str, pipeline: &str, [module, shorter]: [&Module; 2]| {
-        let [view, shorter] = [module, shorter].map(|module| View {
-            tables: &module.tables,
-            function: &module.functions[0],
-        });
         let job = Job {
             model,
             pipeline,
-            view,
-            shorter,
+            view: view(module),
+            shorter: view(shorter),
         };
         // Models of several formulations are the same for a processor.
         let same = timed.entry(job.program()).or_insert(times.len());
@@ -173,7 +161,9 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
             (None, None) => cpu::measure(&job, &computer, arguments.cpu_limit),
         });
         // What takes long is kept at once.
-        output::write_file(&path, |writer| writer.write_all(json(&times).as_bytes()))
+        output::write_file(&path, |writer| {
+            writer.write_all(json_text(&times).as_bytes())
+        })
     };
     for (index, subject) in plan.models.iter().enumerate() {
         let equations = Equations::load(subject, &Files).map_err(Failure)?;
@@ -197,38 +187,28 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
 
 /// Writes all results, each file whole.
 fn write(folder: &Path, results: &Results, times: &[CpuTime]) -> Result<(), Failure> {
-    let file = |name: &str, text: &str| {
-        output::write_file(&folder.join(name), |writer| {
-            writer.write_all(text.as_bytes())
-        })
-    };
-    for part in ["tables", "figures"] {
-        output::make_folder(&folder.join(part))?;
-    }
     let tables = tables::all(results);
     let figures = figures::all(results);
+    let mut files = Vec::new();
     for table in &tables {
-        file(&format!("tables/{}.csv", table.name), &table.to_csv())?;
-        file(&format!("tables/{}.json", table.name), &json(table))?;
+        files.push((format!("{}.csv", table.name), table.to_csv()));
+        files.push((format!("{}.json", table.name), json_text(table)));
     }
+    output::write_files(&folder.join("tables"), &files)?;
+    files.clear();
     for figure in &figures {
-        file(&format!("figures/{}.svg", figure.name), &plot::draw(figure))?;
-        file(&format!("figures/{}.csv", figure.name), &figure.to_csv())?;
+        files.push((format!("{}.svg", figure.name), plot::draw(figure)));
+        files.push((format!("{}.csv", figure.name), figure.to_csv()));
     }
-    file(
-        "report.html",
-        &page::page(results, &tables, &figures, times),
-    )?;
+    output::write_files(&folder.join("figures"), &files)?;
     // A line for each placement: curves of hundreds of numbers are not for
     // reading.
-    file("results.json", &lines(&results.to_json()))
-}
-
-fn json(value: &impl serde::Serialize) -> String {
-    // Plain data: nothing that JSON cannot hold.
-    let mut text = serde_json::to_string_pretty(value).expect("results are plain data");
-    text.push('\n');
-    text
+    let report = page::page(results, &tables, &figures, times);
+    let results = lines(&results.to_json());
+    output::write_files(
+        folder,
+        &[("report.html", report), ("results.json", results)],
+    )
 }
 
 /// JSON with the entries of the outermost lists on lines of their own.

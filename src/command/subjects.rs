@@ -9,7 +9,7 @@ use crate::study::plan::Subject;
 use crate::study::program::Sources;
 use robovec_ir::Module;
 use robovec_ir::diagnostic::{Report, did_you_mean};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Seed of the parameters of built-in models; equations do not depend on it.
 const SEED: u64 = 1;
@@ -125,6 +125,20 @@ fn equations(subject: &Subject) -> Result<Module, Failure> {
     };
     let formulation = Formulation::from_name(&style.formulation).unwrap_or_default();
     generation::functions(&model, &[kind], formulation, &options)
+}
+
+/// The name of a subject of the command line, and its model, built-in or read;
+/// `None` for a file of equations.
+pub(super) fn named_model(subject: &str) -> Result<(String, Option<Model>), Failure> {
+    check_number(subject)?;
+    let path = Path::new(subject);
+    let is_model = path.extension().is_some_and(|extension| extension == "mbs");
+    let model = match built_in(subject) {
+        Some(model) => Some(model),
+        None if is_model => Some(input::model(path)?.model),
+        None => None,
+    };
+    Ok((input::stem(path), model))
 }
 
 /// The built-in model of a name like `bogie` or `serial-23`.

@@ -2,16 +2,15 @@
 
 use super::flags::whole;
 use super::front::programs;
-use super::{Failure, output};
-use crate::study::couples::couples;
-use crate::study::plot;
+use super::output::result_files;
+use super::{Failure, input, output};
+use crate::explore::operators::{Couple, couples};
+use crate::explore::program::{transformed_by, view};
+use crate::present::json::json_text;
 use crate::sweep::design::{Space, interconnect_names};
 use crate::sweep::{Sweep, page, sweep, text};
 use clap::{Args, ValueEnum};
 use robovec_ir::machine::{Interconnect, MemoryStyle};
-use robovec_ir::{Machine, Module, View};
-use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline;
 use std::path::{Path, PathBuf};
 
 /// Resources against time: every design of a space of machines, and those that no other one beats
@@ -78,21 +77,22 @@ enum MemoryWord {
 /// Runs the command.
 pub(super) fn run(arguments: &SweepArguments) -> Result<String, Failure> {
     let space = space(arguments)?;
+    let thesis = input::machine("thesis")?;
     let mut sweeps: Vec<Sweep> = Vec::new();
     let mut report = String::new();
     for subject in &arguments.subjects {
-        let (name, mut module, _) = programs(subject, &arguments.function)?;
-        let failure = |error| Failure::plain(format!("{name}: {error}"));
-        let mut compiled = module.clone();
-        prepare(&mut module, &arguments.passes).map_err(failure)?;
-        if arguments.cpu {
-            prepare(&mut compiled, "$cpu").map_err(failure)?;
-        }
-        let view = View {
-            tables: &compiled.tables,
-            function: &compiled.functions[0],
+        let (name, module, _) = programs(subject, &arguments.function)?;
+        let failure = |error: String| Failure::plain(format!("{name}: {error}"));
+        let made = |passes: &str| {
+            let made = transformed_by(&module, passes, &thesis, None);
+            made.map_err(|error| failure(error.to_string()))
         };
-        let result = sweep(&name, &module, &space, arguments.cpu.then_some(view))
+        let program = made(&arguments.passes)?;
+        let compiled = match arguments.cpu {
+            true => Some(made("$cpu")?),
+            false => None,
+        };
+        let result = sweep(&name, &program, &space, compiled.as_ref().map(view))
             .map_err(|error| failure(error.to_string()))?;
         report += &text::text(&result);
         report.push('\n');
@@ -113,7 +113,7 @@ fn space(arguments: &SweepArguments) -> Result<Space, Failure> {
     };
     let mut known = couples();
     for wanted in &arguments.couples {
-        let is_it = |couple: &crate::study::couples::Couple| {
+        let is_it = |couple: &Couple| {
             let [add, multi] = couple.stages();
             *wanted == format!("{add}-{multi}")
         };
@@ -172,29 +172,9 @@ fn space(arguments: &SweepArguments) -> Result<Space, Failure> {
     })
 }
 
-/// Runs the pipeline that makes the program.
-fn prepare(module: &mut Module, passes: &str) -> Result<(), String> {
-    let pipeline = pipeline::parse(passes).map_err(|error| error.to_string())?;
-    let machine = Machine::built_in("thesis").ok_or("the thesis' machine is missing")?;
-    let mut log = Vec::new();
-    manager::run(module, &pipeline, Config::new(&machine, &mut log))
-        .map(|_| ())
-        .map_err(|error| error.to_string())
-}
-
 fn write(folder: &Path, sweeps: &[Sweep]) -> Result<(), Failure> {
-    output::make_folder(folder)?;
-    // Sweeps are plain data.
-    let json = serde_json::to_string_pretty(sweeps).unwrap_or_default();
-    for (name, content) in [
-        ("sweep.csv", text::points_table(sweeps).to_csv()),
-        ("sweep.json", json + "\n"),
-        ("sweep.svg", plot::draw(&text::figure(sweeps))),
-        ("sweep.html", page::page(sweeps)),
-    ] {
-        output::write_file(&folder.join(name), |writer| {
-            writer.write_all(content.as_bytes())
-        })?;
-    }
-    Ok(())
+    let table = text::points_table(sweeps);
+    let mut files = result_files(&table, json_text(sweeps), &text::figure(sweeps));
+    files.push(("sweep.html".to_owned(), page::page(sweeps)));
+    output::write_files(folder, &files)
 }

@@ -2,9 +2,9 @@
 
 use super::Failure;
 use super::flags::whole;
+use crate::explore::operators::{ADDERS, MULTIPLIERS, Operator};
+use crate::present::text_table;
 use crate::process::ToolError;
-use crate::report::table;
-use crate::study::couples::{ADDERS, MULTIPLIERS, Operator};
 use crate::synthesis::cores::{self, Mapped};
 use crate::synthesis::{SynthesisError, Tool};
 use crate::synthesis::{machine, page};
@@ -114,22 +114,9 @@ fn operators(mapped: &[Mapped]) -> String {
             printed.map_or(String::new(), |operator| operator.luts.to_string()),
         ]);
     }
-    let head = [
-        "operator",
-        "stages",
-        "ALUT",
-        "formula",
-        "registers",
-        "formula",
-        "DSP",
-        "MHz low",
-        "mid",
-        "high",
-        "thesis MHz",
-        "thesis LUT",
-    ];
-    let right: Vec<usize> = (1..head.len()).collect();
-    table(&head, &rows, &right)
+    let head = "operator | >stages | >ALUT | >formula | >registers | >formula | >DSP | >MHz low | \
+         >mid | >high | >thesis MHz | >thesis LUT";
+    text_table(head, &rows)
 }
 
 /// The row of Tables 1.1 and 1.2.

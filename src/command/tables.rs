@@ -1,7 +1,7 @@
 //! `--time-passes` and `--stats`.
 
 use super::arguments::TableFormat;
-use crate::report::table;
+use crate::present::text_table;
 use robovec_passes::manager::PassRecord;
 use serde_json::{Value, json};
 
@@ -68,16 +68,8 @@ pub(crate) fn times(records: &[PassRecord], stages: &[Stage], format: TableForma
             String::new(),
         ]);
     }
-    let head = [
-        "pass",
-        "function",
-        "CPU ms",
-        "%",
-        "peak MB",
-        "operations",
-        "path",
-    ];
-    let table = table(&head, &rows, &[2, 3, 4, 5, 6]);
+    let head = "pass | function | >CPU ms | >% | >peak MB | >operations | >path";
+    let table = text_table(head, &rows);
     format!("{table}\nCPU time in all: {:.2} ms\n", total * 1e3)
 }
 
@@ -108,8 +100,5 @@ pub(crate) fn statistics(records: &[PassRecord], format: TableFormat) -> String 
             ]);
         }
     }
-    format!(
-        "{}\n",
-        table(&["pass", "function", "number", "of"], &rows, &[2])
-    )
+    format!("{}\n", text_table("pass | function | >number | of", &rows))
 }

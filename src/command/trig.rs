@@ -1,14 +1,15 @@
 //! `robovec trig`: what series for sines and cosines do to the outputs.
 
 use super::flags::{SEED, real, states, whole};
+use super::output::result_files;
 use super::{Failure, input, output};
-use crate::study::plot;
+use crate::present::json::json_text;
 use crate::trigonometry::{self, Effect, Setting};
 use clap::{Args, ValueEnum};
 use robovec_ir::{Format, Module};
 use robovec_num::trigonometry::{LARGEST_RANGE, MOST_ORDER};
 use robovec_passes::trigonometry::Method;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Which polynomials.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
@@ -93,9 +94,14 @@ pub(super) fn run(arguments: &TrigArguments) -> Result<String, Failure> {
             true => Some(input::model(path)?.model),
             false => None,
         };
-        let measured =
-            trigonometry::measure(&stem(path), &module, model.as_ref(), &machine, &setting)
-                .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+        let measured = trigonometry::measure(
+            &input::stem(path),
+            &module,
+            model.as_ref(),
+            &machine,
+            &setting,
+        )
+        .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
         for effect in &measured {
             text.push('\n');
             text += &trigonometry::text(effect);
@@ -103,29 +109,10 @@ pub(super) fn run(arguments: &TrigArguments) -> Result<String, Failure> {
         effects.extend(measured);
     }
     if let Some(folder) = &arguments.output {
-        write(folder, &effects)?;
+        let table = trigonometry::table(&effects);
+        let figure = trigonometry::figure(&effects);
+        let files = result_files(&table, json_text(&table), &figure);
+        output::write_files(folder, &files)?;
     }
     Ok(text)
-}
-
-fn stem(path: &Path) -> String {
-    let stem = path.file_stem().unwrap_or(path.as_os_str());
-    stem.to_string_lossy().into_owned()
-}
-
-fn write(folder: &Path, effects: &[Effect]) -> Result<(), Failure> {
-    output::make_folder(folder)?;
-    let table = trigonometry::table(effects);
-    // A table is strings and numbers: nothing JSON cannot hold.
-    let json = serde_json::to_string_pretty(&table).expect("a table is plain data");
-    for (name, content) in [
-        ("trig.csv", table.to_csv()),
-        ("trig.json", json + "\n"),
-        ("trig.svg", plot::draw(&trigonometry::figure(effects))),
-    ] {
-        output::write_file(&folder.join(name), |writer| {
-            writer.write_all(content.as_bytes())
-        })?;
-    }
-    Ok(())
 }

@@ -1,8 +1,10 @@
 //! The error of one value or output, for `--explain`.
 
 use super::heat::{Heat, blame, blame_of};
-use super::view::{percent, place, small};
-use robovec_analysis::adjoint::{Run, Tape};
+use super::view::{place, small};
+use crate::present::number::percent;
+use robovec_analysis::adjoint::Run;
+use robovec_analysis::adjoint::Tape;
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
 use robovec_passes::trail::Item;

@@ -2,7 +2,10 @@
 
 use super::heat::{Heat, HotEquation};
 use super::table::{ErrorTable, OutputRow};
-use crate::report::table;
+use crate::present::csv::quoted;
+use crate::present::json::json_text;
+use crate::present::number::percent;
+use crate::present::text_lines;
 use std::fmt::Write;
 
 /// The rows of a table for a person; the others are counted.
@@ -19,7 +22,7 @@ pub fn text(errors: &ErrorTable) -> String {
         errors.function, errors.format, errors.state, errors.seed
     );
     let shown = worst(&errors.outputs);
-    let mut head = vec!["output", "exact", "error"];
+    let mut head = "output | >exact | >error".to_owned();
     let first = errors.outputs.first();
     let has = |pick: fn(&OutputRow) -> bool| first.is_some_and(pick);
     let columns = [
@@ -29,20 +32,19 @@ pub fn text(errors: &ErrorTable) -> String {
         has(|row| row.interval.is_some()),
     ];
     let names = [
-        &["predicted"] as &[&str],
-        &["bound"],
-        &["sigma"],
-        &["least", "greatest", "window loses", "ranges"],
+        " | >predicted",
+        " | >bound",
+        " | >sigma",
+        " | >least | >greatest | >window loses | >ranges",
     ];
-    for (names, has) in names.iter().zip(columns) {
-        head.extend(names.iter().filter(|_| has));
+    for (names, _) in names.iter().zip(columns).filter(|(_, has)| *has) {
+        head.push_str(names);
     }
     let rows: Vec<Vec<String>> = shown
         .iter()
         .map(|&index| row(&errors.outputs[index]))
         .collect();
-    let right: Vec<usize> = (1..head.len()).collect();
-    push(&table(&head, &rows, &right), &mut text);
+    text += &text_lines(&head, &rows);
     let rest = errors.outputs.len() - shown.len();
     if rest > 0 {
         let _ = writeln!(text, "and {rest} more outputs with smaller relative errors");
@@ -50,15 +52,8 @@ pub fn text(errors: &ErrorTable) -> String {
     text.push('\n');
     text.push_str(&heat_title(&errors.heat));
     text.push('\n');
-    push(&heat_text(&errors.heat), &mut text);
+    text += &heat_text(&errors.heat);
     text
-}
-
-fn push(lines: &str, text: &mut String) {
-    for line in lines.lines() {
-        text.push_str(line.trim_end());
-        text.push('\n');
-    }
 }
 
 /// The places of the rows to show, in order.
@@ -135,8 +130,8 @@ pub(crate) fn heat_text(heat: &Heat) -> String {
         .iter()
         .map(|equation| equation_row(equation, hottest));
     let rows: Vec<Vec<String>> = rows.collect();
-    let head = ["share", "", "equation", "operations", "where"];
-    push(&table(&head, &rows, &[0, 3]), &mut text);
+    let head = ">share |  | equation | >operations | where";
+    text += &text_lines(head, &rows);
     if heat.literals > 0.0 {
         let _ = writeln!(
             text,
@@ -180,11 +175,6 @@ pub(super) fn place(equation: &HotEquation) -> String {
     }
 }
 
-/// A share of 1 in percent.
-pub(super) fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
-}
-
 /// A bar from left to right, to eighths of a character.
 fn bar(share: f64) -> String {
     const EIGHTHS: [&str; 8] = ["", "▏", "▎", "▍", "▌", "▋", "▊", "▉"];
@@ -195,10 +185,7 @@ fn bar(share: f64) -> String {
 
 /// The tables as JSON: a list with one object per function.
 pub fn json(tables: &[ErrorTable]) -> String {
-    // Strings, numbers and lists of them: nothing that JSON cannot hold.
-    let mut text = serde_json::to_string_pretty(tables).expect("a table is plain data");
-    text.push('\n');
-    text
+    json_text(tables)
 }
 
 /// The rows of all tables as CSV, empty cells where a method was not asked.
@@ -214,7 +201,7 @@ pub fn csv(tables: &[ErrorTable]) -> String {
             let cells = [
                 table.function.clone(),
                 // An element of a matrix has a comma in it.
-                format!("\"{}\"", row.name),
+                quoted(&row.name),
                 number(Some(row.exact)),
                 number(Some(row.computed)),
                 number(Some(row.error)),

@@ -6,13 +6,14 @@
 //! nothing of the placer: its results must be the evaluator's bit for bit,
 //! and within the tolerances.
 
-use super::{Candidate, FitError, MORE, Program, Task, size, used, yardstick};
-use crate::front::measure::{MeasureError, view};
-use crate::front::yardstick::{Spread, results};
+use super::{Candidate, FitError, FitProgram, MORE, Task, size, used, yardstick};
+use crate::explore::placing::placed;
+use crate::explore::program::{ExplorationError, view};
+use crate::explore::yardstick::{ErrorSpread, results};
 use crate::simulate;
 use robovec_ir::{Machine, Module, View};
 use robovec_passes::codegen::write_images;
-use robovec_passes::place::{PlaceOptions, place};
+use robovec_passes::place::PlaceOptions;
 use serde::Serialize;
 
 /// States that are run cycle by cycle.
@@ -27,7 +28,7 @@ pub struct Confirmation {
     /// The seed that drew them.
     pub seed: u64,
     /// Normwise errors there.
-    pub normwise: Spread,
+    pub normwise: ErrorSpread,
     /// The largest error over its tolerance there.
     pub used: f64,
     /// States run cycle by cycle.
@@ -62,15 +63,19 @@ pub struct Ready {
 /// # Errors
 ///
 /// When it cannot be placed any more, which would be a mistake of the search.
-pub fn ready(task: &Task<'_>, program: &Program, candidate: &Candidate) -> Result<Ready, FitError> {
+pub fn ready(
+    task: &Task<'_>,
+    program: &FitProgram,
+    candidate: &Candidate,
+) -> Result<Ready, FitError> {
     let mut machine = size::sized(task.machine, candidate.elements);
     if let Ok(number) = candidate.format.parse() {
         machine.number = number;
     }
+    let placed = placed(&program.module, &machine, PlaceOptions::default())
+        .map_err(|error| ExplorationError::Pass(error.to_string()))?;
     let mut module = (*program.module).clone();
-    let function = &mut module.functions[0];
-    place(function, &machine, PlaceOptions::default())
-        .map_err(|error| MeasureError::Pass(error.to_string()))?;
+    module.functions[0] = placed.function;
     Ok(Ready { module, machine })
 }
 
@@ -81,7 +86,7 @@ pub fn ready(task: &Task<'_>, program: &Program, candidate: &Candidate) -> Resul
 /// See [`FitError`]; that it does not hold is no error.
 pub fn confirm(
     task: &Task<'_>,
-    program: &Program,
+    program: &FitProgram,
     candidate: &Candidate,
 ) -> Result<Confirmation, FitError> {
     let ready = ready(task, program, candidate)?;
@@ -90,7 +95,7 @@ pub fn confirm(
     let seed = task.seed.wrapping_add(2);
     let fresh = yardstick(task, states, seed);
     let view = view(&program.module);
-    let errors = fresh.errors(view, format).map_err(MeasureError::from)?;
+    let errors = fresh.errors(view, format).map_err(ExplorationError::from)?;
     let mut confirmation = Confirmation {
         states,
         seed,
@@ -102,7 +107,7 @@ pub fn confirm(
         simulated_used: f64::INFINITY,
         remark: String::new(),
     };
-    let inputs = fresh.inputs(view).map_err(MeasureError::from)?;
+    let inputs = fresh.inputs(view).map_err(ExplorationError::from)?;
     let inputs = &inputs[..SIMULATED.min(inputs.len())];
     match run(&ready, inputs) {
         Err(reason) => confirmation.remark = reason,
@@ -117,7 +122,9 @@ pub fn confirm(
             confirmation.cycles = cycles;
             confirmation.simulated = inputs.len();
             confirmation.equal = bits(&simulated) == bits(&expected);
-            let errors = fresh.judge(view, &simulated).map_err(MeasureError::from)?;
+            let errors = fresh
+                .judge(view, &simulated)
+                .map_err(ExplorationError::from)?;
             confirmation.simulated_used = used(task.scene, program, &errors);
         }
     }

@@ -1,9 +1,9 @@
 //! The narrowest format that meets the tolerances.
 
 use super::ranges::{exponent_bits, largest_exponent};
-use super::{FitError, Program, Task, used};
-use crate::front::measure::{MeasureError, view};
-use crate::front::yardstick::{Errors, Yardstick};
+use super::{FitError, FitProgram, Task, used};
+use crate::explore::program::{ExplorationError, view};
+use crate::explore::yardstick::{MeasuredErrors, Yardstick};
 use robovec_ir::Format;
 use robovec_num::NumberFormat;
 
@@ -23,13 +23,13 @@ const PART: f64 = 0.7;
 /// widened until it also holds at the many of the validation.
 pub(super) fn formats(
     task: &Task<'_>,
-    program: &Program,
+    program: &FitProgram,
     search: &Yardstick,
     validation: &Yardstick,
-) -> Result<Vec<(Format, Errors)>, FitError> {
-    let measure_at = |yardstick: &Yardstick, format: Format| -> Result<Errors, FitError> {
+) -> Result<Vec<(Format, MeasuredErrors)>, FitError> {
+    let measure_at = |yardstick: &Yardstick, format: Format| -> Result<MeasuredErrors, FitError> {
         let errors = yardstick.errors(view(&program.module), format);
-        Ok(errors.map_err(MeasureError::from)?)
+        Ok(errors.map_err(ExplorationError::from)?)
     };
     let measure = |format: Format| measure_at(search, format);
     let mut found = vec![(Format::BINARY32, measure_at(validation, Format::BINARY32)?)];
@@ -37,8 +37,8 @@ pub(super) fn formats(
         // No format helps a series that is not exact enough.
         return Ok(found);
     }
-    let exponent = largest_exponent(program, validation).map_err(MeasureError::from)?;
-    let meets = |errors: &Errors| {
+    let exponent = largest_exponent(program, validation).map_err(ExplorationError::from)?;
+    let meets = |errors: &MeasuredErrors| {
         errors.normwise.worst.is_finite() && used(task.scene, program, errors) <= PART
     };
     let subnormals = match task.machine.number {

@@ -21,7 +21,6 @@
 //! run cycle by cycle from its memory images ([`confirm`]).
 
 pub mod confirm;
-pub mod cost;
 mod format;
 pub mod page;
 mod ranges;
@@ -32,10 +31,12 @@ mod variants;
 
 pub use series::{Place, Treatment};
 
-use crate::front::measure::{MeasureError, view};
-use crate::front::yardstick::{Errors, Yardstick};
+use crate::explore::ExplorationProgress;
+use crate::explore::device::{self, DeviceShare};
+use crate::explore::pareto::{self, Ties};
+use crate::explore::program::{ExplorationError, view};
+use crate::explore::yardstick::{ErrorSpread, MeasuredErrors, Yardstick};
 use crate::generate::Formulation;
-use cost::Resources;
 use robovec_analysis::critical_path::critical_path;
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Machine, Module};
@@ -65,7 +66,7 @@ pub struct Task<'a> {
 
 /// A program made for the scene.
 #[derive(Clone, Debug)]
-pub struct Program {
+pub struct FitProgram {
     /// Formulation and passes, in words.
     pub name: String,
     /// The pipeline that made it from the general equations.
@@ -99,14 +100,14 @@ pub struct Candidate {
     /// The same at the machine's clock, µs.
     pub microseconds: f64,
     /// Errors at the scene's states, everything included.
-    pub relative: crate::front::yardstick::Spread,
+    pub relative: ErrorSpread,
     /// The same over the largest element of the array.
-    pub normwise: crate::front::yardstick::Spread,
+    pub normwise: ErrorSpread,
     /// The largest error over its tolerance: at most 1 when all are met; 0
     /// when the scene allows any.
     pub used: f64,
     /// What it takes of the device.
-    pub resources: Resources,
+    pub resources: DeviceShare,
     /// The largest share of the device.
     pub share: f64,
     /// Tolerances and deadline are met, and the device has room.
@@ -114,24 +115,21 @@ pub struct Candidate {
 }
 
 /// What was found.
-pub struct Outcome {
+pub struct FitOutcome {
     /// The programs.
-    pub programs: Vec<Program>,
+    pub programs: Vec<FitProgram>,
     /// Everything that was placed and measured.
     pub candidates: Vec<Candidate>,
     /// Index of the cheapest that meets everything; `None` when none does.
     pub chosen: Option<usize>,
 }
 
-/// Told what is being done.
-pub type Progress<'a> = &'a mut dyn FnMut(&str);
-
 /// Why nothing could be searched.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum FitError {
     /// A program could not be made or measured.
     #[error(transparent)]
-    Measure(#[from] MeasureError),
+    Measure(#[from] ExplorationError),
     /// No program could be made at all.
     #[error("no formulation gives a program for this scene: {0}")]
     NoProgram(String),
@@ -143,7 +141,7 @@ pub enum FitError {
 ///
 /// See [`FitError`]. That nothing meets the scene is no error: the outcome
 /// then has no chosen candidate, and its front shows what is possible.
-pub fn fit(task: &Task<'_>, progress: Progress<'_>) -> Result<Outcome, FitError> {
+pub fn fit(task: &Task<'_>, progress: ExplorationProgress<'_>) -> Result<FitOutcome, FitError> {
     let search = yardstick(task, task.states, task.seed);
     let validation = yardstick(task, task.states * MORE, task.seed.wrapping_add(1));
     let mut programs = variants::programs(task, &search, progress)?;
@@ -175,7 +173,7 @@ pub fn fit(task: &Task<'_>, progress: Progress<'_>) -> Result<Outcome, FitError>
             );
             order.then(a.cycles.cmp(&b.cycles))
         });
-    Ok(Outcome {
+    Ok(FitOutcome {
         chosen: cheapest.map(|(index, _)| index),
         programs,
         candidates,
@@ -193,13 +191,13 @@ fn yardstick(task: &Task<'_>, states: u32, seed: u64) -> Yardstick {
 
 fn candidate(
     task: &Task<'_>,
-    (index, program): (usize, &Program),
+    (index, program): (usize, &FitProgram),
     format: Format,
-    errors: &Errors,
+    errors: &MeasuredErrors,
     size: &size::Size,
 ) -> Candidate {
     let machine = size.machine(task.machine);
-    let resources = cost::resources(&machine, format, size.cycles, size.words);
+    let resources = device::taken(&machine, format, size.cycles, size.words);
     let function = &program.module.functions[0];
     let microseconds = f64::from(size.cycles) / task.machine.clock_mhz;
     let used = used(task.scene, program, errors);
@@ -228,7 +226,7 @@ fn candidate(
 }
 
 /// The largest error of any output over its tolerance.
-fn used(scene: &Scene, program: &Program, errors: &Errors) -> f64 {
+fn used(scene: &Scene, program: &FitProgram, errors: &MeasuredErrors) -> f64 {
     let view = view(&program.module);
     let mut used = 0.0f64;
     for (assignment, output) in view.function.assignments.iter().zip(&errors.outputs) {
@@ -244,37 +242,27 @@ fn used(scene: &Scene, program: &Program, errors: &Errors) -> f64 {
     used
 }
 
-/// True when the first is nowhere worse than the second and somewhere better:
-/// in time, in the share of the device and in the error.
-pub fn dominates(first: &Candidate, second: &Candidate) -> bool {
-    let measures = |candidate: &Candidate| {
-        [
-            candidate.microseconds,
-            candidate.share,
-            candidate.normwise.worst,
-        ]
-    };
-    let (first, second) = (measures(first), measures(second));
-    let pairs = || first.iter().zip(&second);
-    pairs().all(|(a, b)| a <= b) && pairs().any(|(a, b)| a < b)
-}
-
-impl Outcome {
-    /// The candidates that no other one dominates, by time: of those that
-    /// meet the scene, or of all when none does.
+impl FitOutcome {
+    /// The candidates that no other one dominates in time, share of the device
+    /// and error, by time: of those that meet the scene, or of all when none
+    /// does.
     pub fn front(&self) -> Vec<usize> {
         let any = self.candidates.iter().any(|candidate| candidate.meets);
-        let counts = |candidate: &Candidate| candidate.meets || !any;
-        let beaten = |candidate: &Candidate| {
-            let mut others = self.candidates.iter().filter(|other| counts(other));
-            others.any(|other| dominates(other, candidate))
+        let counts = |&index: &usize| self.candidates[index].meets || !any;
+        let counted: Vec<usize> = (0..self.candidates.len()).filter(counts).collect();
+        let measures = |&index: &usize| {
+            let candidate = &self.candidates[index];
+            [
+                candidate.microseconds,
+                candidate.share,
+                candidate.normwise.worst,
+            ]
         };
-        let mut front: Vec<usize> = (0..self.candidates.len())
-            .filter(|&index| counts(&self.candidates[index]))
-            .filter(|&index| !beaten(&self.candidates[index]))
-            .collect();
+        let points: Vec<[f64; 3]> = counted.iter().map(measures).collect();
+        let front = pareto::front(&points, Ties::All).into_iter();
+        let mut front: Vec<usize> = front.map(|place| counted[place]).collect();
         let time = |index: usize| self.candidates[index].microseconds;
-        front.sort_by(|&a, &b| time(a).total_cmp(&time(b)));
+        front.sort_by(|&a, &b| time(a).total_cmp(&time(b)).then(a.cmp(&b)));
         front
     }
 }

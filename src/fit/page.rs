@@ -1,45 +1,38 @@
-//! A search as a page: one HTML file that needs nothing else.
+//! A search as a page.
 
 use super::confirm::Confirmation;
 use super::text::{candidates_table, figure, text};
-use super::{Outcome, Task};
-use crate::front::page::TEMPLATE;
-use crate::study::page::{STYLE, figure as drawn, fill, table};
-use crate::study::plot::Escaped;
+use super::{FitOutcome, Task};
+use crate::present::escape::Escaped;
+use crate::present::json::json_script;
+use crate::present::page::{self, PointsPage};
 
 /// The page of a search.
-pub fn page(task: &Task<'_>, outcome: &Outcome, confirmation: Option<&Confirmation>) -> String {
-    let title = format!("Scene {}", task.scene.name);
-    let subtitle = format!(
-        "{}. Machine {}: {}, {} MHz. Computed by robovec {}.",
-        task.scene.description.trim_end_matches('.'),
-        task.machine.name,
-        task.machine.description,
-        task.machine.clock_mhz,
-        env!("CARGO_PKG_VERSION")
-    );
+pub fn page(task: &Task<'_>, outcome: &FitOutcome, confirmation: Option<&Confirmation>) -> String {
     let told = text(task, outcome, confirmation);
-    // Candidates are plain data; numbers that are not finite become null.
-    let data = serde_json::to_string(&outcome.candidates).unwrap_or_default();
     // Escaping is for one line at a time.
     let lines: Vec<String> = told.lines().map(|line| Escaped(line).to_string()).collect();
-    let figures = format!(
-        "<div class=\"scroll\"><pre>{}</pre></div>\n{}",
-        lines.join("\n"),
-        drawn(&figure(task, outcome))
-    );
-    let parts = [
-        ("title", Escaped(&title).to_string()),
-        ("subtitle", Escaped(&subtitle).to_string()),
-        ("css", STYLE.to_owned()),
-        ("figures", figures),
-        ("points", "All candidates".to_owned()),
-        ("tables", table(&candidates_table(outcome))),
-        ("method", METHOD.to_owned()),
-        // A closing tag inside a string would end the script.
-        ("data", data.replace("</", "<\\/")),
-    ];
-    fill(TEMPLATE, &parts)
+    let page = PointsPage {
+        title: format!("Scene {}", task.scene.name),
+        subtitle: format!(
+            "{}. Machine {}: {}, {} MHz. Computed by robovec {}.",
+            task.scene.description.trim_end_matches('.'),
+            task.machine.name,
+            task.machine.description,
+            task.machine.clock_mhz,
+            env!("CARGO_PKG_VERSION")
+        ),
+        figures: format!(
+            "<div class=\"scroll\"><pre>{}</pre></div>\n{}",
+            lines.join("\n"),
+            page::figure(&figure(task, outcome))
+        ),
+        points: "All candidates",
+        tables: page::table(&candidates_table(outcome), "fit.csv"),
+        method: METHOD,
+        data: json_script(&outcome.candidates),
+    };
+    page.to_html()
 }
 
 /// What the numbers mean.

@@ -1,8 +1,8 @@
 //! How large the numbers of a program get, and the exponent that holds them.
 
-use super::Program;
-use crate::front::measure::view;
-use crate::front::yardstick::{Unmeasurable, Yardstick};
+use super::FitProgram;
+use crate::explore::program::view;
+use crate::explore::yardstick::{Unmeasurable, Yardstick};
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_num::NumberFormat;
 use robovec_num::arithmetic::Binary64;
@@ -10,7 +10,7 @@ use robovec_num::arithmetic::Binary64;
 /// The exponent of the largest number that a program meets at the yardstick's
 /// states: inputs, constants and every value on the way.
 pub(super) fn largest_exponent(
-    program: &Program,
+    program: &FitProgram,
     yardstick: &Yardstick,
 ) -> Result<i32, Unmeasurable> {
     let view = view(&program.module);

@@ -1,9 +1,10 @@
 //! Sines and cosines on the elements: of each method the least order whose
 //! error leaves room for rounding.
 
-use super::{FitError, Program, Progress, Task, used};
-use crate::front::measure::{MeasureError, run_scene, view};
-use crate::front::yardstick::Yardstick;
+use super::{FitError, FitProgram, Task, used};
+use crate::explore::ExplorationProgress;
+use crate::explore::program::{ExplorationError, transformed_by, view};
+use crate::explore::yardstick::Yardstick;
 use robovec_ir::Format;
 use serde::Serialize;
 use std::fmt;
@@ -74,8 +75,8 @@ const BEHIND: &str = "fold,zero-removal,balance,cse,dce";
 pub(super) fn write(
     task: &Task<'_>,
     yardstick: &Yardstick,
-    programs: &mut Vec<Program>,
-    progress: Progress<'_>,
+    programs: &mut Vec<FitProgram>,
+    progress: ExplorationProgress<'_>,
 ) -> Result<(), FitError> {
     if task.trigonometry == Place::Host {
         return Ok(());
@@ -106,18 +107,18 @@ pub(super) fn write(
 fn with_series(
     task: &Task<'_>,
     yardstick: &Yardstick,
-    program: &Program,
+    program: &FitProgram,
     treatment: Treatment,
-) -> Result<Program, FitError> {
+) -> Result<FitProgram, FitError> {
     let Some(pass) = treatment.pass() else {
         return Ok(program.clone());
     };
     let stage = format!("{pass},{BEHIND}");
-    let module = run_scene(&program.module, &stage, task.machine, Some(task.scene))?;
+    let module = transformed_by(&program.module, &stage, task.machine, Some(task.scene))?;
     let errors = yardstick
         .errors(view(&module), Format::BINARY64)
-        .map_err(MeasureError::from)?;
-    let mut new = Program {
+        .map_err(ExplorationError::from)?;
+    let mut new = FitProgram {
         pipeline: format!("{},{stage}", program.pipeline),
         treatment,
         module: Arc::new(module),

@@ -1,10 +1,10 @@
 //! How many elements: the fewest that meet the deadline, and more.
 
-use super::{Program, Task};
-use crate::front::measure::with_elements;
+use super::{FitProgram, Task};
+use crate::explore::placing::{placed, with_counts};
 use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Operation};
-use robovec_passes::place::{PlaceOptions, place, placement_statistics, schedule_bound};
+use robovec_passes::place::{PlaceOptions, schedule_bound};
 
 /// The most elements of a kind.
 const MOST: u32 = 64;
@@ -26,19 +26,20 @@ impl Size {
     }
 }
 
+/// The machine with so many adders and multipliers, fused elements among the
+/// latter.
 pub(super) fn sized(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
-    let mut machine = with_elements(machine, add);
-    for operation in [Operation::Mul, Operation::Fma] {
-        if let Some(kind) = machine.kind_of(operation) {
-            machine.elements[kind].count = multi;
-        }
-    }
-    machine
+    let counts = [
+        (Operation::Add, add),
+        (Operation::Mul, multi),
+        (Operation::Fma, multi),
+    ];
+    with_counts(machine, &counts)
 }
 
 /// The sizes a program is placed on: equal numbers by powers of two up to the
 /// longest chain, and the fewest adders and multipliers within the deadline.
-pub(super) fn sizes(task: &Task<'_>, program: &Program) -> Vec<Size> {
+pub(super) fn sizes(task: &Task<'_>, program: &FitProgram) -> Vec<Size> {
     let mut sizes: Vec<Size> = Vec::new();
     let mut count = 1;
     while count <= MOST {
@@ -59,23 +60,20 @@ pub(super) fn sizes(task: &Task<'_>, program: &Program) -> Vec<Size> {
     sizes
 }
 
-fn attempt(task: &Task<'_>, program: &Program, elements: [u32; 2]) -> Option<Size> {
+fn attempt(task: &Task<'_>, program: &FitProgram, elements: [u32; 2]) -> Option<Size> {
     let machine = sized(task.machine, elements);
-    let mut function = program.module.functions[0].clone();
-    let placed = place(&mut function, &machine, PlaceOptions::default()).ok()?;
-    let statistics = placement_statistics(&function, &machine)?;
-    let words = statistics.kinds.iter().map(|kind| kind.memory.max).max();
+    let placed = placed(&program.module, &machine, PlaceOptions::default()).ok()?;
     Some(Size {
         elements,
-        cycles: placed.cycles,
-        words: words.unwrap_or(1),
+        cycles: placed.summary.cycles,
+        words: placed.most_words(&machine),
     })
 }
 
 /// The fewest elements within the deadline: from as many as the work needs,
 /// one more of the kind that the work bound calls for until the schedule is
 /// short enough; then fewer again, as long as it stays so.
-fn fewest(task: &Task<'_>, program: &Program) -> Option<Size> {
+fn fewest(task: &Task<'_>, program: &FitProgram) -> Option<Size> {
     let deadline = (task.scene.deadline? * task.machine.clock_mhz).floor();
     if deadline < 1.0 {
         return None;
@@ -106,7 +104,7 @@ fn fewest(task: &Task<'_>, program: &Program) -> Option<Size> {
     }
 }
 
-fn fewer(task: &Task<'_>, program: &Program, mut size: Size, deadline: u32) -> Size {
+fn fewer(task: &Task<'_>, program: &FitProgram, mut size: Size, deadline: u32) -> Size {
     for kind in [1, 0] {
         while size.elements[kind] > 1 {
             let mut elements = size.elements;

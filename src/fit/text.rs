@@ -1,17 +1,17 @@
 //! What a search found, as text, table and figure.
 
 use super::confirm::Confirmation;
-use super::{Candidate, Outcome, Task};
-use crate::report::table;
-use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
-use crate::study::table::{Cell, Table};
+use super::{Candidate, FitOutcome, Task};
+use crate::present::text_table;
+use crate::present::{AxisScale, Curve, Figure, Mark, Panel, PlotAxis};
+use crate::present::{DataCell, DataTable};
 use std::fmt::Write;
 
 /// Lines of the front that are shown; all of it is in the files.
 const SHOWN: usize = 24;
 
 /// The choice, why, and the front.
-pub fn text(task: &Task<'_>, outcome: &Outcome, confirmation: Option<&Confirmation>) -> String {
+pub fn text(task: &Task<'_>, outcome: &FitOutcome, confirmation: Option<&Confirmation>) -> String {
     let mut text = format!("scene {}", task.scene.name);
     // Writing to a string cannot fail, here and below.
     let _ = match task.scene.deadline {
@@ -38,19 +38,8 @@ pub fn text(task: &Task<'_>, outcome: &Outcome, confirmation: Option<&Confirmati
         .take(SHOWN)
         .map(|&index| row(outcome, index))
         .collect();
-    let head = [
-        "",
-        "program",
-        "sin, cos",
-        "format",
-        "elements",
-        "operations",
-        "cycles",
-        "us",
-        "worst normwise",
-        "of tolerance",
-        "of device",
-    ];
+    let head = " | program | sin, cos | format | elements | >operations | >cycles | >us | \
+         >worst normwise | >of tolerance | >of device";
     let _ = writeln!(
         text,
         "\nFront of time, error and share of the device, {}: {} of {} shown\n{}",
@@ -60,12 +49,12 @@ pub fn text(task: &Task<'_>, outcome: &Outcome, confirmation: Option<&Confirmati
         },
         rows.len(),
         front.len(),
-        table(&head, &rows, &[5, 6, 7, 8, 9, 10])
+        text_table(head, &rows)
     );
     text
 }
 
-fn row(outcome: &Outcome, index: usize) -> Vec<String> {
+fn row(outcome: &FitOutcome, index: usize) -> Vec<String> {
     let candidate = &outcome.candidates[index];
     let program = &outcome.programs[candidate.program];
     let [add, multi] = candidate.elements;
@@ -96,7 +85,7 @@ fn percent(share: f64) -> String {
     }
 }
 
-fn choice(outcome: &Outcome, chosen: usize) -> String {
+fn choice(outcome: &FitOutcome, chosen: usize) -> String {
     let candidate = &outcome.candidates[chosen];
     let program = &outcome.programs[candidate.program];
     let [add, multi] = candidate.elements;
@@ -130,7 +119,7 @@ fn choice(outcome: &Outcome, chosen: usize) -> String {
 }
 
 /// Why nothing meets the scene: what comes nearest.
-fn refusal(task: &Task<'_>, outcome: &Outcome) -> String {
+fn refusal(task: &Task<'_>, outcome: &FitOutcome) -> String {
     let fastest = outcome
         .candidates
         .iter()
@@ -189,7 +178,7 @@ fn held(confirmation: &Confirmation) -> String {
 }
 
 /// All candidates as a table for programs.
-pub fn candidates_table(outcome: &Outcome) -> Table {
+pub fn candidates_table(outcome: &FitOutcome) -> DataTable {
     let front = outcome.front();
     let rows = (0..outcome.candidates.len()).map(|index| {
         let candidate = &outcome.candidates[index];
@@ -201,15 +190,15 @@ pub fn candidates_table(outcome: &Outcome) -> Table {
         };
         let on_front = if front.contains(&index) { "front" } else { "" };
         let mut row = vec![
-            Cell::text(&program.name),
-            Cell::text(program.treatment.to_string()),
-            Cell::text(&candidate.format),
-            Cell::count(candidate.elements[0]),
-            Cell::count(candidate.elements[1]),
-            Cell::count(candidate.operations),
-            Cell::count(candidate.path),
-            Cell::count(candidate.cycles),
-            Cell::number(candidate.microseconds, 4),
+            DataCell::text(&program.name),
+            DataCell::text(program.treatment.to_string()),
+            DataCell::text(&candidate.format),
+            DataCell::count(candidate.elements[0]),
+            DataCell::count(candidate.elements[1]),
+            DataCell::count(candidate.operations),
+            DataCell::count(candidate.path),
+            DataCell::count(candidate.cycles),
+            DataCell::number(candidate.microseconds, 4),
         ];
         for error in [
             candidate.relative.median,
@@ -218,45 +207,27 @@ pub fn candidates_table(outcome: &Outcome) -> Table {
             candidate.normwise.worst,
             candidate.used,
         ] {
-            row.push(Cell::text(format!("{error:.3e}")));
+            row.push(DataCell::text(format!("{error:.3e}")));
         }
-        row.push(Cell::number(candidate.share, 4));
-        row.push(Cell::text(standing));
-        row.push(Cell::text(on_front));
+        row.push(DataCell::number(candidate.share, 4));
+        row.push(DataCell::text(standing));
+        row.push(DataCell::text(on_front));
         row
     });
-    let columns = [
-        "program",
-        "sin, cos",
-        "format",
-        "adders",
-        "multipliers",
-        "operations",
-        "path (cycles)",
-        "cycles",
-        "time (us)",
-        "relative median",
-        "normwise median",
-        "normwise 99 %",
-        "normwise worst",
-        "of tolerance",
-        "share of device",
-        "standing",
-        "front",
-    ];
-    Table {
-        name: "fit".to_owned(),
-        title: "Candidates".to_owned(),
-        caption: "Every program in every format and size that was measured. Errors are those of \
-                  the whole program: series, rounding, data. Shares of the device are estimates."
-            .to_owned(),
-        columns: columns.map(str::to_owned).to_vec(),
-        rows: rows.collect(),
-    }
+    DataTable::new(
+        "fit",
+        "Candidates",
+        "Every program in every format and size that was measured. Errors are those of \
+                  the whole program: series, rounding, data. Shares of the device are estimates.",
+        "program | sin, cos | format | adders | multipliers | operations | path (cycles) | \
+         cycles | time (us) | relative median | normwise median | normwise 99 % | \
+         normwise worst | of tolerance | share of device | standing | front",
+        rows,
+    )
 }
 
 /// Time against error, and time against the share of the device.
-pub fn figure(task: &Task<'_>, outcome: &Outcome) -> Figure {
+pub fn figure(task: &Task<'_>, outcome: &FitOutcome) -> Figure {
     type Measure = fn(&Candidate) -> f64;
     let panel = |title: &str, axis: &str, measure: Measure| {
         let mark = |index: usize| {
@@ -264,34 +235,30 @@ pub fn figure(task: &Task<'_>, outcome: &Outcome) -> Figure {
             Mark::at(candidate.microseconds, measure(candidate))
         };
         let drawable = |index: &usize| measure(&outcome.candidates[*index]).is_finite();
-        let group = |label: &str, place: usize, indices: Vec<usize>| Curve {
-            label: label.to_owned(),
-            paint: Paint::Distinct(place),
-            stroke: Stroke::Points,
-            marks: indices.into_iter().filter(drawable).map(mark).collect(),
+        let group = |label: &str, place: usize, indices: Vec<usize>| {
+            Curve::points(label, place, indices.into_iter().filter(drawable).map(mark))
         };
         let all = 0..outcome.candidates.len();
         let meets = |index: &usize| outcome.candidates[*index].meets;
         let (good, bad): (Vec<usize>, Vec<usize>) = all.partition(meets);
-        Panel {
-            title: title.to_owned(),
-            x: Axis::new("time (us)", Scale::Decades),
-            y: Axis::new(axis, Scale::Decades),
-            content: Content::Curves(vec![
+        Panel::curves(
+            title,
+            PlotAxis::new("time (us)", AxisScale::Decades),
+            PlotAxis::new(axis, AxisScale::Decades),
+            vec![
                 group("does not meet the scene", 1, bad),
                 group("meets the scene", 0, good),
                 group("chosen", 3, outcome.chosen.into_iter().collect()),
-            ]),
-        }
+            ],
+        )
     };
-    Figure {
-        name: "fit".to_owned(),
-        title: format!("What scene {} can be computed with", task.scene.name),
-        caption: "Every candidate; errors in units of the rounding of binary32 (2^-24), shares \
-                  of the device in per cent."
-            .to_owned(),
-        columns: 2,
-        panels: vec![
+    Figure::new(
+        "fit",
+        format!("What scene {} can be computed with", task.scene.name),
+        "Every candidate; errors in units of the rounding of binary32 (2^-24), shares \
+                  of the device in per cent.",
+        2,
+        vec![
             panel("Error", "worst normwise error (2^-24)", |candidate| {
                 candidate.normwise.worst * f64::from(1u32 << 24)
             }),
@@ -299,5 +266,5 @@ pub fn figure(task: &Task<'_>, outcome: &Outcome) -> Figure {
                 candidate.share * 100.0
             }),
         ],
-    }
+    )
 }

@@ -1,9 +1,10 @@
 //! The programs: every formulation specialised, with the equations as short
 //! or as few as the passes make them.
 
-use super::{FitError, Program, Progress, Task, Treatment, used};
-use crate::front::measure::{MeasureError, run_scene, view};
-use crate::front::yardstick::Yardstick;
+use super::{FitError, FitProgram, Task, Treatment, used};
+use crate::explore::ExplorationProgress;
+use crate::explore::program::{ExplorationError, transformed_by, view};
+use crate::explore::yardstick::Yardstick;
 use robovec_ir::Format;
 use robovec_ir::count::Counts;
 use robovec_ir::print::print_function;
@@ -31,13 +32,13 @@ const LARGE: usize = 60_000;
 pub(super) fn programs(
     task: &Task<'_>,
     yardstick: &Yardstick,
-    progress: Progress<'_>,
-) -> Result<Vec<Program>, FitError> {
-    let mut programs: Vec<Program> = Vec::new();
-    let mut last: Option<MeasureError> = None;
+    progress: ExplorationProgress<'_>,
+) -> Result<Vec<FitProgram>, FitError> {
+    let mut programs: Vec<FitProgram> = Vec::new();
+    let mut last: Option<ExplorationError> = None;
     let mut texts: Vec<String> = Vec::new();
     for (formulation, module) in &task.formulations {
-        let special = match run_scene(module, "specialise", task.machine, Some(task.scene)) {
+        let special = match transformed_by(module, "specialise", task.machine, Some(task.scene)) {
             Ok(special) => special,
             Err(error) => {
                 last = Some(error);
@@ -57,8 +58,8 @@ pub(super) fn programs(
             if size > LARGE && variant != VARIANTS[0].0 {
                 continue;
             }
-            match run_scene(&special, stages, task.machine, Some(task.scene)) {
-                Ok(module) => programs.push(Program {
+            match transformed_by(&special, stages, task.machine, Some(task.scene)) {
+                Ok(module) => programs.push(FitProgram {
                     name,
                     pipeline: format!("specialise,{stages}"),
                     formulation: *formulation,
@@ -73,7 +74,7 @@ pub(super) fn programs(
     for program in &mut programs {
         let errors = yardstick
             .errors(view(&program.module), Format::BINARY64)
-            .map_err(MeasureError::from)?;
+            .map_err(ExplorationError::from)?;
         program.model_share = used(task.scene, program, &errors);
     }
     if programs.is_empty() {

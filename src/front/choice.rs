@@ -10,7 +10,7 @@ use robovec_ir::Format;
 
 /// A way to compute a function.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Choice {
+pub struct FrontChoice {
     /// Its name in tables.
     pub name: String,
     /// True for what the thesis could choose.
@@ -41,8 +41,8 @@ const LARGE: usize = 30_000;
 /// bits wide, so that it costs no more of them than binary32.
 pub const FULL_MULTIPLIER: &str = "float(8,26)";
 
-fn choice(name: &str, stages: &[&str]) -> Choice {
-    Choice {
+fn choice(name: &str, stages: &[&str]) -> FrontChoice {
+    FrontChoice {
         name: name.to_owned(),
         thesis: false,
         formulation: None,
@@ -52,8 +52,8 @@ fn choice(name: &str, stages: &[&str]) -> Choice {
 }
 
 /// All that the thesis could choose.
-pub fn of_the_thesis() -> Vec<Choice> {
-    let thesis = |name, stages: &[&str]| Choice {
+pub fn of_the_thesis() -> Vec<FrontChoice> {
+    let thesis = |name, stages: &[&str]| FrontChoice {
         thesis: true,
         ..choice(name, stages)
     };
@@ -73,7 +73,7 @@ pub fn of_the_thesis() -> Vec<Choice> {
 /// What we offer for a function of so many operations: from the equations,
 /// and, where there is a model, from its other formulations. Angles up to
 /// `angle` (rad) are covered by the series that the elements compute.
-pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<Choice> {
+pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<FrontChoice> {
     let ahead = |growth: u32| format!("lookahead{{growth={growth}}},balance,cse,dce");
     let growths: &[u32] = match operations > LARGE {
         true => &[100],
@@ -85,7 +85,7 @@ pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<
         .chain(FULL_MULTIPLIER.parse())
         .collect();
     let mut add = |name: String, formulation: Option<Formulation>, stages: &[&str]| {
-        choices.push(Choice {
+        choices.push(FrontChoice {
             formulation,
             formats: wide.clone(),
             ..choice(&name, stages)

@@ -11,16 +11,17 @@ pub mod choice;
 pub mod measure;
 pub mod page;
 pub mod text;
-pub mod yardstick;
 
+use crate::explore::pareto::{self, Ties};
+use crate::explore::program::{ExplorationError, ProgramWorkshop, view};
+use crate::explore::yardstick::Yardstick;
+use crate::explore::{ExplorationProgress, processor};
 use crate::generate::Formulation;
-use crate::study::cpu;
-use choice::Choice;
-use measure::{MeasureError, Point, Workshop, measure};
+use choice::FrontChoice;
+use measure::{FrontPoint, measure};
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
 use serde::Serialize;
-use yardstick::Yardstick;
 
 /// What is asked.
 #[derive(Clone, Debug)]
@@ -51,15 +52,15 @@ pub struct Front {
     /// States measured at.
     pub states: u32,
     /// All points.
-    pub points: Vec<Point>,
+    pub points: Vec<FrontPoint>,
     /// For every choice of the thesis and every number of elements the best
     /// of ours that dominates it.
-    pub verdicts: Vec<Verdict>,
+    pub verdicts: Vec<FrontVerdict>,
 }
 
 /// Whether a choice of the thesis is dominated.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Verdict {
+pub struct FrontVerdict {
     /// Index of the thesis' point.
     pub point: usize,
     /// Index of the number of elements.
@@ -71,11 +72,9 @@ pub struct Verdict {
     pub in_its_format: Option<usize>,
 }
 
-/// Told of every choice before it is measured.
-pub type Progress<'a> = &'a mut dyn FnMut(&str);
-
 /// Measures all choices for a function: `module` holds it alone, as it came;
-/// `others` the same in other formulations.
+/// `others` the same in other formulations. Each choice is told before it is
+/// measured.
 ///
 /// # Errors
 ///
@@ -85,26 +84,26 @@ pub fn front(
     module: &Module,
     others: Vec<(Formulation, Module)>,
     question: &Question<'_>,
-    progress: Progress<'_>,
-) -> Result<Front, MeasureError> {
-    let view = measure::view(module);
+    progress: ExplorationProgress<'_>,
+) -> Result<Front, ExplorationError> {
+    let view = view(module);
     let operations = robovec_ir::count::Counts::of(view.function).operations;
     let yardstick = Yardstick::new(view, question.states, question.count);
-    let mut workshop = Workshop::new(question.machine, module.clone());
+    let mut workshop = ProgramWorkshop::new(question.machine, module.clone());
     let formulations: Vec<Formulation> =
         others.iter().map(|(formulation, _)| *formulation).collect();
     for (formulation, module) in others {
         workshop.add(formulation, module);
     }
-    let mut choices: Vec<Choice> = choice::of_the_thesis();
+    let mut choices: Vec<FrontChoice> = choice::of_the_thesis();
     choices.extend(choice::ours(operations, &formulations, question.angle));
     let mut points = Vec::new();
     for choice in &choices {
         progress(&choice.name);
-        let program = workshop.program(choice)?;
+        let program = workshop.program(choice.formulation, &choice.stages)?;
         let (machine, elements) = (question.machine, question.elements);
         let mut measured = measure(choice, &program, machine, elements, &yardstick)?;
-        if question.cpu && operations <= cpu::LARGEST {
+        if question.cpu && operations <= processor::LARGEST {
             measure::time(&program, &mut measured);
         }
         points.extend(measured);
@@ -120,38 +119,36 @@ pub fn front(
     })
 }
 
+/// What is compared with a given number of elements: cycles, the median of the
+/// relative errors and the worst normwise error.
+fn measures(point: &FrontPoint, elements: usize) -> [f64; 3] {
+    let cycles = point.cycles[elements].map_or(f64::INFINITY, f64::from);
+    [cycles, point.relative.median, point.normwise.worst]
+}
+
 /// True when the first point is nowhere worse than the second and somewhere
 /// better, with the given number of elements: in cycles, in the median of the
 /// relative errors and in the worst normwise error.
-pub fn dominates(first: &Point, second: &Point, elements: usize) -> bool {
-    let measures = |point: &Point| {
-        let cycles = point.cycles[elements].map_or(f64::INFINITY, f64::from);
-        [cycles, point.relative.median, point.normwise.worst]
-    };
-    let (first, second) = (measures(first), measures(second));
-    let pairs = || first.iter().zip(&second);
-    pairs().all(|(a, b)| a <= b) && pairs().any(|(a, b)| a < b)
+pub fn dominates(first: &FrontPoint, second: &FrontPoint, elements: usize) -> bool {
+    pareto::dominates(&measures(first, elements), &measures(second, elements))
 }
 
 impl Front {
     /// The points that no other one dominates, by cycles.
     pub fn undominated(&self, elements: usize) -> Vec<usize> {
-        let beaten = |point: &Point| {
-            let others = self.points.iter();
-            others
-                .into_iter()
-                .any(|other| dominates(other, point, elements))
-        };
-        let mut front: Vec<usize> = (0..self.points.len())
-            .filter(|&index| self.points[index].cycles[elements].is_some())
-            .filter(|&index| !beaten(&self.points[index]))
+        let points: Vec<[f64; 3]> = self
+            .points
+            .iter()
+            .map(|point| measures(point, elements))
             .collect();
-        front.sort_by_key(|&index| self.points[index].cycles[elements]);
+        let mut front = pareto::front(&points, Ties::All);
+        front.retain(|&index| self.points[index].cycles[elements].is_some());
+        front.sort_by_key(|&index| (self.points[index].cycles[elements], index));
         front
     }
 }
 
-fn verdicts(points: &[Point], elements: usize) -> Vec<Verdict> {
+fn verdicts(points: &[FrontPoint], elements: usize) -> Vec<FrontVerdict> {
     let mut verdicts = Vec::new();
     for (index, point) in points.iter().enumerate().filter(|(_, point)| point.thesis) {
         for count in 0..elements {
@@ -166,7 +163,7 @@ fn verdicts(points: &[Point], elements: usize) -> Vec<Verdict> {
                 });
                 best.map(|(index, _)| index)
             };
-            verdicts.push(Verdict {
+            verdicts.push(FrontVerdict {
                 point: index,
                 elements: count,
                 by: best(false),

@@ -1,40 +1,31 @@
-//! Fronts as a page: one HTML file that needs nothing else.
+//! Fronts as a page.
 
 use super::Front;
 use super::text::{figure, points_table, verdicts_table};
-use crate::study::page::{STYLE, figure as drawn, fill, table};
-use crate::study::plot::Escaped;
-
-pub(crate) const TEMPLATE: &str = include_str!("page.html");
+use crate::present::json::json_script;
+use crate::present::page::{self, PointsPage};
 
 /// The page of some fronts.
 pub fn page(fronts: &[Front], machine: &robovec_ir::Machine) -> String {
     let names: Vec<&str> = fronts.iter().map(|front| front.name.as_str()).collect();
-    let subtitle = format!(
-        "{}. Machine {}: {}, {} MHz. Computed by robovec {}.",
-        names.join(", "),
-        machine.name,
-        machine.description,
-        machine.clock_mhz,
-        env!("CARGO_PKG_VERSION")
-    );
-    // Fronts are plain data; numbers that are not finite become null.
-    let data = serde_json::to_string(fronts).unwrap_or_default();
-    let parts = [
-        ("title", "Speed against error".to_owned()),
-        ("subtitle", Escaped(&subtitle).to_string()),
-        ("css", STYLE.to_owned()),
-        (
-            "figures",
-            table(&verdicts_table(fronts)) + &drawn(&figure(fronts)),
+    let verdicts = page::folding_table(&verdicts_table(fronts), "", true);
+    let page = PointsPage {
+        title: "Speed against error".to_owned(),
+        subtitle: format!(
+            "{}. Machine {}: {}, {} MHz. Computed by robovec {}.",
+            names.join(", "),
+            machine.name,
+            machine.description,
+            machine.clock_mhz,
+            env!("CARGO_PKG_VERSION")
         ),
-        ("points", "All points".to_owned()),
-        ("tables", table(&points_table(fronts))),
-        ("method", METHOD.to_owned()),
-        // A closing tag inside a string would end the script.
-        ("data", data.replace("</", "<\\/")),
-    ];
-    fill(TEMPLATE, &parts)
+        figures: verdicts + &page::figure(&figure(fronts)),
+        points: "All points",
+        tables: page::table(&points_table(fronts), "front.csv"),
+        method: METHOD,
+        data: json_script(fronts),
+    };
+    page.to_html()
 }
 
 /// What the numbers mean.

@@ -1,10 +1,11 @@
 //! The front as aligned text, as a table for programs, and as a figure.
 
-use super::measure::Point;
-use super::{Front, Verdict};
-use crate::report::table;
-use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
-use crate::study::table::{Cell, Table};
+use super::measure::FrontPoint;
+use super::{Front, FrontVerdict};
+use crate::present::number::{exponential, or_dash};
+use crate::present::text_table;
+use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
+use crate::present::{DataCell, DataTable};
 use std::fmt::Write;
 
 /// The unit of errors in figures: the rounding of one operation in binary32.
@@ -33,10 +34,6 @@ fn standing(front: &Front, index: usize, elements: usize, undominated: &[usize])
     }
 }
 
-fn exponential(number: f64) -> String {
-    format!("{number:.1e}")
-}
-
 /// One table per number of elements, and what became of the thesis' choices.
 pub fn text(front: &Front) -> String {
     let mut text = format!(
@@ -59,11 +56,9 @@ pub fn text(front: &Front) -> String {
                     point.format.clone(),
                     point.operations.to_string(),
                     point.path.to_string(),
-                    cycles.map_or("-".to_owned(), |cycles| cycles.to_string()),
-                    point.microseconds[place].map_or("-".to_owned(), |time| format!("{time:.2}")),
-                    point
-                        .cpu_ns
-                        .map_or("-".to_owned(), |time| format!("{time:.0}")),
+                    or_dash(cycles, |cycles| cycles.to_string()),
+                    or_dash(point.microseconds[place], |time| format!("{time:.2}")),
+                    or_dash(point.cpu_ns, |time| format!("{time:.0}")),
                     exponential(point.relative.median),
                     exponential(point.relative.percentile_99),
                     exponential(point.normwise.worst),
@@ -71,28 +66,16 @@ pub fn text(front: &Front) -> String {
                 ]
             })
             .collect();
-        let head = [
-            "by",
-            "choice",
-            "format",
-            "operations",
-            "path",
-            "cycles",
-            "us",
-            "CPU ns",
-            "median",
-            "99 %",
-            "worst normwise",
-            "",
-        ];
+        let head = "by | choice | format | >operations | >path | >cycles | >us | >CPU ns | >median | \
+         >99 % | >worst normwise | ";
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             "\n{count}+{count} elements\n{}",
-            table(&head, &rows, &[3, 4, 5, 6, 7, 8, 9, 10])
+            text_table(head, &rows)
         );
     }
-    let count = |by: fn(&Verdict) -> Option<usize>| {
+    let count = |by: fn(&FrontVerdict) -> Option<usize>| {
         let verdicts = front.verdicts.iter();
         verdicts.filter(|verdict| by(verdict).is_some()).count()
     };
@@ -112,7 +95,7 @@ fn order(front: &Front, elements: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..front.points.len()).collect();
     order.sort_by(|&a, &b| {
         let (a, b) = (&front.points[a], &front.points[b]);
-        let cycles = |point: &Point| point.cycles[elements].unwrap_or(u32::MAX);
+        let cycles = |point: &FrontPoint| point.cycles[elements].unwrap_or(u32::MAX);
         let faster = cycles(a).cmp(&cycles(b));
         faster.then(a.normwise.worst.total_cmp(&b.normwise.worst))
     });
@@ -120,7 +103,7 @@ fn order(front: &Front, elements: usize) -> Vec<usize> {
 }
 
 /// All points of all functions as one table.
-pub fn points_table(fronts: &[Front]) -> Table {
+pub fn points_table(fronts: &[Front]) -> DataTable {
     let mut rows = Vec::new();
     for front in fronts {
         for (place, count) in front.elements.iter().enumerate() {
@@ -129,83 +112,68 @@ pub fn points_table(fronts: &[Front]) -> Table {
                 let point = &front.points[index];
                 let errors = [point.relative, point.normwise];
                 let mut row = vec![
-                    Cell::text(&front.name),
-                    Cell::count(*count),
-                    Cell::text(if point.thesis { "thesis" } else { "ours" }),
-                    Cell::text(&point.choice),
-                    Cell::text(&point.format),
-                    Cell::count(point.operations),
-                    Cell::count(point.path),
-                    point.cycles[place].map_or(Cell::Empty, Cell::count),
-                    point.microseconds[place].map_or(Cell::Empty, |time| Cell::number(time, 3)),
+                    DataCell::text(&front.name),
+                    DataCell::count(*count),
+                    DataCell::text(if point.thesis { "thesis" } else { "ours" }),
+                    DataCell::text(&point.choice),
+                    DataCell::text(&point.format),
+                    DataCell::count(point.operations),
+                    DataCell::count(point.path),
+                    point.cycles[place].map_or(DataCell::Empty, DataCell::count),
+                    point.microseconds[place]
+                        .map_or(DataCell::Empty, |time| DataCell::number(time, 3)),
                     point
                         .cpu_ns
-                        .map_or(Cell::Empty, |time| Cell::number(time, 1)),
+                        .map_or(DataCell::Empty, |time| DataCell::number(time, 1)),
                 ];
                 for spread in errors {
                     for error in [spread.median, spread.percentile_99, spread.worst] {
-                        row.push(Cell::text(format!("{error:.3e}")));
+                        row.push(DataCell::text(format!("{error:.3e}")));
                     }
                 }
-                row.push(Cell::text(&point.worst.0));
-                row.push(Cell::count(point.worst.1));
-                row.push(Cell::text(standing(front, index, place, &undominated)));
+                row.push(DataCell::text(&point.worst.0));
+                row.push(DataCell::count(point.worst.1));
+                row.push(DataCell::text(standing(front, index, place, &undominated)));
                 rows.push(row);
             }
         }
     }
-    let columns = [
-        "function",
-        "elements per kind",
-        "by",
-        "choice",
-        "format",
-        "operations",
-        "path (cycles)",
-        "cycles",
-        "time (us)",
-        "CPU (ns)",
-        "relative median",
-        "relative 99 %",
-        "relative worst",
-        "normwise median",
-        "normwise 99 %",
-        "normwise worst",
-        "of",
-        "in state",
-        "standing",
-    ];
-    Table {
-        name: "front".to_owned(),
-        title: "Speed against error".to_owned(),
-        caption: "Every choice in every format. Errors are those of the whole program against \
+    DataTable::new(
+        "front",
+        "Speed against error",
+        "Every choice in every format. Errors are those of the whole program against \
                   double-double: series, rounding, data. A choice is beaten when another one is \
                   nowhere worse and somewhere better in cycles, in the median of the relative \
-                  errors and in the worst normwise error."
-            .to_owned(),
-        columns: columns.map(str::to_owned).to_vec(),
+                  errors and in the worst normwise error.",
+        "function | elements per kind | by | choice | format | operations | path (cycles) | \
+         cycles | time (us) | CPU (ns) | relative median | relative 99 % | relative worst | \
+         normwise median | normwise 99 % | normwise worst | of | in state | standing",
         rows,
-    }
+    )
 }
 
+/// Columns of the table of verdicts.
+const VERDICT_CELLS: usize = 12;
+
 /// What the thesis could choose, and what of ours is nowhere worse.
-pub fn verdicts_table(fronts: &[Front]) -> Table {
+pub fn verdicts_table(fronts: &[Front]) -> DataTable {
     let mut rows = Vec::new();
     for front in fronts {
         for verdict in &front.verdicts {
             let (place, old) = (verdict.elements, &front.points[verdict.point]);
-            let cycles = |point: &Point| point.cycles[place].map_or(Cell::Empty, Cell::count);
-            let error = |point: &Point| Cell::text(exponential(point.normwise.worst));
+            let cycles =
+                |point: &FrontPoint| point.cycles[place].map_or(DataCell::Empty, DataCell::count);
+            let error = |point: &FrontPoint| DataCell::text(exponential(point.normwise.worst));
             let mut row = vec![
-                Cell::text(&front.name),
-                Cell::count(front.elements[place]),
-                Cell::text(&old.choice),
+                DataCell::text(&front.name),
+                DataCell::count(front.elements[place]),
+                DataCell::text(&old.choice),
                 cycles(old),
                 error(old),
             ];
             let Some(new) = verdict.by.map(|by| &front.points[by]) else {
-                row.push(Cell::text("not dominated"));
-                row.resize(VERDICT_COLUMNS.len(), Cell::Empty);
+                row.push(DataCell::text("not dominated"));
+                row.resize(VERDICT_CELLS, DataCell::Empty);
                 rows.push(row);
                 continue;
             };
@@ -213,42 +181,27 @@ pub fn verdicts_table(fronts: &[Front]) -> Table {
             let faster = faster.map(|(old, new)| f64::from(old) / f64::from(new.max(1)));
             let in_its_format = verdict.in_its_format.map(|by| &front.points[by]);
             row.extend([
-                Cell::text(format!("{}, {}", new.choice, new.format)),
+                DataCell::text(format!("{}, {}", new.choice, new.format)),
                 cycles(new),
                 error(new),
-                faster.map_or(Cell::Empty, |faster| Cell::number(faster, 2)),
-                Cell::number(old.normwise.worst / new.normwise.worst, 1),
-                in_its_format.map_or(Cell::Empty, |point| Cell::text(&point.choice)),
-                in_its_format.map_or(Cell::Empty, cycles),
+                faster.map_or(DataCell::Empty, |faster| DataCell::number(faster, 2)),
+                DataCell::number(old.normwise.worst / new.normwise.worst, 1),
+                in_its_format.map_or(DataCell::Empty, |point| DataCell::text(&point.choice)),
+                in_its_format.map_or(DataCell::Empty, cycles),
             ]);
             rows.push(row);
         }
     }
-    Table {
-        name: "verdicts".to_owned(),
-        title: "What the thesis could choose, and what dominates it".to_owned(),
-        caption: "The fastest of ours that is nowhere worse in cycles, median and worst error; in \
-                  the last columns the same with the number format of the thesis."
-            .to_owned(),
-        columns: VERDICT_COLUMNS.map(str::to_owned).to_vec(),
+    DataTable::new(
+        "verdicts",
+        "What the thesis could choose, and what dominates it",
+        "The fastest of ours that is nowhere worse in cycles, median and worst error; in \
+                  the last columns the same with the number format of the thesis.",
+        "function | elements per kind | thesis | cycles | worst error | ours | cycles | \
+         worst error | times faster | times more exact | ours in its format | cycles",
         rows,
-    }
+    )
 }
-
-const VERDICT_COLUMNS: [&str; 12] = [
-    "function",
-    "elements per kind",
-    "thesis",
-    "cycles",
-    "worst error",
-    "ours",
-    "cycles",
-    "worst error",
-    "times faster",
-    "times more exact",
-    "ours in its format",
-    "cycles",
-];
 
 /// One panel per function and number of elements: cycles against error.
 pub fn figure(fronts: &[Front]) -> Figure {
@@ -256,15 +209,14 @@ pub fn figure(fronts: &[Front]) -> Figure {
         .iter()
         .flat_map(|front| (0..front.elements.len()).map(|place| panel(front, place)))
         .collect();
-    Figure {
-        name: "front".to_owned(),
-        title: "Speed against error".to_owned(),
-        caption: "Length of the schedule against the worst normwise error, in units of the \
-                  rounding of binary32 (2^-24); the line joins the points that no other one beats."
-            .to_owned(),
-        columns: panels.len().clamp(1, 2),
+    Figure::new(
+        "front",
+        "Speed against error",
+        "Length of the schedule against the worst normwise error, in units of the \
+                  rounding of binary32 (2^-24); the line joins the points that no other one beats.",
+        panels.len().clamp(1, 2),
         panels,
-    }
+    )
 }
 
 fn panel(front: &Front, place: usize) -> Panel {
@@ -273,12 +225,12 @@ fn panel(front: &Front, place: usize) -> Panel {
         let cycles = f64::from(point.cycles[place].unwrap_or(0));
         Mark::at(cycles, point.normwise.worst.min(1e9) / UNIT)
     };
-    let mut curves = vec![Curve {
-        label: String::new(),
-        paint: Paint::Distinct(0),
-        stroke: Stroke::Plain,
-        marks: front.undominated(place).into_iter().map(mark).collect(),
-    }];
+    let mut curves = vec![Curve::new(
+        "",
+        Paint::Distinct(0),
+        Stroke::Plain,
+        front.undominated(place).into_iter().map(mark),
+    )];
     let placed = |index: &usize| front.points[*index].cycles[place].is_some();
     let mut groups: Vec<(bool, String)> = Vec::new();
     for index in (0..front.points.len()).filter(placed) {
@@ -291,21 +243,16 @@ fn panel(front: &Front, place: usize) -> Panel {
         let known = groups.iter().position(|known| *known == group);
         let number = known.unwrap_or_else(|| {
             groups.push(group.clone());
-            curves.push(Curve {
-                label: group.1,
-                paint: Paint::Distinct(groups.len()),
-                stroke: Stroke::Points,
-                marks: Vec::new(),
-            });
+            curves.push(Curve::points(group.1, groups.len(), Vec::new()));
             groups.len() - 1
         });
         curves[number + 1].marks.push(mark(index));
     }
     let count = front.elements[place];
-    Panel {
-        title: format!("{}, {count}+{count} elements", front.name),
-        x: Axis::new("schedule (cycles)", Scale::Decades),
-        y: Axis::new("worst normwise error (2^-24)", Scale::Decades),
-        content: Content::Curves(curves),
-    }
+    Panel::curves(
+        format!("{}, {count}+{count} elements", front.name),
+        PlotAxis::new("schedule (cycles)", AxisScale::Decades),
+        PlotAxis::new("worst normwise error (2^-24)", AxisScale::Decades),
+        curves,
+    )
 }

@@ -15,9 +15,9 @@ pub use error::{
     ArrayReport, ElementReport, ErrorReport, FormatReport, MatrixReport, SpreadReport,
 };
 pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
-pub(crate) use text::{table, units};
 
 use crate::errors::Heat;
+use crate::present::json::json_text;
 use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::Rounding;
 use robovec_ir::count::Counts;
@@ -152,10 +152,7 @@ impl Report {
 
     /// The report as JSON, indented, with a line end behind it.
     pub fn to_json(&self) -> String {
-        // Strings, numbers and lists of them: nothing that JSON cannot hold.
-        let mut text = serde_json::to_string_pretty(self).expect("a report is plain data");
-        text.push('\n');
-        text
+        json_text(self)
     }
 
     /// The report for a person, at most 100 columns wide.

@@ -1,7 +1,6 @@
 //! The report for a person.
 
 mod chart;
-mod table;
 
 use super::error::{ArrayReport, ElementReport, FormatReport, MatrixReport};
 use super::records::{CheckErrors, CheckReport, PassReport};
@@ -9,8 +8,12 @@ use super::rounding::{QuantilesReport, RoundingReport};
 use super::schedule::{ByKind, ScheduleReport, TransferReport};
 use super::{FunctionReport, Report};
 use crate::errors::{heat_text, heat_title};
+use crate::present::number::{or_dash, scientific, units};
+use crate::present::{indented, text_table};
 use robovec_ir::Level;
-pub(crate) use table::table;
+
+/// The columns of rows of a label, a number and a remark: without heads.
+const LABELLED: &str = " | >";
 
 /// How many of an array's elements are named as its worst.
 const NAMED_ELEMENTS: usize = 3;
@@ -55,11 +58,7 @@ fn print_function(function: &FunctionReport, text: &mut String) {
 
 fn section(title: &str, body: &str, text: &mut String) {
     text.push_str(&format!("\n{title}\n"));
-    for line in body.lines() {
-        text.push_str("  ");
-        text.push_str(line.trim_end());
-        text.push('\n');
-    }
+    text.push_str(&indented("  ", body));
 }
 
 fn counts(function: &FunctionReport, text: &mut String) {
@@ -118,7 +117,7 @@ fn counts(function: &FunctionReport, text: &mut String) {
             "operations per cycle of the longest chain".to_owned(),
         ]);
     }
-    section("Size", &table(&[], &rows, &[1]), text);
+    section("Size", &text_table(LABELLED, &rows), text);
 }
 
 fn boundaries(function: &FunctionReport, text: &mut String) {
@@ -140,9 +139,9 @@ fn boundaries(function: &FunctionReport, text: &mut String) {
             ]
         })
         .collect();
-    let head = ["call", "arguments it computes", "input with the result"];
+    let head = "call | arguments it computes | input with the result";
     let title = "User calls split the function: evaluate the arguments, call, evaluate the rest";
-    section(title, &table(&head, &rows, &[]), text);
+    section(title, &text_table(head, &rows), text);
 }
 
 fn passes(function: &FunctionReport, text: &mut String) {
@@ -150,15 +149,7 @@ fn passes(function: &FunctionReport, text: &mut String) {
         return;
     }
     let rows: Vec<Vec<String>> = function.passes.iter().map(pass_row).collect();
-    let head = [
-        "pass",
-        "CPU ms",
-        "peak MB",
-        "operations",
-        "ASAPCycle",
-        "check",
-        "error in binary32",
-    ];
+    let head = "pass | >CPU ms | >peak MB | >operations | >ASAPCycle | check | error in binary32";
     let checked = function.passes.iter().find_map(|pass| pass.check.as_ref());
     let title = checked.map_or("Passes".to_owned(), |check| {
         format!(
@@ -166,7 +157,7 @@ fn passes(function: &FunctionReport, text: &mut String) {
             check.points, check.seed
         )
     });
-    section(&title, &table(&head, &rows, &[1, 2, 3, 4]), text);
+    section(&title, &text_table(head, &rows), text);
     for pass in &function.passes {
         let failure = pass.check.as_ref().and_then(|check| check.failure.as_ref());
         if let Some(failure) = failure {
@@ -210,17 +201,8 @@ fn pass_errors(function: &FunctionReport, text: &mut String) {
     if rows.is_empty() {
         return;
     }
-    let head = [
-        "pass",
-        "relative",
-        "99 %",
-        "worst",
-        "normwise",
-        "99 %",
-        "worst",
-        "the median is",
-    ];
-    section(&title, &table(&head, &rows, &[1, 2, 3, 4, 5, 6]), text);
+    let head = "pass | >relative | >99 % | >worst | >normwise | >99 % | >worst | the median is";
+    section(&title, &text_table(head, &rows), text);
 }
 
 fn pass_row(pass: &PassReport) -> Vec<String> {
@@ -243,11 +225,11 @@ fn pass_row(pass: &PassReport) -> Vec<String> {
     vec![
         pass.name.clone(),
         format!("{:.2}", pass.cpu_s * 1e3),
-        pass.peak_mb.map_or("-".to_owned(), |mb| format!("{mb:.1}")),
+        or_dash(pass.peak_mb, |mb| format!("{mb:.1}")),
         pass.operations.to_string(),
         pass.asap_cycle.to_string(),
-        pass.check.as_ref().map_or("-".to_owned(), check),
-        errors.map_or("-".to_owned(), change),
+        or_dash(pass.check.as_ref(), check),
+        or_dash(errors, change),
     ]
 }
 
@@ -288,7 +270,7 @@ fn print_schedule(schedule: &ScheduleReport, text: &mut String) {
         rate,
         "of all issue slots is used (parallelisation rate)",
     ));
-    section("Schedule", &table(&[], &rows, &[1]), text);
+    section("Schedule", &text_table(LABELLED, &rows), text);
     section(
         "Occupation: share of issue slots used, over the run",
         &chart::occupation(schedule),
@@ -298,10 +280,10 @@ fn print_schedule(schedule: &ScheduleReport, text: &mut String) {
         let rows: Vec<Vec<String>> = usage("memory", memory)
             .chain(usage("buffer", buffer))
             .collect();
-        let head = ["words used", "elements", "min", "mean", "max"];
+        let head = "words used | elements | >min | >mean | >max";
         section(
             "Memory and buffer, per element",
-            &table(&head, &rows, &[2, 3, 4]),
+            &text_table(head, &rows),
             text,
         );
     }
@@ -332,7 +314,7 @@ fn print_transfers(transfers: &TransferReport, text: &mut String) {
             "results that pass through a buffer",
         ),
     ];
-    section("Transfers", &table(&[], &rows, &[1]), text);
+    section("Transfers", &text_table(LABELLED, &rows), text);
 }
 
 fn usage<'a>(what: &'a str, kinds: &'a ByKind) -> impl Iterator<Item = Vec<String>> + 'a {
@@ -375,43 +357,22 @@ fn speed_against_error(function: &FunctionReport, text: &mut String) {
         row("binary32", &function.error.binary32),
         row("binary64", &function.error.binary64),
     ];
-    let head = [
-        "format",
-        "cycles",
-        "time us",
-        "median relative",
-        "worst normwise",
-        "worst ulps",
-        "of",
-    ];
+    let head =
+        "format | >cycles | >time us | >median relative | >worst normwise | >worst ulps | of";
     let title = format!(
         "Speed against error: rounding against exact values ({}), {} random states, seed {}",
         function.error.reference, function.error.states, function.error.seed
     );
-    section(&title, &table(&head, &rows, &[1, 2, 3, 4, 5]), text);
+    section(&title, &text_table(head, &rows), text);
 }
 
 /// One row per output array, its worst elements named.
 fn errors(format: &str, report: &FormatReport, text: &mut String) {
     let rows: Vec<Vec<String>> = report.arrays.iter().map(array_row).collect();
-    let head = [
-        "output",
-        "elements",
-        "vanish",
-        "normwise",
-        "worst",
-        "relative",
-        "worst",
-        "ulps",
-        "worst",
-        "worst elements",
-    ];
+    let head = "output | >elements | >vanish | >normwise | >worst | >relative | >worst | >ulps | \
+         >worst | worst elements";
     let title = format!("Error of each output in {format} (medians and worst cases)");
-    section(
-        &title,
-        &table(&head, &rows, &[1, 2, 3, 4, 5, 6, 7, 8]),
-        text,
-    );
+    section(&title, &text_table(head, &rows), text);
 }
 
 fn array_row(array: &ArrayReport) -> Vec<String> {
@@ -462,7 +423,7 @@ fn worst_errors(format: &str, report: &FormatReport, text: &mut String) {
     if elements.is_empty() {
         return;
     }
-    let number = |number: Option<f64>| number.map_or("-".to_owned(), scientific);
+    let number = |number: Option<f64>| or_dash(number, scientific);
     let rows: Vec<Vec<String>> = elements
         .iter()
         .map(|element| {
@@ -479,19 +440,10 @@ fn worst_errors(format: &str, report: &FormatReport, text: &mut String) {
             ]
         })
         .collect();
-    let head = [
-        "element",
-        "relative",
-        "99 %",
-        "worst",
-        "state",
-        "mixed",
-        "condition",
-        "backward",
-        "judgement",
-    ];
+    let head = "element | >relative | >99 % | >worst | >state | >mixed | >condition | >backward | \
+         judgement";
     let title = format!("Largest relative errors in {format}, and how hard the problem is");
-    section(&title, &table(&head, &rows, &[1, 2, 3, 4, 5, 6, 7]), text);
+    section(&title, &text_table(head, &rows), text);
 }
 
 /// What solving with the output matrices does to errors.
@@ -506,9 +458,9 @@ fn matrices(function: &FunctionReport, text: &mut String) {
     };
     let rows: Vec<Vec<String>> = function.error.matrices.iter().map(row).collect();
     if !rows.is_empty() {
-        let head = ["matrix", "median", "worst", "state"];
+        let head = "matrix | >median | >worst | >state";
         let title = "Condition of symmetric outputs in the 2-norm";
-        section(title, &table(&head, &rows, &[1, 2, 3]), text);
+        section(title, &text_table(head, &rows), text);
     }
 }
 
@@ -527,25 +479,4 @@ fn worst_elements(array: &ArrayReport) -> String {
         .map(|element| element.name.as_str())
         .collect();
     names.join(" ")
-}
-
-/// A number of units of rounding: two digits behind the point while they say
-/// something.
-pub(crate) fn units(number: f64) -> String {
-    match number {
-        number if number < 10.0 => format!("{number:.2}"),
-        number if number < 1000.0 => format!("{number:.0}"),
-        number => scientific(number),
-    }
-}
-
-/// Two digits and an exponent, which line up in a column; a plain 0.
-fn scientific(number: f64) -> String {
-    if number == 0.0 {
-        "0".to_owned()
-    } else if number.is_finite() && (0.1..1000.0).contains(&number) {
-        format!("{number:.2}")
-    } else {
-        format!("{number:.1e}")
-    }
 }

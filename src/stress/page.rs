@@ -2,8 +2,9 @@
 
 use super::view::short;
 use super::{Class, Finding, Findings};
-use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
-use crate::study::plot;
+use crate::present::escape::EscapedContent;
+use crate::present::plot;
+use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 use std::fmt::Write;
 
 const STYLE: &str = "\
@@ -38,20 +39,20 @@ pub fn figure(findings: &[Finding<'_>]) -> Figure {
                 let drawable = x > 0.0 && x.is_finite() && !y.is_nan();
                 drawable.then(|| Mark::at(x.log10(), y.clamp(1e-17, 1e3).log10()))
             };
-            Curve {
-                label: label.to_owned(),
-                paint: Paint::Distinct(index),
+            Curve::new(
+                label,
+                Paint::Distinct(index),
                 stroke,
-                marks: findings.iter().filter_map(mark).collect(),
-            }
+                findings.iter().filter_map(mark),
+            )
         };
         let curves: Vec<Curve> = errors.iter().enumerate().map(curve).collect();
-        Panel {
-            title: title.to_owned(),
-            x: Axis::new(axis, Scale::Linear),
-            y: Axis::new("relative error (log10)", Scale::Linear),
-            content: Content::Curves(curves),
-        }
+        Panel::curves(
+            title,
+            PlotAxis::new(axis, AxisScale::Linear),
+            PlotAxis::new("relative error (log10)", AxisScale::Linear),
+            curves,
+        )
     };
     let of_condition = panel("All cases", "condition (log10)", Stroke::Points, &|found| {
         Some(found.condition)
@@ -67,23 +68,18 @@ pub fn figure(findings: &[Finding<'_>]) -> Figure {
                 .filter(|_| found.metric == "energy drift")
         },
     );
-    let has_marks = |panel: &Panel| match &panel.content {
-        Content::Curves(curves) => curves.iter().any(|curve| !curve.marks.is_empty()),
-        Content::Map(_) => false,
-    };
     let panels: Vec<Panel> = [of_condition, of_step]
         .into_iter()
-        .filter(has_marks)
+        .filter(|panel| !panel.is_empty())
         .collect();
-    Figure {
-        name: "stress".to_owned(),
-        title: "Error against condition, and against the step".to_owned(),
-        caption: "Every case: its error in binary32, in binary64 and with the cheapest cure. \
-                  Exact results stand at -17, missing ones are left out."
-            .to_owned(),
-        columns: panels.len().max(1),
+    Figure::new(
+        "stress",
+        "Error against condition, and against the step",
+        "Every case: its error in binary32, in binary64 and with the cheapest cure. \
+                  Exact results stand at -17, missing ones are left out.",
+        panels.len().max(1),
         panels,
-    }
+    )
 }
 
 /// The findings as a page.
@@ -105,7 +101,7 @@ pub fn page(findings: &[Finding<'_>]) -> String {
             text,
             "<figure>{}<figcaption class=\"soft\">{}</figcaption></figure>",
             plot::draw(&figure),
-            escaped(&figure.caption)
+            EscapedContent(&figure.caption)
         );
     }
     for class in Class::ALL {
@@ -120,7 +116,7 @@ pub fn page(findings: &[Finding<'_>]) -> String {
             text,
             "<h2>{}</h2>\n<p class=\"soft\">{}</p>",
             class.name(),
-            escaped(class.description())
+            EscapedContent(class.description())
         );
         for finding in of_class {
             section(&mut text, finding);
@@ -141,24 +137,24 @@ fn section(text: &mut String, (case, found): &Finding<'_>) {
         text,
         "<details><summary><b>{}</b>: <span class=\"{colour}\">{}</span>, {} {} in f32, {} in \
          f64{}</summary>\n<p>{}. Breaks {}. Condition {}; rounding the data once makes {}.</p>",
-        escaped(&case.name),
+        EscapedContent(&case.name),
         found.verdict,
-        escaped(found.metric),
+        EscapedContent(found.metric),
         short(found.short.error),
         short(found.long.error),
         found.cure().map_or(String::new(), |trial| format!(
             "; cured by {} at {:.2} times the cost",
-            escaped(&trial.label),
+            EscapedContent(&trial.label),
             trial.cost
         )),
-        escaped(&case.construction),
-        escaped(case.breaks),
+        EscapedContent(&case.construction),
+        EscapedContent(case.breaks),
         short(found.condition),
         short(found.floor),
     );
     text.push_str("<div class=\"scroll\"><table><tr><th>treatment</th><th class=\"n\">cost</th><th class=\"n\">error</th>");
     for (name, _) in &found.short.others {
-        let _ = write!(text, "<th class=\"n\">{}</th>", escaped(name));
+        let _ = write!(text, "<th class=\"n\">{}</th>", EscapedContent(name));
     }
     text.push_str("<th class=\"n\">out of range</th></tr>\n");
     let untreated = ("as it is", 1.0, &found.short, false);
@@ -171,7 +167,7 @@ fn section(text: &mut String, (case, found): &Finding<'_>) {
             text,
             "<tr{}><td>{}</td><td class=\"n\">{cost:.2}</td><td class=\"n\">{}</td>",
             if chosen { " class=\"chosen\"" } else { "" },
-            escaped(label),
+            EscapedContent(label),
             short(measured.error)
         );
         for (_, number) in &measured.others {
@@ -184,11 +180,4 @@ fn section(text: &mut String, (case, found): &Finding<'_>) {
         );
     }
     text.push_str("</table></div></details>\n");
-}
-
-/// Text as HTML shows it.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }

@@ -1,8 +1,9 @@
 //! What was found, as text, table, figure and page.
 
 use super::{Case, Class, Findings, Treatment};
-use crate::report;
-use crate::study::table::{Cell, Table};
+use crate::present::number::or_dash;
+use crate::present::text_lines;
+use crate::present::{DataCell, DataTable};
 use robovec_ir::Format;
 
 /// A case with what was found.
@@ -11,11 +12,11 @@ pub type Finding<'a> = (&'a Case, Findings);
 /// The findings as an aligned table; without the columns of cures where none
 /// were tried.
 pub fn text(findings: &[Finding<'_>]) -> String {
-    let mut head = vec!["case", "cond", "f32 error", "f64 error", "of", "verdict"];
+    let mut head = "case | >cond | >f32 error | >f64 error | of | verdict".to_owned();
     let tried = findings.iter().any(|(_, found)| !found.trials.is_empty());
     if tried {
-        head.extend(["cheapest cure", "cost", "error after"]);
-        head.extend(["for f32 results", "cost", "error after"]);
+        head += " | cheapest cure | >cost | >error after";
+        head += " | for f32 results | >cost | >error after";
     }
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (case, findings) in findings {
@@ -40,17 +41,7 @@ pub fn text(findings: &[Finding<'_>]) -> String {
         }
         rows.push(row);
     }
-    lines(&report::table(&head, &rows, &[1, 2, 3, 7, 8, 10, 11]))
-}
-
-/// A table without blanks at the ends of its lines.
-fn lines(table: &str) -> String {
-    let mut text = String::new();
-    for line in table.lines() {
-        text.push_str(line.trim_end());
-        text.push('\n');
-    }
-    text
+    text_lines(&head, &rows)
 }
 
 /// The step of long simulations against the drift, and the best step in
@@ -84,7 +75,7 @@ pub fn steps(findings: &[Finding<'_>]) -> String {
                 *best = Some((step, error));
             }
         }
-        let cell = |error: Option<f64>| error.map_or_else(|| "-".to_owned(), short);
+        let cell = |error: Option<f64>| or_dash(error, short);
         rows.push(vec![
             format!("{step:e}"),
             short(found.short.error),
@@ -96,16 +87,10 @@ pub fn steps(findings: &[Finding<'_>]) -> String {
     if rows.len() < 2 {
         return String::new();
     }
-    let head = [
-        "step (s)",
-        "f32",
-        "f32, compensated state",
-        "f32, state f64",
-        "f64",
-    ];
+    let head = ">step (s) | >f32 | >f32, compensated state | >f32, state f64 | >f64";
     let mut text =
         "Energy drift of the double pendulum, relative to its kinetic energy:\n".to_owned();
-    text += &lines(&report::table(&head, &rows, &[0, 1, 2, 3, 4]));
+    text += &text_lines(head, &rows);
     let names = ["in f32", "in f32 with a compensated state"];
     for (name, best) in names.into_iter().zip(best) {
         if let Some((step, error)) = best {
@@ -151,25 +136,12 @@ pub fn classes(findings: &[Finding<'_>]) -> String {
 }
 
 /// The same for programs: one row for each case and treatment.
-pub fn table(findings: &[Finding<'_>]) -> Table {
-    let columns = [
-        "case",
-        "class",
-        "metric",
-        "condition",
-        "attainable in f32",
-        "verdict",
-        "treatment",
-        "error",
-        "cost",
-        "outside the range",
-        "cheapest",
-    ];
+pub fn table(findings: &[Finding<'_>]) -> DataTable {
     let number = |number: f64| {
         if number.is_finite() {
-            Cell::text(format!("{number:.3e}"))
+            DataCell::text(format!("{number:.3e}"))
         } else {
-            Cell::Empty
+            DataCell::Empty
         }
     };
     let mut rows = Vec::new();
@@ -181,31 +153,31 @@ pub fn table(findings: &[Finding<'_>]) -> Table {
         });
         for (label, measured, cost, chosen) in std::iter::once(untreated).chain(trials) {
             rows.push(vec![
-                Cell::text(&case.name),
-                Cell::text(case.class.name()),
-                Cell::text(found.metric),
+                DataCell::text(&case.name),
+                DataCell::text(case.class.name()),
+                DataCell::text(found.metric),
                 number(found.condition),
                 number(found.floor),
-                Cell::text(found.verdict.name()),
-                Cell::text(label),
+                DataCell::text(found.verdict.name()),
+                DataCell::text(label),
                 number(measured.error),
-                Cell::number(cost, 3),
+                DataCell::number(cost, 3),
                 number(measured.outside),
                 if chosen {
-                    Cell::text("yes")
+                    DataCell::text("yes")
                 } else {
-                    Cell::Empty
+                    DataCell::Empty
                 },
             ]);
         }
     }
-    Table {
-        name: "stress".to_owned(),
-        title: "Hard cases and their cures".to_owned(),
-        caption: "Every case as it is in binary32 and under every treatment tried; the cost \
-                  is operations times bits, relative to the untreated program."
-            .to_owned(),
-        columns: columns.map(str::to_owned).to_vec(),
+    DataTable::new(
+        "stress",
+        "Hard cases and their cures",
+        "Every case as it is in binary32 and under every treatment tried; the cost \
+                  is operations times bits, relative to the untreated program.",
+        "case | class | metric | condition | attainable in f32 | verdict | treatment | \
+         error | cost | outside the range | cheapest",
         rows,
-    }
+    )
 }

@@ -1,10 +1,8 @@
 //! How many elements a program is worth: the knee, the zones around it, and
 //! what limits each (thesis 3.3).
 
-use super::figure::Zone;
-use super::figures::{SATURATED, zone};
-use super::program::ProgramFacts;
 use super::results::{Placed, Results};
+use super::zone::{Zone, is_saturated, zone};
 use serde::Serialize;
 
 /// What the placements of one program say.
@@ -104,9 +102,4 @@ pub fn knee(results: &Results, model: usize, pipeline: usize, machine: usize) ->
         ),
         is_exact: exact,
     })
-}
-
-/// True when a run of so many cycles is as good as the longest chain.
-pub(super) fn is_saturated(facts: &ProgramFacts, cycles: u32) -> bool {
-    f64::from(cycles) <= SATURATED * f64::from(facts.asap_cycle)
 }

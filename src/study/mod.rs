@@ -2,7 +2,7 @@
 //! person who has to choose.
 //!
 //! `plan` says what is placed; `run` places it, in parallel, with finished
-//! points kept by `store`; `tables` and `figures` are views of the points,
+//! points kept by [`crate::explore::store`]; `tables` and `figures` are views of the points,
 //! each named by its number in the thesis; `verdict` says in words what they
 //! mean; `page` puts everything into one HTML file. The figures of the thesis
 //! itself are data (`printed`), shown beside ours and never mixed with them.
@@ -12,20 +12,18 @@
 
 pub mod couples;
 pub mod cpu;
-pub mod figure;
 pub mod figures;
+pub mod key;
 pub mod knee;
 pub mod occupation;
 pub mod page;
 pub mod plan;
-pub mod plot;
 pub mod point;
 pub mod printed;
 pub mod program;
 pub mod results;
 pub mod run;
-pub mod store;
-pub mod table;
 pub mod tables;
 mod variants;
 pub mod verdict;
+pub mod zone;

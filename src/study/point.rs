@@ -2,16 +2,17 @@
 
 use super::occupation::{Occupation, occupation};
 use super::plan::{NamedMachine, Request};
-use super::program::Program;
-use robovec_ir::{Machine, Operation, View, verify};
-use robovec_passes::place::{Spread, place, placement_statistics};
+use super::program::StudyProgram;
+use crate::explore::placing::{verified, with_counts};
+use robovec_ir::Operation;
+use robovec_passes::place::Spread;
 use serde::{Deserialize, Serialize};
 
 /// What is kept of a placement. Names and numbers of its [`Request`] are not
 /// part of it: a point is found by its key.
 #[derive(Clone, PartialEq, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Point {
+pub struct PlacedPoint {
     /// Why there is no placement; everything else is 0 then.
     pub failure: Option<String>,
     /// Length: the first cycle in which every result can be read.
@@ -48,32 +49,25 @@ pub struct KindPoint {
 
 /// Places a program and measures the placement, which the verifier has
 /// accepted.
-pub fn measure(program: &Program, machine: &NamedMachine, request: &Request) -> Point {
-    let machine = with_counts(&machine.machine, request);
-    let fail = |reason: String| Point {
-        failure: Some(reason),
-        ..Point::default()
+pub fn measure(program: &StudyProgram, machine: &NamedMachine, request: &Request) -> PlacedPoint {
+    // Fused elements are as many as the machine has.
+    let counts = [
+        (Operation::Add, request.n_add),
+        (Operation::Mul, request.n_multi),
+    ];
+    let machine = with_counts(&machine.machine, &counts);
+    let placed = match verified(&program.module, &machine, request.options()) {
+        Ok(placed) => placed,
+        Err(reason) => {
+            return PlacedPoint {
+                failure: Some(reason),
+                ..PlacedPoint::default()
+            };
+        }
     };
-    let mut function = program.module.functions[0].clone();
-    if let Err(error) = place(&mut function, &machine, request.options()) {
-        return fail(error.to_string());
-    }
-    let view = View {
-        tables: &program.module.tables,
-        function: &function,
-    };
-    if let Some(violation) = verify::verify_placement(view, &machine).first() {
-        return fail(format!(
-            "the verifier refuses the placement: {}",
-            violation.message
-        ));
-    }
-    let (Some(schedule), Some(statistics)) = (
-        &function.schedule,
-        placement_statistics(&function, &machine),
-    ) else {
-        return fail("the placer left no placement".to_owned());
-    };
+    let statistics = placed.statistics(&machine);
+    let schedule = placed.function.schedule.as_ref();
+    let schedule = schedule.expect("what is placed has a schedule");
     let kind = |operation: Operation| {
         let Some(index) = machine.kind_of(operation) else {
             return KindPoint::default();
@@ -87,7 +81,7 @@ pub fn measure(program: &Program, machine: &NamedMachine, request: &Request) -> 
             occupation: occupation(schedule, index),
         }
     };
-    Point {
+    PlacedPoint {
         failure: None,
         cycles: schedule.cycles,
         lower_bound: schedule.lower_bound,
@@ -101,19 +95,4 @@ pub fn measure(program: &Program, machine: &NamedMachine, request: &Request) -> 
 
 fn words(spread: Spread) -> [f64; 3] {
     [f64::from(spread.min), spread.mean, f64::from(spread.max)]
-}
-
-/// The machine with the numbers of elements a placement asks for.
-fn with_counts(machine: &Machine, request: &Request) -> Machine {
-    let mut machine = machine.clone();
-    let counts = [
-        (Operation::Add, request.n_add),
-        (Operation::Mul, request.n_multi),
-    ];
-    for (operation, count) in counts {
-        if let Some(kind) = machine.kind_of(operation) {
-            machine.elements[kind].count = count;
-        }
-    }
-    machine
 }

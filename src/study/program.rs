@@ -2,16 +2,15 @@
 //! measure the result.
 
 use super::plan::{NamedMachine, NamedPipeline, Subject};
-use super::store::Key;
+use crate::explore::program::{transformed, view};
+use crate::explore::store::PointKey;
 use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::{Rounding, rounding, usual_states};
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Report, did_you_mean};
 use robovec_ir::states::States;
-use robovec_ir::{Machine, Module, Operation, View, print};
-use robovec_passes::manager::{self, Config};
+use robovec_ir::{Machine, Module, Operation, print};
 use serde::{Deserialize, Serialize};
-use std::io;
 use std::sync::Arc;
 
 /// Seed of the states at which rounding errors are measured.
@@ -91,7 +90,7 @@ pub struct Equations {
     /// The function studied, alone in its module.
     pub module: Module,
     /// Stands for the text.
-    pub key: Key,
+    pub key: PointKey,
     equations: usize,
     vectors: usize,
     rounding: Arc<Rounding>,
@@ -106,18 +105,14 @@ impl Equations {
     pub fn load(subject: &Subject, sources: &dyn Sources) -> Result<Equations, Report> {
         let mut module = sources.equations(subject)?;
         pick(&mut module, subject)?;
-        let mut key = Key::new();
+        let mut key = PointKey::new();
         // Hashing cannot fail.
         let _ = print::write_module(&module, &mut key);
         let function = &module.functions[0];
         let counts = Counts::of(function);
         let states = usual_states(counts.operations);
-        let view = View {
-            tables: &module.tables,
-            function,
-        };
         Ok(Equations {
-            rounding: Arc::new(rounding(view, &States::new(SEED), states)),
+            rounding: Arc::new(rounding(view(&module), &States::new(SEED), states)),
             module,
             key,
             equations: counts.equations,
@@ -135,20 +130,14 @@ impl Equations {
         subject: &Subject,
         pipeline: &NamedPipeline,
         machine: &NamedMachine,
-    ) -> Result<Program, String> {
-        let mut module = self.module.clone();
-        let mut log = io::sink();
-        let config = Config::new(&machine.machine, &mut log);
-        manager::run(&mut module, &pipeline.pipeline, config).map_err(|error| error.to_string())?;
+    ) -> Result<StudyProgram, String> {
+        let module = transformed(&self.module, &pipeline.pipeline, &machine.machine, None)
+            .map_err(|error| error.to_string())?;
         let function = &module.functions[0];
         let counts = Counts::of(function);
         let path = critical_path(function, &machine.machine);
         let [path_add, path_mul] = kinds_on_path(function, &machine.machine);
-        let view = View {
-            tables: &module.tables,
-            function,
-        };
-        let now = rounding(view, &States::new(SEED), self.rounding.states);
+        let now = rounding(view(&module), &States::new(SEED), self.rounding.states);
         let facts = ProgramFacts {
             model: subject.name.clone(),
             pipeline: pipeline.name.clone(),
@@ -165,12 +154,12 @@ impl Equations {
             path_add,
             rounding: [self.rounding.clone(), Arc::new(now)],
         };
-        Ok(Program { module, facts })
+        Ok(StudyProgram { module, facts })
     }
 }
 
 /// A program ready to be placed.
-pub struct Program {
+pub struct StudyProgram {
     /// One function, at the atomic level.
     pub module: Module,
     /// Its figures.

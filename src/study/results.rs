@@ -1,10 +1,10 @@
 //! A plan and what it gave, with the questions that tables and figures ask.
 
 use super::plan::{Plan, Printed, Request};
-use super::point::Point;
+use super::point::PlacedPoint;
 use super::printed::{self, Row, System};
 use super::program::ProgramFacts;
-use super::run::Outcome;
+use super::run::StudyOutcome;
 use serde_json::{Value, json};
 
 /// The results of a study.
@@ -13,7 +13,7 @@ pub struct Results {
     /// The plan.
     pub plan: Plan,
     /// Its outcome.
-    pub outcome: Outcome,
+    pub outcome: StudyOutcome,
 }
 
 /// A placement: what was asked for and what it gave.
@@ -22,7 +22,7 @@ pub struct Placed<'a> {
     /// The request.
     pub request: &'a Request,
     /// The result.
-    pub point: &'a Point,
+    pub point: &'a PlacedPoint,
 }
 
 impl Placed<'_> {
@@ -146,6 +146,6 @@ impl Results {
 }
 
 /// The time of a placement at a clock.
-pub fn time_us(point: &Point, mhz: f64) -> f64 {
+pub fn time_us(point: &PlacedPoint, mhz: f64) -> f64 {
     f64::from(point.cycles) / mhz
 }

@@ -5,11 +5,13 @@
 //! one is placed, on all cores, the next is made ready. Results stand in the
 //! order of their requests, whatever the order of work.
 
-use super::knee::is_saturated;
+use super::key::key;
 use super::plan::{ChoiceKey, Plan, PriorityKey, Request};
-use super::point::{Point, measure};
-use super::program::{Equations, Program, ProgramFacts, Sources};
-use super::store::{self, Key, Store};
+use super::point::{PlacedPoint, measure};
+use super::program::{Equations, ProgramFacts, Sources, StudyProgram};
+use super::zone::is_saturated;
+use crate::explore::ExplorationProgress;
+use crate::explore::store::{PointKey, PointStore, build_key};
 use rayon::prelude::*;
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::diagnostic::{Diagnostic, Report};
@@ -17,19 +19,16 @@ use std::collections::BTreeMap;
 
 /// What a plan gave.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Outcome {
+pub struct StudyOutcome {
     /// Every placement, those that the search for knees added included.
-    pub points: BTreeMap<Request, Point>,
+    pub points: BTreeMap<Request, PlacedPoint>,
     /// Programs by model, pipeline, machine.
     pub programs: BTreeMap<(usize, usize, usize), ProgramFacts>,
     /// Points that were found on disk.
     pub reused: usize,
 }
 
-/// Told of every finished placement.
-pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
-
-/// Runs a plan.
+/// Runs a plan; the model of every finished placement is told.
 ///
 /// # Errors
 ///
@@ -39,17 +38,17 @@ pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
 pub fn run(
     plan: &Plan,
     sources: &dyn Sources,
-    store: &Store,
-    progress: Progress<'_>,
-) -> Result<Outcome, Report> {
+    store: &PointStore,
+    progress: ExplorationProgress<'_>,
+) -> Result<StudyOutcome, Report> {
     let runner = Runner {
         plan,
         sources,
         store,
         progress,
-        build: store::build_key().ok(),
+        build: build_key().ok(),
     };
-    let mut outcome = Outcome::default();
+    let mut outcome = StudyOutcome::default();
     let models = runner.models();
     let mut next = models
         .first()
@@ -76,25 +75,25 @@ pub fn run(
 struct Runner<'a> {
     plan: &'a Plan,
     sources: &'a dyn Sources,
-    store: &'a Store,
-    progress: Progress<'a>,
+    store: &'a PointStore,
+    progress: ExplorationProgress<'a>,
     /// Of this robovec; absent when it cannot be known, and then no point is
     /// stored or found.
-    build: Option<Key>,
+    build: Option<PointKey>,
 }
 
 /// A model made ready.
 struct Prepared {
     model: usize,
-    key: Key,
-    programs: Vec<Program>,
+    key: PointKey,
+    programs: Vec<StudyProgram>,
     /// The program of each pipeline and machine.
     variant_of: BTreeMap<(usize, usize), usize>,
     facts: BTreeMap<(usize, usize, usize), ProgramFacts>,
 }
 
 /// A placement, and whether it was found on disk.
-type Found = (Request, Point, bool);
+type Found = (Request, PlacedPoint, bool);
 
 impl Runner<'_> {
     /// The models that requests ask for.
@@ -130,7 +129,7 @@ impl Runner<'_> {
             });
             variant_of.insert(pair, place);
         }
-        let programs: Result<Vec<Program>, Report> = variants
+        let programs: Result<Vec<StudyProgram>, Report> = variants
             .par_iter()
             .map(|&(pipeline, machine, _)| {
                 let pipeline = &self.plan.pipelines[pipeline];
@@ -184,18 +183,18 @@ impl Runner<'_> {
         let machine = &self.plan.machines[request.machine];
         let key = self
             .build
-            .map(|build| store::key(prepared.key, build, pipeline, machine, &request));
+            .map(|build| key(prepared.key, build, pipeline, machine, &request));
         (self.progress)(&self.plan.models[request.model].name);
-        if let Some(point) = key.and_then(|key| self.store.load(key)) {
-            return Ok((request, point, true));
-        }
         let variant = prepared.variant_of[&(request.pipeline, request.machine)];
-        let point = measure(&prepared.programs[variant], machine, &request);
-        if let Some(key) = key {
-            let stored = self.store.save(key, &point);
-            stored.map_err(|error| failure(format!("cannot store a point: {error}")))?;
-        }
-        Ok((request, point, false))
+        let measure = || measure(&prepared.programs[variant], machine, &request);
+        let (point, reused) = match key {
+            None => (measure(), false),
+            Some(key) => {
+                let point = self.store.point(key, measure);
+                point.map_err(|error| failure(format!("cannot store a point: {error}")))?
+            }
+        };
+        Ok((request, point, reused))
     }
 
     /// Halves the distance between the largest equal numbers that fall short

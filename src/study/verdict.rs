@@ -1,15 +1,15 @@
 //! What the study means, in plain words, computed from its points.
 
-use super::figures::{BUSY, SATURATED};
 use super::knee::{Knee, Split, knee};
 use super::program::ProgramFacts;
 use super::results::Results;
 use super::variants;
+use super::zone::{BUSY, SATURATED};
 use serde::Serialize;
 
 /// The verdict about one program.
 #[derive(Clone, Debug, Serialize)]
-pub struct Verdict {
+pub struct StudyVerdict {
     /// The model.
     pub model: String,
     /// The system, which models with other equations share.
@@ -30,7 +30,7 @@ pub struct Verdict {
 
 /// The verdict about every program on the machine of the ordinary figures:
 /// the headline model first.
-pub fn verdicts(results: &Results) -> Vec<Verdict> {
+pub fn verdicts(results: &Results) -> Vec<StudyVerdict> {
     let Some(machine) = results.main_machine() else {
         return Vec::new();
     };
@@ -44,12 +44,17 @@ pub fn verdicts(results: &Results) -> Vec<Verdict> {
         .collect()
 }
 
-fn verdict(results: &Results, model: usize, pipeline: usize, machine: usize) -> Option<Verdict> {
+fn verdict(
+    results: &Results,
+    model: usize,
+    pipeline: usize,
+    machine: usize,
+) -> Option<StudyVerdict> {
     let facts = results.program(model, pipeline, machine)?;
     let knee = knee(results, model, pipeline, machine)?;
     let mhz = results.plan.machines[machine].machine.clock_mhz;
     let subject = &results.plan.models[model];
-    Some(Verdict {
+    Some(StudyVerdict {
         model: facts.model.clone(),
         system: subject.source.clone(),
         formulation: variants::label(subject),

@@ -1,6 +1,8 @@
 //! The space of designs.
 
-use crate::study::couples::{Couple, MEMORY_CAP_MHZ, couples};
+use crate::explore::axes::Axes;
+use crate::explore::operators::{Couple, MEMORY_CAP_MHZ, couples, with_stages};
+use crate::explore::placing::with_counts;
 use robovec_ir::machine::{BufferDescription, Interconnect, MemoryStyle, Network, Topology};
 use robovec_ir::{Machine, Operation};
 use serde::Serialize;
@@ -32,14 +34,9 @@ pub struct Design {
 impl Design {
     /// The design as a machine.
     pub fn machine(&self) -> Machine {
-        let mut machine = Machine::built_in("thesis").expect("it ships, and a test parses it");
-        let counts = [self.adders, self.multipliers];
-        for (place, operation) in [Operation::Add, Operation::Mul].into_iter().enumerate() {
-            if let Some(kind) = machine.kind_of(operation) {
-                machine.elements[kind].count = counts[place];
-                machine.elements[kind].stages = self.stages[place];
-            }
-        }
+        let kinds = [Operation::Add, Operation::Mul];
+        let counts = [(kinds[0], self.adders), (kinds[1], self.multipliers)];
+        let mut machine = with_stages(&with_counts(&super::thesis(), &counts), self.stages);
         machine.memory.style = self.memory;
         machine.memory.writes = Some(match self.memory {
             MemoryStyle::SideSplit => 1,
@@ -106,29 +103,34 @@ impl Default for Space {
 impl Space {
     /// All designs, in order.
     pub fn designs(&self) -> Vec<Design> {
-        let mut designs = Vec::new();
-        for (adders, multipliers) in self.pairs() {
-            for couple in &self.couples {
-                for &memory in &self.memories {
-                    for &buffer in &self.buffers {
-                        for &interconnect in &self.interconnects {
-                            let instances = self.instances.iter();
-                            designs.extend(instances.map(|&instances| Design {
-                                adders,
-                                multipliers,
-                                stages: couple.stages(),
-                                couple_mhz: couple.mhz(),
-                                memory,
-                                buffer,
-                                instances,
-                                interconnect,
-                            }));
-                        }
-                    }
-                }
+        let pairs: Vec<(u32, u32)> = self.pairs().collect();
+        let axes = self.axes(pairs.len()).combinations();
+        axes.map(|[pair, couple, memory, buffer, interconnect, instances]| {
+            let (adders, multipliers) = pairs[pair];
+            let couple = &self.couples[couple];
+            Design {
+                adders,
+                multipliers,
+                stages: couple.stages(),
+                couple_mhz: couple.mhz(),
+                memory: self.memories[memory],
+                buffer: self.buffers[buffer],
+                instances: self.instances[instances],
+                interconnect: self.interconnects[interconnect],
             }
-        }
-        designs
+        })
+        .collect()
+    }
+
+    fn axes(&self, pairs: usize) -> Axes<6> {
+        Axes([
+            pairs,
+            self.couples.len(),
+            self.memories.len(),
+            self.buffers.len(),
+            self.interconnects.len(),
+            self.instances.len(),
+        ])
     }
 
     /// Numbers of adders and multipliers.
@@ -143,16 +145,9 @@ impl Space {
     /// How many designs there are, and how many instances all of them place
     /// together, without making them.
     pub fn count(&self) -> (u64, u64) {
-        let lists = [
-            self.couples.len(),
-            self.memories.len(),
-            self.buffers.len(),
-            self.interconnects.len(),
-        ];
-        let machines =
-            self.pairs().count() as u64 * lists.map(|n| n as u64).iter().product::<u64>();
+        let designs = self.axes(self.pairs().count()).count();
         let instances: u64 = self.instances.iter().copied().map(u64::from).sum();
-        let designs = machines.saturating_mul(self.instances.len() as u64);
+        let machines = designs / (self.instances.len() as u64).max(1);
         (designs, machines.saturating_mul(instances))
     }
 }

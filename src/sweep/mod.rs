@@ -14,16 +14,16 @@
 pub mod design;
 pub mod page;
 pub mod text;
-pub mod time;
 
-use crate::fit::cost::{Resources, resources};
-use crate::study::cpu;
+use crate::explore::device::{self, DeviceShare};
+use crate::explore::pareto::{self, Ties};
+use crate::explore::placing::verified;
+use crate::explore::processor;
+use crate::explore::program::{ExplorationError, transformed_by};
 use design::{Design, Space};
 use rayon::prelude::*;
-use robovec_ir::{Machine, Module, View, verify};
-use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline;
-use robovec_passes::place::{PlaceOptions, place, placement_statistics};
+use robovec_ir::{Machine, Module, View};
+use robovec_passes::place::PlaceOptions;
 use serde::Serialize;
 
 /// The most operations times designs that are placed at once.
@@ -33,7 +33,7 @@ pub const MOST_DESIGNS: u64 = 1_000_000;
 
 /// A design with what came of it.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Point {
+pub struct SweepPoint {
     /// The design.
     pub design: Design,
     /// Clock of the elements, MHz.
@@ -47,7 +47,7 @@ pub struct Point {
     /// Time per evaluation when all instances are used, µs.
     pub us_per_evaluation: f64,
     /// What the machine takes.
-    pub resources: Resources,
+    pub resources: DeviceShare,
     /// The largest of its shares of the thesis' device; above 1 it does not
     /// fit.
     pub share: f64,
@@ -66,7 +66,7 @@ pub struct Sweep {
     /// Its longest chain on the thesis' machine, cycles.
     pub path: u32,
     /// The points, by design.
-    pub points: Vec<Point>,
+    pub points: Vec<SweepPoint>,
     /// Designs the program could not be placed on, and why.
     pub failures: Vec<(Design, String)>,
     /// Time of one evaluation in binary64 by the fastest generated C on one
@@ -82,8 +82,8 @@ pub struct Sweep {
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// A pass gave up on the function.
-    #[error("{0}")]
-    Pass(String),
+    #[error(transparent)]
+    Program(#[from] ExplorationError),
     /// Too much work.
     #[error(
         "{designs} designs of {operations} operations are more than is placed at once; ask for \
@@ -122,9 +122,9 @@ pub fn sweep(
     let programs = programs(module, space)?;
     let program = |design: &Design| {
         let place = space.instances.iter().position(|&k| k == design.instances);
-        &programs[place.unwrap_or(0)]
+        &programs[place.expect("a design has instances of the space")]
     };
-    let results: Vec<Result<Point, String>> = designs
+    let results: Vec<Result<SweepPoint, String>> = designs
         .par_iter()
         .map(|design| measure(program(design), design))
         .collect();
@@ -137,19 +137,16 @@ pub fn sweep(
         }
     }
     mark_front(&mut points);
-    let cpu = processor.map(|view| match operations > cpu::LARGEST {
+    let cpu = processor.map(|view| match operations > processor::LARGEST {
         true => Err("it is too large for a C compiler".to_owned()),
-        false => cpu::contest(view, view),
+        false => processor::contest(view, view),
     });
     let times = cpu.clone().and_then(Result::ok).unwrap_or_default();
-    let thesis = Machine::built_in("thesis");
-    let path = thesis.map_or(0, |machine| {
-        robovec_analysis::critical_path::critical_path(function, &machine).asap_cycle
-    });
+    let path = robovec_analysis::critical_path::critical_path(function, &thesis());
     Ok(Sweep {
         name: name.to_owned(),
         operations,
-        path,
+        path: path.asap_cycle,
         points,
         failures,
         cpu_us: times.single().map(|time| time * 1e-3),
@@ -160,50 +157,33 @@ pub fn sweep(
 
 /// The program for every number of instances.
 fn programs(module: &Module, space: &Space) -> Result<Vec<Module>, SweepError> {
-    let one = |count: u32| {
-        let mut module = module.clone();
-        if count > 1 {
-            run(&mut module, &format!("interleave{{instances={count}}}"))?;
+    let machine = thesis();
+    let one = |&count: &u32| match count {
+        1 => Ok(module.clone()),
+        _ => {
+            let interleave = format!("interleave{{instances={count}}}");
+            Ok(transformed_by(module, &interleave, &machine, None)?)
         }
-        Ok(module)
     };
-    space.instances.iter().map(|&count| one(count)).collect()
+    space.instances.iter().map(one).collect()
 }
 
-/// Runs a pipeline over a module for the thesis' machine.
-fn run(module: &mut Module, text: &str) -> Result<(), SweepError> {
-    let fail = |error: String| SweepError::Pass(error);
-    let pipeline = pipeline::parse(text).map_err(|error| fail(error.to_string()))?;
-    let machine = Machine::built_in("thesis")
-        .ok_or_else(|| fail("the thesis' machine is missing".to_owned()))?;
-    let mut log = Vec::new();
-    let config = Config::new(&machine, &mut log);
-    let outcome = manager::run(module, &pipeline, config);
-    outcome.map(|_| ()).map_err(|error| fail(error.to_string()))
+/// The machine that designs are variants of.
+fn thesis() -> Machine {
+    Machine::built_in("thesis").expect("it ships, and a test parses it")
 }
 
 /// Places a program for one design.
-fn measure(program: &Module, design: &Design) -> Result<Point, String> {
+fn measure(program: &Module, design: &Design) -> Result<SweepPoint, String> {
     let machine = design.machine();
-    let mut function = program.functions[0].clone();
-    let summary = place(&mut function, &machine, PlaceOptions::default())
-        .map_err(|error| error.to_string())?;
-    let view = View {
-        tables: &program.tables,
-        function: &function,
-    };
-    if let Some(violation) = verify::verify_placement(view, &machine).first() {
-        let message = &violation.message;
-        return Err(format!("the verifier refuses the placement: {message}"));
-    }
-    let statistics = placement_statistics(&function, &machine);
-    let kinds = statistics.iter().flat_map(|statistics| &statistics.kinds);
-    let words = kinds.map(|kind| kind.memory.max).max().unwrap_or(0);
+    let placed = verified(program, &machine, PlaceOptions::default())?;
     // What the statistics count together lies in as many memories.
+    let words = placed.most_words(&machine);
     let words = words.div_ceil(machine.memory.style.banks() as u32);
-    let taken = resources(&machine, machine.number, summary.cycles, words);
+    let summary = placed.summary;
+    let taken = device::taken(&machine, machine.number, summary.cycles, words);
     let latency_us = f64::from(summary.cycles) / machine.clock_mhz;
-    Ok(Point {
+    Ok(SweepPoint {
         design: *design,
         clock_mhz: machine.clock_mhz,
         cycles: summary.cycles,
@@ -218,25 +198,19 @@ fn measure(program: &Module, design: &Design) -> Result<Point, String> {
 
 /// Marks the points that no other one beats in share and time per
 /// evaluation; of equal points the first.
-fn mark_front(points: &mut [Point]) {
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_by(|&a, &b| {
-        let (a, b) = (&points[a], &points[b]);
-        let smaller = a.share.total_cmp(&b.share);
-        smaller.then(a.us_per_evaluation.total_cmp(&b.us_per_evaluation))
-    });
-    let mut fastest = f64::INFINITY;
-    for index in order {
-        let point = &mut points[index];
-        point.on_front = point.us_per_evaluation < fastest;
-        fastest = fastest.min(point.us_per_evaluation);
+fn mark_front(points: &mut [SweepPoint]) {
+    let measures = |point: &SweepPoint| [point.share, point.us_per_evaluation];
+    let all: Vec<[f64; 2]> = points.iter().map(measures).collect();
+    for index in pareto::front(&all, Ties::First) {
+        points[index].on_front = true;
     }
 }
 
 impl Sweep {
     /// The points of the front, from the smallest on.
-    pub fn front(&self) -> Vec<&Point> {
-        let mut front: Vec<&Point> = self.points.iter().filter(|point| point.on_front).collect();
+    pub fn front(&self) -> Vec<&SweepPoint> {
+        let mut front: Vec<&SweepPoint> =
+            self.points.iter().filter(|point| point.on_front).collect();
         front.sort_by(|a, b| a.share.total_cmp(&b.share));
         front
     }
@@ -274,11 +248,8 @@ mod tests {
         assert_eq!(sweep.points.len(), space.designs().len());
         let front = sweep.front();
         assert!(!front.is_empty() && front.len() < sweep.points.len());
-        let beats = |a: &Point, b: &Point| {
-            let values = |point: &Point| [point.share, point.us_per_evaluation];
-            let (a, b) = (values(a), values(b));
-            (0..2).all(|i| a[i] <= b[i]) && a != b
-        };
+        let values = |point: &SweepPoint| [point.share, point.us_per_evaluation];
+        let beats = |a: &SweepPoint, b: &SweepPoint| pareto::dominates(&values(a), &values(b));
         for point in &sweep.points {
             let beaten = sweep.points.iter().any(|other| beats(other, point));
             assert!(!(point.on_front && beaten));

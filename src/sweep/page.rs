@@ -1,38 +1,33 @@
-//! Sweeps as a page: one HTML file that needs nothing else.
+//! Sweeps as a page.
 
 use super::Sweep;
 use super::text::{figure, points_table};
-use crate::front::page::TEMPLATE;
-use crate::study::page::{STYLE, figure as drawn, fill, table};
-use crate::study::plot::Escaped;
+use crate::present::DataCell;
+use crate::present::json::json_script;
+use crate::present::page::{self, PointsPage};
 
 /// The page of some sweeps.
 pub fn page(sweeps: &[Sweep]) -> String {
     let names: Vec<&str> = sweeps.iter().map(|sweep| sweep.name.as_str()).collect();
-    let subtitle = format!(
-        "{}. Computed by robovec {}.",
-        names.join(", "),
-        env!("CARGO_PKG_VERSION")
-    );
     let mut fronts = points_table(sweeps);
     let last = fronts.columns.len() - 1;
-    let on_front = |row: &Vec<crate::study::table::Cell>| !row[last].plain().is_empty();
+    let on_front = |row: &Vec<DataCell>| !row[last].plain().is_empty();
     fronts.rows.retain(on_front);
     fronts.title = "Designs that no other one beats".to_owned();
-    // Sweeps are plain data; numbers that are not finite become null.
-    let data = serde_json::to_string(sweeps).unwrap_or_default();
-    let parts = [
-        ("title", "Resources against time".to_owned()),
-        ("subtitle", Escaped(&subtitle).to_string()),
-        ("css", STYLE.to_owned()),
-        ("figures", drawn(&figure(sweeps)) + &table(&fronts)),
-        ("points", "All designs".to_owned()),
-        ("tables", table(&points_table(sweeps))),
-        ("method", METHOD.to_owned()),
-        // A closing tag inside a string would end the script.
-        ("data", data.replace("</", "<\\/")),
-    ];
-    fill(TEMPLATE, &parts)
+    let page = PointsPage {
+        title: "Resources against time".to_owned(),
+        subtitle: format!(
+            "{}. Computed by robovec {}.",
+            names.join(", "),
+            env!("CARGO_PKG_VERSION")
+        ),
+        figures: page::figure(&figure(sweeps)) + &page::table(&fronts, "sweep.csv"),
+        points: "All designs",
+        tables: page::table(&points_table(sweeps), "sweep.csv"),
+        method: METHOD,
+        data: json_script(sweeps),
+    };
+    page.to_html()
 }
 
 /// What the numbers mean.

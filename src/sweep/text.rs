@@ -1,31 +1,17 @@
 //! A sweep as aligned text, as a table for programs, and as a figure.
 
-use super::{Point, Sweep};
-use crate::report::table;
-use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
-use crate::study::table::{Cell, Table};
+use super::{Sweep, SweepPoint};
+use crate::present::number::or_dash;
+use crate::present::text_table;
+use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
+use crate::present::{DataCell, DataTable};
 use robovec_ir::machine::MemoryStyle;
 
 /// The front with the processor's time beside it, and what did not work.
 pub fn text(sweep: &Sweep) -> String {
-    let head = [
-        "share %",
-        "ALUT",
-        "M10K",
-        "DSP",
-        "add+multi",
-        "stages",
-        "MHz",
-        "memory",
-        "buffer",
-        "instances",
-        "interconnect",
-        "cycles",
-        "bound",
-        "latency us",
-        "us/evaluation",
-        "CPU/FPGA",
-    ];
+    let head = ">share % | >ALUT | >M10K | >DSP | add+multi | stages | >MHz | memory | buffer | \
+         >instances | interconnect | >cycles | >bound | >latency us | >us/evaluation | \
+         >CPU/FPGA";
     let rows: Vec<Vec<String>> = sweep
         .front()
         .into_iter()
@@ -39,7 +25,7 @@ pub fn text(sweep: &Sweep) -> String {
         sweep.path,
         sweep.points.len(),
         rows.len(),
-        table(&head, &rows, &[0, 1, 2, 3, 6, 9, 11, 12, 13, 14, 15])
+        text_table(head, &rows)
     );
     text += &verdict(sweep);
     if let Some((_, reason)) = sweep.failures.first() {
@@ -49,7 +35,7 @@ pub fn text(sweep: &Sweep) -> String {
     text
 }
 
-fn row(point: &Point, cpu_us: Option<f64>) -> Vec<String> {
+fn row(point: &SweepPoint, cpu_us: Option<f64>) -> Vec<String> {
     let design = &point.design;
     vec![
         format!("{:.1}", 100.0 * point.share),
@@ -67,7 +53,7 @@ fn row(point: &Point, cpu_us: Option<f64>) -> Vec<String> {
         point.lower_bound.to_string(),
         format!("{:.2}", point.latency_us),
         format!("{:.3}", point.us_per_evaluation),
-        cpu_us.map_or("-".to_owned(), |cpu| {
+        or_dash(cpu_us, |cpu| {
             format!("{:.2}", cpu / point.us_per_evaluation)
         }),
     ]
@@ -115,106 +101,83 @@ fn buffer_name(buffer: Option<u32>) -> String {
 }
 
 /// All points of all functions as one table.
-pub fn points_table(sweeps: &[Sweep]) -> Table {
-    let columns = [
-        "function",
-        "adders",
-        "multipliers",
-        "adder stages",
-        "multiplier stages",
-        "clock (MHz)",
-        "memory",
-        "buffer words",
-        "instances",
-        "interconnect",
-        "cycles",
-        "lower bound",
-        "latency (us)",
-        "us per evaluation",
-        "ALUT",
-        "M10K",
-        "DSP",
-        "share",
-        "CPU (us)",
-        "on front",
-    ];
+pub fn points_table(sweeps: &[Sweep]) -> DataTable {
     let rows = sweeps.iter().flat_map(|sweep| {
         sweep.points.iter().map(|point| {
             let design = &point.design;
             let taken = &point.resources;
             vec![
-                Cell::text(&sweep.name),
-                Cell::count(design.adders),
-                Cell::count(design.multipliers),
-                Cell::count(design.stages[0]),
-                Cell::count(design.stages[1]),
-                Cell::number(point.clock_mhz, 1),
-                Cell::text(memory_name(design.memory)),
-                Cell::text(buffer_name(design.buffer)),
-                Cell::count(design.instances),
-                Cell::text(design.interconnect.name()),
-                Cell::count(point.cycles),
-                Cell::count(point.lower_bound),
-                Cell::number(point.latency_us, 4),
-                Cell::number(point.us_per_evaluation, 4),
-                Cell::number(taken.look_up_tables, 0),
-                Cell::number(taken.memory_blocks, 0),
-                Cell::number(taken.multiplier_blocks, 0),
-                Cell::number(point.share, 4),
+                DataCell::text(&sweep.name),
+                DataCell::count(design.adders),
+                DataCell::count(design.multipliers),
+                DataCell::count(design.stages[0]),
+                DataCell::count(design.stages[1]),
+                DataCell::number(point.clock_mhz, 1),
+                DataCell::text(memory_name(design.memory)),
+                DataCell::text(buffer_name(design.buffer)),
+                DataCell::count(design.instances),
+                DataCell::text(design.interconnect.name()),
+                DataCell::count(point.cycles),
+                DataCell::count(point.lower_bound),
+                DataCell::number(point.latency_us, 4),
+                DataCell::number(point.us_per_evaluation, 4),
+                DataCell::number(taken.look_up_tables, 0),
+                DataCell::number(taken.memory_blocks, 0),
+                DataCell::number(taken.multiplier_blocks, 0),
+                DataCell::number(point.share, 4),
                 sweep
                     .cpu_us
-                    .map_or(Cell::Empty, |time| Cell::number(time, 4)),
-                Cell::text(if point.on_front { "yes" } else { "" }),
+                    .map_or(DataCell::Empty, |time| DataCell::number(time, 4)),
+                DataCell::text(if point.on_front { "yes" } else { "" }),
             ]
         })
     });
-    Table {
-        name: "sweep".to_owned(),
-        title: "Resources against time".to_owned(),
-        caption: "Every design. The share is the largest of those of look-up tables, memory \
+    DataTable::new(
+        "sweep",
+        "Resources against time",
+        "Every design. The share is the largest of those of look-up tables, memory \
                   blocks and multiplier blocks of the thesis' device, by formulas; nothing is \
                   synthesised. The clock is that of the tables of operators, cut to what the \
-                  memories follow."
-            .to_owned(),
-        columns: columns.map(str::to_owned).to_vec(),
-        rows: rows.collect(),
-    }
+                  memories follow.",
+        "function | adders | multipliers | adder stages | multiplier stages | clock (MHz) | \
+         memory | buffer words | instances | interconnect | cycles | lower bound | \
+         latency (us) | us per evaluation | ALUT | M10K | DSP | share | CPU (us) | on front",
+        rows,
+    )
 }
 
 /// One panel per function: share of the device against time per evaluation.
 pub fn figure(sweeps: &[Sweep]) -> Figure {
     let panels: Vec<Panel> = sweeps.iter().map(panel).collect();
-    Figure {
-        name: "sweep".to_owned(),
-        title: "Resources against time".to_owned(),
-        caption: "Share of the thesis' device against the time of one evaluation; the line joins \
-                  the designs that no other one beats, the dashed one is a core of this computer."
-            .to_owned(),
-        columns: panels.len().clamp(1, 2),
+    Figure::new(
+        "sweep",
+        "Resources against time",
+        "Share of the thesis' device against the time of one evaluation; the line joins \
+                  the designs that no other one beats, the dashed one is a core of this computer.",
+        panels.len().clamp(1, 2),
         panels,
-    }
+    )
 }
 
 fn panel(sweep: &Sweep) -> Panel {
-    let mark = |point: &Point| Mark::at(100.0 * point.share, point.us_per_evaluation);
+    let mark = |point: &SweepPoint| Mark::at(100.0 * point.share, point.us_per_evaluation);
     let mut instances: Vec<u32> = sweep.points.iter().map(|p| p.design.instances).collect();
     instances.sort_unstable();
     instances.dedup();
-    let mut curves = vec![Curve {
-        label: "front".to_owned(),
-        paint: Paint::Distinct(0),
-        stroke: Stroke::Plain,
-        marks: sweep.front().into_iter().map(mark).collect(),
-    }];
+    let mut curves = vec![Curve::new(
+        "front",
+        Paint::Distinct(0),
+        Stroke::Plain,
+        sweep.front().into_iter().map(mark),
+    )];
     for (place, count) in instances.into_iter().enumerate() {
         let own = sweep.points.iter();
         let own = own.filter(|point| point.design.instances == count);
-        curves.push(Curve {
-            label: format!("{count} at once"),
-            paint: Paint::Distinct(place + 1),
-            stroke: Stroke::Points,
-            marks: own.map(mark).collect(),
-        });
+        curves.push(Curve::points(
+            format!("{count} at once"),
+            place + 1,
+            own.map(mark),
+        ));
     }
     if let Some(cpu) = sweep.cpu_us {
         let shares = || sweep.points.iter().map(|point| 100.0 * point.share);
@@ -222,17 +185,17 @@ fn panel(sweep: &Sweep) -> Panel {
             shares().fold(f64::INFINITY, f64::min),
             shares().fold(0.0, f64::max),
         ];
-        curves.push(Curve {
-            label: "processor".to_owned(),
-            paint: Paint::Distinct(curves.len()),
-            stroke: Stroke::Dashed,
-            marks: ends.map(|share| Mark::at(share, cpu)).to_vec(),
-        });
+        curves.push(Curve::new(
+            "processor",
+            Paint::Distinct(curves.len()),
+            Stroke::Dashed,
+            ends.map(|share| Mark::at(share, cpu)),
+        ));
     }
-    Panel {
-        title: sweep.name.clone(),
-        x: Axis::new("share of the device (%)", Scale::Decades),
-        y: Axis::new("time per evaluation (us)", Scale::Decades),
-        content: Content::Curves(curves),
-    }
+    Panel::curves(
+        sweep.name.clone(),
+        PlotAxis::new("share of the device (%)", AxisScale::Decades),
+        PlotAxis::new("time per evaluation (us)", AxisScale::Decades),
+        curves,
+    )
 }

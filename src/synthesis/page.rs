@@ -3,7 +3,7 @@
 use super::Tool;
 use super::machine::MappedMachine;
 use super::timing::{FAST_NET, Path, SLOW_NET};
-use crate::report::table;
+use crate::present::text_table;
 use robovec_passes::codegen::hardware::{PartKind, Resources};
 use std::fmt::Write;
 
@@ -70,25 +70,9 @@ fn resources(machine: &MappedMachine) -> String {
     all.extend(pairs(&machine.total(), &machine.estimate()));
     all.extend(PRINTED.map(str::to_owned));
     rows.push(all);
-    let head = [
-        "kind",
-        "part",
-        "count",
-        "ALUT",
-        "%",
-        "registers",
-        "%",
-        "M10K",
-        "%",
-        "DSP",
-        "%",
-        "thesis ALUT",
-        "registers",
-        "M10K",
-        "DSP",
-    ];
-    let right: Vec<usize> = (2..head.len()).collect();
-    table(&head, &rows, &right)
+    let head = "kind | part | >count | >ALUT | >% | >registers | >% | >M10K | >% | >DSP | >% | \
+         >thesis ALUT | >registers | >M10K | >DSP";
+    text_table(head, &rows)
 }
 
 /// Tables, registers, memory blocks and multiplier blocks: both counts and

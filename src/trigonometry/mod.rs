@@ -11,19 +11,18 @@ mod view;
 
 pub use view::{figure, table, text};
 
+use crate::explore::program::transformed;
+use crate::explore::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
 use crate::model::Model;
 use crate::motion::{Inputs, State};
-use robovec_analysis::accuracy::evaluate_at;
 use robovec_analysis::critical_path::critical_path;
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Format, Input, Machine, Module, View};
-use robovec_num::double_double::{Double, DoubleDouble};
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_passes::manager::{self, Config, RunError};
+use robovec_passes::manager::RunError;
 use robovec_passes::options::OptionValue;
 use robovec_passes::pipeline;
 use robovec_passes::trigonometry::{Angle, Method, Trigonometry};
-use std::io;
 use std::sync::Arc;
 
 /// What is measured.
@@ -56,18 +55,9 @@ pub struct Row {
     pub proved: [f64; 2],
     /// Operations of the function, and its longest path in cycles.
     pub size: [u32; 2],
-    /// For each output array the errors.
-    pub errors: Vec<Normwise>,
-}
-
-/// The errors of an array: the largest error of an element in a state over
-/// the largest element in that state.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Normwise {
-    /// In the median state (the lower one of an even number).
-    pub median: f64,
-    /// In the worst state.
-    pub worst: f64,
+    /// For each output array the largest error of an element in a state over
+    /// the largest element in that state.
+    pub errors: Vec<ErrorSpread>,
 }
 
 /// All rows of one function.
@@ -87,6 +77,9 @@ pub enum MeasureError {
     /// A pass failed.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// The passes made another function.
+    #[error(transparent)]
+    Unmeasurable(#[from] Unmeasurable),
     /// The model does not have an input of the equations.
     #[error("the model has no {0}")]
     Input(String),
@@ -127,9 +120,9 @@ pub fn measure(
             .iter()
             .map(|function| {
                 let tables = &module.tables;
-                Samples::new(View { tables, function }, model, angle, setting)
+                yardstick(View { tables, function }, model, angle, setting)
             })
-            .collect::<Result<Vec<Samples>, MeasureError>>()?;
+            .collect::<Result<Vec<Yardstick>, MeasureError>>()?;
         let orders = std::iter::once(None).chain(setting.orders.iter().copied().map(Some));
         for order in orders {
             let replaced = match order {
@@ -154,7 +147,7 @@ pub fn measure(
                     order,
                     proved,
                     size: [counts.operations as u32, path],
-                    errors: exact.errors(view, setting.format),
+                    errors: exact.errors(view, setting.format)?.arrays,
                 });
             }
         }
@@ -176,11 +169,7 @@ fn replaced(
          atomise,fold,cse,dce"
     );
     let pipeline = pipeline::parse(&text).expect("made of known passes and options");
-    let mut module = module.clone();
-    // Remarks of the passes are for who compiles.
-    let mut log = io::sink();
-    manager::run(&mut module, &pipeline, Config::new(machine, &mut log))?;
-    Ok(module)
+    transformed(module, &pipeline, machine, None)
 }
 
 /// The proved errors of sine and cosine; an order that is given always gives
@@ -196,69 +185,23 @@ fn proved(machine: &Machine, setting: &Setting, order: u32, angle: f64) -> [f64;
     found.map_or([f64::INFINITY; 2], |(_, errors)| errors)
 }
 
-/// States with their exact outputs.
-struct Samples {
-    inputs: Vec<Vec<f64>>,
-    exact: Vec<Vec<Double>>,
-}
-
-impl Samples {
-    fn new(
-        view: View<'_>,
-        model: Option<&Model>,
-        angle: f64,
-        setting: &Setting,
-    ) -> Result<Samples, MeasureError> {
-        let ranges = ranges(view, model, angle)?;
-        let states = States::new(setting.seed).within(Arc::new(ranges));
-        let arithmetic = FormatArithmetic::new(setting.format);
-        let inputs: Vec<Vec<f64>> = (0..setting.states.max(1))
-            .map(|state| {
-                let state = states.draw(view, state);
-                // The exact function starts from the numbers the format has.
-                state.iter().map(|&x| arithmetic.convert(x)).collect()
-            })
-            .collect();
-        let exact = inputs
-            .iter()
-            .map(|inputs| evaluate_at(view, &DoubleDouble, inputs))
-            .collect();
-        Ok(Samples { inputs, exact })
-    }
-
-    /// The errors of another version of the function in a format.
-    fn errors(&self, view: View<'_>, format: Format) -> Vec<Normwise> {
-        let arithmetic = FormatArithmetic::new(format);
-        let outputs = view.function.outputs();
-        let mut errors: Vec<Vec<f64>> = vec![Vec::new(); outputs.len()];
-        for (inputs, exact) in self.inputs.iter().zip(&self.exact) {
-            let computed = evaluate_at(view, &arithmetic, inputs);
-            let mut norms = vec![(0.0f64, 0.0f64); outputs.len()];
-            for ((assignment, exact), computed) in
-                view.function.assignments.iter().zip(exact).zip(computed)
-            {
-                let output = assignment.output.0;
-                let array = outputs.partition_point(|array| array.offset <= output) - 1;
-                let norm = &mut norms[array];
-                *norm = (
-                    norm.0.max(exact.distance(computed)),
-                    norm.1.max(exact.high.abs()),
-                );
-            }
-            for (errors, (error, size)) in errors.iter_mut().zip(norms) {
-                errors.push(if error == 0.0 { 0.0 } else { error / size });
-            }
-        }
-        errors.into_iter().map(normwise).collect()
-    }
-}
-
-fn normwise(mut errors: Vec<f64>) -> Normwise {
-    errors.sort_unstable_by(f64::total_cmp);
-    Normwise {
-        median: errors[(errors.len() - 1) / 2],
-        worst: errors[errors.len() - 1],
-    }
+/// The exact outputs at random states. The exact function starts from the
+/// numbers the format has.
+fn yardstick(
+    view: View<'_>,
+    model: Option<&Model>,
+    angle: f64,
+    setting: &Setting,
+) -> Result<Yardstick, MeasureError> {
+    let ranges = ranges(view, model, angle)?;
+    let source = States::new(setting.seed).within(Arc::new(ranges));
+    let arithmetic = FormatArithmetic::new(setting.format);
+    let state = |index| {
+        let state = source.draw(view, index).into_iter();
+        state.map(|number| arithmetic.convert(number)).collect()
+    };
+    let states = (0..setting.states.max(1)).map(state).collect();
+    Ok(Yardstick::at(view, states))
 }
 
 /// Joints within the range, parameters as the model has them.

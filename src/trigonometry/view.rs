@@ -1,80 +1,52 @@
 //! Effects of series as text, table and figure.
 
 use super::{Effect, Row};
-use crate::report;
-use crate::study::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
-use crate::study::table::{Cell, Table};
+use crate::present::number::exponential;
+use crate::present::text_lines;
+use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
+use crate::present::{DataCell, DataTable};
 
 /// The rows of one function, for people.
 pub fn text(effect: &Effect) -> String {
-    let mut head: Vec<String> = [
-        "angles ±",
-        "order",
-        "error of sin",
-        "error of cos",
-        "operations",
-        "path",
-    ]
-    .map(str::to_owned)
-    .to_vec();
+    let mut head =
+        "angles ± | order | >error of sin | >error of cos | >operations | >path".to_owned();
     for array in &effect.arrays {
-        head.push(format!("{array}: median"));
-        head.push(format!("{array}: worst"));
+        head += &format!(" | >{array}: median | >{array}: worst");
     }
     let rows: Vec<Vec<String>> = effect.rows.iter().map(cells).collect();
-    let head: Vec<&str> = head.iter().map(String::as_str).collect();
-    let right: Vec<usize> = (2..head.len()).collect();
-    let table = report::table(&head, &rows, &right);
-    let mut text = format!("{}:\n", effect.name);
-    for line in table.lines() {
-        text.push_str(line.trim_end());
-        text.push('\n');
-    }
-    text
+    format!("{}:\n{}", effect.name, text_lines(&head, &rows))
 }
 
 fn cells(row: &Row) -> Vec<String> {
-    let short = |number: f64| format!("{number:.1e}");
     let mut cells = vec![row.angle.to_string()];
     match row.order {
         None => cells.extend(["true".to_owned(), String::new(), String::new()]),
         Some(order) => {
             cells.push(order.to_string());
-            cells.extend(row.proved.map(short));
+            cells.extend(row.proved.map(exponential));
         }
     }
     cells.extend(row.size.map(|number| number.to_string()));
     for errors in &row.errors {
-        cells.extend([short(errors.median), short(errors.worst)]);
+        cells.extend([exponential(errors.median), exponential(errors.worst)]);
     }
     cells
 }
 
 /// The same as a table for programs: one row for every output array.
-pub fn table(effects: &[Effect]) -> Table {
-    let columns = [
-        "function",
-        "range (rad)",
-        "order",
-        "largest error of sin",
-        "largest error of cos",
-        "operations",
-        "path (cycles)",
-        "array",
-        "normwise error, median",
-        "normwise error, worst",
-    ];
-    let exact = |number: f64| Cell::text(format!("{number:e}"));
+pub fn table(effects: &[Effect]) -> DataTable {
+    let exact = |number: f64| DataCell::text(format!("{number:e}"));
     let line = |effect: &Effect, row: &Row, array: usize| {
         vec![
-            Cell::text(&effect.name),
+            DataCell::text(&effect.name),
             exact(row.angle),
-            row.order.map_or_else(|| Cell::text("true"), Cell::count),
+            row.order
+                .map_or_else(|| DataCell::text("true"), DataCell::count),
             exact(row.proved[0]),
             exact(row.proved[1]),
-            Cell::count(row.size[0]),
-            Cell::count(row.size[1]),
-            Cell::text(&effect.arrays[array]),
+            DataCell::count(row.size[0]),
+            DataCell::count(row.size[1]),
+            DataCell::text(&effect.arrays[array]),
             exact(row.errors[array].median),
             exact(row.errors[array].worst),
         ]
@@ -85,16 +57,16 @@ pub fn table(effects: &[Effect]) -> Table {
             rows.extend((0..effect.arrays.len()).map(|array| line(effect, row, array)));
         }
     }
-    Table {
-        name: "trig".to_owned(),
-        title: "Errors of outputs by the order of the polynomials for sine and cosine".to_owned(),
-        caption: "The errors of sine and cosine are proved bounds on the range; those of the \
+    DataTable::new(
+        "trig",
+        "Errors of outputs by the order of the polynomials for sine and cosine",
+        "The errors of sine and cosine are proved bounds on the range; those of the \
                   outputs are the largest of an array over its largest element, over random \
-                  states with joints in the range, rounding included."
-            .to_owned(),
-        columns: columns.map(str::to_owned).to_vec(),
+                  states with joints in the range, rounding included.",
+        "function | range (rad) | order | largest error of sin | largest error of cos | \
+         operations | path (cycles) | array | normwise error, median | normwise error, worst",
         rows,
-    }
+    )
 }
 
 /// Median errors against the range, one curve for every order.
@@ -102,24 +74,23 @@ pub fn figure(effects: &[Effect]) -> Figure {
     let mut panels = Vec::new();
     for effect in effects {
         for (index, array) in effect.arrays.iter().enumerate() {
-            panels.push(Panel {
-                title: format!("{} {array}", effect.name),
-                x: Axis::new("range of the joints (rad)", Scale::Decades),
-                y: Axis::new("median normwise error", Scale::Decades),
-                content: Content::Curves(curves(effect, index)),
-            });
+            panels.push(Panel::curves(
+                format!("{} {array}", effect.name),
+                PlotAxis::new("range of the joints (rad)", AxisScale::Decades),
+                PlotAxis::new("median normwise error", AxisScale::Decades),
+                curves(effect, index),
+            ));
         }
     }
-    Figure {
-        name: "trig".to_owned(),
-        title: "Errors of outputs against the range of the joints".to_owned(),
-        caption: "The median over random states of the largest error of an array over its \
+    Figure::new(
+        "trig",
+        "Errors of outputs against the range of the joints",
+        "The median over random states of the largest error of an array over its \
                   largest element; a curve for every order of the polynomials that stand for \
-                  sine and cosine."
-            .to_owned(),
-        columns: panels.len().clamp(1, 2),
+                  sine and cosine.",
+        panels.len().clamp(1, 2),
         panels,
-    }
+    )
 }
 
 fn curves(effect: &Effect, array: usize) -> Vec<Curve> {
@@ -130,19 +101,21 @@ fn curves(effect: &Effect, array: usize) -> Vec<Curve> {
         let rows = effect.rows.iter().filter(move |row| row.order == order);
         let marks = rows.map(|row| Mark::at(row.angle, row.errors[array].median));
         // A logarithm has no place for nothing.
-        marks.filter(|mark| mark.y > 0.0).collect()
+        marks.filter(|mark| mark.y > 0.0)
     };
     orders
         .into_iter()
         .enumerate()
-        .map(|(place, order)| Curve {
-            label: match order {
-                None => "true".to_owned(),
-                Some(order) => format!("order {order}"),
-            },
-            paint: Paint::Distinct(place),
-            stroke: Stroke::Marked,
-            marks: marks(order),
+        .map(|(place, order)| {
+            Curve::new(
+                match order {
+                    None => "true".to_owned(),
+                    Some(order) => format!("order {order}"),
+                },
+                Paint::Distinct(place),
+                Stroke::Marked,
+                marks(order),
+            )
         })
         .collect()
 }

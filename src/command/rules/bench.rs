@@ -2,7 +2,7 @@
 
 use super::super::{Failure, input};
 use super::read;
-use crate::report::table;
+use crate::present::text_table;
 use clap::Args;
 use rayon::prelude::*;
 use robovec_analysis::critical_path::critical_path;
@@ -193,14 +193,8 @@ fn to_text(tables: &[Table], unused: &[String]) -> String {
                 cells
             })
             .collect();
-        let head = [
-            "rule",
-            "alone: cycles",
-            "operations",
-            "among all: cycles",
-            "operations",
-        ];
-        text.push_str(&table(&head, &rows, &[1, 2, 3, 4]));
+        let head = "rule | >alone: cycles | >operations | >among all: cycles | >operations";
+        text.push_str(&text_table(head, &rows));
         text.push_str("\n\n");
     }
     text.push_str(

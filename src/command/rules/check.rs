@@ -3,7 +3,7 @@
 use super::super::flags::whole;
 use super::super::{Failure, output};
 use super::{list, read};
-use crate::report::table;
+use crate::present::text_table;
 use clap::Args;
 use robovec_passes::rules::check::{self, Finding, Proof, TRIALS, Verdict};
 use robovec_passes::rules::{Rule, RuleSet};
@@ -122,15 +122,8 @@ fn to_text(set: &RuleSet, findings: &[Finding], examples: bool) -> String {
             let _ = writeln!(notes, "{name}: {what} ({}: {})", note.format, note.example);
         }
     }
-    let head = [
-        "rule",
-        "file",
-        "verdict",
-        "declared",
-        "found",
-        "equal bits %",
-    ];
-    let mut text = table(&head, &rows, &[5]);
+    let head = "rule | file | verdict | declared | found | >equal bits %";
+    let mut text = text_table(head, &rows);
     let _ = write!(
         text,
         "\n\n{}\nEqual bits: in binary32, random inputs from 1e-3 to 1e3; in binary64 or nearer to \

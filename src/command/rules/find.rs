@@ -6,7 +6,7 @@ use super::super::{Failure, input};
 use super::exchange::deliver;
 use super::{list, read};
 use crate::generate::{FunctionKind, Request, generate};
-use crate::report::table;
+use crate::present::text_table;
 use clap::Args;
 use robovec_ir::{Function, Machine, Module};
 use robovec_passes::manager::{self, Config};
@@ -181,16 +181,8 @@ fn to_text(search: &Search, all: usize) -> String {
             ]
         })
         .collect();
-    let head = [
-        "name",
-        "rule",
-        "class",
-        "cycles",
-        "at critical places",
-        "operations",
-        "at places",
-    ];
-    let _ = writeln!(text, "\n{}", table(&head, &rows, &[3, 4, 5, 6]));
+    let head = "name | rule | class | >cycles | >at critical places | >operations | >at places";
+    let _ = writeln!(text, "\n{}", text_table(head, &rows));
     text.push_str(
         "\nCycles: by how much values on a longest chain would be earlier, each place by itself, \
          added up.\nOperations: saved, added up over the places where some are.\n",

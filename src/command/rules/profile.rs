@@ -3,7 +3,7 @@
 use super::super::flags::whole;
 use super::super::{Failure, input};
 use super::{list, read};
-use crate::report::table;
+use crate::present::text_table;
 use clap::Args;
 use robovec_passes::rules::profile::{self, Growing, Growth, POINTS, PairGrowth, Profile, Spread};
 use robovec_passes::rules::{Rule, RuleSet};
@@ -126,19 +126,9 @@ fn to_text(set: &RuleSet, profiles: &[Profile], pairs: Option<&[PairGrowth]>) ->
         row.push(profile.partner.clone().unwrap_or_default());
         rows.push(row);
     }
-    let head = [
-        "rule",
-        "median error",
-        "p99.9 error",
-        "operations",
-        "cycles",
-        "late variable",
-        "growth",
-        "nodes",
-        "on",
-        "with",
-    ];
-    let mut text = table(&head, &rows, &[1, 2, 3, 4, 5]);
+    let head = "rule | >median error | >p99.9 error | >operations | >cycles | >late variable | \
+         growth | nodes | on | with";
+    let mut text = text_table(head, &rows);
     text.push_str(
         "\n\nErrors: left side > right side, in units in the last place of binary32 against the \
          left side in\ndouble-double arithmetic; inputs log-uniform from 1e-3 to 1e3, of either \

@@ -1,27 +1,15 @@
-//! The time of the same functions on one core of a processor: the C that
-//! `codegen` writes, compiled by the user's compiler and run on random
-//! states.
-//!
-//! These are measurements: they differ from run to run and stay apart from
-//! the results of the study.
+//! The time of the programs of a study on one core of a processor, beside the
+//! cycles of the array.
 
 pub mod table;
 
-use crate::bench::contestant::Family;
-use crate::bench::own::{self, operations};
-use crate::bench::{Compiler, Question, bench};
-use crate::files::TemporaryFolder;
+use crate::bench::own::operations;
+use crate::explore::processor::{Computer, contest};
+use crate::present::number::round;
 use robovec_ir::View;
 use robovec_ir::print::print_file;
-use robovec_ir::states::States;
 use robovec_num::fnv::Fnv;
-use robovec_passes::codegen::c::Real;
 use serde::{Deserialize, Serialize};
-use std::fs;
-
-/// Functions with more operations are not compiled unless asked for: C
-/// compilers take a second for some ten thousand operations.
-pub const LARGEST: usize = 200_000;
 
 /// Measured times, or why there are none.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
@@ -105,41 +93,6 @@ impl Job<'_> {
     }
 }
 
-/// Where the states come from that programs are timed at.
-const SEED: u64 = 1;
-/// How many states.
-const STATES: u32 = 16;
-/// Rounds, and the time of everybody in a round, ms.
-const ROUNDS: (u32, u32) = (3, 60);
-
-/// The computer that measures.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Computer {
-    /// Compiler and flags; empty when there is no compiler.
-    pub compiler: String,
-    /// The processor's name.
-    pub processor: String,
-}
-
-impl Computer {
-    /// This computer.
-    pub fn this() -> Computer {
-        let compiler = Compiler::find("cc").ok();
-        let compiler = compiler.map(|compiler| format!("{} {}", compiler.version, own::FLAGS));
-        let information = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-        let name = information
-            .lines()
-            .find(|line| line.starts_with("model name"));
-        let name = name
-            .and_then(|line| line.split_once(':'))
-            .map(|(_, name)| name.trim());
-        Computer {
-            compiler: compiler.unwrap_or_default(),
-            processor: name.unwrap_or("this computer").to_owned(),
-        }
-    }
-}
-
 /// Measures a function; one at a time, or the figures mean nothing.
 pub fn measure(job: &Job<'_>, computer: &Computer, largest: usize) -> CpuTime {
     let operations = operations(job.view);
@@ -153,7 +106,7 @@ pub fn measure(job: &Job<'_>, computer: &Computer, largest: usize) -> CpuTime {
         contest(job.view, job.shorter)
     };
     let times = result.as_ref().copied().unwrap_or_default();
-    let microseconds = |time: Option<f64>| time.map(|time| super::table::round(time * 1e-3, 4));
+    let microseconds = |time: Option<f64>| time.map(|time| round(time * 1e-3, 4));
     CpuTime {
         model: job.model.to_owned(),
         pipeline: job.pipeline.to_owned(),
@@ -166,90 +119,4 @@ pub fn measure(job: &Job<'_>, computer: &Computer, largest: usize) -> CpuTime {
         compiler: computer.compiler.clone(),
         processor: computer.processor.clone(),
     }
-}
-
-/// Times of one function, ns.
-#[derive(Clone, Copy, Default, PartialEq, Debug)]
-pub struct Times {
-    /// One evaluation by straight-line C.
-    pub straight: Option<f64>,
-    /// One evaluation by C with loops.
-    pub rolled: Option<f64>,
-    /// Per state, when eight are evaluated at once.
-    pub batch: Option<f64>,
-}
-
-impl Times {
-    /// The time of one evaluation by the faster C.
-    pub fn single(&self) -> Option<f64> {
-        let both = self.straight.into_iter().chain(self.rolled);
-        both.min_by(f64::total_cmp)
-    }
-}
-
-/// Times of the C that is generated for processors, in binary64, after its
-/// results were compared with the evaluator's. Loops are found in the order of
-/// `regular`; straight-line code and batches are of `shorter`, the same
-/// function after passes or not.
-///
-/// # Errors
-///
-/// Why there is no time: no compiler, what it says, or another result.
-pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<Times, String> {
-    let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
-    let compiler = Compiler::find("cc")?;
-    let question = Question {
-        name: "function".to_owned(),
-        view: regular,
-        model: None,
-        states: &States::new(SEED),
-        count: STATES,
-    };
-    let ways: [(own::Way, View<'_>); 3] = [
-        (own::straight, shorter),
-        (own::rolled, regular),
-        (own::batch, shorter),
-    ];
-    let family = Family::Equations;
-    let contestants = ways.map(|(way, view)| way(&question, &compiler, family, "C", view));
-    let (rounds, milliseconds) = ROUNDS;
-    let quiet = &mut |_: &str| {};
-    let outcomes = bench(
-        &question,
-        &contestants,
-        folder.path(),
-        rounds,
-        milliseconds,
-        quiet,
-    )
-    .map_err(|error| error.to_string())?;
-    let failure = outcomes.iter().find_map(|outcome| outcome.failure.clone());
-    match (failure, outcomes.as_slice()) {
-        (None, [straight, rolled, batch]) => Ok(Times {
-            straight: straight.nanoseconds,
-            rolled: rolled.nanoseconds,
-            batch: batch.nanoseconds,
-        }),
-        (failure, _) => Err(failure.unwrap_or_default()),
-    }
-}
-
-/// The time of one call of a function in ns: the least over many repetitions,
-/// sines and cosines included.
-///
-/// # Errors
-///
-/// Why there is no time: no compiler, or what it says.
-pub fn compile_and_run(view: View<'_>, real: Real) -> Result<f64, String> {
-    let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
-    let compiler = Compiler::find("cc")?;
-    let question = Question {
-        name: "function".to_owned(),
-        view,
-        model: None,
-        states: &States::new(SEED),
-        count: STATES,
-    };
-    let contestant = own::exact(&question, &compiler, real);
-    contestant.time(folder.path(), ROUNDS.1)
 }

@@ -3,8 +3,8 @@
 use super::super::knee::{Split, knee};
 use super::super::plan::Plan;
 use super::super::results::Results;
-use super::super::table::{Cell, Table};
 use super::CpuTime;
+use crate::present::{DataCell, DataTable};
 use robovec_ir::Machine;
 use robovec_passes::codegen::hardware::{Estimate, estimated_clock_mhz};
 
@@ -12,57 +12,49 @@ use robovec_passes::codegen::hardware::{Estimate, estimated_clock_mhz};
 const BUILT_MHZ: f64 = 25.0;
 
 /// Times of every program on one core.
-pub fn programs(cpu: &[CpuTime]) -> Option<Table> {
+pub fn programs(cpu: &[CpuTime]) -> Option<DataTable> {
     let first = cpu.first()?;
-    let number = |value: Option<f64>| value.map_or(Cell::Empty, |value| Cell::number(value, 3));
+    let number =
+        |value: Option<f64>| value.map_or(DataCell::Empty, |value| DataCell::number(value, 3));
     let rows = cpu.iter().map(|time| {
         vec![
-            Cell::text(&time.model),
-            Cell::text(&time.pipeline),
-            Cell::count(time.operations),
+            DataCell::text(&time.model),
+            DataCell::text(&time.pipeline),
+            DataCell::count(time.operations),
             number(time.microseconds),
             number(time.rolled),
             number(time.batch),
-            Cell::text(&time.remark),
+            DataCell::text(&time.remark),
         ]
     });
-    Some(Table {
-        name: "cpu".to_owned(),
-        title: "The same functions on one core of a processor".to_owned(),
-        caption: format!(
+    Some(DataTable::new(
+        "cpu",
+        "The same functions on one core of a processor",
+        format!(
             "{}, double precision, sines and cosines included, least of many repetitions; {}. A \
              batch evaluates eight states at once, its time is per state. A measurement, in \
              cpu.json.",
             first.processor, first.compiler
         ),
-        columns: [
-            "model",
-            "pipeline",
-            "operations",
-            "straight-line C (µs)",
-            "C with loops (µs)",
-            "batch C, per state (µs)",
-            "remark",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        rows: rows.collect(),
-    })
+        "model | pipeline | operations | straight-line C (µs) | C with loops (µs) | \
+         batch C, per state (µs) | remark",
+        rows,
+    ))
 }
 
 /// For every model the fastest placed program and the fastest C, and which of
 /// them wins.
-pub fn winners(results: &Results, cpu: &[CpuTime]) -> Option<Table> {
+pub fn winners(results: &Results, cpu: &[CpuTime]) -> Option<DataTable> {
     let first = cpu.first()?;
     let machine = results.main_machine()?;
     let plan = &results.plan;
-    let rows: Vec<Vec<Cell>> = (0..plan.models.len())
+    let rows: Vec<Vec<DataCell>> = (0..plan.models.len())
         .filter_map(|model| row(results, model, machine, cpu))
         .collect();
-    Some(Table {
-        name: "winners".to_owned(),
-        title: "FPGA or processor".to_owned(),
-        caption: format!(
+    Some(DataTable::new(
+        "winners",
+        "FPGA or processor",
+        format!(
             "One evaluation of each function: the fastest program placed on machine '{}' in this \
              study, at the clock of the machine the thesis built ({BUILT_MHZ} MHz) and at the clock \
              estimated for so many elements on a Cyclone V, which is an estimate from the delays of \
@@ -73,26 +65,14 @@ pub fn winners(results: &Results, cpu: &[CpuTime]) -> Option<Table> {
              column.",
             plan.machines[machine].name, first.processor
         ),
-        columns: [
-            "model",
-            "placed program",
-            "elements",
-            "cycles",
-            "FPGA as built (µs)",
-            "estimated clock (MHz)",
-            "FPGA estimated (µs)",
-            "C program",
-            "one core (µs)",
-            "one core, batch (µs)",
-            "who wins",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
+        "model | placed program | elements | cycles | FPGA as built (µs) | \
+         estimated clock (MHz) | FPGA estimated (µs) | C program | one core (µs) | \
+         one core, batch (µs) | who wins",
         rows,
-    })
+    ))
 }
 
-fn row(results: &Results, model: usize, machine: usize, cpu: &[CpuTime]) -> Option<Vec<Cell>> {
+fn row(results: &Results, model: usize, machine: usize, cpu: &[CpuTime]) -> Option<Vec<DataCell>> {
     let plan = &results.plan;
     let name = &plan.models[model].name;
     let (pipeline, best) = fastest(results, model, machine)?;
@@ -103,17 +83,17 @@ fn row(results: &Results, model: usize, machine: usize, cpu: &[CpuTime]) -> Opti
     let clock = clock(plan, machine, &best);
     let time = |mhz: f64| f64::from(best.cycles) / mhz;
     Some(vec![
-        Cell::text(name),
-        Cell::text(&plan.pipelines[pipeline].name),
-        Cell::text(best.text()),
-        Cell::count(best.cycles),
-        Cell::number(time(BUILT_MHZ), 2),
-        Cell::text(format!("{:.0} to {:.0}", clock.low, clock.high)),
-        Cell::text(format!("{:.2} to {:.2}", time(clock.high), time(clock.low))),
-        Cell::text(&program.pipeline),
-        Cell::number(single, 3),
-        batch.map_or(Cell::Empty, |batch| Cell::number(batch, 3)),
-        Cell::text(winner([time(clock.high), time(clock.low)], single)),
+        DataCell::text(name),
+        DataCell::text(&plan.pipelines[pipeline].name),
+        DataCell::text(best.text()),
+        DataCell::count(best.cycles),
+        DataCell::number(time(BUILT_MHZ), 2),
+        DataCell::text(format!("{:.0} to {:.0}", clock.low, clock.high)),
+        DataCell::text(format!("{:.2} to {:.2}", time(clock.high), time(clock.low))),
+        DataCell::text(&program.pipeline),
+        DataCell::number(single, 3),
+        batch.map_or(DataCell::Empty, |batch| DataCell::number(batch, 3)),
+        DataCell::text(winner([time(clock.high), time(clock.low)], single)),
     ])
 }
 

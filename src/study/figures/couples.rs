@@ -1,9 +1,9 @@
 //! Figures 1.9 to 1.12: pipelining variants; and all couples of Table 1.3.
 
-use super::super::couples::{ADDERS, MEMORY_CAP_MHZ, MULTIPLIERS, couples};
-use super::super::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
 use super::super::results::{Placed, Results};
 use super::{ladder, pipeline_label};
+use crate::explore::operators::{ADDERS, MEMORY_CAP_MHZ, MULTIPLIERS, couples};
+use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
 /// The couples that thesis 1.2.3 compares. It names adders of 3 and
 /// multipliers of 2 stages with 72 MHz; by its Table 1.3 that is 63 MHz, and
@@ -14,45 +14,46 @@ const ELEMENTS: &str = "processing elements, adders + multipliers";
 
 /// Figure 1.9.
 pub(super) fn operators() -> Option<Figure> {
-    let curve = |label: &str, index: usize, operators: &[super::super::couples::Operator]| Curve {
-        label: label.to_owned(),
-        paint: Paint::Distinct(index),
-        stroke: Stroke::Marked,
-        marks: operators
-            .iter()
-            .map(|operator| Mark::at(f64::from(operator.stages), f64::from(operator.mhz)))
-            .collect(),
+    let curve = |label: &str, index: usize, operators: &[crate::explore::operators::Operator]| {
+        Curve::new(
+            label,
+            Paint::Distinct(index),
+            Stroke::Marked,
+            operators
+                .iter()
+                .map(|operator| Mark::at(f64::from(operator.stages), f64::from(operator.mhz))),
+        )
     };
-    Some(Figure {
-        name: "figure-1.9".to_owned(),
-        title: "Figure 1.9: highest clock by pipeline stages".to_owned(),
-        caption: "Floating-point operators of the Cyclone V (Tables 1.1 and 1.2).".to_owned(),
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::new("pipeline stages", Scale::Linear).showing(0.0, 15.0),
-            y: Axis::new("clock (MHz)", Scale::Linear).showing(0.0, 250.0),
-            content: Content::Curves(vec![
+    Some(Figure::new(
+        "figure-1.9",
+        "Figure 1.9: highest clock by pipeline stages",
+        "Floating-point operators of the Cyclone V (Tables 1.1 and 1.2).",
+        1,
+        vec![Panel::curves(
+            String::new(),
+            PlotAxis::new("pipeline stages", AxisScale::Linear).showing(0.0, 15.0),
+            PlotAxis::new("clock (MHz)", AxisScale::Linear).showing(0.0, 250.0),
+            vec![
                 curve("adder", 0, &ADDERS),
                 curve("multiplier", 1, &MULTIPLIERS),
-            ]),
-        }],
-        columns: 1,
-    })
+            ],
+        )],
+    ))
 }
 
 /// Figures 1.10 (cycles), 1.11 (time) and 1.12 (rate).
 pub(super) fn variants(results: &Results) -> Vec<Figure> {
     let figures = [
-        ("1.10", "cycles", "cycles", Scale::Decades),
-        ("1.11", "computing time", "time (µs)", Scale::Decades),
+        ("1.10", "cycles", "cycles", AxisScale::Decades),
+        ("1.11", "computing time", "time (µs)", AxisScale::Decades),
         (
             "1.12",
             "parallelisation rate",
             "parallelisation rate (%)",
-            Scale::Linear,
+            AxisScale::Linear,
         ),
     ];
-    let figure = |(number, what, unit, scale): (&str, &str, &str, Scale)| {
+    let figure = |(number, what, unit, scale): (&str, &str, &str, AxisScale)| {
         let quantity = |placed: Placed<'_>, mhz: f64| match number {
             "1.10" => f64::from(placed.point.cycles),
             "1.11" => f64::from(placed.point.cycles) / mhz,
@@ -66,41 +67,44 @@ pub(super) fn variants(results: &Results) -> Vec<Figure> {
                 let marks = placed
                     .iter()
                     .map(|&placed| Mark::at(f64::from(placed.elements()), quantity(placed, mhz)));
-                Some(Curve {
-                    label: format!("{}+{} at {mhz} MHz", couple[0], couple[1]),
-                    paint: Paint::Distinct(index),
-                    stroke: Stroke::Marked,
-                    marks: marks.collect(),
-                })
+                Some(Curve::new(
+                    format!("{}+{} at {mhz} MHz", couple[0], couple[1]),
+                    Paint::Distinct(index),
+                    Stroke::Marked,
+                    marks,
+                ))
             });
             let curves: Vec<Curve> = curves.filter(|curve| !curve.marks.is_empty()).collect();
-            let y = Axis::new(unit, scale);
-            let y = if scale == Scale::Linear {
+            let y = PlotAxis::new(unit, scale);
+            let y = if scale == AxisScale::Linear {
                 y.showing(0.0, 100.0)
             } else {
                 y
             };
-            (!curves.is_empty()).then(|| Panel {
-                title: pipeline_label(results, pipeline),
-                x: Axis::new(ELEMENTS, Scale::PowersOfTwo),
-                y,
-                content: Content::Curves(curves),
+            (!curves.is_empty()).then(|| {
+                Panel::curves(
+                    pipeline_label(results, pipeline),
+                    PlotAxis::new(ELEMENTS, AxisScale::PowersOfTwo),
+                    y,
+                    curves,
+                )
             })
         };
         let panels: Vec<Panel> = (0..results.plan.pipelines.len())
             .filter_map(panel)
             .collect();
-        (!panels.is_empty()).then(|| Figure {
-            name: format!("figure-{number}"),
-            title: format!(
-                "Figure {number}: {what} by number of pipeline stages, {}",
-                headline(results)
-            ),
-            caption: "Stages of adders + stages of multipliers, at the clock of Table 1.3; two \
-                cycles of transfer come on top."
-                .to_owned(),
-            columns: 2,
-            panels,
+        (!panels.is_empty()).then(|| {
+            Figure::new(
+                format!("figure-{number}"),
+                format!(
+                    "Figure {number}: {what} by number of pipeline stages, {}",
+                    headline(results)
+                ),
+                "Stages of adders + stages of multipliers, at the clock of Table 1.3; two \
+                cycles of transfer come on top.",
+                2,
+                panels,
+            )
         })
     };
     figures.into_iter().filter_map(figure).collect()
@@ -114,29 +118,31 @@ pub(super) fn front(results: &Results) -> Option<Figure> {
             let curves = couple_curves(results, pipeline, cap);
             if curves.len() > 1 {
                 let limit = cap.map_or("own clocks".to_owned(), |mhz| format!("at most {mhz} MHz"));
-                panels.push(Panel {
-                    title: format!("{}, {limit}", pipeline_label(results, pipeline)),
-                    x: Axis::new(ELEMENTS, Scale::PowersOfTwo),
-                    y: Axis::new("time (µs)", Scale::Decades),
-                    content: Content::Curves(curves),
-                });
+                panels.push(Panel::curves(
+                    format!("{}, {limit}", pipeline_label(results, pipeline)),
+                    PlotAxis::new(ELEMENTS, AxisScale::PowersOfTwo),
+                    PlotAxis::new("time (µs)", AxisScale::Decades),
+                    curves,
+                ));
             }
         }
     }
-    (!panels.is_empty()).then(|| Figure {
-        name: "couples".to_owned(),
-        title: format!(
-            "All couples of Table 1.3: time against elements, {}",
-            headline(results)
-        ),
-        caption: format!(
-            "One thin line per couple, from short pipelines (dark) to long ones (light); the \
+    (!panels.is_empty()).then(|| {
+        Figure::new(
+            "couples",
+            format!(
+                "All couples of Table 1.3: time against elements, {}",
+                headline(results)
+            ),
+            format!(
+                "One thin line per couple, from short pipelines (dark) to long ones (light); the \
              fastest couple for each number of elements is marked and named. Memories that \
              serve two accesses per cycle limit the clock to {MEMORY_CAP_MHZ} MHz (thesis 1.3): \
              under this cap long pipelines only cost cycles."
-        ),
-        columns: 2,
-        panels,
+            ),
+            2,
+            panels,
+        )
     })
 }
 
@@ -167,12 +173,12 @@ fn couple_curves(results: &Results, pipeline: usize, cap: Option<u32>) -> Vec<Cu
                 None => best.push((elements, time, couple.stages())),
             }
         }
-        curves.push(Curve {
-            label: String::new(),
-            paint: Paint::Ordered(index, all.len()),
-            stroke: Stroke::Plain,
-            marks: points.iter().map(|&[x, y]| Mark::at(x, y)).collect(),
-        });
+        curves.push(Curve::new(
+            "",
+            Paint::Ordered(index, all.len()),
+            Stroke::Plain,
+            points.iter().map(|&[x, y]| Mark::at(x, y)),
+        ));
     }
     best.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut rest = &best[..];
@@ -185,15 +191,12 @@ fn couple_curves(results: &Results, pipeline: usize, cap: Option<u32>) -> Vec<Cu
         let paint = Paint::Distinct(
             curves.len() - curves.iter().filter(|curve| curve.label.is_empty()).count(),
         );
-        curves.push(Curve {
-            label: format!("{}+{}", stages[0], stages[1]),
+        curves.push(Curve::new(
+            format!("{}+{}", stages[0], stages[1]),
             paint,
-            stroke: Stroke::Points,
-            marks: rest[..count]
-                .iter()
-                .map(|&(x, y, _)| Mark::at(x, y))
-                .collect(),
-        });
+            Stroke::Points,
+            rest[..count].iter().map(|&(x, y, _)| Mark::at(x, y)),
+        ));
         rest = &rest[count..];
     }
     curves

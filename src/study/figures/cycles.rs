@@ -1,11 +1,12 @@
 //! Figures 3.4 to 3.8 (cycles) and 3.9 to 3.13 (parallelisation rate)
 //! against the number of elements.
 
-use super::super::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
 use super::super::program::ProgramFacts;
 use super::super::results::{Placed, Results};
 use super::super::variants;
-use super::{ladder, pipeline_label, zone};
+use super::super::zone::zone;
+use super::{ladder, pipeline_label};
+use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
 /// Degrees of freedom and the numbers of their figures in the thesis.
 const NUMBERS: [(u32, &str, &str); 5] = [
@@ -91,15 +92,17 @@ fn figure(
         Quantity::Cycles => "cycles",
         Quantity::Rate => "parallelisation rate",
     };
-    (!panels.is_empty()).then(|| Figure {
-        name,
-        title: format!("{number}{what} of {subject} against processing elements"),
-        caption: match quantity {
-            Quantity::Cycles => CYCLES.to_owned(),
-            Quantity::Rate => RATE.to_owned(),
-        },
-        columns: if panels.len() == 1 { 1 } else { 2 },
-        panels,
+    (!panels.is_empty()).then(|| {
+        Figure::new(
+            name,
+            format!("{number}{what} of {subject} against processing elements"),
+            match quantity {
+                Quantity::Cycles => CYCLES.to_owned(),
+                Quantity::Rate => RATE.to_owned(),
+            },
+            if panels.len() == 1 { 1 } else { 2 },
+            panels,
+        )
     })
 }
 
@@ -116,34 +119,31 @@ fn panel(results: &Results, model: usize, machine: usize, quantity: Quantity) ->
         };
         let paint = Paint::Distinct(pipeline);
         let marks = placed.iter().map(|placed| mark(facts, *placed, quantity));
-        curves.push(Curve {
-            label: pipeline_label(results, pipeline),
+        curves.push(Curve::new(
+            pipeline_label(results, pipeline),
             paint,
-            stroke: Stroke::Marked,
-            marks: marks.collect(),
-        });
-        curves.push(Curve {
-            label: String::new(),
+            Stroke::Marked,
+            marks,
+        ));
+        curves.push(Curve::new(
+            "",
             paint,
-            stroke: Stroke::Dashed,
-            marks: guidance(facts, first.elements(), last.elements(), quantity),
-        });
+            Stroke::Dashed,
+            guidance(facts, first.elements(), last.elements(), quantity),
+        ));
     }
     let title = results.plan.models[model].name.clone();
-    let elements = Axis::new(
+    let elements = PlotAxis::new(
         "processing elements, adders + multipliers",
-        Scale::PowersOfTwo,
+        AxisScale::PowersOfTwo,
     );
     let y = match quantity {
-        Quantity::Cycles => Axis::new("cycles", Scale::Decades),
-        Quantity::Rate => Axis::new("parallelisation rate (%)", Scale::Linear).showing(0.0, 100.0),
+        Quantity::Cycles => PlotAxis::new("cycles", AxisScale::Decades),
+        Quantity::Rate => {
+            PlotAxis::new("parallelisation rate (%)", AxisScale::Linear).showing(0.0, 100.0)
+        }
     };
-    (!curves.is_empty()).then_some(Panel {
-        title,
-        x: elements,
-        y,
-        content: Content::Curves(curves),
-    })
+    (!curves.is_empty()).then_some(Panel::curves(title, elements, y, curves))
 }
 
 fn mark(facts: &ProgramFacts, placed: Placed<'_>, quantity: Quantity) -> Mark {
@@ -152,7 +152,7 @@ fn mark(facts: &ProgramFacts, placed: Placed<'_>, quantity: Quantity) -> Mark {
         Quantity::Rate => 100.0 * placed.point.rate,
     };
     Mark {
-        zone: Some(zone(facts, placed)),
+        zone: Some(zone(facts, placed).mark()),
         ..Mark::at(f64::from(placed.elements()), y)
     }
 }

@@ -1,11 +1,11 @@
 //! Figures 2.4 to 2.7: words of memory and of buffer by the naive and by the
 //! preferential choice of elements.
 
-use super::super::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
 use super::super::plan::{ChoiceKey, PriorityKey};
 use super::super::point::KindPoint;
 use super::super::printed::Topology;
 use super::super::results::{Placed, Results};
+use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
 const CAPTION: &str = "Words per element: mean (marker), least and most over the elements of a \
     kind (bar). Naive: the first free element that its operands can reach; preferential: Table \
@@ -78,37 +78,41 @@ fn figure(
         return None;
     }
     let panel = |kind: usize, title: &str| {
-        let curve = |(index, (choice, label, shift)): (usize, (ChoiceKey, &str, f64))| Curve {
-            label: label.to_owned(),
-            paint: Paint::Distinct(1 - index),
-            stroke: if index == 0 {
-                Stroke::MarkedDashed
-            } else {
-                Stroke::Marked
-            },
-            marks: points(choice)
-                .iter()
-                .map(|placed| mark(*placed, &placed.point.kinds[kind], part, shift))
-                .collect(),
+        let curve = |(index, (choice, label, shift)): (usize, (ChoiceKey, &str, f64))| {
+            Curve::new(
+                label,
+                Paint::Distinct(1 - index),
+                if index == 0 {
+                    Stroke::MarkedDashed
+                } else {
+                    Stroke::Marked
+                },
+                points(choice)
+                    .iter()
+                    .map(|placed| mark(*placed, &placed.point.kinds[kind], part, shift)),
+            )
         };
-        Panel {
-            title: title.to_owned(),
-            x: Axis::new(
+        Panel::curves(
+            title,
+            PlotAxis::new(
                 "processing elements, adders + multipliers",
-                Scale::PowersOfTwo,
+                AxisScale::PowersOfTwo,
             ),
-            y: Axis::new(["memory (words)", "buffer (words)"][part], Scale::Linear)
-                .showing(0.0, 1.0),
-            content: Content::Curves(choices.into_iter().enumerate().map(curve).collect()),
-        }
+            PlotAxis::new(
+                ["memory (words)", "buffer (words)"][part],
+                AxisScale::Linear,
+            )
+            .showing(0.0, 1.0),
+            choices.into_iter().enumerate().map(curve),
+        )
     };
-    Some(Figure {
+    Some(Figure::new(
         name,
         title,
-        caption: CAPTION.to_owned(),
-        panels: vec![panel(0, "adders"), panel(1, "multipliers")],
-        columns: 2,
-    })
+        CAPTION,
+        2,
+        vec![panel(0, "adders"), panel(1, "multipliers")],
+    ))
 }
 
 /// A bar; the two choices stand a little apart.

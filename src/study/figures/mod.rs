@@ -12,18 +12,10 @@ mod occupation;
 mod projection;
 mod split;
 
-use super::figure::{Figure, Zone};
-use super::knee::is_saturated;
-use super::program::ProgramFacts;
 use super::results::{Placed, Results};
+use crate::present::Figure;
 
 pub(super) use split::{best_splits, grid};
-
-/// How far above its longest chain a schedule may be to count as saturated,
-/// and how far above full use of the scarcer kind to count as parallel.
-pub const SATURATED: f64 = 1.02;
-/// See [`SATURATED`].
-pub const BUSY: f64 = 1.10;
 
 /// All figures for which the study has points.
 pub fn all(results: &Results) -> Vec<Figure> {
@@ -38,23 +30,6 @@ pub fn all(results: &Results) -> Vec<Figure> {
     figures.extend(formulations::figure(results));
     figures.extend(split::figure(results));
     figures
-}
-
-/// The zone of thesis 3.3 that a placement lies in: saturated when it takes
-/// no longer than the longest chain, parallel when the scarcer kind of
-/// elements is busy nearly all the time, and in transition otherwise.
-pub fn zone(facts: &ProgramFacts, placed: Placed<'_>) -> Zone {
-    let cycles = f64::from(placed.point.cycles);
-    let request = placed.request;
-    let add = facts.add_sub as f64 / f64::from(request.n_add);
-    let multi = facts.mul as f64 / f64::from(request.n_multi);
-    if is_saturated(facts, placed.point.cycles) {
-        Zone::Saturation
-    } else if cycles <= BUSY * add.max(multi) {
-        Zone::Parallelisation
-    } else {
-        Zone::Transition
-    }
 }
 
 /// The placements the plan asks for with as many adders as multipliers, in

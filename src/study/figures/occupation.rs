@@ -1,11 +1,11 @@
 //! Figures 3.15 to 3.38: occupation of the elements over normalised time.
 
-use super::super::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
 use super::super::plan::Printed;
 use super::super::printed::{System, Topology};
 use super::super::results::Results;
 use super::super::variants;
 use super::{ladder, pipeline_label};
+use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
 const CAPTION: &str = "Share of issue slots used, mean over 50 cycles that roll along, against \
     the share of the run that has passed; one curve per number of elements, labelled with the \
@@ -50,21 +50,19 @@ fn figure(
             let request = placed.request;
             let count = [request.n_add, request.n_multi][kind];
             let curve = placed.point.kinds[kind].occupation.curve();
-            Curve {
-                label: count.to_string(),
-                paint: Paint::Ordered(index, count_of_curves),
-                stroke: Stroke::Plain,
-                marks: curve
-                    .map(|[time, share]| Mark::at(100.0 * time, 100.0 * share))
-                    .collect(),
-            }
+            Curve::new(
+                count.to_string(),
+                Paint::Ordered(index, count_of_curves),
+                Stroke::Plain,
+                curve.map(|[time, share]| Mark::at(100.0 * time, 100.0 * share)),
+            )
         });
-        Panel {
-            title: title.to_owned(),
-            x: Axis::new("share of the run (%)", Scale::Linear).showing(0.0, 100.0),
-            y: Axis::new("occupation (%)", Scale::Linear).showing(0.0, 100.0),
-            content: Content::Curves(curves.collect()),
-        }
+        Panel::curves(
+            title,
+            PlotAxis::new("share of the run (%)", AxisScale::Linear).showing(0.0, 100.0),
+            PlotAxis::new("occupation (%)", AxisScale::Linear).showing(0.0, 100.0),
+            curves,
+        )
     };
     let (name, prefix) = match number {
         Some(number) => (format!("figure-3.{number}"), format!("Figure 3.{number}: ")),
@@ -74,13 +72,13 @@ fn figure(
             (format!("occupation-{model}-{pipeline}"), String::new())
         }
     };
-    let figure = Figure {
+    let figure = Figure::new(
         name,
-        title: format!("{prefix}occupation of {subject}"),
-        caption: CAPTION.to_owned(),
-        panels: vec![panel(0, "adders"), panel(1, "multipliers")],
-        columns: 2,
-    };
+        format!("{prefix}occupation of {subject}"),
+        CAPTION,
+        2,
+        vec![panel(0, "adders"), panel(1, "multipliers")],
+    );
     Some((number, figure))
 }
 

@@ -1,10 +1,11 @@
 //! Figure 3.14: the number Y against degrees of freedom, by topology.
 
-use super::super::figure::{Axis, Content, Curve, Figure, Mark, Paint, Panel, Scale, Stroke};
 use super::super::plan::Printed;
 use super::super::printed::Topology;
 use super::super::results::Results;
-use super::super::table::round;
+use super::super::zone::Zone;
+use crate::present::number::round;
+use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
 /// How far the fitted lines are drawn, degrees of freedom.
 const FURTHEST: f64 = 200.0;
@@ -98,20 +99,23 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
         }
         let has_own = |curve: &Curve| curve.stroke == Stroke::Plain;
         if curves.iter().any(has_own) {
-            panels.push(Panel {
-                title: title.to_owned(),
-                x: Axis::new("degrees of freedom", Scale::Linear).showing(0.0, FURTHEST),
-                y: Axis::new("number Y (operations per cycle)", Scale::Linear).showing(0.0, 1.0),
-                content: Content::Curves(curves),
-            });
+            panels.push(Panel::curves(
+                title,
+                PlotAxis::new("degrees of freedom", AxisScale::Linear).showing(0.0, FURTHEST),
+                PlotAxis::new("number Y (operations per cycle)", AxisScale::Linear)
+                    .showing(0.0, 1.0),
+                curves,
+            ));
         }
     }
-    (!panels.is_empty()).then(|| Figure {
-        name: "figure-3.14".to_owned(),
-        title: "Figure 3.14: number Y by topology and size".to_owned(),
-        caption: CAPTION.to_owned(),
-        columns: 2,
-        panels,
+    (!panels.is_empty()).then(|| {
+        Figure::new(
+            "figure-3.14",
+            "Figure 3.14: number Y by topology and size",
+            CAPTION,
+            2,
+            panels,
+        )
     })
 }
 
@@ -122,11 +126,13 @@ fn topology_curves(
     pipeline: usize,
     printed: Printed,
 ) -> Vec<Curve> {
-    let curve = |label: String, index: usize, stroke: Stroke, points: &[[f64; 2]]| Curve {
-        label,
-        paint: Paint::Distinct(index),
-        stroke,
-        marks: points.iter().map(|&[x, y]| Mark::at(x, y)).collect(),
+    let curve = |label: String, index: usize, stroke: Stroke, points: &[[f64; 2]]| {
+        Curve::new(
+            label,
+            Paint::Distinct(index),
+            stroke,
+            points.iter().map(|&[x, y]| Mark::at(x, y)),
+        )
     };
     let own = numbers(results, topology, pipeline);
     let Some(fit) = fit(&own) else {
@@ -142,7 +148,7 @@ fn topology_curves(
     );
     for mark in &mut thesis.marks {
         // Hollow, to be told from ours.
-        mark.zone = Some(super::super::figure::Zone::Saturation);
+        mark.zone = Some(Zone::Saturation.mark());
     }
     vec![
         curve(label, index, Stroke::Plain, &line),

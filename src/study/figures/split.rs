@@ -1,9 +1,9 @@
 //! Unequal numbers of adders and multipliers: a map of cycles, and the best
 //! split of every total.
 
-use super::super::figure::{Axis, Content, Figure, Map, Panel, Scale};
 use super::super::results::{Placed, Results};
 use super::pipeline_label;
+use crate::present::{AxisScale, Figure, Panel, PlotAxis, TileMap};
 
 /// The best split of a total: fewest cycles, then nearest to equal numbers,
 /// then more multipliers.
@@ -73,11 +73,11 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
         let best = best_splits(&placed).into_iter();
         // Beyond it the grid does not hold all splits of a total.
         let complete = best.filter(|placed| placed.elements() <= largest + 1);
-        panels.push(Panel {
-            title: pipeline_label(results, pipeline),
-            x: Axis::new("adders", Scale::Linear),
-            y: Axis::new("multipliers", Scale::Linear),
-            content: Content::Map(Map {
+        panels.push(Panel::map(
+            pipeline_label(results, pipeline),
+            PlotAxis::new("adders", AxisScale::Linear),
+            PlotAxis::new("multipliers", AxisScale::Linear),
+            TileMap {
                 values: pairs.map(value).collect(),
                 columns,
                 rows,
@@ -85,19 +85,20 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
                 framed: complete
                     .map(|placed| [placed.request.n_add, placed.request.n_multi])
                     .collect(),
-            }),
-        });
+            },
+        ));
     }
-    (!panels.is_empty()).then(|| Figure {
-        name: "split".to_owned(),
-        title: format!(
-            "Cycles by adders and multipliers, {}",
-            results.plan.models[model].name
-        ),
-        caption: "Light is short. Framed: the best split of each total number of elements, as far \
-            as all its splits were placed."
-            .to_owned(),
-        columns: panels.len().min(2),
-        panels,
+    (!panels.is_empty()).then(|| {
+        Figure::new(
+            "split",
+            format!(
+                "Cycles by adders and multipliers, {}",
+                results.plan.models[model].name
+            ),
+            "Light is short. Framed: the best split of each total number of elements, as far \
+            as all its splits were placed.",
+            panels.len().min(2),
+            panels,
+        )
     })
 }

@@ -5,24 +5,31 @@
 //! to no other file and no address.
 
 use super::cpu::{self, CpuTime};
-use super::figure::Figure;
-use super::figures::zone;
-use super::plot::{self, Escaped};
 use super::results::{Results, time_us};
-use super::table::{Cell, Table, round};
 use super::verdict::verdicts;
+use super::zone::zone;
+use crate::present::DataTable;
+use crate::present::Figure;
+use crate::present::escape::Escaped;
+use crate::present::json::json_script;
+use crate::present::number::round;
+use crate::present::page;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
 const TEMPLATE: &str = include_str!("page.html");
-pub(crate) const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
 /// Tables with more rows than this are left to the files.
 const LONGEST_TABLE: usize = 400;
 
 /// The report as HTML.
-pub fn page(results: &Results, tables: &[Table], figures: &[Figure], times: &[CpuTime]) -> String {
+pub fn page(
+    results: &Results,
+    tables: &[DataTable],
+    figures: &[Figure],
+    times: &[CpuTime],
+) -> String {
     let plan = &results.plan;
     let subtitle = format!(
         "{}. {} models, {} placements, computed by robovec {}.",
@@ -31,7 +38,7 @@ pub fn page(results: &Results, tables: &[Table], figures: &[Figure], times: &[Cp
         results.outcome.points.len(),
         env!("CARGO_PKG_VERSION")
     );
-    let measured: Vec<Table> = [
+    let measured: Vec<DataTable> = [
         cpu::table::winners(results, times),
         cpu::table::programs(times),
     ]
@@ -42,101 +49,36 @@ pub fn page(results: &Results, tables: &[Table], figures: &[Figure], times: &[Cp
         .iter()
         .chain(tables)
         .filter(|table| table.rows.len() <= LONGEST_TABLE);
+    let title = format!("Study: {}", plan.name);
     let parts = [
-        (
-            "title",
-            Escaped(&format!("Study: {}", plan.name)).to_string(),
-        ),
+        ("title", Escaped(&title).to_string()),
         ("subtitle", Escaped(&subtitle).to_string()),
-        ("css", STYLE.to_owned()),
+        ("css", page::STYLE.to_owned()),
         ("js", SCRIPT.to_owned()),
         ("tables", shown.map(table).collect()),
-        ("figures", figures.iter().map(figure).collect()),
+        ("figures", figures.iter().map(page::figure).collect()),
         ("method", method(results)),
-        // A closing tag inside a string would end the script.
-        (
-            "data",
-            data(results, times).to_string().replace("</", "<\\/"),
-        ),
+        ("data", json_script(&data(results, times))),
     ];
-    fill(TEMPLATE, &parts)
+    let parts: Vec<(&str, &str)> = parts
+        .iter()
+        .map(|(name, part)| (*name, part.as_str()))
+        .collect();
+    page::fill(TEMPLATE, &parts)
 }
 
-/// Fills the places `{{name}}` of a template; what is filled in is not looked
-/// at again.
-pub(crate) fn fill(template: &str, parts: &[(&str, String)]) -> String {
-    let mut text = String::new();
-    let mut rest = template;
-    while let Some((before, after)) = rest.split_once("{{") {
-        text.push_str(before);
-        let (name, after) = after.split_once("}}").unwrap_or((after, ""));
-        let part = parts.iter().find(|(known, _)| *known == name);
-        text.push_str(part.map_or("", |(_, part)| part));
-        rest = after;
+/// Tables that say where their numbers are; data of the thesis and long lists
+/// are there for whoever looks for them.
+fn table(table: &DataTable) -> String {
+    match table.name.as_str() {
+        "cpu" | "winners" => page::table(table, ""),
+        name if name.starts_with("table-1.") => page::folding_table(table, &file(name), false),
+        name => page::table(table, &file(name)),
     }
-    text + rest
 }
 
-pub(crate) fn table(table: &Table) -> String {
-    let mut text = String::new();
-    let name = &table.name;
-    // Data of the thesis and long lists are there for whoever looks for them.
-    let asked_for = name == "verdicts";
-    let open = if name.starts_with("table-1.") || table.rows.len() > 50 && !asked_for {
-        ""
-    } else {
-        " open"
-    };
-    let file = match name.as_str() {
-        "cpu" | "winners" | "verdicts" => String::new(),
-        "front" | "fit" | "sweep" => format!("File: {name}.csv."),
-        name => format!("File: tables/{name}.csv."),
-    };
-    // Writing to a string cannot fail.
-    let _ = write!(
-        text,
-        "<details id=\"{name}\"{open}><summary>{}</summary>\n<p class=\"caption\">{} \
-         {file}</p>\n<div class=\"scroll tall\"><table class=\"data\"><thead><tr>",
-        Escaped(&table.title),
-        Escaped(&table.caption),
-    );
-    for column in &table.columns {
-        let _ = write!(text, "<th>{}</th>", Escaped(column));
-    }
-    text.push_str("</tr></thead><tbody>\n");
-    for row in &table.rows {
-        text.push_str("<tr>");
-        for value in row {
-            cell(&mut text, value);
-        }
-        text.push_str("</tr>\n");
-    }
-    text.push_str("</tbody></table></div></details>\n");
-    text
-}
-
-fn cell(text: &mut String, cell: &Cell) {
-    let plain = cell.plain();
-    // As above, writing cannot fail.
-    let _ = match cell {
-        Cell::Empty => write!(text, "<td></td>"),
-        Cell::Count(_) | Cell::Number(..) => write!(text, "<td class=\"n\">{plain}</td>"),
-        Cell::Text(long) if long.len() > 60 => {
-            write!(text, "<td class=\"long\">{}</td>", Escaped(long))
-        }
-        Cell::Text(short) => write!(text, "<td>{}</td>", Escaped(short)),
-        Cell::Doubtful { doubtful } => write!(text, "<td class=\"n\"><s>{doubtful}</s></td>"),
-    };
-}
-
-pub(crate) fn figure(figure: &Figure) -> String {
-    format!(
-        "<figure id=\"{}\">{}<figcaption><b>{}</b><br><span class=\"caption\">{}</span></figcaption></figure>\n",
-        figure.name,
-        plot::draw(figure),
-        Escaped(&figure.title),
-        Escaped(&figure.caption),
-    )
+fn file(name: &str) -> String {
+    format!("tables/{name}.csv")
 }
 
 /// What the script works on.
@@ -231,15 +173,4 @@ fn method(results: &Results) -> String {
         );
     }
     text + "</ul>"
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_filled_in_is_not_filled_again() {
-        let parts = [("a", "{{b}}".to_owned()), ("b", "2".to_owned())];
-        assert_eq!(fill("<{{a}}|{{b}}|{{c}}>", &parts), "<{{b}}|2|>");
-    }
 }

@@ -3,6 +3,7 @@
 use super::file::{ElementsEntry, SweepEntry};
 use super::resolve::{HEADLINE, MOST_PLACEMENTS, Resolver, suggestion};
 use super::{ChoiceKey, DEFAULT_MACHINE, ELEMENTS, NamedMachine, PriorityKey, Request};
+use crate::explore::axes::Axes;
 use crate::study::couples;
 use robovec_ir::Operation;
 use robovec_ir::diagnostic::{Diagnostic, Report, did_you_mean};
@@ -28,40 +29,33 @@ impl Resolver<'_> {
             .clone()
             .unwrap_or(vec![ChoiceKey::Preferential]);
         // Counted before they are made.
-        let lists = [
+        let axes = Axes([
             models.len(),
             pipelines.len(),
             machines.len(),
             elements.len(),
             priorities.len(),
             choices.len(),
-        ];
-        let count = lists.into_iter().fold(1, usize::saturating_mul);
-        if count > MOST_PLACEMENTS {
+        ]);
+        let count = axes.count();
+        if count > MOST_PLACEMENTS as u64 {
             let message =
                 format!("a sweep asks for {count} placements; there can be {MOST_PLACEMENTS}");
             self.problem(0..0, message, Vec::new());
             return;
         }
-        for &model in &models {
-            for &pipeline in &pipelines {
-                for &machine in &machines {
-                    for &[n_add, n_multi] in &elements {
-                        for &priority in &priorities {
-                            requests.extend(choices.iter().map(|&choice| Request {
-                                model,
-                                pipeline,
-                                machine,
-                                n_add,
-                                n_multi,
-                                priority,
-                                choice,
-                            }));
-                        }
-                    }
-                }
-            }
-        }
+        let combinations = axes.combinations();
+        requests.extend(combinations.map(
+            |[model, pipeline, machine, numbers, priority, choice]| Request {
+                model: models[model],
+                pipeline: pipelines[pipeline],
+                machine: machines[machine],
+                n_add: elements[numbers][0],
+                n_multi: elements[numbers][1],
+                priority: priorities[priority],
+                choice: choices[choice],
+            },
+        ));
     }
 
     fn sweep_models(&mut self, sweep: &SweepEntry) -> Vec<usize> {

@@ -4,11 +4,11 @@ use super::super::plan::Printed;
 use super::super::printed::{Row, System};
 use super::super::program::ProgramFacts;
 use super::super::results::Results;
-use super::super::table::{Cell, Table};
 use super::super::variants;
 use super::reasons;
+use crate::present::{DataCell, DataTable};
 
-pub(super) fn table(results: &Results) -> Option<Table> {
+pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
     let mut rows = Vec::new();
     let models = 0..results.plan.models.len();
@@ -20,40 +20,25 @@ pub(super) fn table(results: &Results) -> Option<Table> {
             rows.push(row(results, model, pipeline, facts));
         }
     }
-    (!rows.is_empty()).then(|| Table {
-        name: "table-3.1".to_owned(),
-        title: "Table 3.1: study cases, computed and as the thesis prints them".to_owned(),
-        caption: "Operations after splitting into two operands; the longest chain in operations \
+    (!rows.is_empty()).then(|| {
+        DataTable::new(
+            "table-3.1",
+            "Table 3.1: study cases, computed and as the thesis prints them",
+            "Operations after splitting into two operands; the longest chain in operations \
             (ASAP) and cycles (ASAPCycle); number Y, operations over ASAPCycle. Ratios are ours \
             over the thesis'. Struck through: printed figures that cannot be right, which no \
             ratio uses. The thesis changed its \"modified\" systems by hand and did not count \
-            their operations again; here the compiler changes all of them."
-            .to_owned(),
-        columns: [
-            "system",
-            "model",
-            "pipeline",
-            "operations",
-            "ASAP",
-            "ASAPCycle",
-            "Y",
-            "thesis: operations",
-            "thesis: ASAP",
-            "thesis: ASAPCycle",
-            "thesis: Y",
-            "ratio operations",
-            "ratio ASAP",
-            "ratio ASAPCycle",
-            "ratio Y",
-            "reason for the difference",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        rows,
+            their operations again; here the compiler changes all of them.",
+            "system | model | pipeline | operations | ASAP | ASAPCycle | Y | \
+         thesis: operations | thesis: ASAP | thesis: ASAPCycle | thesis: Y | \
+         ratio operations | ratio ASAP | ratio ASAPCycle | ratio Y | \
+         reason for the difference",
+            rows,
+        )
     })
 }
 
-fn row(results: &Results, model: usize, pipeline: usize, facts: &ProgramFacts) -> Vec<Cell> {
+fn row(results: &Results, model: usize, pipeline: usize, facts: &ProgramFacts) -> Vec<DataCell> {
     let system = results.system(model);
     let printed = results.plan.pipelines[pipeline].printed;
     let title = match (system, printed) {
@@ -62,38 +47,40 @@ fn row(results: &Results, model: usize, pipeline: usize, facts: &ProgramFacts) -
         (None, _) => facts.model.clone(),
     };
     let mut cells = vec![
-        Cell::text(title),
-        Cell::text(&facts.model),
-        Cell::text(&facts.pipeline),
-        Cell::count(facts.operations),
-        Cell::count(facts.asap),
-        Cell::count(facts.asap_cycle),
-        Cell::number(facts.number_y(), 2),
+        DataCell::text(title),
+        DataCell::text(&facts.model),
+        DataCell::text(&facts.pipeline),
+        DataCell::count(facts.operations),
+        DataCell::count(facts.asap),
+        DataCell::count(facts.asap_cycle),
+        DataCell::number(facts.number_y(), 2),
     ];
     match results.row(model, pipeline) {
         Some(row) => cells.extend(printed_cells(facts, row)),
-        None => cells.extend(std::iter::repeat_n(Cell::Empty, 8)),
+        None => cells.extend(std::iter::repeat_n(DataCell::Empty, 8)),
     }
-    cells.push(Cell::text(reason(results, system, model, pipeline, facts)));
+    cells.push(DataCell::text(reason(
+        results, system, model, pipeline, facts,
+    )));
     cells
 }
 
-fn printed_cells(facts: &ProgramFacts, row: &Row) -> Vec<Cell> {
+fn printed_cells(facts: &ProgramFacts, row: &Row) -> Vec<DataCell> {
     let cell = |name: &str, value: f64, decimals: u8| {
         if row.is_sound(name) {
             match decimals {
-                0 => Cell::count(value as u64),
-                decimals => Cell::number(value, decimals),
+                0 => DataCell::count(value as u64),
+                decimals => DataCell::number(value, decimals),
             }
         } else {
-            Cell::Doubtful { doubtful: value }
+            DataCell::Doubtful { doubtful: value }
         }
     };
     let ratio = |name: &str, own: f64, printed: f64| {
         if row.is_sound(name) {
-            Cell::number(own / printed, 3)
+            DataCell::number(own / printed, 3)
         } else {
-            Cell::Empty
+            DataCell::Empty
         }
     };
     let (operations, asap) = (f64::from(row.operations), f64::from(row.asap));

@@ -1,60 +1,47 @@
 //! What the pipelines do to the rounding errors.
 
 use super::super::results::Results;
-use super::super::table::{Cell, Table};
+use crate::present::{DataCell, DataTable};
 use robovec_analysis::rounding::Change;
 
-pub(super) fn table(results: &Results) -> Option<Table> {
+pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
     let name = &results.plan.machines[machine].name;
     let programs = results.outcome.programs.values();
-    let rows: Vec<Vec<Cell>> = programs
+    let rows: Vec<Vec<DataCell>> = programs
         .filter(|facts| facts.machine == *name)
         .map(|facts| {
             let [read, now] = &facts.rounding;
             let change = Change::relative(read, now);
             vec![
-                Cell::text(&facts.model),
-                Cell::text(&facts.pipeline),
-                Cell::count(facts.operations),
-                Cell::count(facts.asap_cycle),
-                Cell::number(read.relative.median, 2),
-                Cell::number(now.relative.median, 2),
-                Cell::number(now.relative.percentile_99, 0),
-                Cell::number(read.normwise.median, 2),
-                Cell::number(now.normwise.median, 2),
-                Cell::number(now.normwise.worst, 1),
-                Cell::number(change.ratio, 3),
-                Cell::number(change.noise, 3),
-                Cell::text(change.trend.name()),
+                DataCell::text(&facts.model),
+                DataCell::text(&facts.pipeline),
+                DataCell::count(facts.operations),
+                DataCell::count(facts.asap_cycle),
+                DataCell::number(read.relative.median, 2),
+                DataCell::number(now.relative.median, 2),
+                DataCell::number(now.relative.percentile_99, 0),
+                DataCell::number(read.normwise.median, 2),
+                DataCell::number(now.normwise.median, 2),
+                DataCell::number(now.normwise.worst, 1),
+                DataCell::number(change.ratio, 3),
+                DataCell::number(change.noise, 3),
+                DataCell::text(change.trend.name()),
             ]
         })
         .collect();
-    (!rows.is_empty()).then(|| Table {
-        name: "errors".to_owned(),
-        title: "Speed against error".to_owned(),
-        caption: "Rounding errors in binary32, all outputs in all states as one population, in \
+    (!rows.is_empty()).then(|| {
+        DataTable::new(
+            "errors",
+            "Speed against error",
+            "Rounding errors in binary32, all outputs in all states as one population, in \
             units of the rounding of one operation, 2^-24: relative to the element, and \
             normwise to the largest element of its array. Better and worse mean that the \
-            relative median changed by more than 2 % and 3.5 times its noise."
-            .to_owned(),
-        columns: [
-            "model",
-            "pipeline",
-            "operations",
-            "ASAPCycle",
-            "median as read",
-            "median",
-            "99 %",
-            "normwise median as read",
-            "normwise median",
-            "normwise worst",
-            "median over as read",
-            "noise",
-            "trend",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        rows,
+            relative median changed by more than 2 % and 3.5 times its noise.",
+            "model | pipeline | operations | ASAPCycle | median as read | median | 99 % | \
+         normwise median as read | normwise median | normwise worst | median over as read | \
+         noise | trend",
+            rows,
+        )
     })
 }

@@ -1,17 +1,13 @@
 //! How many elements each program is worth.
 
-use super::super::couples::{MEMORY_CAP_MHZ, couples};
 use super::super::figures::{best_splits, grid, ladder};
 use super::super::knee::{Split, knee};
 use super::super::results::Results;
-use super::super::table::{Cell, Table};
-
-fn columns(names: &[&str]) -> Vec<String> {
-    names.iter().map(|&name| name.to_owned()).collect()
-}
+use crate::explore::operators::{MEMORY_CAP_MHZ, couples};
+use crate::present::{DataCell, DataTable};
 
 /// The knee of every program.
-pub(super) fn table(results: &Results) -> Option<Table> {
+pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
     let mut rows = Vec::new();
     for model in 0..results.plan.models.len() {
@@ -23,22 +19,22 @@ pub(super) fn table(results: &Results) -> Option<Table> {
                 continue;
             };
             let text = |split: Option<Split>| match split {
-                Some(split) => Cell::text(split.text()),
-                None => Cell::Empty,
+                Some(split) => DataCell::text(split.text()),
+                None => DataCell::Empty,
             };
             let number = |value: Option<f64>, decimals| {
-                value.map_or(Cell::Empty, |value| Cell::number(value, decimals))
+                value.map_or(DataCell::Empty, |value| DataCell::number(value, decimals))
             };
             rows.push(vec![
-                Cell::text(&facts.model),
-                Cell::text(&facts.pipeline),
-                Cell::number(knee.number_y, 2),
+                DataCell::text(&facts.model),
+                DataCell::text(&facts.pipeline),
+                DataCell::number(knee.number_y, 2),
                 text(knee.busiest),
                 text(knee.equal),
-                Cell::text(if knee.is_exact { "yes" } else { "no" }),
+                DataCell::text(if knee.is_exact { "yes" } else { "no" }),
                 text(knee.cheapest),
                 knee.cheapest
-                    .map_or(Cell::Empty, |split| Cell::count(split.cycles)),
+                    .map_or(DataCell::Empty, |split| DataCell::count(split.cycles)),
                 number(knee.cheapest.map(|split| 100.0 * split.rate), 1),
                 number(
                     knee.single.zip(knee.cheapest).map(|(single, best)| {
@@ -49,32 +45,23 @@ pub(super) fn table(results: &Results) -> Option<Table> {
             ]);
         }
     }
-    (!rows.is_empty()).then(|| Table {
-        name: "knee".to_owned(),
-        title: "How many elements each program is worth".to_owned(),
-        caption: "Adders + multipliers (all). Busy: the largest equal numbers whose scarcer kind \
+    (!rows.is_empty()).then(|| {
+        DataTable::new(
+            "knee",
+            "How many elements each program is worth",
+            "Adders + multipliers (all). Busy: the largest equal numbers whose scarcer kind \
             starts an operation in nine of ten cycles. Knee: the smallest equal numbers within \
             2 % of the longest chain, exact where one of each kind less was placed too. Cheapest: \
-            the fewest elements within 2 %, unequal numbers included where they were placed."
-            .to_owned(),
-        columns: columns(&[
-            "model",
-            "pipeline",
-            "number Y",
-            "busy up to",
-            "knee",
-            "exact",
-            "cheapest",
-            "cycles there",
-            "parallelisation rate there (%)",
-            "times as fast as 1+1",
-        ]),
-        rows,
+            the fewest elements within 2 %, unequal numbers included where they were placed.",
+            "model | pipeline | number Y | busy up to | knee | exact | cheapest | cycles there | \
+         parallelisation rate there (%) | times as fast as 1+1",
+            rows,
+        )
     })
 }
 
 /// The best split of each total.
-pub(super) fn splits(results: &Results) -> Option<Table> {
+pub(super) fn splits(results: &Results) -> Option<DataTable> {
     let model = results.plan.headline;
     let mut rows = Vec::new();
     for pipeline in 0..results.plan.pipelines.len() {
@@ -91,49 +78,43 @@ pub(super) fn splits(results: &Results) -> Option<Table> {
             if best.elements() > largest + 1 {
                 continue;
             }
-            let cycles = |cycles: Option<u32>| cycles.map_or(Cell::Empty, Cell::count);
+            let cycles = |cycles: Option<u32>| cycles.map_or(DataCell::Empty, DataCell::count);
             let equal = equal.map(|placed| placed.point.cycles);
-            let gain = equal.map_or(Cell::Empty, |equal| {
-                Cell::number(
+            let gain = equal.map_or(DataCell::Empty, |equal| {
+                DataCell::number(
                     100.0 * (1.0 - f64::from(best.point.cycles) / f64::from(equal)),
                     1,
                 )
             });
             rows.push(vec![
-                Cell::text(&results.plan.pipelines[pipeline].name),
-                Cell::count(best.elements()),
-                Cell::count(best.request.n_add),
-                Cell::count(best.request.n_multi),
-                Cell::count(best.point.cycles),
+                DataCell::text(&results.plan.pipelines[pipeline].name),
+                DataCell::count(best.elements()),
+                DataCell::count(best.request.n_add),
+                DataCell::count(best.request.n_multi),
+                DataCell::count(best.point.cycles),
                 cycles(equal),
                 gain,
             ]);
         }
     }
-    (!rows.is_empty()).then(|| Table {
-        name: "split".to_owned(),
-        title: format!(
-            "Best split of a number of elements, {}",
-            results.plan.models[model].name
-        ),
-        caption: "For each total the numbers of adders and multipliers with the fewest cycles, \
-            and what equal numbers take."
-            .to_owned(),
-        columns: columns(&[
-            "pipeline",
-            "elements",
-            "adders",
-            "multipliers",
-            "cycles",
-            "cycles of equal numbers",
-            "saved (%)",
-        ]),
-        rows,
+    (!rows.is_empty()).then(|| {
+        DataTable::new(
+            "split",
+            format!(
+                "Best split of a number of elements, {}",
+                results.plan.models[model].name
+            ),
+            "For each total the numbers of adders and multipliers with the fewest cycles, \
+            and what equal numbers take.",
+            "pipeline | elements | adders | multipliers | cycles | cycles of equal numbers | \
+         saved (%)",
+            rows,
+        )
     })
 }
 
 /// All couples of Table 1.3, with and without the cap.
-pub(super) fn couples_table(results: &Results) -> Option<Table> {
+pub(super) fn couples_table(results: &Results) -> Option<DataTable> {
     let model = results.plan.headline;
     let mut rows = Vec::new();
     for pipeline in 0..results.plan.pipelines.len() {
@@ -157,43 +138,29 @@ pub(super) fn couples_table(results: &Results) -> Option<Table> {
             };
             let [add, multi] = couple.stages();
             let capped = couple.mhz().min(MEMORY_CAP_MHZ);
-            let time = |cycles: u32, mhz: u32| Cell::number(f64::from(cycles) / f64::from(mhz), 3);
+            let time =
+                |cycles: u32, mhz: u32| DataCell::number(f64::from(cycles) / f64::from(mhz), 3);
             rows.push(vec![
-                Cell::text(&results.plan.pipelines[pipeline].name),
-                Cell::text(format!("{add}+{multi}")),
-                Cell::count(couple.mhz()),
-                Cell::count(facts.asap_cycle),
+                DataCell::text(&results.plan.pipelines[pipeline].name),
+                DataCell::text(format!("{add}+{multi}")),
+                DataCell::count(couple.mhz()),
+                DataCell::count(facts.asap_cycle),
                 time(facts.asap_cycle, couple.mhz()),
                 time(facts.asap_cycle, capped),
-                Cell::number(facts.number_y(), 2),
-                Cell::text(format!("{}+{}", best.request.n_add, best.request.n_multi)),
+                DataCell::number(facts.number_y(), 2),
+                DataCell::text(format!("{}+{}", best.request.n_add, best.request.n_multi)),
                 time(best.point.cycles, couple.mhz()),
                 time(best.point.cycles, capped),
             ]);
         }
     }
-    (!rows.is_empty()).then(|| Table {
-        name: "couples".to_owned(),
-        title: format!(
+    (!rows.is_empty()).then(|| DataTable::new("couples",format!(
             "All couples of Table 1.3, {}",
             results.plan.models[model].name
-        ),
-        caption: format!(
+        ),format!(
             "The longest chain and the fastest placement tried, at the couple's own clock and at \
              most at {MEMORY_CAP_MHZ} MHz, which double-pumped memories allow."
-        ),
-        columns: columns(&[
-            "pipeline",
-            "stages",
-            "clock (MHz)",
-            "ASAPCycle",
-            "longest chain (µs)",
-            "longest chain, capped (µs)",
-            "number Y",
-            "fastest",
-            "fastest (µs)",
-            "fastest, capped (µs)",
-        ]),
-        rows,
-    })
+        ),"pipeline | stages | clock (MHz) | ASAPCycle | longest chain (µs) | \
+         longest chain, capped (µs) | number Y | fastest | fastest (µs) | \
+         fastest, capped (µs)",rows))
 }

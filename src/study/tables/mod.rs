@@ -12,10 +12,10 @@ mod reasons;
 pub(crate) mod resources;
 
 use super::results::Results;
-use super::table::Table;
+use crate::present::DataTable;
 
 /// All tables for which the study has points.
-pub fn all(results: &Results) -> Vec<Table> {
+pub fn all(results: &Results) -> Vec<DataTable> {
     let mut tables = operators::tables();
     tables.extend(resources::table(results));
     tables.extend(ranks::table(results));

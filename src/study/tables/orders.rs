@@ -3,9 +3,9 @@
 use super::super::plan::{ChoiceKey, Printed, PriorityKey};
 use super::super::printed::thesis;
 use super::super::results::Results;
-use super::super::table::{Cell, Table};
+use crate::present::{DataCell, DataTable};
 
-pub(super) fn table(results: &Results) -> Option<Table> {
+pub(super) fn table(results: &Results) -> Option<DataTable> {
     let model = results.plan.headline;
     let pipeline = results.pipeline(Printed::Original).unwrap_or(0);
     let machine = results.main_machine()?;
@@ -35,50 +35,42 @@ pub(super) fn table(results: &Results) -> Option<Table> {
         let orders = &thesis().table_2_2;
         let place = orders.elements.iter().position(|&known| known == count);
         let thesis = |cycles: &[u32]| match place {
-            Some(place) if printed => Cell::count(cycles[place]),
-            _ => Cell::Empty,
+            Some(place) if printed => DataCell::count(cycles[place]),
+            _ => DataCell::Empty,
         };
         let ratio = match place {
             Some(place) if printed => {
-                Cell::number(f64::from(alap) / f64::from(orders.alap[place]), 3)
+                DataCell::number(f64::from(alap) / f64::from(orders.alap[place]), 3)
             }
-            _ => Cell::Empty,
+            _ => DataCell::Empty,
         };
         Some(vec![
-            Cell::text(format!("{count}+{count} ({})", 2 * count)),
-            Cell::count(alap),
-            Cell::count(mobility),
-            cycles(PriorityKey::Best, count).map_or(Cell::Empty, |(best, _)| Cell::count(best)),
-            Cell::count(bound),
+            DataCell::text(format!("{count}+{count} ({})", 2 * count)),
+            DataCell::count(alap),
+            DataCell::count(mobility),
+            cycles(PriorityKey::Best, count)
+                .map_or(DataCell::Empty, |(best, _)| DataCell::count(best)),
+            DataCell::count(bound),
             thesis(&orders.alap),
             thesis(&orders.mobility),
             ratio,
         ])
     });
-    let rows: Vec<Vec<Cell>> = rows.collect();
-    (!rows.is_empty()).then(|| Table {
-        name: "table-2.2".to_owned(),
-        title: format!(
-            "Table 2.2: cycles by order of placement, {}",
-            results.plan.models[model].name
-        ),
-        caption: "Elements count per kind: 4+4 are the thesis' 8 processing elements. No schedule \
+    let rows: Vec<Vec<DataCell>> = rows.collect();
+    (!rows.is_empty()).then(|| {
+        DataTable::new(
+            "table-2.2",
+            format!(
+                "Table 2.2: cycles by order of placement, {}",
+                results.plan.models[model].name
+            ),
+            "Elements count per kind: 4+4 are the thesis' 8 processing elements. No schedule \
             is shorter than the bound, which is proved. The thesis' saturation, 743 cycles, is \
             its ASAPCycle of 737 plus 6 cycles of start-up that its text does not explain; ours \
-            is the longest chain itself."
-            .to_owned(),
-        columns: [
-            "elements",
-            "classical: ALAP, ASAP",
-            "mobility first",
-            "best of several",
-            "lower bound",
-            "thesis, classical",
-            "thesis, mobility",
-            "classical / thesis",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        rows,
+            is the longest chain itself.",
+            "elements | classical: ALAP, ASAP | mobility first | best of several | lower bound | \
+         thesis, classical | thesis, mobility | classical / thesis",
+            rows,
+        )
     })
 }

@@ -3,7 +3,7 @@
 use super::super::figures::ladder;
 use super::super::plan::Printed;
 use super::super::results::Results;
-use super::super::table::{Cell, Table};
+use crate::present::{DataCell, DataTable};
 
 /// Status of the left and of the right operand, by rank (thesis, Table 2.1).
 const RANKS: [[&str; 2]; 9] = [
@@ -18,39 +18,40 @@ const RANKS: [[&str; 2]; 9] = [
     ["indirect", "indirect"],
 ];
 
-pub(super) fn table(results: &Results) -> Option<Table> {
+pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
     let pipeline = results.pipeline(Printed::Original).unwrap_or(0);
     let placed = ladder(results, results.plan.headline, pipeline, machine);
-    let mut columns = vec![
-        "rank".to_owned(),
-        "left operand".to_owned(),
-        "right operand".to_owned(),
-    ];
-    columns.extend(placed.iter().map(|placed| {
-        let request = placed.request;
-        format!("{}+{} (% of operations)", request.n_add, request.n_multi)
-    }));
+    let mut columns = "rank | left operand | right operand".to_owned();
+    for placed in &placed {
+        let (add, multi) = (placed.request.n_add, placed.request.n_multi);
+        columns += &format!(" | {add}+{multi} (% of operations)");
+    }
     let share = |counts: &[u32; 9], rank: usize| {
         let total: u32 = counts.iter().sum();
-        Cell::number(100.0 * f64::from(counts[rank]) / f64::from(total.max(1)), 1)
+        DataCell::number(100.0 * f64::from(counts[rank]) / f64::from(total.max(1)), 1)
     };
     let rows = RANKS.iter().enumerate().map(|(rank, [left, right])| {
-        let mut cells = vec![Cell::count(rank + 1), Cell::text(*left), Cell::text(*right)];
+        let mut cells = vec![
+            DataCell::count(rank + 1),
+            DataCell::text(*left),
+            DataCell::text(*right),
+        ];
         cells.extend(placed.iter().map(|placed| share(&placed.point.ranks, rank)));
         cells
     });
-    (!placed.is_empty()).then(|| Table {
-        name: "table-2.1".to_owned(),
-        title: format!(
-            "Table 2.1: preference of placement, and how often each rank occurs, {}",
-            results.plan.models[results.plan.headline].name
-        ),
-        caption: "An operand is in the memory of the element, or is written there in the cycle \
+    (!placed.is_empty()).then(|| {
+        DataTable::new(
+            "table-2.1",
+            format!(
+                "Table 2.1: preference of placement, and how often each rank occurs, {}",
+                results.plan.models[results.plan.headline].name
+            ),
+            "An operand is in the memory of the element, or is written there in the cycle \
             in which it appears (direct), or later, through a buffer (indirect). A small rank is \
-            preferred."
-            .to_owned(),
-        columns,
-        rows: rows.collect(),
+            preferred.",
+            &columns,
+            rows,
+        )
     })
 }

@@ -9,7 +9,7 @@
 use super::super::plan::Printed;
 use super::super::printed::Topology;
 use super::super::results::{Placed, Results};
-use super::super::table::{Cell, Table};
+use crate::present::{DataCell, DataTable};
 use robovec_passes::codegen::hardware::{Part, PartKind, Resources, Shape, parts};
 
 /// What the thesis built: adders, multipliers.
@@ -44,7 +44,7 @@ fn printed(part: PartKind, adds: bool) -> ([&'static str; 3], &'static str) {
     }
 }
 
-pub(super) fn table(results: &Results) -> Option<Table> {
+pub(super) fn table(results: &Results) -> Option<DataTable> {
     let model = results.plan.headline;
     let machine = results.main_machine()?;
     let pipeline = results.pipeline(Printed::Original).unwrap_or(0);
@@ -55,39 +55,26 @@ pub(super) fn table(results: &Results) -> Option<Table> {
     let is_bogie = results
         .system(model)
         .is_some_and(|system| system.topology == Topology::Bogie);
-    let mut rows: Vec<Vec<Cell>> = parts
+    let mut rows: Vec<Vec<DataCell>> = parts
         .iter()
         .map(|part| row(part, &shape, is_bogie))
         .collect();
     rows.push(total(&parts, is_bogie));
-    Some(Table {
-        name: "table-1.4".to_owned(),
-        title: format!(
+    Some(DataTable::new(
+        "table-1.4",
+        format!(
             "Table 1.4: resources of 4 adders and 4 multipliers, {}",
             results.plan.models[model].name
         ),
-        caption: "An estimate from the words and cycles of the placement, by the formulas in \
+        "An estimate from the words and cycles of the placement, by the formulas in \
             docs/quartus.md; nothing was synthesised. All figures are for one part. \
             The device of the thesis has 83820 look-up tables, 553 blocks of 10 kbit and 112 \
-            multiplier blocks."
-            .to_owned(),
-        columns: [
-            "part",
-            "count",
-            "memory (words x bits)",
-            "look-up tables",
-            "registers",
-            "blocks of 10 kbit",
-            "multiplier blocks",
-            "thesis: look-up tables",
-            "thesis: blocks",
-            "thesis: multiplier blocks",
-            "remark",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
+            multiplier blocks.",
+        "part | count | memory (words x bits) | look-up tables | registers | \
+         blocks of 10 kbit | multiplier blocks | thesis: look-up tables | thesis: blocks | \
+         thesis: multiplier blocks | remark",
         rows,
-    })
+    ))
 }
 
 /// The hardware for a placement: memories and buffers as large as the program
@@ -110,20 +97,20 @@ fn shape(results: &Results, machine: usize, placed: Placed<'_>) -> Shape {
     shape
 }
 
-fn total(parts: &[Part], is_bogie: bool) -> Vec<Cell> {
+fn total(parts: &[Part], is_bogie: bool) -> Vec<DataCell> {
     let all: Resources = parts
         .iter()
         .map(|part| part.each * f64::from(part.count))
         .sum();
-    let mut cells = vec![Cell::text("all"), Cell::Empty, Cell::Empty];
+    let mut cells = vec![DataCell::text("all"), DataCell::Empty, DataCell::Empty];
     cells.extend(amounts(&all));
     let printed = if is_bogie {
         ["-", "120", "20"]
     } else {
         [""; 3]
     };
-    cells.extend(printed.map(Cell::text));
-    cells.push(Cell::text(if is_bogie {
+    cells.extend(printed.map(DataCell::text));
+    cells.push(DataCell::text(if is_bogie {
         "the parts the thesis prints add up to 124 to 140 blocks"
     } else {
         ""
@@ -132,17 +119,17 @@ fn total(parts: &[Part], is_bogie: bool) -> Vec<Cell> {
 }
 
 /// Tables, registers, blocks of memory and multiplier blocks.
-fn amounts(taken: &Resources) -> [Cell; 4] {
+fn amounts(taken: &Resources) -> [DataCell; 4] {
     let all = [
         taken.aluts,
         taken.registers,
         taken.memory_blocks,
         taken.multiplier_blocks,
     ];
-    all.map(|amount| Cell::count(amount.round() as u32))
+    all.map(|amount| DataCell::count(amount.round() as u32))
 }
 
-fn row(part: &Part, shape: &Shape, is_bogie: bool) -> Vec<Cell> {
+fn row(part: &Part, shape: &Shape, is_bogie: bool) -> Vec<DataCell> {
     let kind = shape
         .kinds
         .iter()
@@ -168,18 +155,18 @@ fn row(part: &Part, shape: &Shape, is_bogie: bool) -> Vec<Cell> {
         _ => None,
     };
     let mut cells = vec![
-        Cell::text(&name),
-        Cell::count(part.count),
-        memory.map_or(Cell::Empty, Cell::Text),
+        DataCell::text(&name),
+        DataCell::count(part.count),
+        memory.map_or(DataCell::Empty, DataCell::Text),
     ];
     cells.extend(amounts(&part.each));
     if is_bogie {
         let adds = kind.is_some_and(|kind| kind.element.operations.iter().any(|op| op == "add"));
         let (figures, remark) = printed(part.part, adds);
-        cells.extend(figures.map(Cell::text));
-        cells.push(Cell::text(remark));
+        cells.extend(figures.map(DataCell::text));
+        cells.push(DataCell::text(remark));
     } else {
-        cells.extend(std::iter::repeat_n(Cell::Empty, 4));
+        cells.extend(std::iter::repeat_n(DataCell::Empty, 4));
     }
     cells
 }

@@ -14,7 +14,7 @@ const MULTIPLIER_BLOCKS: f64 = 112.0;
 
 /// What a machine takes.
 #[derive(Clone, Copy, PartialEq, Default, Debug, Serialize)]
-pub struct Resources {
+pub struct DeviceShare {
     /// Look-up tables.
     pub look_up_tables: f64,
     /// Blocks of 10 kbit.
@@ -23,7 +23,7 @@ pub struct Resources {
     pub multiplier_blocks: f64,
 }
 
-impl Resources {
+impl DeviceShare {
     /// The largest of the three shares of the thesis' device; above 1 the
     /// machine does not fit.
     pub fn share(&self) -> f64 {
@@ -39,13 +39,13 @@ impl Resources {
 /// What a machine takes in a format, for a program of so many cycles whose
 /// elements hold at most so many words each. A memory in logic counts as the
 /// twenty tables whose place it takes.
-pub fn resources(machine: &Machine, format: Format, cycles: u32, words: u32) -> Resources {
+pub fn taken(machine: &Machine, format: Format, cycles: u32, words: u32) -> DeviceShare {
     let machine = Machine {
         number: format,
         ..machine.clone()
     };
     let taken = hardware::resources(&Shape::of(&machine, cycles, words));
-    Resources {
+    DeviceShare {
         look_up_tables: taken.aluts + 20.0 * taken.lab_memories,
         memory_blocks: taken.memory_blocks,
         multiplier_blocks: taken.multiplier_blocks,
@@ -61,7 +61,7 @@ mod tests {
         let machine = Machine::built_in("thesis").expect("it ships");
         let of = |format: &str| {
             let format = format.parse().expect("it is a format");
-            resources(&machine, format, 1024, 2048)
+            taken(&machine, format, 1024, 2048)
         };
         let (half, single, double) = (of("f16"), of("f32"), of("f64"));
         assert!(half.share() < single.share() && single.share() < double.share());

@@ -2,10 +2,9 @@
 //! and what more would cost.
 //!
 //! Limits stand where their numbers are declared ([`NumberLimit`]); this
-//! module only gathers them, for the manual (`docs/limits.md`) and for the
+//! module, above all rooms that declare some, only gathers them, for the manual (`docs/limits.md`) and for the
 //! tests that try every number at its ends.
 
-use crate::command::{arguments, tool};
 use crate::files::limited;
 use crate::model::{family, mbs};
 use crate::{evaluate_command, motion, robotran, scene, study};
@@ -26,11 +25,6 @@ pub struct Section {
     pub rows: Vec<LimitRow>,
 }
 
-/// The command lines of both programs, with the limits of their numbers.
-pub(crate) fn commands() -> [clap::Command; 2] {
-    [arguments::command(), tool::command()]
-}
-
 /// The table.
 pub fn sections() -> Vec<Section> {
     let section = |title, remark, rows| Section {
@@ -48,9 +42,9 @@ pub fn sections() -> Vec<Section> {
         section(
             "Flags of programs",
             "A flag that takes a list has the limit for every number of it.",
-            commands()
+            super::commands()
                 .iter()
-                .flat_map(crate::command::flags::rows)
+                .flat_map(super::flags::rows)
                 .collect(),
         ),
         section("Numbers in words of the command line", "", words()),

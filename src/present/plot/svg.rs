@@ -1,5 +1,6 @@
 //! Writing SVG elements.
 
+use crate::present::escape::Escaped;
 use std::fmt::Write;
 
 /// Where a text stands relative to its point.
@@ -179,27 +180,6 @@ impl std::fmt::Display for Title<'_> {
             return Ok(());
         }
         write!(formatter, "<title>{}</title>", Escaped(self.0))
-    }
-}
-
-/// A text safe between tags, in attributes and in HTML.
-pub(crate) struct Escaped<'a>(pub(crate) &'a str);
-
-impl std::fmt::Display for Escaped<'_> {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for character in self.0.chars() {
-            match character {
-                '<' => formatter.write_str("&lt;")?,
-                '>' => formatter.write_str("&gt;")?,
-                '&' => formatter.write_str("&amp;")?,
-                '"' => formatter.write_str("&quot;")?,
-                '\'' => formatter.write_str("&#39;")?,
-                // XML has no place for most control characters.
-                control if control.is_control() => formatter.write_str(" ")?,
-                other => write!(formatter, "{other}")?,
-            }
-        }
-        Ok(())
     }
 }
 

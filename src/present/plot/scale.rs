@@ -1,19 +1,20 @@
 //! From values to places along an axis, and which values are marked.
 
-use super::super::figure::{Axis, Scale};
+use crate::present::number::{exponential, trimmed};
+use crate::present::{AxisScale, PlotAxis};
 
 /// An axis with a range.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ruler {
-    scale: Scale,
+    scale: AxisScale,
     from: f64,
     to: f64,
 }
 
 impl Ruler {
     /// The ruler that shows an axis and all these values.
-    pub(super) fn new(axis: &Axis, values: impl Iterator<Item = f64>) -> Ruler {
-        let is_log = axis.scale != Scale::Linear;
+    pub(super) fn new(axis: &PlotAxis, values: impl Iterator<Item = f64>) -> Ruler {
+        let is_log = axis.scale != AxisScale::Linear;
         let shown = values.chain(axis.from).chain(axis.to);
         let shown = shown.filter(|value| value.is_finite() && (!is_log || *value > 0.0));
         let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
@@ -21,12 +22,12 @@ impl Ruler {
         });
         let (low, high) = if low <= high { (low, high) } else { (1.0, 2.0) };
         let (from, to) = match axis.scale {
-            Scale::Linear => linear_range(low, high, axis),
-            Scale::PowersOfTwo => {
+            AxisScale::Linear => linear_range(low, high, axis),
+            AxisScale::PowersOfTwo => {
                 let margin = if low < high { 1.12 } else { 1.5 };
                 (low / margin, high * margin)
             }
-            Scale::Decades => (below(low * 0.98), above(high * 1.02)),
+            AxisScale::Decades => (below(low * 0.98), above(high * 1.02)),
         };
         Ruler {
             scale: axis.scale,
@@ -38,8 +39,8 @@ impl Ruler {
     /// Where a value lies: 0 at the start of the axis, 1 at its end.
     pub(super) fn place(&self, value: f64) -> f64 {
         match self.scale {
-            Scale::Linear => (value - self.from) / (self.to - self.from),
-            Scale::PowersOfTwo | Scale::Decades => {
+            AxisScale::Linear => (value - self.from) / (self.to - self.from),
+            AxisScale::PowersOfTwo | AxisScale::Decades => {
                 (value.max(f64::MIN_POSITIVE) / self.from).ln() / (self.to / self.from).ln()
             }
         }
@@ -52,18 +53,18 @@ impl Ruler {
             *value >= self.from * (1.0 - slack) - slack && *value <= self.to * (1.0 + slack) + slack
         };
         match self.scale {
-            Scale::Linear => {
+            AxisScale::Linear => {
                 let step = linear_step(self.to - self.from);
                 let first = (self.from / step).ceil();
                 let count = ((self.to - self.from) / step) as u32 + 1;
                 let values = (0..=count).map(|index| (first + f64::from(index)) * step);
                 values.filter(within).collect()
             }
-            Scale::PowersOfTwo => {
+            AxisScale::PowersOfTwo => {
                 let values = (-10..40).map(|exponent| 2f64.powi(exponent));
                 values.filter(within).collect()
             }
-            Scale::Decades => {
+            AxisScale::Decades => {
                 let decades = (self.to / self.from).log10();
                 let factors: &[f64] = if decades > 3.5 {
                     &[1.0]
@@ -79,10 +80,23 @@ impl Ruler {
             }
         }
     }
+
+    /// A marked value as it stands beside its mark.
+    pub(super) fn text(&self, value: f64) -> String {
+        let step = linear_step(self.to - self.from);
+        if self.scale != AxisScale::Linear || step >= SMALLEST_STEP {
+            return tick_text(value);
+        }
+        // The marks of a short axis differ in later decimals.
+        match self.from.abs().max(self.to.abs()) {
+            largest if largest < 10.0 * SMALLEST_STEP => exponential(value),
+            _ => format!("{value:.*}", (-step.log10()).ceil() as usize),
+        }
+    }
 }
 
 /// A range that starts and ends at marks; from 0 when that is near.
-fn linear_range(low: f64, high: f64, axis: &Axis) -> (f64, f64) {
+fn linear_range(low: f64, high: f64, axis: &PlotAxis) -> (f64, f64) {
     let low = if low > 0.0 && low < 0.5 * high && axis.from.is_none() {
         0.0
     } else {
@@ -126,8 +140,11 @@ fn above(value: f64) -> f64 {
     factor.unwrap_or(10.0) * decade
 }
 
-/// A value as it stands at a mark: thousands apart.
-pub(super) fn tick_text(value: f64) -> String {
+/// Steps of linear axes below this one need more than the usual decimals.
+const SMALLEST_STEP: f64 = 1e-4;
+
+/// Thousands apart.
+fn tick_text(value: f64) -> String {
     if value >= 1e4 && value % 1.0 == 0.0 {
         let digits = format!("{value:.0}");
         let mut text = String::new();
@@ -139,36 +156,40 @@ pub(super) fn tick_text(value: f64) -> String {
         }
         return text;
     }
-    super::super::figure::number(value)
+    trimmed(value)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn ruler(scale: Scale, values: &[f64]) -> Ruler {
-        Ruler::new(&Axis::new("x", scale), values.iter().copied())
+    fn ruler(scale: AxisScale, values: &[f64]) -> Ruler {
+        Ruler::new(&PlotAxis::new("x", scale), values.iter().copied())
     }
 
     #[test]
     fn marks_are_round() {
         assert_eq!(
-            ruler(Scale::Linear, &[0.0, 1.0]).ticks(),
+            ruler(AxisScale::Linear, &[0.0, 1.0]).ticks(),
             [0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0]
         );
         assert_eq!(
-            ruler(Scale::PowersOfTwo, &[2.0, 16.0]).ticks(),
+            ruler(AxisScale::PowersOfTwo, &[2.0, 16.0]).ticks(),
             [2.0, 4.0, 8.0, 16.0]
         );
         assert_eq!(
-            ruler(Scale::Decades, &[737.0, 3200.0]).ticks(),
+            ruler(AxisScale::Decades, &[737.0, 3200.0]).ticks(),
             [500.0, 1000.0, 2000.0, 5000.0]
         );
     }
 
     #[test]
     fn places_run_from_the_start_to_the_end() {
-        for scale in [Scale::Linear, Scale::PowersOfTwo, Scale::Decades] {
+        for scale in [
+            AxisScale::Linear,
+            AxisScale::PowersOfTwo,
+            AxisScale::Decades,
+        ] {
             let ruler = ruler(scale, &[3.0, 70.0, 900.0]);
             let places: Vec<f64> = [3.0, 70.0, 900.0].map(|value| ruler.place(value)).to_vec();
             assert!(
@@ -180,7 +201,11 @@ mod tests {
 
     #[test]
     fn nothing_at_all_has_an_axis_too() {
-        for scale in [Scale::Linear, Scale::PowersOfTwo, Scale::Decades] {
+        for scale in [
+            AxisScale::Linear,
+            AxisScale::PowersOfTwo,
+            AxisScale::Decades,
+        ] {
             for values in [&[][..], &[0.0], &[5.0], &[f64::NAN, f64::INFINITY]] {
                 let ruler = ruler(scale, values);
                 assert!(ruler.place(1.0).is_finite());

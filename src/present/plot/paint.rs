@@ -1,6 +1,6 @@
 //! Colours and markers.
 
-use super::super::figure::{Paint, Zone};
+use crate::present::{MarkFill, Paint};
 
 /// Colours that people with any of the common colour vision deficiencies can
 /// tell apart (after Okabe and Ito), dark enough for text.
@@ -59,18 +59,17 @@ pub(super) fn sequence(place: f64) -> String {
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
 }
 
-/// How a marker is filled: full while more elements help, tinted in between,
-/// hollow when they no longer do.
-pub(super) fn fill(zone: Option<Zone>, colour: &str) -> String {
-    match zone {
-        None | Some(Zone::Parallelisation) => format!("fill=\"{colour}\" stroke=\"{colour}\""),
-        Some(Zone::Transition) => {
+/// The style of a marker of a colour.
+pub(super) fn fill(fill: MarkFill, colour: &str) -> String {
+    match fill {
+        MarkFill::Full => format!("fill=\"{colour}\" stroke=\"{colour}\""),
+        MarkFill::Tinted => {
             format!(
                 "fill=\"{}\" stroke=\"{colour}\" stroke-width=\"1.3\"",
                 tint(colour)
             )
         }
-        Some(Zone::Saturation) => {
+        MarkFill::Hollow => {
             format!("fill=\"#fff\" stroke=\"{colour}\" stroke-width=\"1.3\"")
         }
     }
@@ -79,10 +78,8 @@ pub(super) fn fill(zone: Option<Zone>, colour: &str) -> String {
 /// A colour half way to white.
 fn tint(colour: &str) -> String {
     let channel = |start: usize| {
-        let value = colour
-            .get(start..start + 2)
-            .and_then(|hex| u8::from_str_radix(hex, 16).ok());
-        128 + value.unwrap_or(0) / 2
+        let value = u8::from_str_radix(&colour[start..start + 2], 16);
+        128 + value.expect("colours are six hexadecimal digits") / 2
     };
     format!("#{:02x}{:02x}{:02x}", channel(1), channel(3), channel(5))
 }

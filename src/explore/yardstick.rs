@@ -37,6 +37,7 @@ pub struct Yardstick {
     /// The exact results, output by output, and of which array each is.
     outputs: BTreeMap<String, usize>,
     arrays: Vec<usize>,
+    array_count: usize,
     exact: Vec<Vec<Double>>,
 }
 
@@ -53,7 +54,7 @@ pub enum Unmeasurable {
 
 /// Three places in a distribution of errors.
 #[derive(Clone, Copy, PartialEq, Default, Debug, serde::Serialize)]
-pub struct Spread {
+pub struct ErrorSpread {
     /// Half of the errors are at or below it.
     pub median: f64,
     /// 99 of 100 errors are at or below it.
@@ -64,21 +65,24 @@ pub struct Spread {
 
 /// How far a program is from the exact results.
 #[derive(Clone, PartialEq, Default, Debug)]
-pub struct Errors {
+pub struct MeasuredErrors {
     /// Of every element in every state, relative to its exact value.
-    pub relative: Spread,
+    pub relative: ErrorSpread,
     /// Of every array in every state: its largest error over its largest
-    /// element.
-    pub normwise: Spread,
+    /// element. Arrays of zeros alone are left out.
+    pub normwise: ErrorSpread,
+    /// The same of every array of the exact function on its own, in all
+    /// states.
+    pub arrays: Vec<ErrorSpread>,
     /// For every output of the program its largest absolute, relative and
     /// normwise error in any state, with the number of the state with the
     /// largest normwise one.
-    pub outputs: Vec<OutputError>,
+    pub outputs: Vec<LargestErrors>,
 }
 
 /// The largest errors of one output.
 #[derive(Clone, PartialEq, Debug)]
-pub struct OutputError {
+pub struct LargestErrors {
     /// Its name, as `qdd[3]`.
     pub name: String,
     /// In the output's unit.
@@ -96,9 +100,14 @@ impl Yardstick {
     /// Evaluates a function exactly at a number of states. Where a scene binds
     /// an input, its states have that number as it is, not rounded.
     pub fn new(view: View<'_>, source: &States, count: u32) -> Yardstick {
-        let names = input_names(view);
         let states = (0..count).map(|index| source.draw(view, index));
-        let states: Vec<Vec<f64>> = states.collect();
+        Yardstick::at(view, states.collect())
+    }
+
+    /// Evaluates a function exactly at states: numbers of all its input
+    /// elements.
+    pub fn at(view: View<'_>, states: Vec<Vec<f64>>) -> Yardstick {
+        let names = input_names(view);
         let outputs = view.function.outputs();
         let assignments = view.function.assignments.iter().enumerate();
         Yardstick {
@@ -112,6 +121,7 @@ impl Yardstick {
             outputs: assignments
                 .map(|(index, assignment)| (print_output(view, assignment.output), index))
                 .collect(),
+            array_count: outputs.len(),
             // Empty arrays share an offset with the next.
             arrays: (view.function.assignments.iter())
                 .map(|a| outputs.partition_point(|array| array.offset <= a.output.0) - 1)
@@ -155,7 +165,7 @@ impl Yardstick {
     /// # Errors
     ///
     /// See [`Unmeasurable`].
-    pub fn errors(&self, view: View<'_>, format: Format) -> Result<Errors, Unmeasurable> {
+    pub fn errors(&self, view: View<'_>, format: Format) -> Result<MeasuredErrors, Unmeasurable> {
         let inputs = self.inputs(view)?;
         self.judge(view, &results(view, format, &inputs))
     }
@@ -166,7 +176,11 @@ impl Yardstick {
     /// # Errors
     ///
     /// See [`Unmeasurable`].
-    pub fn judge(&self, view: View<'_>, results: &[Vec<f64>]) -> Result<Errors, Unmeasurable> {
+    pub fn judge(
+        &self,
+        view: View<'_>,
+        results: &[Vec<f64>],
+    ) -> Result<MeasuredErrors, Unmeasurable> {
         let names = view.function.assignments.iter();
         let names: Vec<String> = names.map(|a| print_output(view, a.output)).collect();
         let rows: Result<Vec<usize>, Unmeasurable> = names
@@ -180,14 +194,18 @@ impl Yardstick {
         let mut tally = Tally {
             relative: Vec::new(),
             normwise: Vec::new(),
-            outputs: names.into_iter().map(OutputError::none).collect(),
+            arrays: vec![Vec::new(); self.array_count],
+            outputs: names.into_iter().map(LargestErrors::none).collect(),
         };
         for (state, (exact, computed)) in self.exact.iter().zip(results).enumerate() {
             tally.add(state, &rows, &self.arrays, exact, computed);
         }
-        Ok(Errors {
-            relative: Spread::of(&mut tally.relative),
-            normwise: Spread::of(&mut tally.normwise),
+        Ok(MeasuredErrors {
+            relative: ErrorSpread::of(&mut tally.relative),
+            normwise: ErrorSpread::of(&mut tally.normwise),
+            arrays: (tally.arrays.iter_mut())
+                .map(|errors| ErrorSpread::of(errors))
+                .collect(),
             outputs: tally.outputs,
         })
     }
@@ -197,7 +215,8 @@ impl Yardstick {
 struct Tally {
     relative: Vec<f64>,
     normwise: Vec<f64>,
-    outputs: Vec<OutputError>,
+    arrays: Vec<Vec<f64>>,
+    outputs: Vec<LargestErrors>,
 }
 
 impl Tally {
@@ -241,6 +260,9 @@ impl Tally {
                 self.relative.push(relative);
             }
         }
+        for (&array, &(error, size)) in &norms {
+            self.arrays[array].push(quotient(error, size));
+        }
         let norms = norms
             .values()
             .filter(|(error, size)| *error > 0.0 || *size > 0.0);
@@ -249,9 +271,9 @@ impl Tally {
     }
 }
 
-impl OutputError {
-    fn none(name: String) -> OutputError {
-        OutputError {
+impl LargestErrors {
+    fn none(name: String) -> LargestErrors {
+        LargestErrors {
             name,
             absolute: 0.0,
             relative: 0.0,
@@ -261,15 +283,15 @@ impl OutputError {
     }
 }
 
-impl Spread {
+impl ErrorSpread {
     /// The places in a population, which is reordered; zero for an empty one.
-    pub fn of(errors: &mut [f64]) -> Spread {
+    pub fn of(errors: &mut [f64]) -> ErrorSpread {
         errors.sort_unstable_by(f64::total_cmp);
         let place = |part: usize, of: usize| match errors.len() {
             0 => 0.0,
             count => errors[(count * part).div_ceil(of) - 1],
         };
-        Spread {
+        ErrorSpread {
             median: place(1, 2),
             percentile_99: place(99, 100),
             worst: place(1, 1),

@@ -1,11 +1,12 @@
 //! Panels of curves.
 
-use super::super::figure::{Curve, Mark, Panel, Stroke, number};
 use super::labels::spread;
 use super::paint::fill;
-use super::scale::{Ruler, tick_text};
+use super::scale::Ruler;
 use super::svg::{Anchor, Svg};
 use super::{Frame, axis_titles};
+use crate::present::number::trimmed;
+use crate::present::{Curve, Mark, MarkFill, Panel, Stroke};
 
 /// Draws a panel.
 pub(super) fn draw(svg: &mut Svg, frame: Frame, panel: &Panel, curves: &[Curve]) {
@@ -55,7 +56,7 @@ impl Plane {
         for tick in self.x.ticks() {
             let x = frame.left + frame.width * self.x.place(tick);
             svg.line([x, frame.top], [x, frame.bottom()], "grid");
-            let text = tick_text(tick);
+            let text = self.x.text(tick);
             let half = super::svg::text_width(&text) / 2.0;
             // Numbers that would run into each other are left out.
             if x - half > last_end + 4.0 {
@@ -70,7 +71,7 @@ impl Plane {
                 [frame.left - 6.0, y + 4.0],
                 Anchor::End,
                 "tick",
-                &tick_text(tick),
+                &self.y.text(tick),
             );
         }
         svg.rectangle(
@@ -111,7 +112,7 @@ impl Plane {
                 let style = format!("fill=\"{colour}\" fill-opacity=\".35\"");
                 svg.rectangle([at[0] - 2.5, top], size, &style, "");
             }
-            let style = fill(mark.zone, &colour);
+            let style = fill(mark.zone.map_or(MarkFill::Full, |zone| zone.fill), &colour);
             svg.shape(
                 at,
                 curve.paint.marker(),
@@ -152,15 +153,15 @@ fn describe(panel: &Panel, curve: &Curve, mark: &Mark) -> String {
         "{}\n{}: {}\n{}: {}",
         curve.label,
         panel.x.title,
-        number(mark.x),
+        trimmed(mark.x),
         panel.y.title,
-        number(mark.y)
+        trimmed(mark.y)
     );
     if let Some([low, high]) = mark.range {
-        text += &format!("\nfrom {} to {}", number(low), number(high));
+        text += &format!("\nfrom {} to {}", trimmed(low), trimmed(high));
     }
     if let Some(zone) = mark.zone {
-        text += &format!("\n{} zone", zone.name());
+        text += &format!("\n{} zone", zone.name);
     }
     text
 }

@@ -12,8 +12,7 @@ mod paint;
 mod scale;
 mod svg;
 
-use super::figure::{Content, Figure, Panel};
-pub(crate) use svg::Escaped;
+use crate::present::{Figure, Panel, PanelContent};
 use svg::{Anchor, Svg};
 
 /// Size of a panel's axes in a figure of one column, and of several.
@@ -70,8 +69,8 @@ pub fn draw(figure: &Figure) -> String {
             &panel.title,
         );
         match &panel.content {
-            Content::Curves(curves) => curves::draw(&mut svg, frame, panel, curves),
-            Content::Map(map) => map::draw(&mut svg, frame, panel, map),
+            PanelContent::Curves(curves) => curves::draw(&mut svg, frame, panel, curves),
+            PanelContent::Tiles(map) => map::draw(&mut svg, frame, panel, map),
         }
     }
     svg.finish()
@@ -80,11 +79,11 @@ pub fn draw(figure: &Figure) -> String {
 /// How wide the labels at the ends of a panel's curves are.
 fn label_room(panel: &Panel) -> f64 {
     match &panel.content {
-        Content::Curves(curves) => {
+        PanelContent::Curves(curves) => {
             let widths = curves.iter().map(|curve| svg::text_width(&curve.label));
             widths.fold(0.0, f64::max) + 24.0
         }
-        Content::Map(_) => 84.0,
+        PanelContent::Tiles(_) => 84.0,
     }
 }
 

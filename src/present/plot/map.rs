@@ -1,12 +1,13 @@
 //! Panels that are maps.
 
-use super::super::figure::{Map, Panel, number};
 use super::paint::sequence;
 use super::svg::{Anchor, Svg};
 use super::{Frame, axis_titles};
+use crate::present::number::trimmed;
+use crate::present::{Panel, TileMap};
 
 /// Draws a map: light squares are small values, which are the good ones.
-pub(super) fn draw(svg: &mut Svg, frame: Frame, panel: &Panel, map: &Map) {
+pub(super) fn draw(svg: &mut Svg, frame: Frame, panel: &Panel, map: &TileMap) {
     let found = map.values.iter().flatten();
     let (low, high) = found.fold((f64::INFINITY, 0f64), |(low, high), &value| {
         (low.min(value), high.max(value))
@@ -39,7 +40,7 @@ pub(super) fn draw(svg: &mut Svg, frame: Frame, panel: &Panel, map: &Map) {
             panel.y.title,
             map.rows[row],
             map.quantity,
-            number(value)
+            trimmed(value)
         );
         let at = corner(column, row);
         let style = format!(
@@ -50,7 +51,7 @@ pub(super) fn draw(svg: &mut Svg, frame: Frame, panel: &Panel, map: &Map) {
         // Squares too small for their number show it when pointed at.
         if size[0] >= 26.0 && size[1] >= 14.0 {
             let middle = [at[0] + size[0] / 2.0, at[1] + size[1] / 2.0 + 3.5];
-            svg.small_text(middle, shade(value) <= 0.55, &number(value));
+            svg.small_text(middle, shade(value) <= 0.55, &trimmed(value));
         }
     }
     for [column, row] in &map.framed {
@@ -78,7 +79,7 @@ pub(super) fn draw(svg: &mut Svg, frame: Frame, panel: &Panel, map: &Map) {
 }
 
 /// The bar that says which shade is which value.
-fn scale(svg: &mut Svg, frame: Frame, map: &Map, [low, high]: [f64; 2]) {
+fn scale(svg: &mut Svg, frame: Frame, map: &TileMap, [low, high]: [f64; 2]) {
     const STEPS: usize = 24;
     let left = frame.right() + 16.0;
     let height = frame.height * 0.8 / STEPS as f64;
@@ -99,7 +100,7 @@ fn scale(svg: &mut Svg, frame: Frame, map: &Map, [low, high]: [f64; 2]) {
             "",
         );
     }
-    let value = |place: f64| number((high * (low / high).powf(place)).round());
+    let value = |place: f64| trimmed((high * (low / high).powf(place)).round());
     for place in [0.0, 0.5, 1.0] {
         let y = top + place * (height * STEPS as f64) + 4.0;
         svg.text([left + 17.0, y], Anchor::Start, "tick", &value(place));

@@ -3,8 +3,8 @@
 //! A figure is written as CSV and drawn as SVG from the same structure, so
 //! that what is seen can be looked up.
 
-use super::table::line;
-use std::fmt::Write;
+use super::csv;
+use super::number::trimmed;
 
 /// A figure.
 #[derive(Clone, PartialEq, Debug)]
@@ -27,29 +27,64 @@ pub struct Panel {
     /// Its title, drawn above it.
     pub title: String,
     /// The horizontal axis.
-    pub x: Axis,
+    pub x: PlotAxis,
     /// The vertical axis.
-    pub y: Axis,
+    pub y: PlotAxis,
     /// What is drawn.
-    pub content: Content,
+    pub content: PanelContent,
+}
+
+impl Panel {
+    /// Axes with curves on them.
+    pub fn curves(
+        title: impl Into<String>,
+        x: PlotAxis,
+        y: PlotAxis,
+        curves: impl IntoIterator<Item = Curve>,
+    ) -> Panel {
+        Panel {
+            title: title.into(),
+            x,
+            y,
+            content: PanelContent::Curves(curves.into_iter().collect()),
+        }
+    }
+
+    /// True when nothing is drawn on the axes.
+    pub fn is_empty(&self) -> bool {
+        match &self.content {
+            PanelContent::Curves(curves) => curves.iter().all(|curve| curve.marks.is_empty()),
+            PanelContent::Tiles(map) => map.values.is_empty(),
+        }
+    }
+
+    /// Axes with a map on them.
+    pub fn map(title: impl Into<String>, x: PlotAxis, y: PlotAxis, map: TileMap) -> Panel {
+        Panel {
+            title: title.into(),
+            x,
+            y,
+            content: PanelContent::Tiles(map),
+        }
+    }
 }
 
 /// What is drawn on a pair of axes.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Content {
+pub enum PanelContent {
     /// Curves and points.
     Curves(Vec<Curve>),
     /// A map of squares.
-    Map(Map),
+    Tiles(TileMap),
 }
 
 /// An axis.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Axis {
+pub struct PlotAxis {
     /// Quantity, and unit in parentheses.
     pub title: String,
     /// How values are spaced.
-    pub scale: Scale,
+    pub scale: AxisScale,
     /// The least value that must show, beyond those drawn.
     pub from: Option<f64>,
     /// The largest value that must show, beyond those drawn.
@@ -58,7 +93,7 @@ pub struct Axis {
 
 /// How values are spaced along an axis.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Scale {
+pub enum AxisScale {
     /// Evenly.
     Linear,
     /// By their logarithm, with marks at powers of two.
@@ -67,10 +102,10 @@ pub enum Scale {
     Decades,
 }
 
-impl Axis {
+impl PlotAxis {
     /// An axis as wide as what is drawn.
-    pub fn new(title: &str, scale: Scale) -> Axis {
-        Axis {
+    pub fn new(title: &str, scale: AxisScale) -> PlotAxis {
+        PlotAxis {
             title: title.to_owned(),
             scale,
             from: None,
@@ -78,8 +113,14 @@ impl Axis {
         }
     }
 
+    /// The axis, extended to show a value.
+    pub fn from(mut self, from: f64) -> PlotAxis {
+        self.from = Some(from);
+        self
+    }
+
     /// The axis, extended to show a range.
-    pub fn showing(mut self, from: f64, to: f64) -> Axis {
+    pub fn showing(mut self, from: f64, to: f64) -> PlotAxis {
         (self.from, self.to) = (Some(from), Some(to));
         self
     }
@@ -97,6 +138,32 @@ pub struct Curve {
     pub stroke: Stroke,
     /// Its points, in the order in which they are joined.
     pub marks: Vec<Mark>,
+}
+
+impl Curve {
+    /// A curve through points; an empty label is none.
+    pub fn new(
+        label: impl Into<String>,
+        paint: Paint,
+        stroke: Stroke,
+        marks: impl IntoIterator<Item = Mark>,
+    ) -> Curve {
+        Curve {
+            label: label.into(),
+            paint,
+            stroke,
+            marks: marks.into_iter().collect(),
+        }
+    }
+
+    /// Points that are not joined, in the colour of a place.
+    pub fn points(
+        label: impl Into<String>,
+        place: usize,
+        marks: impl IntoIterator<Item = Mark>,
+    ) -> Curve {
+        Curve::new(label, Paint::Distinct(place), Stroke::Points, marks)
+    }
 }
 
 /// Colour and marker of a curve.
@@ -134,7 +201,7 @@ pub struct Mark {
     /// The ends of a bar through the point.
     pub range: Option<[f64; 2]>,
     /// The zone it lies in, shown by how its marker is filled.
-    pub zone: Option<Zone>,
+    pub zone: Option<MarkZone>,
 }
 
 impl Mark {
@@ -149,32 +216,29 @@ impl Mark {
     }
 }
 
-/// The three zones of thesis 3.3.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Zone {
-    /// More elements shorten the run in proportion.
-    Parallelisation,
-    /// More elements shorten the run, at the cost of their use.
-    Transition,
-    /// More elements are of no use.
-    Saturation,
+/// A zone of a plane, which has a name and shows in the markers of its points.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct MarkZone {
+    /// Its name, in tables and in titles of markers.
+    pub name: &'static str,
+    /// How markers in it are filled.
+    pub fill: MarkFill,
 }
 
-impl Zone {
-    /// The zone's name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Zone::Parallelisation => "parallelisation",
-            Zone::Transition => "transition",
-            Zone::Saturation => "saturation",
-        }
-    }
+/// How a marker is filled.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MarkFill {
+    /// In its colour.
+    Full,
+    /// Half way to white.
+    Tinted,
+    /// White.
+    Hollow,
 }
 
 /// A map: a value for each pair of whole numbers.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Map {
+pub struct TileMap {
     /// The numbers along the horizontal axis, ascending.
     pub columns: Vec<u32>,
     /// The numbers along the vertical axis, ascending.
@@ -188,28 +252,45 @@ pub struct Map {
 }
 
 impl Figure {
+    /// A figure of panels, so many in a row.
+    pub fn new(
+        name: impl Into<String>,
+        title: impl Into<String>,
+        caption: impl Into<String>,
+        columns: usize,
+        panels: Vec<Panel>,
+    ) -> Figure {
+        Figure {
+            name: name.into(),
+            title: title.into(),
+            caption: caption.into(),
+            panels,
+            columns,
+        }
+    }
+
     /// The figure's numbers as comma-separated values.
     pub fn to_csv(&self) -> String {
         let mut text = "panel,curve,x,y,low,high,zone\n".to_owned();
         for panel in &self.panels {
             match &panel.content {
-                Content::Curves(curves) => {
+                PanelContent::Curves(curves) => {
                     for curve in curves {
                         for mark in &curve.marks {
                             mark_line(&mut text, &panel.title, curve, mark);
                         }
                     }
                 }
-                Content::Map(map) => {
+                PanelContent::Tiles(map) => {
                     let rows = map
                         .rows
                         .iter()
                         .flat_map(|row| map.columns.iter().map(move |column| (row, column)));
                     for ((row, column), value) in rows.zip(&map.values) {
-                        let value = value.map_or(String::new(), number);
+                        let value = value.map_or(String::new(), trimmed);
                         let (row, column) = (row.to_string(), column.to_string());
                         let fields = [&panel.title, &map.quantity, &column, &row, &value];
-                        line(
+                        csv::push_line(
                             &mut text,
                             fields.into_iter().map(String::as_str).chain(["", ""]),
                         );
@@ -222,43 +303,10 @@ impl Figure {
 }
 
 fn mark_line(text: &mut String, panel: &str, curve: &Curve, mark: &Mark) {
-    let range = mark.range.map(|range| range.map(number));
+    let range = mark.range.map(|range| range.map(trimmed));
     let [low, high] = range.unwrap_or_default();
-    let (x, y) = (number(mark.x), number(mark.y));
-    let zone = mark.zone.map_or("", Zone::name);
-    line(
-        text,
-        [panel, &curve.label, &x, &y, &low, &high, zone].into_iter(),
-    );
-}
-
-/// A number without the noise of its last bits.
-pub(super) fn number(number: f64) -> String {
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write!(text, "{number:.4}");
-    let trimmed = text.trim_end_matches('0').trim_end_matches('.');
-    if trimmed == "-0" {
-        "0".to_owned()
-    } else {
-        trimmed.to_owned()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_short() {
-        for (value, text) in [
-            (0.0, "0"),
-            (-0.00001, "0"),
-            (1.5, "1.5"),
-            (743.0, "743"),
-            (0.12345, "0.1235"),
-        ] {
-            assert_eq!(number(value), text);
-        }
-    }
+    let (x, y) = (trimmed(mark.x), trimmed(mark.y));
+    let zone = mark.zone.map_or("", |zone| zone.name);
+    let fields = [panel, &curve.label, &x, &y, &low, &high, zone];
+    csv::push_line(text, fields.into_iter());
 }
