@@ -5,8 +5,8 @@
 //! builder therefore collects, and [`Builder::finish`] numbers.
 //!
 //! ```
-//! use crate::model::build::{BASE, Builder};
-//! use crate::model::{Axis, JointKind};
+//! use robovec::model::build::{BASE, Builder};
+//! use robovec::model::{Axis, JointKind};
 //!
 //! let mut builder = Builder::new("pendulum");
 //! let hinge = [JointKind::Revolute(Axis::X)];

@@ -5,7 +5,7 @@
 //! **Invariant.** A run ends: after its time, or behind the last byte it may
 //! print, it is killed with everything it started. On Unix it also ends when
 //! robovec does, however that comes about, because a small watcher
-//! (`watch`) waits for it.
+//! (`watch`), started right behind the program, waits for it.
 
 mod watch;
 

@@ -55,6 +55,23 @@ fn is_dead(process: &str) -> bool {
     state.is_ok_and(|state| state.contains(") Z ")) || !Path::new("/proc").join(process).exists()
 }
 
+/// How many processes another one has started that still run.
+fn children(parent: u32) -> usize {
+    let is_child = |stat: &String| {
+        // The name, in parentheses, may hold anything; the parent stands second
+        // behind it.
+        let rest = stat.rsplit_once(')').map(|(_, rest)| rest);
+        let word = rest.and_then(|rest| rest.split_whitespace().nth(1));
+        word == Some(&parent.to_string())
+    };
+    let entries = fs::read_dir("/proc").expect("a system with processes");
+    let stats = entries.flatten().map(|entry| entry.path().join("stat"));
+    stats
+        .filter_map(|path| fs::read_to_string(path).ok())
+        .filter(|stat| is_child(stat))
+        .count()
+}
+
 /// Waits until something holds; a minute is for busy computers.
 fn wait_for(what: &str, holds: impl Fn() -> bool) {
     for _ in 0..6000 {
@@ -110,6 +127,7 @@ fn tools_die_with_robovec_and_their_folders_go() {
         .expect("the program starts");
     wait_for("the tool is started", || tools.process().is_some());
     let process = tools.process().expect("it is there");
+    wait_for("the watcher is started", || children(running.id()) == 2);
     running.kill().expect("it runs");
     running.wait().expect("it is dead");
     wait_for("the tool dies too", || is_dead(&process));
