@@ -1,7 +1,7 @@
 //! Robovec's C as contestants.
 
 use super::Question;
-use super::contestant::{Contestant, Family, RESULTS};
+use super::contestant::{Contestant, Family};
 use super::functions::{inputs, outputs};
 use super::harness::{self, Call, Callee};
 use super::tools::{Compiler, Step};
@@ -99,18 +99,9 @@ pub fn batch(
 
 pub(super) fn missing(family: Family, name: &str, view: View<'_>, message: String) -> Contestant {
     Contestant {
-        name: name.to_owned(),
-        family,
-        remark: String::new(),
         operations: Some(operations(view)),
-        lanes: 1,
-        files: Vec::new(),
-        steps: Vec::new(),
-        arguments: Vec::new(),
-        outputs: outputs(view),
-        tolerance: 1e-12,
         missing: Some(message),
-        shared: None,
+        ..Contestant::named(name, family, outputs(view))
     }
 }
 
@@ -170,18 +161,12 @@ impl<'a> Generated<'a> {
         files.push(("bench.h".to_owned(), BENCH_H.as_bytes().to_vec()));
         files.push(("inputs.bin".to_owned(), input_bytes(question, view)));
         Contestant {
-            name: name.to_owned(),
-            family,
             remark: format!("{command} {flags}"),
             operations: Some(operations(view)),
             lanes,
             files,
             steps,
-            arguments: vec![RESULTS.to_owned()],
-            outputs: outputs(view),
-            tolerance: 1e-12,
-            missing: None,
-            shared: None,
+            ..Contestant::named(name, family, outputs(view))
         }
     }
 }

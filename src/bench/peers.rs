@@ -103,21 +103,16 @@ fn peer(
     files.push(("model.txt".to_owned(), tree::text(model).into_bytes()));
     files.push(("states.bin".to_owned(), state_bytes(question, model)));
     Contestant {
-        name: name.to_owned(),
-        family: Family::Peer,
         remark,
-        operations: None,
-        lanes: 1,
         files,
         steps,
         arguments: ["model.txt", "states.bin", RESULTS]
             .map(str::to_owned)
             .into(),
-        outputs: outputs(model.joints.len() as u32),
         // Other formulas, other roundings; a wrong one is off by far more.
         tolerance: 1e-9,
-        missing: None,
         shared: shared.map(|name| name.to_owned()),
+        ..Contestant::named(name, Family::Peer, outputs(model.joints.len() as u32))
     }
 }
 

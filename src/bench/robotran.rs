@@ -6,7 +6,7 @@
 //! the way Robotran prints them.
 
 use super::Question;
-use super::contestant::{Contestant, Family, RESULTS};
+use super::contestant::{Contestant, Family};
 use super::functions::outputs;
 use super::harness::{self, Call, Callee, Parameter};
 use super::own::{self, BENCH_H, input_bytes};
@@ -88,18 +88,8 @@ pub fn drop_in(
 /// Robotran's file that cannot take part, and why.
 pub fn missing(question: &Question<'_>, message: String) -> Contestant {
     Contestant {
-        name: "Robotran's file".to_owned(),
-        family: Family::Robotran,
-        remark: String::new(),
-        operations: None,
-        lanes: 1,
-        files: Vec::new(),
-        steps: Vec::new(),
-        arguments: Vec::new(),
-        outputs: outputs(question.view),
-        tolerance: 1e-12,
         missing: Some(message),
-        shared: None,
+        ..Contestant::named("Robotran's file", Family::Robotran, outputs(question.view))
     }
 }
 
@@ -169,11 +159,8 @@ impl Text<'_> {
         files.push(("main.c".to_owned(), main.into_bytes()));
         let command = &compiler.command;
         Contestant {
-            name: name.to_owned(),
-            family,
             remark: format!("{command} {flags}"),
             operations: Some(own::operations(view)),
-            lanes: 1,
             files,
             steps: vec![
                 Step::new(command, flags)
@@ -183,11 +170,7 @@ impl Text<'_> {
                     .function("function.o"),
                 Step::new(command, "-O2 -o program main.c function.o -lm"),
             ],
-            arguments: vec![RESULTS.to_owned()],
-            outputs: outputs(view),
-            tolerance: 1e-12,
-            missing: None,
-            shared: None,
+            ..Contestant::named(name, family, outputs(view))
         }
     }
 }

@@ -98,6 +98,14 @@ impl<'text> RuleBuilder<'text> {
         self.draft = RuleDraft::default();
     }
 
+    /// Begins the rule at hand once more.
+    pub(super) fn begin_again(&mut self) {
+        if let Some((name, _)) = &self.draft.name {
+            self.names.remove(name.as_str());
+        }
+        self.begin();
+    }
+
     /// True when more mistakes would not be told.
     pub(super) fn is_hopeless(&self) -> bool {
         self.diagnostics.len() >= MOST_MISTAKES

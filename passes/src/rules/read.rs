@@ -2,6 +2,7 @@
 //! for each mistake.
 
 use super::builder::{RuleBuilder, Told};
+use super::rule::Requirement;
 use super::token::{Placed, RuleToken, tokens};
 use super::{RuleFile, RuleSet};
 use lalrpop_util::{ParseError, lalrpop_mod};
@@ -26,7 +27,7 @@ const LONGEST: usize = 4 << 20;
 
 /// Reads a file of rules; what is wrong in it is told all at once.
 pub(super) fn parse(text: &str, file_name: &str) -> Result<RuleSet, Report> {
-    let mut reader = Reader {
+    let mut reader = RuleReader {
         text,
         tokens: Vec::new(),
         builder: RuleBuilder::new(super::group_of(file_name)),
@@ -47,13 +48,31 @@ pub(super) fn parse(text: &str, file_name: &str) -> Result<RuleSet, Report> {
     Err(Report::of(file_name, text, diagnostics))
 }
 
-struct Reader<'text> {
+/// Tokens that can follow, with their names in the grammar: of each place in a
+/// rule one.
+const EXPECTED: [(&str, RuleToken<'_>); 8] = [
+    ("a number", RuleToken::Number("0")),
+    ("'+'", RuleToken::Plus),
+    ("';'", RuleToken::Semicolon),
+    ("a word", RuleToken::Word("a")),
+    ("'('", RuleToken::Open),
+    ("')'", RuleToken::Close),
+    ("':'", RuleToken::Colon),
+    ("'='", RuleToken::Equals),
+];
+
+/// A token as the parser takes it.
+fn located<'text>((token, span): &Placed<'text>) -> Result<(usize, RuleToken<'text>, usize), Told> {
+    Ok((span.start, *token, span.end))
+}
+
+struct RuleReader<'text> {
     text: &'text str,
     tokens: Vec<Placed<'text>>,
     builder: RuleBuilder<'text>,
 }
 
-impl Reader<'_> {
+impl RuleReader<'_> {
     fn file(&mut self) {
         if self.text.len() > LONGEST {
             let message = "a file of rules of more than four megabytes is a mistake";
@@ -61,7 +80,10 @@ impl Reader<'_> {
             return;
         }
         self.tokens = tokens(self.text);
-        let unknown = self.tokens.iter().filter(|(token, _)| token.is_none());
+        let unknown = self
+            .tokens
+            .iter()
+            .filter(|(token, _)| *token == RuleToken::Unknown);
         for (_, span) in unknown {
             let message = match self.text[span.clone()].starts_with('"') {
                 true => "this text has no closing '\"' on its line",
@@ -78,18 +100,14 @@ impl Reader<'_> {
     /// Reads a rule; where the next one begins.
     fn rule(&mut self, at: usize) -> usize {
         let rest = &self.tokens[at..];
-        let is_end = |(token, _): &Placed<'_>| *token == Some(RuleToken::Semicolon);
+        let is_end = |(token, _): &Placed<'_>| *token == RuleToken::Semicolon;
         let length = rest.iter().position(is_end).map(|last| last + 1);
         let rule = &rest[..length.unwrap_or(rest.len())];
+        let (end, begins) = (at + rule.len(), rule[0].0 == RuleToken::Rule);
         let taken = Cell::new(0);
-        let stream = rule.iter().map(|(token, span)| {
-            taken.set(taken.get() + 1);
-            let token = token.ok_or(Told)?;
-            Ok((span.start, token, span.end))
-        });
+        let stream = rule.iter().inspect(|_| taken.set(taken.get() + 1));
         self.builder.begin();
-        let end = at + rule.len();
-        match grammar::RuleParser::new().parse(&mut self.builder, stream) {
+        match grammar::RuleParser::new().parse(&mut self.builder, stream.map(located)) {
             Ok(()) => match self.builder.end_rule() {
                 Ok(()) => end,
                 Err(Told) => self.recover(end),
@@ -98,8 +116,7 @@ impl Reader<'_> {
                 // What was taken last was looked at, or is the mistake; the
                 // word a rule begins with is neither.
                 let last = at + taken.get() - 1;
-                let begins = self.tokens[at].0 == Some(RuleToken::Rule);
-                self.explain(&error);
+                self.explain(&error, at..last);
                 self.recover(last.max(at + usize::from(begins)))
             }
         }
@@ -109,37 +126,64 @@ impl Reader<'_> {
     fn recover(&self, from: usize) -> usize {
         for (at, (token, _)) in self.tokens.iter().enumerate().skip(from) {
             match token {
-                Some(RuleToken::Semicolon) => return at + 1,
-                Some(RuleToken::Rule) => return at,
+                RuleToken::Semicolon => return at + 1,
+                RuleToken::Rule => return at,
                 _ => {}
             }
         }
         self.tokens.len()
     }
 
-    fn explain(&mut self, error: &ParseError<usize, RuleToken<'_>, Told>) {
-        match error {
-            ParseError::User { error: Told } => {}
+    /// Tells a mistake; `rule` are the tokens of its rule before the last that
+    /// was taken.
+    fn explain(&mut self, error: &ParseError<usize, RuleToken<'_>, Told>, rule: Range<usize>) {
+        let (found, expected) = match error {
+            ParseError::User { error: Told } => return,
             ParseError::UnrecognizedToken {
                 token: (start, token, end),
                 expected,
-            } => self.unexpected(Some((*token, *start..*end)), expected),
-            ParseError::UnrecognizedEof { expected, .. } => self.unexpected(None, expected),
+            } => (Some((*token, *start..*end)), expected),
+            ParseError::UnrecognizedEof { expected, .. } => (None, expected),
             ParseError::InvalidToken { .. } | ParseError::ExtraToken { .. } => {
                 unreachable!("a rule ends at its semicolon, and its tokens are valid")
             }
+        };
+        let expected: Vec<&str> = expected.iter().map(|name| name.trim_matches('"')).collect();
+        let end = if found.is_some() {
+            rule.end
+        } else {
+            rule.end + 1
+        };
+        if self.settle(rule.start..end, &expected).is_ok() {
+            self.unexpected(found, &expected);
+        }
+    }
+
+    /// Does what the parser puts off until it has seen the next token, by
+    /// reading the tokens before a mistake once more with one behind them that
+    /// is expected: what is wrong with them comes first.
+    fn settle(&mut self, before: Range<usize>, expected: &[&str]) -> Result<(), Told> {
+        let next = EXPECTED.iter().find(|(name, _)| expected.contains(name));
+        let next = next.map(|&(_, token)| (token, 0..0));
+        let stream = self.tokens[before].iter().chain(&next).map(located);
+        self.builder.begin_again();
+        match grammar::RuleParser::new().parse(&mut self.builder, stream) {
+            Err(ParseError::User { error }) => Err(error),
+            Ok(()) | Err(_) => Ok(()),
         }
     }
 
     /// Tells that something else should stand at a token, or at the end.
-    fn unexpected(&mut self, found: Option<(RuleToken<'_>, Range<usize>)>, expected: &[String]) {
-        let expected: Vec<&str> = expected.iter().map(|name| name.trim_matches('"')).collect();
+    fn unexpected(&mut self, found: Option<(RuleToken<'_>, Range<usize>)>, expected: &[&str]) {
+        if let Some((RuleToken::Unknown, _)) = found {
+            return; // It was told before.
+        }
         let is_inside = expected.contains(&"'+'");
         if is_inside && let Some(open) = self.builder.innermost() {
             self.builder.error(open, "this parenthesis is not closed");
             return;
         }
-        let wanted = self.wanted(&expected);
+        let wanted = self.wanted(expected);
         let end = self.text.trim_end().len();
         match found {
             Some((RuleToken::Close, span)) if is_inside => {
@@ -156,9 +200,9 @@ impl Reader<'_> {
     }
 
     /// What the grammar expects, in words.
-    fn wanted<'a>(&self, expected: &[&'a str]) -> &'a str {
+    fn wanted(&self, expected: &[&str]) -> String {
         let expects = |name: &str| expected.contains(&name);
-        if expects("a number") {
+        let wanted = if expects("a number") {
             "a number, a variable or '('"
         } else if expects("'=>'") {
             "an operator, '=>' or '<=>'"
@@ -167,9 +211,11 @@ impl Reader<'_> {
         } else if expects("a word") && self.builder.awaits_subject() {
             "a variable of the left side"
         } else if expects("a word") {
-            "a condition"
+            let names = Requirement::ALL.map(Requirement::name);
+            return format!("a condition ({})", names.join(", "));
         } else {
             expected.first().expect("the grammar expects something")
-        }
+        };
+        wanted.to_owned()
     }
 }

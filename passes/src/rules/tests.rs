@@ -122,7 +122,16 @@ fn mistakes_are_named_and_placed() {
         ("rule r: sin(a => a;", "1:9", "not closed"),
         ("rule r: a + a => 2*a class real;", "1:28", "'='"),
         ("rule r: a + a => 2*a class=;", "1:28", "a class"),
-        ("rule r: a + a => 2*a when;", "1:26", "a condition"),
+        (
+            "rule r: a + a => 2*a when;",
+            "1:26",
+            "a condition (constant,",
+        ),
+        (
+            "rule r: a + a => 2*a when class=real;",
+            "1:27",
+            "a condition",
+        ),
         ("rule r: a + a => 2*a when nonzero a;", "1:35", "'('"),
         (
             "rule r: a + a => 2*a when nonzero(2);",
@@ -133,6 +142,18 @@ fn mistakes_are_named_and_placed() {
         ("rule r: a + a => class;", "1:18", "a number, a variable"),
         ("rule of-rule when: a + a => 2*a;", "1:14", "':'"),
         ("rule r: a +", "1:12", "the file ends"),
+        // What is wrong first is told, whatever stands behind it.
+        ("rule r: a + a => 2*a class=re,al;", "1:28", "no class 're'"),
+        (
+            "rule r: a + a => 2*(a + 0) b;",
+            "1:28",
+            "an operator, 'when'",
+        ),
+        ("rule r: (a + 1e999 b => a;", "1:14", "too large"),
+        ("rule r: a + a => 2*a class=re@;", "1:28", "no class 're'"),
+        ("rule r: sim() => a;", "1:9", "no operation 'sim'"),
+        ("rule r: (a + b) c => a;", "1:17", "an operator, '=>'"),
+        ("rule r: a + a => 2*a \"x\" \"y\" a;", "1:26", "twice"),
         ("rule when: a + a => 2*a;", "1:6", "a word of the language"),
         (
             "rule r: a + a => 2*a;\nrule r: a*1 => a;",

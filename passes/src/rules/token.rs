@@ -11,6 +11,8 @@ pub(crate) enum RuleToken<'text> {
     /// A name.
     #[regex(r"[\p{L}_][\p{L}\p{N}_]*")]
     Word(&'text str),
+    /// Characters that are no token.
+    Unknown,
     /// `rule`.
     #[token("rule")]
     Rule,
@@ -82,37 +84,30 @@ impl RuleToken<'_> {
     }
 }
 
-/// A token with its place; none for characters that are no token.
-pub(super) type Placed<'text> = (Option<RuleToken<'text>>, Range<usize>);
+/// A token with its place.
+pub(super) type Placed<'text> = (RuleToken<'text>, Range<usize>);
 
 /// The tokens of a text, names with hyphens in one piece.
 pub(super) fn tokens(text: &str) -> Vec<Placed<'_>> {
+    use RuleToken::{Class, ClassName, Equals, Rule, RuleName, Unknown};
     let mut tokens: Vec<Placed<'_>> = Vec::new();
     for (token, span) in RuleToken::lexer(text).spanned() {
-        let token = token.ok();
-        if let [.., (Some(last), place)] = &mut tokens[..]
-            && let RuleToken::RuleName(name) | RuleToken::ClassName(name) = last
+        let token = match token {
+            Ok(token) => token,
+            Err(()) => Unknown,
+        };
+        if let [.., (RuleName(name) | ClassName(name), place)] = &mut tokens[..]
             && place.end == span.start
-            && token.is_some_and(RuleToken::continues_name)
+            && token.continues_name()
         {
             place.end = span.end;
             *name = &text[place.clone()];
             continue;
         }
-        let name = &text[span.clone()];
-        let token = match (&tokens[..], token) {
-            ([.., (Some(RuleToken::Rule), _)], Some(word)) if word.starts_name() => {
-                Some(RuleToken::RuleName(name))
-            }
-            (
-                [
-                    ..,
-                    (Some(RuleToken::Class), _),
-                    (Some(RuleToken::Equals), _),
-                ],
-                Some(word),
-            ) if word.starts_name() => Some(RuleToken::ClassName(name)),
-            (_, token) => token,
+        let token = match &tokens[..] {
+            [.., (Rule, _)] if token.starts_name() => RuleName(&text[span.clone()]),
+            [.., (Class, _), (Equals, _)] if token.starts_name() => ClassName(&text[span.clone()]),
+            _ => token,
         };
         tokens.push((token, span));
     }

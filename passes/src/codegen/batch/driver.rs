@@ -186,19 +186,10 @@ fn batch(writer: &BatchWriter<'_>) -> String {
     )
 }
 
-/// Copies of a batch whose lanes are not together, or not all there.
-fn copies(text: &mut String, writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) {
-    let name = &writer.names.function;
-    let real = writer.options.real.name();
-    let lanes = writer.options.lanes;
-    let touched = |input: bool| {
-        let mut arrays = arrays.iter();
-        arrays.any(|array| array.input == input && !array.spans.is_empty())
-    };
-    if touched(true) {
-        let _ = write!(
-            text,
-            "/* Some elements of the first states, `step` numbers from element to element and
+/// The function that makes runs of states.
+fn gather(name: &str, real: &str, lanes: u32) -> String {
+    format!(
+        "/* Some elements of the first states, `step` numbers from element to element and
    `next` from state to state, into runs; missing lanes repeat the last state. */
 static void {name}_gather(long count, const {real} *from, long step, long next,
     const int (*spans)[2], long number, {real} *to)
@@ -212,12 +203,13 @@ static void {name}_gather(long count, const {real} *from, long step, long next,
 }}
 
 "
-        );
-    }
-    if touched(false) {
-        let _ = write!(
-            text,
-            "/* Runs into some elements of the first states, without the missing lanes. */
+    )
+}
+
+/// The function that makes states of runs.
+fn scatter(name: &str, real: &str, lanes: u32) -> String {
+    format!(
+        "/* Runs into some elements of the first states, without the missing lanes. */
 static void {name}_scatter(long count, {real} *to, long step, long next,
     const int (*spans)[2], long number, const {real} *from)
 {{
@@ -230,7 +222,23 @@ static void {name}_scatter(long count, {real} *to, long step, long next,
 }}
 
 "
-        );
+    )
+}
+
+/// Copies of a batch whose lanes are not together, or not all there.
+fn copies(text: &mut String, writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) {
+    let name = &writer.names.function;
+    let real = writer.options.real.name();
+    let lanes = writer.options.lanes;
+    let touched = |input: bool| {
+        let mut arrays = arrays.iter();
+        arrays.any(|array| array.input == input && !array.spans.is_empty())
+    };
+    if touched(true) {
+        text.push_str(&gather(name, real, lanes));
+    }
+    if touched(false) {
+        text.push_str(&scatter(name, real, lanes));
     }
     let _ = write!(
         text,

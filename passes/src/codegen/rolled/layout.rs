@@ -15,7 +15,7 @@ use super::fit::{exact, fit};
 use super::nest::Nest;
 use super::program::Place;
 use super::resolve::{Access, Resolved};
-use super::statements::{NONE, Statements, Target};
+use super::statements::{Statements, Target};
 use hashbrown::{HashMap, HashSet};
 use robovec_ir::{Function, Operand, Value};
 use rustc_hash::FxBuildHasher;
@@ -42,8 +42,8 @@ pub(super) struct Layout<'a> {
     iterations: Vec<Vec<u32>>,
     /// For each value whether anybody reads it from the work array.
     needed: Vec<bool>,
-    /// For each value its word.
-    home: Vec<u32>,
+    /// For each value its word, once it has one.
+    home: Vec<Option<u32>>,
     occupied: Vec<bool>,
     /// For each access the words that it reads instead of the values' own.
     moved: Vec<Map<Operand, u32>>,
@@ -76,7 +76,7 @@ impl<'a> Layout<'a> {
                 .map(|number| nest.iterations(number))
                 .collect(),
             needed: vec![false; values],
-            home: vec![NONE; values],
+            home: vec![None; values],
             occupied: vec![true; 1],
             moved: vec![Map::default(); resolved.accesses.len()],
             copied: Vec::new(),
@@ -126,7 +126,7 @@ impl<'a> Layout<'a> {
     }
 
     fn settle(&mut self, value: Value, word: u32) {
-        self.home[value.index()] = word;
+        self.home[value.index()] = Some(word);
         self.occupied[word as usize] = true;
     }
 
@@ -136,14 +136,13 @@ impl<'a> Layout<'a> {
 
     /// The word an operand has.
     fn word(&self, operand: Operand) -> Option<u32> {
-        let word = self.home[operand.value()?.index()];
-        (word != NONE).then_some(word)
+        self.home[operand.value()?.index()]
     }
 
     /// True when an operand is known before an element of the program begins.
     fn is_known_before(&self, operand: Operand, top: usize) -> bool {
         operand.value().is_none_or(|value| {
-            let (position, _) = self.nest.producers[value.index()];
+            let (position, _) = self.nest.producer(value);
             self.nest.tops[position as usize] < top
         })
     }
@@ -265,7 +264,7 @@ impl<'a> Layout<'a> {
     fn apply(&mut self, number: usize, access: &Access, moves: &[(Operand, u32)]) {
         for &(operand, word) in moves {
             match operand.value() {
-                Some(value) if self.home[value.index()] == NONE => self.settle(value, word),
+                Some(value) if self.home[value.index()].is_none() => self.settle(value, word),
                 _ => {
                     self.occupied[word as usize] = true;
                     self.moved[number].insert(operand, word);
@@ -386,7 +385,7 @@ impl<'a> Layout<'a> {
             .collect();
         if known.iter().all(|word| word.is_none()) {
             let visits = place.starts.windows(2).map(|pair| pair[1] - pair[0]);
-            let pitch = visits.max().unwrap_or(0);
+            let pitch = visits.max().expect("a loop has a visit");
             let start = self.allocate(pitch as usize * (place.starts.len() - 1), MARGIN);
             for (pass, &value) in values.iter().enumerate() {
                 let word = start + place.visits[pass] * pitch + place.iteration(pass);
@@ -415,7 +414,7 @@ impl<'a> Layout<'a> {
             .filter(|&&operand| seen.insert(operand))
         {
             if let Some(value) = value.value() {
-                let (position, _) = self.nest.producers[value.index()];
+                let (position, _) = self.nest.producer(value);
                 *counts.entry(position).or_default() += 1;
             }
         }
@@ -486,7 +485,7 @@ impl<'a> Layout<'a> {
             }
             let in_loop = self.nest.positions[position].owner.is_some();
             for value in self.values(position) {
-                if !self.needed[value.index()] || self.home[value.index()] != NONE {
+                if !self.needed[value.index()] || self.home[value.index()].is_some() {
                     continue;
                 }
                 let until = last[value.index()];

@@ -8,8 +8,8 @@
 //! Visit `k` of a loop belongs to pass `k` of the loop around it.
 
 use super::repeat::{Item, Repeats};
-use super::statements::{NONE, Statements, Target};
-use robovec_ir::Function;
+use super::statements::{Statements, Target};
+use robovec_ir::{Function, Value};
 
 /// An element of a body.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -66,8 +66,9 @@ pub(super) struct Nest {
     pub(super) positions: Vec<Position>,
     /// The program, element after element.
     pub(super) items: Vec<Element>,
-    /// For each value the position that computes it and the pass.
-    pub(super) producers: Vec<(u32, u32)>,
+    /// For each value the position that computes it, if a statement does, and
+    /// the pass.
+    pub(super) producers: Vec<Option<(u32, u32)>>,
     /// For each position the element of the program it stands in.
     pub(super) tops: Vec<usize>,
 }
@@ -79,7 +80,7 @@ impl Nest {
             loops: Vec::new(),
             positions: Vec::new(),
             items: Vec::new(),
-            producers: vec![(NONE, NONE); function.nodes().len()],
+            producers: vec![None; function.nodes().len()],
             tops: Vec::new(),
         };
         for &item in &repeats.items {
@@ -180,7 +181,7 @@ impl Nest {
         for (number, position) in (0u32..).zip(&self.positions) {
             for (pass, &statement) in (0u32..).zip(&position.statements) {
                 if let Target::Value(value) = statements.list[statement as usize].target {
-                    self.producers[value.index()] = (number, pass);
+                    self.producers[value.index()] = Some((number, pass));
                 }
             }
         }
@@ -225,9 +226,16 @@ impl Nest {
         }
     }
 
+    /// The position and the pass that compute a value which statements read.
+    pub(super) fn producer(&self, value: Value) -> (u32, u32) {
+        self.producers[value.index()].expect("a value that a statement reads has one of its own")
+    }
+
     fn is_of_another_pass(&self, number: usize, pass: usize, value: usize) -> bool {
-        let (position, other) = self.producers[value];
-        if position == NONE || self.positions[position as usize].owner != Some(number) {
+        let Some((position, other)) = self.producers[value] else {
+            return false;
+        };
+        if self.positions[position as usize].owner != Some(number) {
             return false;
         }
         let visits = &self.loops[number].visits;

@@ -6,7 +6,7 @@
 //! from memory, and their values need a home there.
 
 use super::nest::{Element, Nest};
-use super::statements::{NONE, Statements};
+use super::statements::Statements;
 use hashbrown::HashMap;
 use robovec_ir::{Operand, OperandKind};
 use rustc_hash::FxBuildHasher;
@@ -129,8 +129,8 @@ impl Resolver<'_> {
     }
 
     fn producer(&self, operand: Operand) -> Option<(usize, usize)> {
-        let (position, pass) = self.nest.producers[operand.value()?.index()];
-        (position != NONE).then_some((position as usize, pass as usize))
+        let (position, pass) = self.nest.producers[operand.value()?.index()]?;
+        Some((position as usize, pass as usize))
     }
 
     fn same_pass(&self, owner: Option<usize>, operands: &[Operand], top: usize) -> Option<usize> {

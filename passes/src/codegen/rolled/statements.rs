@@ -56,9 +56,6 @@ pub(super) struct Statement {
 /// The template of copies.
 const COPY: u32 = 0;
 
-/// No statement, no position, no place.
-pub(super) const NONE: u32 = u32::MAX;
-
 /// All statements of a function, in program order; copies to outputs last.
 pub(super) struct Statements {
     pub(super) templates: Vec<Template>,

@@ -157,7 +157,8 @@ impl Layout<'_> {
 
     /// A table with these numbers, less their smallest.
     fn table(&mut self, values: &[i64]) -> (i64, usize) {
-        let base = values.iter().copied().min().unwrap_or(0);
+        let base = values.iter().copied().min();
+        let base = base.expect("a table has entries");
         let entries: Vec<u32> = values.iter().map(|value| (value - base) as u32).collect();
         let next = self.tables.len();
         let number = *self.table_index.entry(entries.clone()).or_insert(next);
@@ -260,7 +261,11 @@ impl Layout<'_> {
                 let place = self.function.input_array(input);
                 (Space::Input(place), coordinates(array, indices))
             }
-            OperandKind::Value(value) => (Space::Work, [0, i64::from(self.home[value.index()])]),
+            OperandKind::Value(value) => {
+                let word = self.home[value.index()];
+                let word = word.expect("a value that is read from the work array has a word");
+                (Space::Work, [0, i64::from(word)])
+            }
             OperandKind::Constant(constant) => {
                 let number = self.function.constant_number(constant);
                 (Space::Constants, [0, self.constants(&[number]) as i64])
