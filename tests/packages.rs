@@ -64,6 +64,45 @@ fn plain(path: &Path) -> PathBuf {
     plain
 }
 
+/// The crates of the workspace, those without dependencies first, each with
+/// the crates of the workspace that it depends on, as ARCHITECTURE.md draws
+/// them.
+fn drawing() -> String {
+    let mut left: Vec<(String, Vec<String>)> = crates()
+        .iter()
+        .map(|folder| {
+            let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");
+            let manifest: toml::Table = manifest.parse().expect("a well-formed manifest");
+            let name = manifest["package"]["name"].as_str().expect("a name");
+            let needs = manifest["dependencies"].as_table().expect("a table").keys();
+            let needs = needs.filter(|name| name.starts_with("robovec"));
+            (name.to_owned(), needs.cloned().collect())
+        })
+        .collect();
+    let (mut drawn, mut text) = (Vec::<String>::new(), String::new());
+    while !left.is_empty() {
+        let ready =
+            |(_, needs): &(String, Vec<String>)| needs.iter().all(|name| drawn.contains(name));
+        let place = left.iter().position(ready).expect("crates form no circle");
+        let (name, needs) = left.remove(place);
+        let line = format!("    {name:17} <- {}", needs.join(", "));
+        text += line.trim_end().trim_end_matches(" <-").trim_end();
+        text.push('\n');
+        drawn.push(name);
+    }
+    text
+}
+
+#[test]
+fn architecture_draws_the_crates_as_they_are() {
+    let drawing = drawing();
+    let text = fs::read_to_string(tree("ARCHITECTURE.md")).expect("it is there");
+    assert!(
+        text.contains(&drawing),
+        "ARCHITECTURE.md should draw\n\n{drawing}"
+    );
+}
+
 #[test]
 fn crates_include_only_what_is_in_their_packages() {
     let mut outside = Vec::new();

@@ -5,7 +5,7 @@
 //! output at one state the error it has, the error predicted from what every
 //! operation lost, a bound, the standard deviation under random rounding, and
 //! what a window of operations before it can lose in any state
-//! ([`ErrorTable`]). The methods are in [`robovec_analysis::`].
+//! ([`ErrorTable`]). The methods are in [`robovec_analysis`].
 
 mod heat;
 mod table;

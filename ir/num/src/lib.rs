@@ -2,7 +2,7 @@
 //! function is.
 //!
 //! The [`operation`]s, the [`arithmetic`] trait that evaluation is generic
-//! over, and its kinds of number: IEEE formats of any width ([`format`],
+//! over, and its kinds of number: IEEE formats of any width ([`mod@format`],
 //! [`soft_float`]), numbers of twice the length ([`double_double`]), prime
 //! fields ([`field`]), and sine and cosine by series ([`trigonometry`]).
 

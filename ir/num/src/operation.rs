@@ -47,9 +47,7 @@ impl Operation {
         Operation::Fnma,
     ];
 
-    /// How many operands the operation takes: 1 to [`Operand::MOST`].
-    ///
-    ///
+    /// How many operands the operation takes: one to three.
     #[inline]
     pub fn arity(self) -> usize {
         match self {

@@ -206,7 +206,7 @@ impl Prime {
         // One in 400 candidates is prime, and one in 2⁶ of those has six
         // squares; numbers of which never all are squares lose the last.
         const PATIENCE: u32 = 1 << 21;
-        let mut order = LOWEST + (bits >> 10) | 1;
+        let mut order = (LOWEST + (bits >> 10)) | 1;
         for candidate in 1u32.. {
             if candidate.is_multiple_of(PATIENCE) {
                 radicands = radicands.split_last().map_or(&[], |(_, rest)| rest);
