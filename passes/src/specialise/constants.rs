@@ -60,6 +60,10 @@ pub(super) struct Constants {
 /// far below, different numbers of the same field element far above.
 const NEAR: f64 = 1e-18;
 
+/// Of a product or quotient below this double-double has lost bits to the end
+/// of the range.
+const SMALL: f64 = 1e-270;
+
 impl Constants {
     /// Zero, one and minus one.
     pub(super) fn new() -> Constants {
@@ -92,7 +96,7 @@ impl Constants {
     }
 
     /// The result of an operation; `None` where it has none (a division by
-    /// zero, an overflow).
+    /// zero, an overflow, a product that is lost below the range).
     pub(super) fn apply(&mut self, operation: Operation, operands: [Known; 2]) -> Option<Known> {
         let values = operands.map(|known| self.entries[known.index()].value);
         let mut elements = [0; 2];
@@ -101,6 +105,11 @@ impl Constants {
             *element = calculate(field, operation, operands)?;
         }
         let value = calculate(&DoubleDouble, operation, values)?;
+        let is_product = matches!(operation, Operation::Mul | Operation::Div);
+        let is_exact = values.iter().any(|value| value.high.abs() == 1.0) || elements == [0, 0];
+        if is_product && !is_exact && value.high.abs() < SMALL {
+            return None;
+        }
         let magnitude = match operation {
             Operation::Add | Operation::Sub => values[0].high.abs() + values[1].high.abs(),
             _ => value.high.abs(),
