@@ -183,8 +183,13 @@ impl FreshNames {
 
     /// A new name derived from a symbol: the symbol itself when no value
     /// bears it, else the symbol with the next free number.
+    ///
+    /// # Panics
+    ///
+    /// When the symbol is that of [`Name::NONE`].
     #[inline]
     pub fn fresh(&mut self, base: Symbol) -> Name {
+        assert!(base != Name::NONE.base, "a fresh name has a symbol");
         let index = base.index();
         if index >= self.next.len() {
             self.next.resize(index + 1, 0);

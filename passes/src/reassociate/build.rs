@@ -497,14 +497,15 @@ fn fused(operation: Operation, product: bool, addend: bool) -> (Operation, bool)
 }
 
 /// At the equations level an unnamed node has exactly one user; those that
-/// sharing has given more get names. Those without any are left out when the
-/// function is laid out; they belong to no definition, so that there is no
-/// name to derive theirs from.
+/// sharing has given more get names. Those that no definition and no output
+/// depends on are left out when the function is laid out, whatever uses them:
+/// there is no name to derive theirs from.
 fn name_shared(function: &mut Function, tables: &mut Tables, names: &mut FreshNames) {
     let owners = owners(tables, function);
     for (index, uses) in function.use_counts().into_iter().enumerate() {
         let value = Value(index as u32);
-        if function.node(value).name.is_none() && uses > 1 {
+        let belongs = owners[index] != Name::NONE.base;
+        if function.node(value).name.is_none() && uses > 1 && belongs {
             function.node_mut(value).name = names.fresh(owners[index]);
         }
     }
