@@ -117,3 +117,17 @@ pub(super) fn residues<F: Field>(pairs: &Pairs<'_>, pair: usize, field: &F) -> [
         residue(evaluate(pairs.after.function, field, &after)[pair.after]),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_num::field::PrimeField;
+
+    #[test]
+    fn neighbouring_lanes_compute_in_both_fields_at_one_point() {
+        let primes = Prime::pair(7);
+        let prime = |lane| lane_field::<PrimeField>(primes, 1, 0, lane).prime();
+        assert_eq!([prime(0), prime(1)], primes);
+        assert_eq!([prime(2), prime(3)], primes);
+    }
+}

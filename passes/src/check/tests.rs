@@ -399,6 +399,21 @@ fn holes_and_lost_values_are_differences() {
 }
 
 #[test]
+fn the_fields_alone_see_what_is_defined_nowhere() {
+    let product = single(|b| b.binary(Mul, Builder::x(1), Builder::x(2)));
+    let nowhere = single(|b| {
+        let nothing = b.binary(Sub, Builder::x(3), Builder::x(3));
+        let product = b.binary(Mul, Builder::x(1), Builder::x(2));
+        b.binary(Div, product, nothing)
+    });
+    let pairs = Pairs::new(product.view(), nowhere.view())
+        .ok()
+        .expect("they pair");
+    let found = field::compare::<PrimeField>(&pairs, 8, 3);
+    assert!(!matches!(found, FieldComparison::Equal { .. }));
+}
+
+#[test]
 fn primes_follow_the_constants_of_both_versions() {
     let with = |number: f64| {
         single(move |b| {
