@@ -1,6 +1,7 @@
 //! The programs as a user meets them: exit codes, messages, outputs that are
 //! whole or absent, the same bytes every time.
 
+use crate::support::programs::stderr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -17,10 +18,6 @@ fn opt() -> Command {
 
 fn run(command: &mut Command) -> Output {
     command.output().expect("the program starts")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 const SUSPENSION: &str = "suspension/mbs_dirdyna_suspension.m";

@@ -1,23 +1,10 @@
 //! Speed against error: what the thesis could choose is dominated by what we
 //! choose, and what a scene is given holds in simulation.
 
+use crate::support::programs::{robovec, said};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
-
-fn robovec(arguments: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("the program starts");
-    assert!(
-        output.status.success(),
-        "{arguments:?}: {}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    String::from_utf8(output.stdout).expect("it prints UTF-8")
-}
 
 fn read(folder: &Path, name: &str) -> String {
     std::fs::read_to_string(folder.join(name)).expect("it was written")
@@ -27,7 +14,7 @@ fn read(folder: &Path, name: &str) -> String {
 fn every_choice_of_the_thesis_is_dominated() {
     let folder = tempfile::tempdir().expect("there is room for a folder");
     let path = folder.path().to_string_lossy().into_owned();
-    let text = robovec(&[
+    let text = said(&robovec(&[
         "front",
         "examples/models/bogie.mbs",
         "examples/suspension/mbs_dirdyna_suspension.m",
@@ -35,7 +22,7 @@ fn every_choice_of_the_thesis_is_dominated() {
         "--states=64",
         "-o",
         &path,
-    ]);
+    ]));
     assert!(text.contains("of the 10 choices of the thesis"), "{text}");
     let fronts: Value = serde_json::from_str(&read(folder.path(), "front.json")).expect("JSON");
     let fronts = fronts.as_array().expect("a list");
@@ -75,14 +62,14 @@ fn every_choice_of_the_thesis_is_dominated() {
 fn fit(scene: &str) -> (Value, Value) {
     let folder = tempfile::tempdir().expect("there is room for a folder");
     let path = folder.path().to_string_lossy().into_owned();
-    let text = robovec(&[
+    let text = said(&robovec(&[
         "fit",
         scene,
         "--formulation=composite",
         "--states=12",
         "-o",
         &path,
-    ]);
+    ]));
     assert!(!text.to_lowercase().contains("confirmed"), "{text}");
     let result: Value = serde_json::from_str(&read(folder.path(), "fit.json")).expect("JSON");
     let tried = &result["confirmation"];

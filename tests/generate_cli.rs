@@ -1,15 +1,9 @@
 //! `robovec gen` and `robovec-opt` on models, as a user meets them.
 
-use crate::support::programs::{model, robovec};
+use crate::support::programs::{model, robovec, said};
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn stdout(output: &Output) -> String {
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{message}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
+use std::process::Command;
 
 fn path(path: &Path) -> &str {
     path.to_str().expect("paths of tests are plain")
@@ -18,11 +12,11 @@ fn path(path: &Path) -> &str {
 #[test]
 fn the_text_reads_back_and_a_pipeline_runs_on_it() {
     let bogie = model("bogie.mbs");
-    let text = stdout(&robovec(&["gen", path(&bogie), "--function", "all"]));
+    let text = said(&robovec(&["gen", path(&bogie), "--function", "all"]));
     let module = robovec_ir::parse::parse_module("stdout", &text).expect("it reads back");
     assert_eq!(robovec_ir::print::print_module(&module), text);
     assert!(module.function("dirdyna").is_some() && module.function("sensor_1").is_some());
-    let short = stdout(&robovec(&[
+    let short = said(&robovec(&[
         "gen",
         path(&bogie),
         "--passes",
@@ -45,7 +39,7 @@ fn every_language_gets_its_files() {
             "--language",
             language,
         ];
-        let names = stdout(&robovec(&[&arguments[..], &["-o", path(&target)]].concat()));
+        let names = said(&robovec(&[&arguments[..], &["-o", path(&target)]].concat()));
         for kind in [
             "dirdyna",
             "invdyna",
@@ -75,8 +69,8 @@ fn a_model_can_be_optimised_at_once() {
             .output()
             .expect("the program starts")
     };
-    assert!(stdout(&opt("dirdyna")).contains("function dirdyna placed"));
-    assert!(stdout(&opt("sensor")).contains("function sensor_1 placed"));
+    assert!(said(&opt("dirdyna")).contains("function dirdyna placed"));
+    assert!(said(&opt("sensor")).contains("function sensor_1 placed"));
     let output = opt("dirdina");
     assert_eq!(output.status.code(), Some(1));
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -113,16 +107,16 @@ fn equations_are_compared_in_numbers_and_by_proof() {
     let car = model("quarter-car.mbs");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let ours = folder.path().join("ours.rvir");
-    let text = stdout(&robovec(&["gen", path(&car)]));
+    let text = said(&robovec(&["gen", path(&car)]));
     fs::write(&ours, &text).expect("room for the equations");
     let theirs =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension/mbs_dirdyna_suspension.c");
     let files = [path(&theirs), path(&ours)];
     let check = |how: &[&str]| robovec(&[&["check"][..], &files, how].concat());
-    let proof = stdout(&check(&["--circle", "--zeros", path(&car)]));
+    let proof = said(&check(&["--circle", "--zeros", path(&car)]));
     let expected = "dirdyna: real-trig, equal at 8 points of two prime fields and at 64 states";
     assert!(proof.starts_with(expected), "{proof}");
-    let numbers = stdout(&check(&["--model", path(&car)]));
+    let numbers = said(&check(&["--model", path(&car)]));
     assert!(numbers.starts_with("dirdyna: within "), "{numbers}");
 
     // One sign in the equations is enough to fail either way.

@@ -2,21 +2,15 @@
 //! file is told with its place and with what to do.
 
 use crate::support::files::{compare_with_record, each, list, name};
+use crate::support::programs::robovec;
 use robovec::model::family::Family;
 use robovec::model::mbs::{JOINT_LIMIT, read_mbs, write_mbs};
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn robovec(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .args(arguments)
-        .output()
-        .expect("the program starts")
 }
 
 /// The `.mbs` files of a folder, sorted.

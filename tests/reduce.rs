@@ -1,8 +1,7 @@
 //! Finding what a pass breaks, as a user meets it.
 
+use crate::support::programs::{opt_in, stderr};
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
 /// The thesis' machine has no divider, so that `place` refuses the function.
 const TEXT: &str = "function f equations {
@@ -20,18 +19,6 @@ const TEXT: &str = "function f equations {
 }
 ";
 
-fn opt(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_robovec-opt"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("the program starts")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("f.rvir"), TEXT).expect("room for the input");
@@ -41,7 +28,7 @@ fn folder() -> tempfile::TempDir {
 #[test]
 fn a_refused_function_is_reduced_and_the_result_runs_again() {
     let folder = folder();
-    let output = opt(
+    let output = opt_in(
         folder.path(),
         &[
             "f.rvir",
@@ -60,7 +47,7 @@ fn a_refused_function_is_reduced_and_the_result_runs_again() {
     let before = fs::read_to_string(folder.path().join("before.rvir")).expect("it was written");
     assert!(before.contains("out M[1..2,1..2]"), "{before}");
     for file in ["reduced.rvir", "before.rvir"] {
-        let again = opt(folder.path(), &[file, "--run-reproducer"]);
+        let again = opt_in(folder.path(), &[file, "--run-reproducer"]);
         assert_eq!(again.status.code(), Some(1));
         assert!(
             stderr(&again).contains("performs div"),
@@ -69,12 +56,12 @@ fn a_refused_function_is_reduced_and_the_result_runs_again() {
         );
     }
     // What is said besides is preferred.
-    let fixed = opt(
+    let fixed = opt_in(
         folder.path(),
         &["reduced.rvir", "--run-reproducer", "--passes=cse"],
     );
     assert!(fixed.status.success(), "{}", stderr(&fixed));
-    let none = opt(folder.path(), &["f.rvir", "--run-reproducer"]);
+    let none = opt_in(folder.path(), &["f.rvir", "--run-reproducer"]);
     assert_eq!(none.status.code(), Some(1));
     assert!(stderr(&none).contains("no reproducer"), "{}", stderr(&none));
 }
@@ -87,7 +74,7 @@ fn nothing_is_written_when_nothing_goes_wrong() {
         "--auto-reduce=a.rvir",
         "--reproducer=b.rvir",
     ];
-    let output = opt(folder.path(), &[&["f.rvir"], &arguments[..]].concat());
+    let output = opt_in(folder.path(), &[&["f.rvir"], &arguments[..]].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     let left: Vec<_> = fs::read_dir(folder.path()).expect("the folder").collect();
     assert_eq!(left.len(), 1);
@@ -98,7 +85,7 @@ fn a_limit_stops_the_pipeline_and_the_pass() {
     let folder = folder();
     let run = |limit: &str| {
         let passes = "-passes=atomise,balance,cse";
-        opt(
+        opt_in(
             folder.path(),
             &["f.rvir", passes, &format!("--bisect-limit={limit}")],
         )

@@ -2,6 +2,7 @@
 //! in them is told too.
 
 use crate::support::files::{compare_with_record, each, stem, tree};
+use crate::support::programs::{robovec, stderr};
 use robovec::generate::{Formulation, FunctionKind, Options, Request, generate};
 use robovec::scene::{PIPELINE, SceneFile, Subject, USUAL, read};
 use robovec_ir::count::Counts;
@@ -11,14 +12,12 @@ use robovec_num::arithmetic::{Arithmetic, Binary64};
 use robovec_num::double_double::DoubleDouble;
 use robovec_passes::manager::{self, Config};
 use robovec_passes::pass::{Aside, Context};
-use robovec_passes::pipeline;
 use robovec_passes::rewrites::Rewrites;
 use robovec_passes::rules::RuleSet;
 use robovec_passes::scene::Scene;
-use robovec_passes::{pass::Pass, registry};
+use robovec_passes::{pass::Pass, pipeline, registry};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes")
@@ -365,20 +364,12 @@ fn held_joints_are_no_unknowns() {
     );
 }
 
-fn robovec(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("the program starts")
-}
-
 #[test]
 fn a_scene_is_told() {
     for name in ["bogie-straight", "quarter-car-rig"] {
         let path = format!("examples/scenes/{name}.scene.toml");
         let output = robovec(&["scene", &path]);
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        let message = stderr(&output);
         assert!(output.status.success(), "{message}");
         insta::assert_snapshot!(name, String::from_utf8_lossy(&output.stdout));
     }

@@ -1,6 +1,7 @@
 //! Folders of images and hardware that are complete, or visibly not.
 
-use super::{folder, opt, read, refused, robovec, said, write};
+use super::{folder, read, refused, write};
+use crate::support::programs::{opt_in, robovec_in, said};
 use std::fs;
 use std::path::Path;
 
@@ -22,9 +23,12 @@ fn images_that_differ_from_their_manifest_are_refused() {
     let images = folder.path().join("images");
     let make = || {
         let passes = "-passes=place,codegen{target=mif}";
-        said(&opt(folder.path(), &["blend.rvir", passes, "-o", "images"]));
+        said(&opt_in(
+            folder.path(),
+            &["blend.rvir", passes, "-o", "images"],
+        ));
     };
-    let simulate = || robovec(folder.path(), &["simulate", "images", "--inputs", "2,3"]);
+    let simulate = || robovec_in(folder.path(), &["simulate", "images", "--inputs", "2,3"]);
     make();
     assert_eq!(said(&simulate()), "M = 11.0\n");
     let all = files(&images, ".mif");
@@ -55,18 +59,18 @@ fn images_that_differ_from_their_manifest_are_refused() {
 fn hardware_that_differs_from_its_description_is_refused() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    said(&opt(
+    said(&opt_in(
         folder.path(),
         &["blend.rvir", "-passes=place", "-o", "placed.rvir"],
     ));
     let build = || {
-        said(&robovec(
+        said(&robovec_in(
             folder.path(),
             &["rtl", "placed.rvir", "-o", "hardware"],
         ))
     };
     build();
-    let fits = |path: &str| robovec(folder.path(), &["rtl", "placed.rvir", "--fits", path]);
+    let fits = |path: &str| robovec_in(folder.path(), &["rtl", "placed.rvir", "--fits", path]);
     said(&fits("hardware"));
     said(&fits("hardware/rtl/machine.json"));
     let names = files(&at("hardware/rtl"), "");

@@ -1,6 +1,7 @@
 //! Machines known by their content, and placed text edited by hand.
 
-use super::{folder, opt, read, refused, robovec, said, write};
+use super::{folder, read, refused, write};
+use crate::support::programs::{opt_in, robovec_in, said};
 use std::path::Path;
 
 const SHIPPED: &str = include_str!("../../machines/thesis.toml");
@@ -25,7 +26,7 @@ fn a_copy_of_a_machine_with_its_name_is_another_machine() {
         "-o",
         "placed.rvir",
     ];
-    said(&opt(folder.path(), &place));
+    said(&opt_in(folder.path(), &place));
     assert!(read(&at("placed.rvir")).contains("schedule \"thesis\" (hash \""));
     for more in [
         &["-passes=asap-alap"][..],
@@ -33,45 +34,45 @@ fn a_copy_of_a_machine_with_its_name_is_another_machine() {
         &["--simulate"],
     ] {
         let arguments = [&["placed.rvir"][..], more].concat();
-        let message = refused(&opt(folder.path(), &arguments));
+        let message = refused(&opt_in(folder.path(), &arguments));
         assert!(message.contains("placed.rvir:"), "{message}");
         assert!(message.contains("hash"), "{message}");
         assert!(message.contains("place the program anew"), "{message}");
-        said(&opt(
+        said(&opt_in(
             folder.path(),
             &[&arguments[..], &["--machine", "copy.toml"]].concat(),
         ));
     }
-    let message = refused(&robovec(
+    let message = refused(&robovec_in(
         folder.path(),
         &["rtl", "placed.rvir", "-o", "hardware"],
     ));
     assert!(message.contains("placed.rvir:"), "{message}");
     assert!(!at("hardware").exists());
     // Anew, as the advice says, and under another name for the same content.
-    said(&opt(
+    said(&opt_in(
         folder.path(),
         &["placed.rvir", "-passes=place", "--simulate"],
     ));
     let renamed = read(&at("copy.toml")).replace("name = \"thesis\"", "name = \"mine\"");
     write(&at("mine.toml"), &renamed);
-    said(&opt(
+    said(&opt_in(
         folder.path(),
         &["placed.rvir", "--simulate", "--machine", "mine.toml"],
     ));
     // The images know it as well.
     let simulate = ["simulate", "images", "--inputs", "2,3"];
-    let message = refused(&robovec(folder.path(), &simulate));
+    let message = refused(&robovec_in(folder.path(), &simulate));
     assert!(message.contains("machine with hash"), "{message}");
     let simulate = [&simulate[..], &["--machine", "copy.toml"]].concat();
-    assert_eq!(said(&robovec(folder.path(), &simulate)), "M = 11.0\n");
+    assert_eq!(said(&robovec_in(folder.path(), &simulate)), "M = 11.0\n");
 }
 
 #[test]
 fn text_without_a_hash_stands_for_the_machine_of_its_name() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    said(&opt(
+    said(&opt_in(
         folder.path(),
         &["blend.rvir", "-passes=place", "-o", "placed.rvir"],
     ));
@@ -80,13 +81,13 @@ fn text_without_a_hash_stands_for_the_machine_of_its_name() {
     let end = start + text[start..].find(')').expect("it is closed") + 1;
     let old = format!("{}{}", &text[..start], &text[end..]);
     write(&at("old.rvir"), &old);
-    said(&opt(folder.path(), &["old.rvir", "--simulate"]));
+    said(&opt_in(folder.path(), &["old.rvir", "--simulate"]));
     assert_eq!(
-        said(&opt(folder.path(), &["old.rvir"])),
+        said(&opt_in(folder.path(), &["old.rvir"])),
         old,
         "nothing is made up"
     );
-    let message = refused(&opt(
+    let message = refused(&opt_in(
         folder.path(),
         &["old.rvir", "--simulate", "--machine", "fused"],
     ));
@@ -98,7 +99,7 @@ fn text_without_a_hash_stands_for_the_machine_of_its_name() {
     ] {
         let broken = format!("{} {wrong}{}", &text[..start], &text[end..]);
         write(&at("broken.rvir"), &broken);
-        let message = refused(&opt(folder.path(), &["broken.rvir"]));
+        let message = refused(&opt_in(folder.path(), &["broken.rvir"]));
         assert!(message.contains(expected), "{message}");
         assert!(message.contains("broken.rvir:"), "{message}");
     }
@@ -108,7 +109,7 @@ fn text_without_a_hash_stands_for_the_machine_of_its_name() {
 fn edited_placements_blame_the_file() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    said(&opt(
+    said(&opt_in(
         folder.path(),
         &["blend.rvir", "-passes=place", "-o", "placed.rvir"],
     ));
@@ -132,13 +133,16 @@ fn edited_placements_blame_the_file() {
             &["-passes=codegen{target=c}", "-o", "images"],
             &["--simulate"],
         ] {
-            let message = refused(&opt(folder.path(), &[&["edited.rvir"][..], more].concat()));
+            let message = refused(&opt_in(
+                folder.path(),
+                &[&["edited.rvir"][..], more].concat(),
+            ));
             assert!(message.contains("edited.rvir:"), "{message}");
             assert!(message.contains("%s"), "{message}");
             assert!(message.contains('^'), "{message}");
             assert!(!at("images").exists());
         }
-        let message = refused(&robovec(
+        let message = refused(&robovec_in(
             folder.path(),
             &["rtl", "edited.rvir", "-o", "images"],
         ));
@@ -146,7 +150,7 @@ fn edited_placements_blame_the_file() {
             message.contains("edited.rvir:") && message.contains('^'),
             "{message}"
         );
-        said(&opt(
+        said(&opt_in(
             folder.path(),
             &["edited.rvir", "-passes=place", "--simulate"],
         ));

@@ -7,8 +7,9 @@ mod replaced;
 mod tools;
 mod written;
 
+use crate::support::programs::stderr;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// Two sums and a product.
 const PROGRAM: &str = "// robovec 1
@@ -33,34 +34,9 @@ fn pendulum() -> String {
     path.display().to_string()
 }
 
-/// Runs `robovec-opt` in a folder.
-fn opt(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_robovec-opt"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("the program starts")
-}
-
-/// Runs `robovec` in a folder.
-fn robovec(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("the program starts")
-}
-
-/// What a run says that must succeed.
-fn said(output: &Output) -> String {
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{errors}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
 /// The messages of a run that must be refused.
 fn refused(output: &Output) -> String {
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    let errors = stderr(output);
     assert_eq!(output.status.code(), Some(1), "{errors}");
     assert!(!errors.contains("panicked"), "{errors}");
     assert!(!errors.contains("mistake in the pass"), "{errors}");

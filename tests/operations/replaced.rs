@@ -1,6 +1,7 @@
 //! What is never replaced without being asked for.
 
-use super::{folder, opt, pendulum, read, refused, robovec, said, write};
+use super::{folder, pendulum, read, refused, write};
+use crate::support::programs::{opt_in, robovec_in, said};
 use std::process::Output;
 
 /// A program that is run with more arguments.
@@ -13,10 +14,10 @@ fn files_of_others_stay_until_force_is_said() {
     let path = folder.path().join("x.rvir");
     let gen_into = |more: &[&str]| {
         let arguments = ["gen", &pendulum, "-o", "x.rvir"];
-        robovec(folder.path(), &[&arguments[..], more].concat())
+        robovec_in(folder.path(), &[&arguments[..], more].concat())
     };
     let opt_into = |more: &[&str]| {
-        opt(
+        opt_in(
             folder.path(),
             &[&["blend.rvir", "-o", "x.rvir"][..], more].concat(),
         )
@@ -43,7 +44,7 @@ fn files_of_robotran_stay() {
     let at = |name: &str| folder.path().join(name);
     let mine = "//\n//\tROBOTRAN - Version 6.6\n//\n//\t==> Project name : Blend\n";
     let model = pendulum();
-    said(&robovec(
+    said(&robovec_in(
         folder.path(),
         &["gen", &model, "-o", "blend.rvir"],
     ));
@@ -56,7 +57,7 @@ fn files_of_robotran_stay() {
             "--model",
             "Blend",
         ];
-        robovec(folder.path(), &[&arguments[..], more].concat())
+        robovec_in(folder.path(), &[&arguments[..], more].concat())
     };
     for (name, files) in [
         ("c", &["mbs_dirdyna_Blend.c", "mbs_dirdyna_Blend.h"][..]),
@@ -88,7 +89,7 @@ fn models_and_results_do_not_replace_what_people_write() {
     let at = |name: &str| folder.path().join(name);
     let written = |more: &[&str]| {
         let arguments = ["model", "double-pendulum", "-o", "m.mbs"];
-        robovec(folder.path(), &[&arguments[..], more].concat())
+        robovec_in(folder.path(), &[&arguments[..], more].concat())
     };
     said(&written(&[]));
     let message = refused(&written(&[]));
@@ -96,11 +97,11 @@ fn models_and_results_do_not_replace_what_people_write() {
     said(&written(&["--force"]));
     write(&at("mine.c"), "int mine;\n");
     let report = ["blend.rvir", "-passes=place", "--report", "mine.c"];
-    refused(&opt(folder.path(), &report));
+    refused(&opt_in(folder.path(), &report));
     assert_eq!(read(&at("mine.c")), "int mine;\n");
     write(&at("report.txt"), "an older report\n");
     let report = ["blend.rvir", "-passes=place", "--report", "report.txt"];
-    said(&opt(folder.path(), &report));
+    said(&opt_in(folder.path(), &report));
     assert!(read(&at("report.txt")).contains("Schedule"));
 }
 
@@ -115,20 +116,23 @@ fn the_name_of_a_file_does_not_promise_another_language() {
         ("codegen{target=c signature=plain}", "x.c", "-o FOLDER"),
     ] {
         let passes = format!("-passes={passes}");
-        let run = opt(folder.path(), &["blend.rvir", &passes, "-o", name]);
+        let run = opt_in(folder.path(), &["blend.rvir", &passes, "-o", name]);
         let message = refused(&run);
         assert!(message.contains(advice), "{message}");
         assert!(!folder.path().join(name).exists(), "{name}");
     }
-    said(&opt(
+    said(&opt_in(
         folder.path(),
         &["blend.rvir", "-passes=cse", "-o", "x.rvir"],
     ));
-    said(&opt(
+    said(&opt_in(
         folder.path(),
         &["blend.rvir", "-passes=cse", "-o", "x"],
     ));
-    let message = refused(&robovec(folder.path(), &["gen", &pendulum(), "-o", "x.c"]));
+    let message = refused(&robovec_in(
+        folder.path(),
+        &["gen", &pendulum(), "-o", "x.c"],
+    ));
     assert!(message.contains("robovec's text"), "{message}");
     assert!(!folder.path().join("x.c").exists());
 }
@@ -139,7 +143,7 @@ fn generated_folders_are_written_again_and_foreign_c_stays() {
     let into = |passes: &str, more: &[&str]| {
         let passes = format!("-passes={passes}");
         let arguments = ["blend.rvir", &passes, "-o", "out"];
-        opt(folder.path(), &[&arguments[..], more].concat())
+        opt_in(folder.path(), &[&arguments[..], more].concat())
     };
     for passes in [
         "place,codegen{target=rtl}",

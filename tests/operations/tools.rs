@@ -2,7 +2,8 @@
 
 #![cfg(unix)]
 
-use super::{pendulum, refused, said};
+use super::{pendulum, refused};
+use crate::support::programs::{opt_in, said};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -176,7 +177,7 @@ fn a_compiler_that_hangs_is_told_of() {
 fn a_simulator_that_hangs_is_told_of() {
     let folder = super::folder();
     let place = ["blend.rvir", "-passes=place", "-o", "placed.rvir"];
-    said(&super::opt(folder.path(), &place));
+    said(&opt_in(folder.path(), &place));
     let path = |name: &str| folder.path().join(name).display().to_string();
     let (input, output) = (path("placed.rvir"), path("hardware"));
     let tools = Tools::new(&[

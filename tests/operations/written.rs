@@ -1,6 +1,7 @@
 //! Permissions, links and leftovers.
 
-use super::{PROGRAM, folder, opt, read, said, write};
+use super::{PROGRAM, folder, read, write};
+use crate::support::programs::{opt_in, said};
 use std::fs;
 
 #[cfg(unix)]
@@ -29,7 +30,7 @@ fn new_files_have_what_the_mask_leaves_and_old_ones_keep_their_mode() {
     for kept in [0o600, 0o755, 0o664] {
         let permissions = fs::Permissions::from_mode(kept);
         fs::set_permissions(at("new.rvir"), permissions).expect("it is ours");
-        said(&opt(folder.path(), &["blend.rvir", "-o", "new.rvir"]));
+        said(&opt_in(folder.path(), &["blend.rvir", "-o", "new.rvir"]));
         assert_eq!(mode("new.rvir"), kept);
     }
 }
@@ -44,7 +45,7 @@ fn a_link_stays_and_its_target_is_written() {
     symlink("there/target.rvir", at("link.rvir")).expect("made");
     // Once to nothing, as compilers do, and once to what is there.
     for _ in 0..2 {
-        said(&opt(folder.path(), &["blend.rvir", "-o", "link.rvir"]));
+        said(&opt_in(folder.path(), &["blend.rvir", "-o", "link.rvir"]));
         assert!(
             fs::symlink_metadata(at("link.rvir"))
                 .expect("it is there")
@@ -60,10 +61,10 @@ fn a_link_stays_and_its_target_is_written() {
 #[test]
 fn the_doors_of_the_system_stay_what_they_are() {
     let folder = folder();
-    let run = opt(folder.path(), &["blend.rvir", "-o", "/dev/stdout"]);
+    let run = opt_in(folder.path(), &["blend.rvir", "-o", "/dev/stdout"]);
     assert_eq!(said(&run), PROGRAM);
     assert_eq!(
-        said(&opt(folder.path(), &["blend.rvir", "-o", "/dev/null"])),
+        said(&opt_in(folder.path(), &["blend.rvir", "-o", "/dev/null"])),
         ""
     );
     let null = fs::metadata("/dev/null").expect("it is there");
@@ -79,7 +80,7 @@ fn leftovers_of_a_killed_run_go() {
     write(&at("robovec-notes.part"), "somebody's");
     let held = fs::File::create(at(".robovec-9876543210.part")).expect("made");
     held.lock().expect("it is ours");
-    said(&opt(folder.path(), &["blend.rvir", "-o", "new.rvir"]));
+    said(&opt_in(folder.path(), &["blend.rvir", "-o", "new.rvir"]));
     assert!(!at(".robovec-Ab3dEf9hIj.part").exists());
     for kept in [
         ".robovec-notes.txt",

@@ -6,8 +6,7 @@ use super::models::{
 use robovec::generate::Formulation;
 use robovec::model::{Model, Nature};
 use robovec::motion::{Laws, Run, Setting};
-use robovec_ir::Format;
-use robovec_ir::Machine;
+use robovec_ir::{Format, Machine};
 use robovec_passes::pipeline;
 
 fn models() -> [Model; 4] {

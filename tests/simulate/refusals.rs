@@ -1,9 +1,8 @@
 //! Placements that the instruction words cannot express, and the images of
 //! one that they can.
 
-use super::float;
 use super::hand::{self, ADD0, MULTI0, word};
-use super::view;
+use super::{float, view};
 use robovec::simulate::mif::Image;
 use robovec_ir::machine::BufferDescription;
 use robovec_ir::placement::{Bank, Placement, Preload, Schedule, Write};

@@ -1,5 +1,4 @@
-//! The program `robovec` and the example models, as tests of the command line
-//! use them.
+//! The programs and the example models, as tests of the command line use them.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -11,10 +10,36 @@ pub(crate) fn model(name: &str) -> PathBuf {
         .join(name)
 }
 
-/// Runs `robovec`.
+/// Runs `robovec` in the root of the repository.
 pub(crate) fn robovec(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_robovec"))
+    robovec_in(Path::new(env!("CARGO_MANIFEST_DIR")), arguments)
+}
+
+/// Runs `robovec` in a folder.
+pub(crate) fn robovec_in(folder: &Path, arguments: &[&str]) -> Output {
+    run_in(folder, env!("CARGO_BIN_EXE_robovec"), arguments)
+}
+
+/// Runs `robovec-opt` in a folder.
+pub(crate) fn opt_in(folder: &Path, arguments: &[&str]) -> Output {
+    run_in(folder, env!("CARGO_BIN_EXE_robovec-opt"), arguments)
+}
+
+fn run_in(folder: &Path, program: &str, arguments: &[&str]) -> Output {
+    Command::new(program)
+        .current_dir(folder)
         .args(arguments)
         .output()
         .expect("the program starts")
+}
+
+/// What a run says that goes wrong.
+pub(crate) fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// What a run prints that must succeed.
+pub(crate) fn said(output: &Output) -> String {
+    assert!(output.status.success(), "{}", stderr(output));
+    String::from_utf8_lossy(&output.stdout).into_owned()
 }
