@@ -309,20 +309,21 @@ fn what_sinks_below_the_range_differs_from_nothing_else() {
 
 #[test]
 fn sums_that_are_zero_by_rounding_are_no_poles() {
-    // (x + 2^60) - 2^60 is zero in binary64 for small x, in either order.
-    let quotient = |reversed: bool| {
+    // (x - 2^60) + 2^60 is zero in binary64 for small x. Twice of it is a
+    // divisor that was not there before.
+    let quotient = |shifted: bool| {
         single(move |b| {
-            let large = b.constant(f64::from(60).exp2());
-            let x = b.binary(Mul, Builder::x(1), Builder::x(1));
-            let three = b.constant(3.0);
-            let x = b.binary(Add, x, three);
-            let divisor = if reversed {
-                let difference = b.binary(Sub, x, large);
-                b.binary(Add, difference, large)
-            } else {
-                x
-            };
-            b.binary(Div, Builder::x(2), divisor)
+            let [large, two, three] = [60f64.exp2(), 2.0, 3.0].map(|number| b.constant(number));
+            let square = b.binary(Mul, Builder::x(1), Builder::x(1));
+            let x = b.binary(Add, square, three);
+            if !shifted {
+                return b.binary(Div, Builder::x(2), x);
+            }
+            let difference = b.binary(Sub, x, large);
+            let same = b.binary(Add, difference, large);
+            let divisor = b.binary(Mul, two, same);
+            let half = b.binary(Div, Builder::x(2), divisor);
+            b.binary(Mul, two, half)
         })
     };
     assert!(holds(&quotient(false), &quotient(true), NumericClass::Real));
