@@ -12,7 +12,7 @@
 //! that fits into memory.
 
 use crate::arithmetic::Arithmetic;
-use crate::double_double::{DoubleDoubleLanes, DoubleLanes};
+use crate::double_double::{DoubleDoubleLanes, DoubleLanes, SMALLEST_WHOLE};
 
 /// Relative errors of the operations of double-double (Joldes, Muller and
 /// Popescu 2017, in units of 2⁻¹⁰⁶: 3 for a sum, 7 for a product, 15 for a
@@ -32,9 +32,7 @@ const REDUCTION: f64 = WAVE_UNIT * (f64::EPSILON / 16.0);
 /// Nothing is claimed of the sine of a larger angle.
 const LARGEST_ANGLE: f64 = (1u64 << 40) as f64;
 
-/// Products and quotients below this may have lost bits of their lower half
-/// to the end of the range, at most [`SUNK`].
-const SMALL: f64 = 1e-270;
+/// What products and quotients below [`SMALLEST_WHOLE`] may have lost, at most.
 const SUNK: f64 = f64::MIN_POSITIVE;
 
 /// Covers the rounding of the radii: each operation rounds a handful of times
@@ -106,7 +104,7 @@ impl<const LANES: usize> Ball<LANES> {
 #[inline]
 fn sunk(result: f64, (a, a_radius): (f64, f64), (b, b_radius): (f64, f64)) -> f64 {
     let may_be_other = (a != 0.0) | (a_radius != 0.0);
-    let lost = result.abs() < SMALL && may_be_other && (b != 0.0) | (b_radius != 0.0);
+    let lost = result.abs() < SMALLEST_WHOLE && may_be_other && (b != 0.0) | (b_radius != 0.0);
     if lost { SUNK } else { 0.0 }
 }
 

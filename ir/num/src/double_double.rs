@@ -19,6 +19,10 @@ pub use lanes::{DoubleDoubleLanes, DoubleLanes};
 
 use crate::arithmetic::Arithmetic;
 
+/// Products and quotients below this may have lost bits of their second half
+/// to the end of the range.
+pub const SMALLEST_WHOLE: f64 = 1e-270;
+
 /// The arithmetic of [`Double`] numbers.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct DoubleDouble;

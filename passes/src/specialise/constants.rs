@@ -11,7 +11,7 @@
 use hashbrown::HashMap;
 use robovec_ir::Operation;
 use robovec_num::arithmetic::Arithmetic;
-use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::double_double::{Double, DoubleDouble, SMALLEST_WHOLE};
 use robovec_num::field::PrimeField;
 use rustc_hash::FxBuildHasher;
 use smallvec::SmallVec;
@@ -60,10 +60,6 @@ pub(super) struct Constants {
 /// far below, different numbers of the same field element far above.
 const NEAR: f64 = 1e-18;
 
-/// Of a product or quotient below this double-double has lost bits to the end
-/// of the range.
-const SMALL: f64 = 1e-270;
-
 impl Constants {
     /// Zero, one and minus one.
     pub(super) fn new() -> Constants {
@@ -107,7 +103,7 @@ impl Constants {
         let value = calculate(&DoubleDouble, operation, values)?;
         let is_product = matches!(operation, Operation::Mul | Operation::Div);
         let is_exact = values.iter().any(|value| value.high.abs() == 1.0) || elements == [0, 0];
-        if is_product && !is_exact && value.high.abs() < SMALL {
+        if is_product && !is_exact && value.high.abs() < SMALLEST_WHOLE {
             return None;
         }
         let magnitude = match operation {

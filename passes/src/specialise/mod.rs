@@ -22,8 +22,7 @@ mod write;
 
 use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
-use crate::rewrite::lay_out;
-use crate::rewrite::remove_dead;
+use crate::rewrite::{lay_out, remove_dead};
 use crate::scene::Scene;
 use constants::Constants;
 use evaluate::Evaluator;

@@ -169,8 +169,7 @@ pub struct Prime {
 }
 
 impl Prime {
-    /// Two different primes, the same for the same seed. Costs some hundred
-    /// microseconds.
+    /// Two different primes, the same for the same seed. Costs 70 µs.
     pub fn pair(seed: u64) -> [Prime; 2] {
         Prime::pair_for(seed, &[])
     }
@@ -178,7 +177,7 @@ impl Prime {
     /// As [`Prime::pair`], but the first [`MAX_RADICANDS`] of these positive
     /// numbers are squares modulo both primes, and the fields know their roots.
     /// The root of a product is the product of roots then, as it is of real
-    /// numbers. Costs a millisecond per prime for all of them.
+    /// numbers. Costs a millisecond on average for six of them.
     pub fn pair_for(seed: u64, radicands: &[f64]) -> [Prime; 2] {
         let radicands = &radicands[..radicands.len().min(MAX_RADICANDS)];
         let first = Prime::draw(mix(seed), radicands);
@@ -203,8 +202,8 @@ impl Prime {
         // 24 times either is between 2⁶⁰ and 2⁶¹.
         const LOWEST: u64 = 3 << 54;
         const HIGHEST: u64 = 4 << 54;
-        // One in 400 candidates is prime, and one in 2⁶ of those has six
-        // squares; numbers of which never all are squares lose the last.
+        // One in 2⁶ primes has six squares, so that this many candidates are
+        // enough; numbers of which never all are squares lose the last.
         const PATIENCE: u32 = 1 << 21;
         let mut order = (LOWEST + (bits >> 10)) | 1;
         for candidate in 1u32.. {
