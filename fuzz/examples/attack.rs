@@ -8,14 +8,13 @@
 //! constants through random pipelines ([`robovec_fuzz::results`]), those of
 //! the passes named at the end left out, and lists what it found, the smallest
 //! program of each pass in full. `bodies SECONDS [NAME…]` runs the named
-//! bodies, or all, for so many seconds of the processor each. A finding gives exit code 1; the number
-//! of a case reproduces it with `case BODY NUMBER`; `show NUMBER` prints the
-//! pipeline and the program of a case of `programs`.
+//! bodies, or all, for so many seconds of the processor each. A finding gives
+//! exit code 1; the number of a case reproduces it with `case BODY NUMBER`;
+//! `show NUMBER` prints the pipeline and the program of a case of `programs`.
 
 use arbitrary::Unstructured;
-use nix::sys::resource::{UsageWho, getrusage};
-use nix::sys::time::TimeValLike;
 use robovec_fuzz::results::{Finding, Tally, describe_case, examine};
+use robovec_passes::manager::usage;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
@@ -125,7 +124,7 @@ struct Found {
 }
 
 fn programs(count: u64, seed: u64, without: &[String]) -> bool {
-    let start = processor_seconds();
+    let start = usage().0;
     let mut tally = Tally::default();
     let mut found: BTreeMap<String, Found> = BTreeMap::new();
     let (mut cases, mut findings) = (0, 0);
@@ -169,18 +168,8 @@ fn programs(count: u64, seed: u64, without: &[String]) -> bool {
             found.count, found.case, found.finding
         );
     }
-    println!(
-        "{tally}; {findings} findings; {:.1} s",
-        processor_seconds() - start
-    );
+    println!("{tally}; {findings} findings; {:.1} s", usage().0 - start);
     findings == 0
-}
-
-/// What this process has used of the processor, which other programs on the
-/// machine do not change.
-fn processor_seconds() -> f64 {
-    let used = getrusage(UsageWho::RUSAGE_SELF).expect("a process may ask for its own usage");
-    (used.user_time() + used.system_time()).num_microseconds() as f64 * 1e-6
 }
 
 fn bodies(seconds: u64, names: &[&str]) -> bool {
@@ -189,9 +178,9 @@ fn bodies(seconds: u64, names: &[&str]) -> bool {
         if !names.is_empty() && !names.contains(&name) {
             continue;
         }
-        let start = processor_seconds();
+        let start = usage().0;
         let (mut case, mut failures) = (0u64, 0u32);
-        while processor_seconds() - start < seconds as f64 {
+        while usage().0 - start < seconds as f64 {
             let data = bytes(case);
             if catch_unwind(AssertUnwindSafe(|| body(&data))).is_err() {
                 eprintln!("case {name} {case}");
@@ -199,7 +188,7 @@ fn bodies(seconds: u64, names: &[&str]) -> bool {
             }
             case += 1;
         }
-        let spent = processor_seconds() - start;
+        let spent = usage().0 - start;
         println!("{name}: {case} inputs, {failures} failures, {spent:.1} s");
         quiet &= failures == 0;
     }

@@ -10,9 +10,8 @@
 
 use crate::equations::{Contents, equations};
 use crate::generate::{Kind, module};
-use crate::hostile;
-use crate::passes;
 use crate::referee::{self, BITS, Leniency, Opinion, Real, Referee};
+use crate::{hostile, passes};
 use arbitrary::{Result, Unstructured};
 use robovec_ir::evaluate::evaluate_mixed_nodes;
 use robovec_ir::states::States;

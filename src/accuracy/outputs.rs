@@ -4,10 +4,7 @@
 use crate::present::csv::push_line;
 use crate::present::number::{or_dash, scientific};
 use crate::present::text_lines;
-use robovec_analysis::accuracy::Accuracy;
-use robovec_analysis::accuracy::ElementError;
-use robovec_analysis::accuracy::FormatAccuracy;
-use robovec_analysis::accuracy::Spread;
+use robovec_analysis::accuracy::{Accuracy, ElementError, FormatAccuracy, Spread};
 use robovec_ir::View;
 use robovec_ir::print::print_output;
 use serde::Serialize;

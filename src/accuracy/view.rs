@@ -2,9 +2,9 @@
 
 use super::{Step, Subject};
 use crate::present::number::units;
-use crate::present::text_lines;
-use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
-use crate::present::{DataCell, DataTable};
+use crate::present::{
+    AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_lines,
+};
 use robovec_analysis::rounding::{Change, Quantiles, Trend};
 use std::fmt::Write;
 

@@ -5,12 +5,11 @@
 //! user's Python packages (`pin`, `mujoco`, `casadi`), found by asking Python.
 //! What is not installed is named in the table with what to install.
 
-use super::Question;
 use super::contestant::{Contestant, Family, RESULTS};
 use super::functions::{Key, inputs};
 use super::own::BENCH_H;
 use super::tools::{Compiler, Step};
-use super::tree;
+use super::{Question, tree};
 use crate::model::Model;
 use crate::process::Call;
 use robovec_ir::{Input, View};

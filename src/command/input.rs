@@ -50,12 +50,7 @@ pub(crate) fn equations_or_model(
     if !is_model || language.is_some() {
         return equations(path, language);
     }
-    let kind = function.map_or(Some(FunctionKind::Dirdyna), |name| {
-        // Cases of sensors are chosen from all.
-        let bare = name.trim_end_matches(|c: char| c.is_ascii_digit());
-        FunctionKind::from_name(name)
-            .or_else(|| FunctionKind::from_name(bare.trim_end_matches('_')))
-    });
+    let kind = function.map_or(Some(FunctionKind::Dirdyna), FunctionKind::with_name);
     let Some(kind) = kind else {
         let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
         return Err(Failure::advised(

@@ -2,12 +2,12 @@
 
 use super::arguments::{self, Arguments, USUAL_MACHINE};
 use super::dump::DumpFolder;
-use super::explain;
 use super::input::{self, Input};
 use super::tables::{self, Stage};
-use super::{Failure, listing, names, output, placed, reduction, reproducer, rules, simulation};
-use crate::files::Replace;
-use crate::files::limited;
+use super::{
+    Failure, explain, listing, names, output, placed, reduction, reproducer, rules, simulation,
+};
+use crate::files::{Replace, limited};
 use crate::report;
 use clap::FromArgMatches;
 use clap_complete::env::{CompleteEnv, Shells};

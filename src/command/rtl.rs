@@ -3,18 +3,16 @@
 use super::opt::select;
 use super::rtl_bench::{self, BenchArguments};
 use super::{Failure, input, output, placed};
-use crate::files::Replace;
-use crate::files::limited;
 use crate::files::sealed::check_folder;
+use crate::files::{Replace, limited};
 use clap::{Args, ValueEnum};
 use robovec_ir::{Function, Machine, Module, View};
-use robovec_passes::codegen::Artifacts;
 use robovec_passes::codegen::hardware::Shape;
 use robovec_passes::codegen::manifest::FileHash;
-use robovec_passes::codegen::quartus;
 use robovec_passes::codegen::rtl::{
     self, Crossbar, CrossbarChoice, DESCRIPTION, Fit, Hardware, RtlError,
 };
+use robovec_passes::codegen::{Artifacts, quartus};
 use robovec_passes::manager::{self, Config};
 use std::fmt::Write as _;
 use std::io;

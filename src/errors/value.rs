@@ -3,8 +3,7 @@
 use super::heat::{Heat, blame, blame_of};
 use super::view::{place, small};
 use crate::present::number::percent;
-use robovec_analysis::adjoint::Run;
-use robovec_analysis::adjoint::Tape;
+use robovec_analysis::adjoint::{Run, Tape};
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
 use robovec_passes::trail::Item;

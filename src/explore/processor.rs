@@ -8,8 +8,7 @@
 //! which need not be the bench's.
 
 use crate::bench::contestant::Family;
-use crate::bench::own;
-use crate::bench::{Compiler, Question, bench};
+use crate::bench::{Compiler, Question, bench, own};
 use crate::files::TemporaryFolder;
 use robovec_ir::View;
 use robovec_ir::states::States;

@@ -2,9 +2,9 @@
 
 use super::confirm::Confirmation;
 use super::{Candidate, FitOutcome, Task};
-use crate::present::text_table;
-use crate::present::{AxisScale, Curve, Figure, Mark, Panel, PlotAxis};
-use crate::present::{DataCell, DataTable};
+use crate::present::{
+    AxisScale, Curve, DataCell, DataTable, Figure, Mark, Panel, PlotAxis, text_table,
+};
 use std::fmt::Write;
 
 /// Lines of the front that are shown; all of it is in the files.

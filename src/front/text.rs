@@ -3,9 +3,9 @@
 use super::measure::FrontPoint;
 use super::{Front, FrontVerdict};
 use crate::present::number::{exponential, or_dash};
-use crate::present::text_table;
-use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
-use crate::present::{DataCell, DataTable};
+use crate::present::{
+    AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_table,
+};
 use std::fmt::Write;
 
 /// The unit of errors in figures: the rounding of one operation in binary32.

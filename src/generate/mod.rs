@@ -133,6 +133,14 @@ impl FunctionKind {
             .into_iter()
             .find(|kind| kind.name() == name)
     }
+
+    /// The function that gives what has this name: as [`FunctionKind::from_name`],
+    /// and `sensor_3` is what `sensor` gives third.
+    pub fn with_name(name: &str) -> Option<FunctionKind> {
+        let bare = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        FunctionKind::from_name(name)
+            .or_else(|| FunctionKind::from_name(bare.trim_end_matches('_')))
+    }
 }
 
 /// In which order the terms of a backward sum are written. It decides the

@@ -3,8 +3,7 @@
 use super::document::{Problems, Span};
 use robovec_ir::Shape;
 use robovec_ir::states::Ranges;
-use robovec_passes::scene::Bindings;
-use robovec_passes::scene::Pattern;
+use robovec_passes::scene::{Bindings, Pattern};
 use std::collections::BTreeMap;
 
 /// What is said of an element.

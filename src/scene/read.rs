@@ -224,11 +224,7 @@ fn model_subject(
     problems: &mut Problems,
 ) -> Result<Option<(Subject, Report)>, Report> {
     let wish = scene.function.as_deref().unwrap_or("dirdyna");
-    // Cases of sensors are chosen from all.
-    let bare = wish.trim_end_matches(|c: char| c.is_ascii_digit());
-    let kind = FunctionKind::from_name(wish)
-        .or_else(|| FunctionKind::from_name(bare.trim_end_matches('_')));
-    let Some(kind) = kind else {
+    let Some(kind) = FunctionKind::with_name(wish) else {
         let names = FunctionKind::ALL.map(FunctionKind::name);
         problems.unknown(span, "no model has a function", wish, &names);
         return Ok(None);

@@ -3,8 +3,7 @@
 use super::view::short;
 use super::{Class, Finding, Findings};
 use crate::present::escape::EscapedContent;
-use crate::present::plot;
-use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
+use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke, plot};
 use std::fmt::Write;
 
 const STYLE: &str = "\

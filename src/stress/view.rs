@@ -2,8 +2,7 @@
 
 use super::{Case, Class, Findings, Treatment};
 use crate::present::number::or_dash;
-use crate::present::text_lines;
-use crate::present::{DataCell, DataTable};
+use crate::present::{DataCell, DataTable, text_lines};
 use robovec_ir::Format;
 
 /// A case with what was found.

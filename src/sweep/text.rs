@@ -2,9 +2,9 @@
 
 use super::{Sweep, SweepPoint};
 use crate::present::number::or_dash;
-use crate::present::text_table;
-use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
-use crate::present::{DataCell, DataTable};
+use crate::present::{
+    AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_table,
+};
 use robovec_ir::machine::MemoryStyle;
 
 /// The front with the processor's time beside it, and what did not work.

@@ -2,9 +2,9 @@
 
 use super::{Effect, Row};
 use crate::present::number::exponential;
-use crate::present::text_lines;
-use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
-use crate::present::{DataCell, DataTable};
+use crate::present::{
+    AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_lines,
+};
 
 /// The rows of one function, for people.
 pub fn text(effect: &Effect) -> String {

@@ -17,8 +17,7 @@
 
 use super::profile::{LANES, Lanes, Profile, add, is_exact, product, squares};
 use crate::pass::Context;
-use crate::rewrite::remove_dead;
-use crate::rewrite::{Rewriter, owners};
+use crate::rewrite::{Rewriter, owners, remove_dead};
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_ir::{
     Format, FreshNames, Function, Name, Node, Operand, Operation, SourceSet, Symbol, Value,

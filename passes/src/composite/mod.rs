@@ -11,9 +11,8 @@ mod search;
 mod tree;
 mod write;
 
-use crate::declare_pass;
-use crate::factor;
 use crate::pass::{Context, Gives, Pass, PassError};
+use crate::{declare_pass, factor};
 use model::Model;
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Function;

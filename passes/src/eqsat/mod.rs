@@ -16,10 +16,9 @@ mod tests;
 mod window;
 mod write;
 
-use crate::NumericClass;
-use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rules::RuleSet;
+use crate::{NumericClass, declare_pass};
 use pattern::BagRule;
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_ir::Function;

@@ -4,8 +4,7 @@ use super::alternatives::{Kind, all_negative};
 use super::graph::Maker;
 use super::round::Rewriting;
 use crate::cse::{Key, KnownValues, SourceMerges};
-use crate::rewrite::owners;
-use crate::rewrite::remove_dead;
+use crate::rewrite::{owners, remove_dead};
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::{
     FreshNames, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol, Tables,

@@ -2,9 +2,8 @@
 
 use super::*;
 use crate::pass::{Gives, Pass};
-use crate::pipeline;
 use crate::pipeline::Step;
-use crate::{declare_pass, registry};
+use crate::{declare_pass, pipeline, registry};
 use robovec_ir::states::States;
 use robovec_ir::{Operation, parse};
 

@@ -16,10 +16,9 @@ mod table;
 mod trial;
 mod variants;
 
-use crate::declare_pass;
-use crate::option_words;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::place::{ElementCounts, explain, with_counts};
+use crate::{declare_pass, option_words};
 use robovec_ir::Function;
 use robovec_ir::machine::fields;
 use robovec_num::limits::NumberLimit;

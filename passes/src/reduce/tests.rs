@@ -2,12 +2,11 @@
 #![allow(unreachable_pub, reason = "the macro declares public passes")]
 
 use super::*;
-use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError, PassInfo};
 use crate::pipeline::{PassStep, Step};
-use crate::registry;
 use crate::rewrite::lay_out;
 use crate::rules::RuleSet;
+use crate::{declare_pass, registry};
 use robovec_ir::{Function, Level, Machine, Operation, Value, parse, verify};
 
 /// True when an operation reads the result of such an operation.

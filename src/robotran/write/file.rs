@@ -3,14 +3,13 @@
 use super::arrays::Arrays;
 use super::body::Body;
 use super::error::WriteError;
-use super::extents;
 use super::identifiers::{identifiers, kept};
 use super::kind::Kind;
 use super::names::Names;
 use super::plan::{Statement, plan};
 use super::prologue::Prologue;
 use super::text::{Text, comment_mark};
-use super::{Member, WriteOptions};
+use super::{Member, WriteOptions, extents};
 use crate::robotran::Language;
 use hashbrown::HashMap;
 use robovec_ir::{Function, Input, Module, Shape, Symbols};

@@ -8,12 +8,10 @@ use super::cpu::{self, CpuTime};
 use super::results::{Results, time_us};
 use super::verdict::verdicts;
 use super::zone::zone;
-use crate::present::DataTable;
-use crate::present::Figure;
 use crate::present::escape::Escaped;
 use crate::present::json::json_script;
 use crate::present::number::round;
-use crate::present::page;
+use crate::present::{DataTable, Figure, page};
 use serde_json::{Value, json};
 use std::fmt::Write;
 

@@ -2,11 +2,10 @@
 
 mod expression;
 
-use super::super::emit::Real;
 use super::super::emit::arrays::{Rows, parameter};
 use super::super::emit::expression::literal;
-use super::super::emit::frame;
 use super::super::emit::names::CNames;
+use super::super::emit::{Real, frame};
 use super::super::sincos::Kernel;
 use super::nest::Element;
 use super::program::{Copy, Place, Program, Source, Space};

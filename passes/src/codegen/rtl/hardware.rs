@@ -6,9 +6,8 @@
 //! fits when its traffic stays within.
 
 use super::error::RtlError;
-use super::legs;
-use super::unit;
 use super::window::Window;
+use super::{legs, unit};
 use crate::codegen::layout::{Layout, Sizes, bits};
 use crate::codegen::manifest::{Buffer, FileHash};
 use crate::codegen::traffic::Traffic;

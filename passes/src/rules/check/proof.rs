@@ -1,15 +1,14 @@
 //! The parts of a proof, one after the other.
 
 use super::super::rule::Rule;
-use super::Verdict;
 use super::agree::{Agreement, agree};
 use super::ball::Ball;
 use super::counterexample::{Counterexample, compare, search, smallest};
-use super::domain;
 use super::facts::Facts;
 use super::joined::Joined;
 use super::point::{Place, evaluate};
 use super::states::States;
+use super::{Verdict, domain};
 use robovec_ir::Operation;
 use std::fmt;
 

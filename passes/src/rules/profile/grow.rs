@@ -7,8 +7,7 @@
 //! in a program.
 
 use super::super::RuleSet;
-use super::super::graph::Term;
-use super::super::graph::{Budget, grow, rewrites, term};
+use super::super::graph::{Budget, Term, grow, rewrites, term};
 use super::super::rule::Rule;
 use super::family::Family;
 use super::fit::{Growth, estimate, formula};
