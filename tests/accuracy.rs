@@ -12,8 +12,8 @@ use robovec_analysis::rounding::Trend;
 use robovec_ir::states::States;
 use robovec_ir::{Level, Machine, Module};
 use robovec_passes::pass::Gives;
-use robovec_passes::pipeline::{self, Pipeline, Step};
-use robovec_passes::registry::PRESETS;
+use robovec_passes::pipeline::{Pipeline, Step};
+use robovec_passes::registry::REGISTRY;
 use std::fs;
 use std::path::Path;
 
@@ -54,7 +54,7 @@ fn modules() -> Vec<(String, Module)> {
 /// The passes of a preset up to the schedule: from there on the question is
 /// when and where, not what.
 fn arithmetic_part(preset: &str) -> Pipeline {
-    let mut pipeline = pipeline::parse(preset).expect("presets are sound");
+    let mut pipeline = REGISTRY.pipeline(preset).expect("presets are sound");
     let schedules = |step: &Step| match step {
         Step::Pass(step) => matches!(
             step.info.gives,
@@ -94,7 +94,7 @@ fn measured_on(preset: &str, machine: &str) -> Vec<Subject> {
 
 #[test]
 fn no_pass_of_a_default_pipeline_worsens_the_median() {
-    for preset in PRESETS {
+    for preset in REGISTRY.presets {
         let mut compared = 0;
         for subject in measured(&format!("${}", preset.name)) {
             for step in &subject.steps {

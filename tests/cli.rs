@@ -574,7 +574,7 @@ fn every_output_is_measured_in_any_format() {
 fn help_lists_what_there_is() {
     let passes = run(opt().arg("--list-passes"));
     let text = String::from_utf8_lossy(&passes.stdout).into_owned();
-    for info in robovec_passes::registry::PASSES {
+    for info in robovec_passes::registry::REGISTRY.passes {
         assert!(text.contains(info.name), "{} is not listed", info.name);
         let page = run(opt().args(["--help-pass", info.name]));
         assert!(page.status.success());

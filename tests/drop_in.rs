@@ -9,7 +9,7 @@ use robovec_passes::codegen::c::{
     Options, Order, Real, Signature, Sines, Trial, files, function_name, minimal_data, trial_main,
 };
 use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline;
+use robovec_passes::registry::REGISTRY;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -60,7 +60,7 @@ fn generated(model: &str, kind: FunctionKind, passes: &str) -> Module {
     let bytes = std::fs::read(root.join(model).with_extension("mbs")).expect("it ships");
     let model = read_mbs(model, &bytes).expect("it is a good model").model;
     let mut module = generate(&model, &Request::new(kind)).expect("it is a good model");
-    let pipeline = pipeline::parse(passes).expect("a good pipeline");
+    let pipeline = REGISTRY.pipeline(passes).expect("a good pipeline");
     let machine = Machine::built_in("thesis").expect("it ships");
     let mut log = Vec::new();
     manager::run(&mut module, &pipeline, Config::new(&machine, &mut log)).expect("it runs");

@@ -11,7 +11,7 @@ use crate::support::files::{compare_with_record, each, name, tree};
 use robovec::scene::SceneFile;
 use robovec_ir::{Machine, parse, print};
 use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline;
+use robovec_passes::registry::REGISTRY;
 use std::fs;
 use std::path::Path;
 
@@ -94,7 +94,7 @@ fn produce(path: &Path, text: &str) -> String {
     let named = last.and_then(|(first, name)| Some((first, Machine::built_in(name)?)));
     let thesis = || Machine::built_in("thesis").expect("it ships");
     let (pipeline, machine) = named.unwrap_or_else(|| (directive, thesis()));
-    let pipeline = match pipeline::parse(pipeline) {
+    let pipeline = match REGISTRY.pipeline(pipeline) {
         Ok(pipeline) => pipeline,
         Err(error) => return error.to_string(),
     };

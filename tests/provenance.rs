@@ -4,8 +4,8 @@
 use robovec_ir::print::{print_definition, print_module};
 use robovec_ir::{History, Machine, Module, View, parse};
 use robovec_passes::manager::{self, Config};
+use robovec_passes::registry::REGISTRY;
 use robovec_passes::trail::{Trail, explain, find};
-use robovec_passes::{pipeline, registry};
 use std::collections::HashMap;
 use std::path::Path;
 use std::process::Command;
@@ -70,7 +70,7 @@ fn every_value_keeps_its_equations_and_the_passes_that_made_it() {
         let before = read(model);
         let as_read = definitions(&before);
         for text in PIPELINES {
-            let pipeline = pipeline::parse(text).expect("the pipeline is sound");
+            let pipeline = REGISTRY.pipeline(text).expect("the pipeline is sound");
             let mut module = before.clone();
             let mut trail = Trail::new();
             let mut log = Vec::new();
@@ -113,7 +113,7 @@ fn check(module: &Module, as_read: &HashMap<String, String>, text: &str) -> usiz
         );
         for step in chain {
             let pass = step.pass.split('{').next().unwrap_or_default();
-            assert!(registry::find(pass).is_some(), "{pass} is no pass");
+            assert!(REGISTRY.find(pass).is_some(), "{pass} is no pass");
         }
     }
     changed

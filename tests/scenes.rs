@@ -11,11 +11,12 @@ use robovec_ir::{Function, Input, Machine, Module, View};
 use robovec_num::arithmetic::{Arithmetic, Binary64};
 use robovec_num::double_double::DoubleDouble;
 use robovec_passes::manager::{self, Config};
+use robovec_passes::pass::Pass;
 use robovec_passes::pass::{Aside, Context};
+use robovec_passes::registry::REGISTRY;
 use robovec_passes::rewrites::Rewrites;
 use robovec_passes::rules::RuleSet;
 use robovec_passes::scene::Scene;
-use robovec_passes::{pass::Pass, pipeline, registry};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -44,7 +45,7 @@ fn thesis() -> Machine {
 
 /// Runs a pipeline under the check.
 fn compile(mut module: Module, passes: &str, scene: Option<&Scene>) -> Module {
-    let pipeline = pipeline::parse(passes).expect("a pipeline");
+    let pipeline = REGISTRY.pipeline(passes).expect("a pipeline");
     let machine = thesis();
     let mut log = Vec::new();
     let base = Config::new(&machine, &mut log);
@@ -182,6 +183,7 @@ fn witness(module: &mut Module, scene: &Scene) -> Function {
     let mut context = Context {
         tables: &mut module.tables,
         machine: &machine,
+        registry: &REGISTRY,
         rules: &rules,
         scene: Some(scene),
         witness: &mut aside.witness,
@@ -192,7 +194,7 @@ fn witness(module: &mut Module, scene: &Scene) -> Function {
         notes: &mut aside.notes,
         rewrites: &rewrites,
     };
-    let info = registry::find("specialise").expect("it is registered");
+    let info = REGISTRY.find("specialise").expect("it is registered");
     let pass: Box<dyn Pass> = (info.build)(&[]).expect("it has no options");
     let function = &mut module.functions[0];
     pass.run(function, &mut context)

@@ -13,7 +13,7 @@ use robovec_num::arithmetic::Binary32;
 use robovec_num::trigonometry::host::Unit;
 use robovec_passes::codegen::write_images;
 use robovec_passes::manager::{self, Config, Outcome};
-use robovec_passes::pipeline;
+use robovec_passes::registry::REGISTRY;
 use robovec_passes::trigonometry::Method;
 use std::fs;
 use std::path::Path;
@@ -32,7 +32,7 @@ fn thesis() -> Machine {
 }
 
 fn run(module: &mut Module, passes: &str) -> Outcome {
-    let pipeline = pipeline::parse(passes).expect("a sound pipeline");
+    let pipeline = REGISTRY.pipeline(passes).expect("a sound pipeline");
     let mut log = std::io::sink();
     manager::run(module, &pipeline, Config::new(&thesis(), &mut log)).expect("it runs")
 }

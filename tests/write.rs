@@ -1,7 +1,6 @@
 //! The writer of Robotran's files: what it writes reads back as the function
 //! it was, in every language, and compiles to the same numbers.
 
-#[allow(dead_code)]
 use crate::compiled::{Outcome, Subject, compare, has_gcc};
 use crate::support::files::{compare_with_record, each};
 use robovec::generate::{FunctionKind, Request, generate};
@@ -20,7 +19,8 @@ use robovec_ir::{
 use robovec_num::arithmetic::Binary64;
 use robovec_passes::codegen::c::{Options, Real, Signature as CSignature, Sines, files as c_files};
 use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline;
+#[allow(dead_code)]
+use robovec_passes::registry::REGISTRY;
 use robovec_passes::rewrite::lay_out;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
@@ -369,7 +369,9 @@ fn check_compares_c_that_robovec_wrote() {
 #[test]
 fn optimised_equations_are_written() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension");
-    let pipeline = pipeline::parse("atomise,fold,cse,dce,inline").expect("a good pipeline");
+    let pipeline = REGISTRY
+        .pipeline("atomise,fold,cse,dce,inline")
+        .expect("a good pipeline");
     let machine = Machine::built_in("thesis").expect("it ships");
     let mut files = Vec::new();
     equation_files(&root, &mut files);

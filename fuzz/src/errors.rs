@@ -13,8 +13,9 @@ use robovec_num::arithmetic::Binary32;
 use robovec_num::double_double::DoubleDouble;
 use robovec_passes::NumericClass;
 use robovec_passes::manager::{self, Config, Executed, Limit, RunError};
-use robovec_passes::pipeline::{self, Pipeline};
+use robovec_passes::pipeline::Pipeline;
 use robovec_passes::reduce::{Setting, WORK, reduce};
+use robovec_passes::registry::REGISTRY;
 use robovec_passes::rules::RuleSet;
 
 /// How often [`errors_stay_within_bounds`] ran, and on what.
@@ -50,7 +51,7 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<Run> {
     let seed = bytes.arbitrary()?;
     let share: u8 = bytes.arbitrary()?;
     let before = equations(bytes, CONTENTS)?;
-    let pipeline = pipeline::parse(&text).expect("made of known passes");
+    let pipeline = REGISTRY.pipeline(&text).expect("made of known passes");
     let mut after = before.clone();
     let executed = execute(&mut after, &pipeline, seed, None);
     let last = executed.last().map_or(0, |pass| pass.rewrites);

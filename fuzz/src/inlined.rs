@@ -6,7 +6,7 @@ use arbitrary::{Result, Unstructured};
 use robovec_ir::verify::verify;
 use robovec_ir::{Function, Level, Machine, Module, OperandKind, View, parse, print};
 use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline;
+use robovec_passes::registry::REGISTRY;
 use std::collections::BTreeMap;
 
 /// Takes a random module apart, puts it together and takes it apart again.
@@ -43,7 +43,7 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<()> {
 }
 
 fn execute(module: &mut Module, text: &str) {
-    let pipeline = pipeline::parse(text).expect("a known pass");
+    let pipeline = REGISTRY.pipeline(text).expect("a known pass");
     let machine = Machine::built_in("thesis").expect("it ships");
     let mut log = Vec::new();
     manager::run(module, &pipeline, Config::new(&machine, &mut log)).expect("the pass works");

@@ -3,7 +3,7 @@
 use arbitrary::{Result, Unstructured};
 use robovec_ir::Level;
 use robovec_passes::pass::{Gives, PassInfo, Property};
-use robovec_passes::registry;
+use robovec_passes::registry::REGISTRY;
 use std::fmt::Write;
 
 /// A pipeline of up to `most` passes, with random options, for a function at
@@ -44,7 +44,7 @@ fn chosen(bytes: &mut Unstructured<'_>, most: u32, without: &[&str]) -> Result<V
                     .iter()
                     .all(|wanted| properties.contains(wanted))
         };
-        let choice: Vec<&PassInfo> = registry::PASSES.iter().filter(fits).collect();
+        let choice: Vec<&PassInfo> = REGISTRY.passes.iter().filter(fits).collect();
         let info = *bytes.choose(&choice)?;
         let mut text = info.name.to_owned();
         options(bytes, info, &mut text)?;

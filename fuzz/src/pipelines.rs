@@ -5,7 +5,7 @@ use arbitrary::{Result, Unstructured};
 use robovec_ir::states::States;
 use robovec_ir::{Level, Machine, Module, parse, print};
 use robovec_passes::manager::{self, Config};
-use robovec_passes::{pipeline, registry};
+use robovec_passes::registry::REGISTRY;
 
 /// Runs a random pipeline over a random module under the verifier and the
 /// semantic check.
@@ -20,7 +20,8 @@ pub fn random_pipeline(data: &[u8]) {
 }
 
 fn run(bytes: &mut Unstructured<'_>) -> Result<()> {
-    let names: Vec<&str> = registry::PASSES
+    let names: Vec<&str> = REGISTRY
+        .passes
         .iter()
         .filter(|info| {
             info.takes.contains(&Level::Atomic) && info.name != "codegen" && info.name != "place"
@@ -49,9 +50,11 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<()> {
 }
 
 fn execute(module: &mut Module, text: &str, machine: &str) {
-    let pipeline = pipeline::parse(text).expect("made of known passes");
+    let pipeline = REGISTRY.pipeline(text).expect("made of known passes");
     assert_eq!(
-        pipeline::parse(&pipeline.to_string()).expect("printed pipelines read back"),
+        REGISTRY
+            .pipeline(&pipeline.to_string())
+            .expect("printed pipelines read back"),
         pipeline
     );
     let machine = Machine::built_in(machine).expect("it ships");

@@ -4,7 +4,7 @@ use crate::generate::{Kind, module};
 use arbitrary::{Result, Unstructured};
 use robovec_ir::{Machine, Module, print};
 use robovec_passes::manager::{self, Config, RunError};
-use robovec_passes::pipeline;
+use robovec_passes::registry::REGISTRY;
 
 /// Runs `accurate` with random budgets and `mixed` with a random error over a
 /// random program.
@@ -35,7 +35,7 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<bool> {
 
 /// False when a pass has a reason to refuse the function.
 fn execute(module: &mut Module, text: &str, machine: &str) -> bool {
-    let pipeline = pipeline::parse(text).expect("made of known passes");
+    let pipeline = REGISTRY.pipeline(text).expect("made of known passes");
     let machine = Machine::built_in(machine).expect("it ships");
     let before = print::print_module(module);
     let mut log = Vec::new();

@@ -19,7 +19,8 @@ use robovec_ir::{Array, Format, Function, Machine, Module, OperandKind, View, pr
 use robovec_passes::NumericClass;
 use robovec_passes::instances::Instances;
 use robovec_passes::manager::{self, Config, RunError};
-use robovec_passes::pipeline::{self, PassStep};
+use robovec_passes::pipeline::PassStep;
+use robovec_passes::registry::REGISTRY;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -276,7 +277,7 @@ fn execute(
     check_each: Option<u32>,
     seed: u64,
 ) -> std::result::Result<(), RunError> {
-    let pipeline = pipeline::parse(step).expect("made of known passes");
+    let pipeline = REGISTRY.pipeline(step).expect("made of known passes");
     let mut log = std::io::sink();
     let config = Config {
         check_each,
@@ -332,7 +333,7 @@ fn judge(
     seed: u64,
     tally: &mut Tally,
 ) -> std::result::Result<(), String> {
-    let pipeline = pipeline::parse(step).expect("made of known passes");
+    let pipeline = REGISTRY.pipeline(step).expect("made of known passes");
     let promise = Promise::of(pipeline.passes().next().expect("it is a pass"));
     for (old, new) in before.functions.iter().zip(&after.functions) {
         let old = View {

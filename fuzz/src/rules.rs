@@ -13,8 +13,9 @@ use robovec_ir::states::States;
 use robovec_ir::{Assignment, Input, Machine, Module, Operand, Output, Shape, SourceSet, print};
 use robovec_num::field::{Field, PrimeField};
 use robovec_passes::manager::{self, Config, Executed, RunError};
-use robovec_passes::pipeline::{self, PassStep, Pipeline, Step};
+use robovec_passes::pipeline::{PassStep, Pipeline, Step};
 use robovec_passes::reduce::{Reduction, Setting, WORK, reduce};
+use robovec_passes::registry::REGISTRY;
 use robovec_passes::rewrite::lay_out;
 use robovec_passes::rules::check::{Verdict, check};
 use robovec_passes::rules::{Rule, RuleSet};
@@ -182,7 +183,7 @@ fn program(bytes: &mut Unstructured<'_>, rules: &RuleSet) -> Result<Module> {
 /// A pipeline in which the rules are used, and whether by the pass that
 /// believes them.
 fn pipeline(bytes: &mut Unstructured<'_>) -> Result<(Pipeline, bool)> {
-    let parse = |text: &str| pipeline::parse(text).expect("made of known passes").steps;
+    let parse = |text: &str| REGISTRY.pipeline(text).expect("made of known passes").steps;
     let mut steps = parse("atomise");
     let believes = !bytes.ratio(1, 4)?;
     if believes {
@@ -196,7 +197,8 @@ fn pipeline(bytes: &mut Unstructured<'_>) -> Result<(Pipeline, bool)> {
     }
     let after = bytes.choose(&["fold,cse", "balance", "zero-removal,dce", "inline"])?;
     steps.extend(parse(after));
-    Ok((Pipeline { steps }, believes))
+    let registry = &REGISTRY;
+    Ok((Pipeline { steps, registry }, believes))
 }
 
 fn execute(

@@ -9,7 +9,7 @@ use robovec_ir::print::print_module;
 use robovec_ir::verify::verify;
 use robovec_ir::{Function, Level, Machine, Module, View};
 use robovec_passes::manager::{Config, RunError, run};
-use robovec_passes::pipeline;
+use robovec_passes::registry::REGISTRY;
 use std::io;
 
 /// Pipelines whose results have a text form at every level.
@@ -77,7 +77,7 @@ fn check_random(bytes: &mut Unstructured<'_>) -> Result<bool> {
 
 /// Runs a pipeline; false when the machine cannot do what the module needs.
 fn lower(module: &mut Module, pipeline: &str, machine: &str) -> bool {
-    let pipeline = match pipeline::parse(pipeline) {
+    let pipeline = match REGISTRY.pipeline(pipeline) {
         Ok(pipeline) => pipeline,
         Err(error) => panic!("{error:?}"),
     };

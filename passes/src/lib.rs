@@ -1,6 +1,6 @@
 //! The passes of robovec.
 //!
-//! [`registry::PASSES`] lists them; [`pipeline`] reads what the user wants to
+//! [`registry::REGISTRY`] lists them; [`pipeline`] reads what the user wants to
 //! run; each pass is one file. This crate reads and writes no files.
 
 pub mod accurate;
@@ -19,6 +19,7 @@ pub mod factor;
 mod fingerprint;
 pub mod fma;
 pub mod fold;
+pub mod framework_registry;
 pub mod inline;
 pub mod instances;
 pub mod interleave;

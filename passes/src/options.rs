@@ -5,6 +5,7 @@
 //! parser and the printer cannot drift apart. A number cannot be declared
 //! without its limit: the compiler refuses it.
 
+use crate::framework_registry::Registry;
 use robovec_ir::Format;
 use robovec_num::format::FormatError;
 use robovec_num::limits::{Amount, LimitRow, NumberLimit};
@@ -145,9 +146,9 @@ pub fn read<T: OptionValue>(text: &str, limit: Option<NumberLimit>) -> Result<T,
 }
 
 /// The limits of all options of all passes, and of groups.
-pub fn rows() -> Vec<LimitRow> {
+pub fn rows(registry: &Registry) -> Vec<LimitRow> {
     let mut rows = Vec::new();
-    for pass in crate::registry::PASSES {
+    for pass in registry.passes {
         for option in pass.options {
             rows.extend(option.limit.map(|limit| LimitRow {
                 place: pass.name.to_owned(),

@@ -7,6 +7,7 @@
 
 use crate::check::Promise;
 use crate::class::NumericClass;
+use crate::framework_registry::Registry;
 use crate::instances::Instances;
 use crate::options::{OptionError, OptionInfo};
 use crate::rewrites::Rewrites;
@@ -46,6 +47,8 @@ pub struct Context<'a> {
     pub tables: &'a mut Tables,
     /// The machine compiled for.
     pub machine: &'a Machine,
+    /// The passes that it can run itself.
+    pub registry: &'static Registry,
     /// The rules that rewriting may use.
     pub rules: &'a RuleSet,
     /// What the function is needed for, when that is known.
@@ -114,6 +117,7 @@ impl Context<'_> {
         Context {
             tables: self.tables,
             machine,
+            registry: self.registry,
             rules: self.rules,
             scene: self.scene,
             witness: &mut aside.witness,

@@ -1,6 +1,7 @@
 //! The table of all passes and of all presets: the single place where they
 //! are listed.
 
+use crate::framework_registry::{Preset, Registry};
 use crate::pass::PassInfo;
 use crate::{
     accurate, asap_alap, atomise, balance, codegen, composite, cse, dce, eqsat, factor, fma, fold,
@@ -8,8 +9,14 @@ use crate::{
     trigonometry, zero_removal,
 };
 
+/// All passes and presets of robovec.
+pub static REGISTRY: Registry = Registry {
+    passes: PASSES,
+    presets: PRESETS,
+};
+
 /// All passes, in the order a function usually meets them.
-pub const PASSES: &[PassInfo] = &[
+const PASSES: &[PassInfo] = &[
     trigonometry::Trigonometry::INFO,
     atomise::Atomise::INFO,
     specialise::Specialise::INFO,
@@ -36,19 +43,8 @@ pub const PASSES: &[PassInfo] = &[
     codegen::Codegen::INFO,
 ];
 
-/// A named pipeline, written `$name` in another.
-#[derive(Clone, Copy, Debug)]
-pub struct Preset {
-    /// Name, without the `$`.
-    pub name: &'static str,
-    /// One line for people.
-    pub summary: &'static str,
-    /// The pipeline it stands for.
-    pub pipeline: &'static str,
-}
-
 /// All presets.
-pub const PRESETS: &[Preset] = &[
+const PRESETS: &[Preset] = &[
     Preset {
         name: "shorten",
         summary: "the shortest path that reassociation reaches, without superfluous operations",
@@ -70,13 +66,3 @@ pub const PRESETS: &[Preset] = &[
         pipeline: "atomise,fold,zero-removal,balance,cse,dce,place,codegen",
     },
 ];
-
-/// The pass of a name.
-pub fn find(name: &str) -> Option<&'static PassInfo> {
-    PASSES.iter().find(|info| info.name == name)
-}
-
-/// The preset of a name.
-pub fn preset(name: &str) -> Option<&'static Preset> {
-    PRESETS.iter().find(|preset| preset.name == name)
-}

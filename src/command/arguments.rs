@@ -5,7 +5,7 @@ use clap::builder::{PossibleValuesParser, StyledStr};
 use clap::{CommandFactory, Parser, ValueEnum};
 use clap_complete::engine::{ArgValueCandidates, CompletionCandidate};
 use robovec_passes::manager::Limit;
-use robovec_passes::registry;
+use robovec_passes::registry::REGISTRY;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -231,14 +231,16 @@ fn candidate(name: String, help: String) -> CompletionCandidate {
 }
 
 fn pass_name_candidates() -> Vec<CompletionCandidate> {
-    registry::PASSES
+    REGISTRY
+        .passes
         .iter()
         .map(|info| candidate(info.name.to_owned(), info.summary().to_owned()))
         .collect()
 }
 
 fn pass_candidates() -> Vec<CompletionCandidate> {
-    let presets = registry::PRESETS
+    let presets = REGISTRY
+        .presets
         .iter()
         .map(|preset| candidate(format!("${}", preset.name), preset.summary.to_owned()));
     pass_name_candidates().into_iter().chain(presets).collect()

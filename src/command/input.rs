@@ -13,7 +13,8 @@ use crate::scene::SceneFile;
 use crate::sources::{self, EquationLanguage, display_name};
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
 use robovec_ir::{Machine, Module};
-use robovec_passes::pipeline::{self, Pipeline};
+use robovec_passes::pipeline::Pipeline;
+use robovec_passes::registry::REGISTRY;
 use std::path::{Path, PathBuf};
 
 /// Equations as read, with the text messages point into.
@@ -139,7 +140,9 @@ pub(crate) fn passes(text: &str) -> Result<Pipeline, Failure> {
         )
         .into_owned(),
     };
-    pipeline::parse(&content).map_err(|error| Failure(error.0))
+    REGISTRY
+        .pipeline(&content)
+        .map_err(|error| Failure(error.0))
 }
 
 /// The machine of a name, or of a file.

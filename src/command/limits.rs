@@ -12,6 +12,7 @@ use robovec_ir::parse;
 pub use robovec_num::limits::LimitRow;
 use robovec_num::limits::{self, NumberLimit};
 use robovec_passes::options;
+use robovec_passes::registry::REGISTRY;
 use std::fmt::Write;
 
 /// A part of the table: what it is about, a remark, and its lines.
@@ -37,7 +38,7 @@ pub fn sections() -> Vec<Section> {
             "Options of passes",
             "Written in pipelines: `eqsat{window=20}`. Number formats have limits of their own \
              (docs/formats.md).",
-            options::rows(),
+            options::rows(&REGISTRY),
         ),
         section(
             "Flags of programs",

@@ -5,19 +5,20 @@ use super::Failure;
 use robovec_ir::diagnostic::did_you_mean;
 use robovec_ir::{Machine, machine};
 use robovec_passes::pass::{Gives, PassInfo, Property};
-use robovec_passes::registry;
+use robovec_passes::registry::REGISTRY;
 use std::fmt::Write;
 
 /// The passes and presets, a line each.
 pub(crate) fn passes() -> String {
-    let width = registry::PASSES
+    let width = REGISTRY
+        .passes
         .iter()
         .map(|info| info.name.len())
-        .chain(registry::PRESETS.iter().map(|preset| preset.name.len() + 1))
+        .chain(REGISTRY.presets.iter().map(|preset| preset.name.len() + 1))
         .max()
         .unwrap_or(0);
     let mut text = "passes:\n".to_owned();
-    for info in registry::PASSES {
+    for info in REGISTRY.passes {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "  {:width$}  {}", info.name, info.summary());
     }
@@ -27,7 +28,7 @@ pub(crate) fn passes() -> String {
         "  fixpoint{{max=N}}(…)  repeats passes until nothing changes, at most N times (8)"
     );
     text.push_str("presets:\n");
-    for preset in registry::PRESETS {
+    for preset in REGISTRY.presets {
         let name = format!("${}", preset.name);
         let _ = writeln!(text, "  {name:width$}  {}", preset.summary);
         let _ = writeln!(text, "  {:width$}  = {}", "", preset.pipeline);
@@ -37,8 +38,8 @@ pub(crate) fn passes() -> String {
 
 /// The manual page of a pass.
 pub(crate) fn pass(name: &str) -> Result<String, Failure> {
-    let Some(info) = registry::find(name) else {
-        let names: Vec<&str> = registry::PASSES.iter().map(|info| info.name).collect();
+    let Some(info) = REGISTRY.find(name) else {
+        let names: Vec<&str> = REGISTRY.passes.iter().map(|info| info.name).collect();
         let mut notes: Vec<String> = did_you_mean(name, names.iter().copied())
             .map(|near| format!("did you mean '{near}'?"))
             .into_iter()

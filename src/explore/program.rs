@@ -4,7 +4,8 @@ use super::yardstick::Unmeasurable;
 use crate::generate::Formulation;
 use robovec_ir::{Machine, Module, View};
 use robovec_passes::manager::{self, Config, RunError};
-use robovec_passes::pipeline::{self, Pipeline};
+use robovec_passes::pipeline::Pipeline;
+use robovec_passes::registry::REGISTRY;
 use robovec_passes::scene::Scene;
 use std::collections::BTreeMap;
 use std::io;
@@ -62,8 +63,9 @@ pub fn transformed_by(
     machine: &Machine,
     scene: Option<&Scene>,
 ) -> Result<Module, ExplorationError> {
-    let pipeline =
-        pipeline::parse(passes).map_err(|error| ExplorationError::Pass(error.to_string()))?;
+    let pipeline = REGISTRY
+        .pipeline(passes)
+        .map_err(|error| ExplorationError::Pass(error.to_string()))?;
     transformed(module, &pipeline, machine, scene)
         .map_err(|error| ExplorationError::Pass(error.to_string()))
 }

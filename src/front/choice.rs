@@ -143,7 +143,7 @@ pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_passes::pipeline;
+    use robovec_passes::registry::REGISTRY;
 
     #[test]
     fn all_stages_are_pipelines_of_this_build() {
@@ -151,7 +151,7 @@ mod tests {
         choices.extend(ours(1000, &Formulation::ALL, 0.1));
         for choice in choices {
             for stage in &choice.stages {
-                assert!(pipeline::parse(stage).is_ok(), "{}: {stage}", choice.name);
+                assert!(REGISTRY.pipeline(stage).is_ok(), "{}: {stage}", choice.name);
             }
         }
     }

@@ -5,7 +5,7 @@ use robovec_analysis::critical_path::critical_path;
 use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Module};
 use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline;
+use robovec_passes::registry::REGISTRY;
 use robovec_passes::scene::{Bindings, Scene};
 use thiserror::Error;
 
@@ -72,7 +72,9 @@ fn effect(
     machine: &Machine,
 ) -> Result<Effect, EffectError> {
     let pipeline = if scene.is_some() { PIPELINE } else { USUAL };
-    let pipeline = pipeline::parse(pipeline).expect("the usual pipeline is well formed");
+    let pipeline = REGISTRY
+        .pipeline(pipeline)
+        .expect("the usual pipeline is well formed");
     let mut log = std::io::sink();
     let config = Config {
         scene,

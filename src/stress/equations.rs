@@ -13,7 +13,7 @@ use robovec_ir::states::Ranges;
 use robovec_ir::{Format, Input, Module};
 use robovec_num::arithmetic::Binary64;
 use robovec_num::double_double::Double;
-use robovec_passes::registry;
+use robovec_passes::registry::REGISTRY;
 use robovec_passes::scene::Scene;
 
 /// Equations, and the inputs they are evaluated for.
@@ -76,7 +76,7 @@ impl Subject for Equations {
     fn candidates(&self) -> Vec<Treatment> {
         let mut passes = vec![BALANCED];
         // Only where there is such a pass.
-        if registry::find("accurate").is_some() {
+        if REGISTRY.find("accurate").is_some() {
             passes.push("atomise,accurate");
             passes.push("atomise,accurate{growth=1000 slack=1000}");
         }

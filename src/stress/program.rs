@@ -13,7 +13,7 @@ use robovec_num::NumberFormat;
 use robovec_num::arithmetic::Binary64;
 use robovec_num::double_double::Double;
 use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline;
+use robovec_passes::registry::REGISTRY;
 use robovec_passes::scene::Scene;
 
 /// How a program is made.
@@ -185,7 +185,9 @@ pub(super) fn run_passes(
     scene: Option<&Scene>,
 ) -> Result<(), StressError> {
     let failed = |error: String| StressError::Passes(format!("{passes}: {error}"));
-    let pipeline = pipeline::parse(passes).map_err(|error| failed(format!("{error:?}")))?;
+    let pipeline = REGISTRY
+        .pipeline(passes)
+        .map_err(|error| failed(format!("{error:?}")))?;
     let machine =
         Machine::built_in("thesis").ok_or_else(|| failed("there is no machine".to_owned()))?;
     // Remarks of passes are of no interest here.

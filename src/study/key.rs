@@ -25,7 +25,7 @@ mod tests {
     use super::*;
     use crate::study::plan::{ChoiceKey, PriorityKey};
     use robovec_ir::{Format, Machine};
-    use robovec_passes::pipeline::parse;
+    use robovec_passes::registry::REGISTRY;
 
     /// Keys of equations and build, pipeline, machine and request.
     type All = (PointKey, PointKey, NamedPipeline, NamedMachine, Request);
@@ -33,7 +33,7 @@ mod tests {
     fn example() -> All {
         let pipeline = NamedPipeline {
             name: "usual".to_owned(),
-            pipeline: parse("atomise,cse,place").expect("a pipeline"),
+            pipeline: REGISTRY.pipeline("atomise,cse,place").expect("a pipeline"),
             printed: None,
         };
         let machine = NamedMachine {
@@ -63,7 +63,7 @@ mod tests {
             ("equations", |all| all.0 = all.0.with("another")),
             ("build", |all| all.1 = all.1.with("another")),
             ("pipeline", |all| {
-                all.2.pipeline = parse("atomise,place").expect("a pipeline");
+                all.2.pipeline = REGISTRY.pipeline("atomise,place").expect("a pipeline");
             }),
             ("stages", |all| all.3.machine.elements[0].stages += 1),
             ("words", |all| all.3.machine.memory.words = Some(77)),

@@ -21,7 +21,7 @@ use robovec_ir::{Format, Input, Machine, Module, View};
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_passes::manager::RunError;
 use robovec_passes::options::OptionValue;
-use robovec_passes::pipeline;
+use robovec_passes::registry::REGISTRY;
 use robovec_passes::trigonometry::{Angle, Method, Trigonometry};
 use std::sync::Arc;
 
@@ -168,7 +168,9 @@ fn replaced(
         "trigonometry{{method={method} order={order} range={range} halvings={halvings}}},\
          atomise,fold,cse,dce"
     );
-    let pipeline = pipeline::parse(&text).expect("made of known passes and options");
+    let pipeline = REGISTRY
+        .pipeline(&text)
+        .expect("made of known passes and options");
     transformed(module, &pipeline, machine, None)
 }
 

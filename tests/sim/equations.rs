@@ -7,7 +7,7 @@ use robovec::generate::Formulation;
 use robovec::model::{Model, Nature};
 use robovec::motion::{Laws, Run, Setting};
 use robovec_ir::{Format, Machine};
-use robovec_passes::pipeline;
+use robovec_passes::registry::REGISTRY;
 
 fn models() -> [Model; 4] {
     [
@@ -57,7 +57,7 @@ fn passes_leave_the_trajectory_where_it_is() {
         "atomise,zero-removal,balance,cse,dce",
         "atomise,zero-removal,balance,cse,dce,place",
     ] {
-        let pipeline = pipeline::parse(text).expect("a pipeline");
+        let pipeline = REGISTRY.pipeline(text).expect("a pipeline");
         // The machine has no square roots, which links need.
         let fits = |model: &Model| !text.ends_with("place") || model.links.is_empty();
         for model in models().into_iter().filter(fits) {

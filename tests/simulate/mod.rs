@@ -18,8 +18,8 @@ use robovec_num::NumberFormat;
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_passes::codegen::images;
 use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline;
 use robovec_passes::place::{Choice, PlaceOptions, place};
+use robovec_passes::registry::REGISTRY;
 
 /// A floating-point format.
 fn float(exponent: u32, mantissa: u32, subnormals: bool) -> Format {
@@ -146,7 +146,9 @@ fn interleaved_programs_give_the_bits_of_every_instance() {
         let machine = Machine::built_in(name).expect("it ships");
         let original = naive::random_function(&mut Random(7), 150, &machine);
         let mut module = original.clone();
-        let pipeline = pipeline::parse("interleave{instances=3},place").expect("well formed");
+        let pipeline = REGISTRY
+            .pipeline("interleave{instances=3},place")
+            .expect("well formed");
         let mut log = Vec::new();
         let config = Config {
             check_each: Some(2),

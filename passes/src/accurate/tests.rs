@@ -1,7 +1,7 @@
 //! Cases where cancellation dominates.
 
 use crate::manager::{self, Config};
-use crate::pipeline;
+use crate::registry::REGISTRY;
 use crate::scene::Scene;
 use robovec_analysis::critical_path::critical_path;
 use robovec_ir::evaluate::evaluate;
@@ -27,7 +27,7 @@ fn module(inputs: usize, body: &str) -> Module {
 
 fn run(module: &Module, pass: &str, machine: &str, scene: &Scene) -> Module {
     let mut module = module.clone();
-    let pipeline = pipeline::parse(pass).expect("it is a pipeline");
+    let pipeline = REGISTRY.pipeline(pass).expect("it is a pipeline");
     let machine = Machine::built_in(machine).expect("it ships");
     let mut log = Vec::new();
     let config = Config {

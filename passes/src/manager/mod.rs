@@ -23,6 +23,7 @@ pub use walk::apply;
 
 use crate::NumericClass;
 use crate::check::{self, Promise, Verdict};
+use crate::framework_registry::Registry;
 use crate::instances::Instances;
 use crate::pass::{Artifact, Context, PassError, PassInfo};
 use crate::pipeline::{PassStep, Pipeline};
@@ -233,6 +234,7 @@ pub fn run(
     given::check(module, pipeline, config.machine)?;
     let rules = config.rules.map(Cow::Borrowed);
     let mut run = Run {
+        registry: pipeline.registry,
         rules: rules.unwrap_or_else(|| Cow::Owned(RuleSet::built_in())),
         instruments: Instruments::new(config),
         outcome: Outcome::default(),
@@ -274,6 +276,7 @@ struct Claim {
 }
 
 struct Run<'a> {
+    registry: &'static Registry,
     rules: Cow<'a, RuleSet>,
     instruments: Instruments<'a>,
     outcome: Outcome,
@@ -348,6 +351,7 @@ impl Run<'_> {
         let mut context = Context {
             tables,
             machine: self.instruments.config.machine,
+            registry: self.registry,
             rules: &self.rules,
             scene: self.instruments.config.scene,
             witness: &mut witness,

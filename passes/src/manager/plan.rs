@@ -1,8 +1,8 @@
 //! Whether a pipeline makes sense, before any of it runs.
 
-use crate::pass::{Gives, Property};
+use crate::framework_registry::Registry;
+use crate::pass::{Gives, PassInfo, Property};
 use crate::pipeline::{PassStep, Pipeline, Step};
-use crate::registry;
 use robovec_ir::{Function, Level, Module};
 use std::ops::Range;
 
@@ -29,6 +29,7 @@ pub(super) fn check(module: &Module, pipeline: &Pipeline) -> Result<(), PlanErro
 /// Follows levels and properties for one function.
 pub(super) fn check_function(function: &Function, pipeline: &Pipeline) -> Result<(), PlanError> {
     let mut state = State {
+        registry: pipeline.registry,
         level: function.level,
         maker: None,
         properties: Vec::new(),
@@ -45,6 +46,7 @@ pub(super) fn check_function(function: &Function, pipeline: &Pipeline) -> Result
 }
 
 struct State {
+    registry: &'static Registry,
     level: Level,
     /// The pass that gave the level.
     maker: Option<&'static str>,
@@ -67,7 +69,7 @@ impl State {
                     ),
                     help: format!(
                         "put {} before it",
-                        makers(|other| other.sets.contains(required))
+                        self.makers(|other| other.sets.contains(required))
                     ),
                     span: step.span.clone(),
                 });
@@ -93,11 +95,11 @@ impl State {
             None => "as it was read".to_owned(),
         };
         let help = if info.takes.iter().any(|&level| level > self.level) {
-            let reaches = |other: &crate::pass::PassInfo| {
+            let reaches = |other: &PassInfo| {
                 matches!(other.gives, Gives::Level(level)
                     if info.takes.contains(&level) && other.takes.iter().any(|&l| l < level))
             };
-            format!("put {} before it", makers(reaches))
+            format!("put {} before it", self.makers(reaches))
         } else {
             format!(
                 "put it before '{}'",
@@ -115,13 +117,14 @@ impl State {
             span: step.span.clone(),
         }
     }
-}
 
-fn makers(is_maker: impl Fn(&crate::pass::PassInfo) -> bool) -> String {
-    let names: Vec<String> = registry::PASSES
-        .iter()
-        .filter(|info| is_maker(info))
-        .map(|info| format!("'{}'", info.name))
-        .collect();
-    names.join(" or ")
+    /// The passes that fit, for advice.
+    fn makers(&self, is_maker: impl Fn(&PassInfo) -> bool) -> String {
+        let passes = self.registry.passes.iter();
+        let names: Vec<String> = passes
+            .filter(|info| is_maker(info))
+            .map(|info| format!("'{}'", info.name))
+            .collect();
+        names.join(" or ")
+    }
 }

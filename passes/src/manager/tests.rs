@@ -1,9 +1,10 @@
 #![allow(unreachable_pub, reason = "the macro declares public passes")]
 
 use super::*;
+use crate::declare_pass;
 use crate::pass::{Gives, Pass};
 use crate::pipeline::Step;
-use crate::{declare_pass, pipeline, registry};
+use crate::registry::REGISTRY;
 use robovec_ir::states::States;
 use robovec_ir::{Operation, parse};
 
@@ -88,7 +89,14 @@ fn run_steps(steps: Vec<Step>, check_each: Option<u32>) -> Result<(Module, Outco
         states: States::new(3),
         ..Config::new(&machine, &mut log)
     };
-    let outcome = run(&mut module, &Pipeline { steps }, config)?;
+    let outcome = run(
+        &mut module,
+        &Pipeline {
+            steps,
+            registry: &REGISTRY,
+        },
+        config,
+    )?;
     Ok((module, outcome))
 }
 
@@ -98,7 +106,7 @@ static TIMELY: PassInfo = Timely::INFO;
 
 #[test]
 fn a_planted_wrong_rewrite_is_caught_and_named() {
-    let cse = registry::find("cse").expect("registered");
+    let cse = REGISTRY.find("cse").expect("registered");
     let error = run_steps(vec![step(cse), step(&WRONG), step(cse)], Some(2)).expect_err("wrong");
     match error {
         RunError::Check {
@@ -121,8 +129,8 @@ fn a_malformed_result_is_caught_by_the_verifier() {
 
 #[test]
 fn properties_are_asked_for_before_anything_runs() {
-    let asap = registry::find("asap-alap").expect("registered");
-    let dce = registry::find("dce").expect("registered");
+    let asap = REGISTRY.find("asap-alap").expect("registered");
+    let dce = REGISTRY.find("dce").expect("registered");
     assert!(run_steps(vec![step(asap), step(&TIMELY)], None).is_ok());
     for steps in [
         vec![step(&TIMELY)],
@@ -136,7 +144,9 @@ fn properties_are_asked_for_before_anything_runs() {
 
 #[test]
 fn groups_repeat_until_nothing_changes() {
-    let pipeline = pipeline::parse("fixpoint{max=5}(fold,cse,dce)").expect("well formed");
+    let pipeline = REGISTRY
+        .pipeline("fixpoint{max=5}(fold,cse,dce)")
+        .expect("well formed");
     let (_, outcome) = run_steps(pipeline.steps, Some(2)).expect("sound passes");
     assert_eq!(
         outcome.records.len(),

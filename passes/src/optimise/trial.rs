@@ -1,9 +1,10 @@
 //! Variants made and measured.
 
 use super::variants::{FUSED, VARIANTS, Variant};
+use crate::framework_registry::Registry;
 use crate::manager::apply;
 use crate::pass::{Aside, Context, PassError};
-use crate::pipeline::{self, Pipeline};
+use crate::pipeline::Pipeline;
 use crate::place::{PlaceError, schedule_bound};
 use crate::trail::Notes;
 use robovec_analysis::critical_path::critical_path;
@@ -106,7 +107,7 @@ pub(super) fn make(
 ) -> Result<Vec<Trial>, PassError> {
     let mut start = function.clone();
     if start.level == Level::Equations {
-        let atomise = fixed("atomise")?;
+        let atomise = fixed(context.registry, "atomise")?;
         apply(
             &atomise,
             &mut start,
@@ -122,11 +123,11 @@ pub(super) fn make(
     let mut fused = Vec::new();
     if machine.kind_of(Operation::Fma).is_some() {
         for (name, pipeline) in FUSED {
-            fused.push((name, fixed(pipeline)?));
+            fused.push((name, fixed(context.registry, pipeline)?));
         }
     }
     for variant in VARIANTS {
-        let Some(pipeline) = variant.pipeline() else {
+        let Some(pipeline) = variant.pipeline(context.registry) else {
             continue;
         };
         workshop.variant(variant, &pipeline, context)?;
@@ -137,9 +138,11 @@ pub(super) fn make(
     Ok(workshop.trials)
 }
 
-/// A pipeline of this build.
-fn fixed(text: &str) -> Result<Pipeline, PassError> {
-    pipeline::parse(text).map_err(|error| PassError::new(format!("{text}: {error}")))
+/// A pipeline that does not depend on the function.
+fn fixed(registry: &'static Registry, text: &str) -> Result<Pipeline, PassError> {
+    registry
+        .pipeline(text)
+        .map_err(|error| PassError::new(format!("{text}: {error}")))
 }
 
 impl Workshop<'_> {

@@ -4,8 +4,8 @@
 //! another variant, so that common work is done once. Variants stand in the
 //! order in which they are made: those most often best first among equals.
 
-use crate::pipeline::{self, Pipeline};
-use crate::registry;
+use crate::framework_registry::Registry;
+use crate::pipeline::Pipeline;
 
 /// One way to write the function.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -98,14 +98,17 @@ pub(super) const FUSED: [(&str, &str); 2] =
     [("fused", "fma"), ("fused in part", "fma{share=true}")];
 
 impl Variant {
-    /// Its pipeline; `None` when a pass of it is not in this build.
-    pub(super) fn pipeline(&self) -> Option<Pipeline> {
+    /// Its pipeline; `None` when the registry lacks a pass of it.
+    pub(super) fn pipeline(&self, registry: &'static Registry) -> Option<Pipeline> {
         let known = self
             .pipeline
             .split(',')
             .map(|step| step.split('{').next().unwrap_or(step))
-            .all(|name| registry::find(name).is_some());
-        known.then(|| pipeline::parse(self.pipeline).ok()).flatten()
+            .all(|name| registry.find(name).is_some());
+        known.then(|| {
+            let pipeline = registry.pipeline(self.pipeline);
+            pipeline.expect("the pipelines of variants are well formed")
+        })
     }
 }
 
@@ -113,6 +116,7 @@ impl Variant {
 mod tests {
     use super::*;
     use crate::class::NumericClass;
+    use crate::registry::REGISTRY;
 
     #[test]
     fn variants_start_from_earlier_ones_and_change_no_function() {
@@ -120,10 +124,10 @@ mod tests {
             let earlier = |name: &str| VARIANTS[..index].iter().any(|other| other.name == name);
             assert!(variant.from.is_none_or(earlier), "{}", variant.name);
             assert!(variant.beyond.is_none_or(earlier), "{}", variant.name);
-            let Some(pipeline) = variant.pipeline() else {
+            let Some(pipeline) = variant.pipeline(&REGISTRY) else {
                 let names = variant.pipeline.split(',');
                 let known = names.map(|step| step.split('{').next().unwrap_or(step));
-                let missing = known.filter(|name| registry::find(name).is_none());
+                let missing = known.filter(|name| REGISTRY.find(name).is_none());
                 assert!(missing.count() > 0, "{} does not parse", variant.pipeline);
                 continue;
             };

@@ -14,8 +14,10 @@
 mod read;
 mod token;
 
-pub use read::{PipelineError, parse};
+pub use read::PipelineError;
+pub(crate) use read::parse;
 
+use crate::framework_registry::Registry;
 use crate::pass::PassInfo;
 use robovec_num::limits::NumberLimit;
 use std::fmt;
@@ -57,10 +59,21 @@ pub const ROUNDS: NumberLimit =
 pub const DEEPEST: usize = 16;
 
 /// A pipeline, read and checked: its passes exist and take their options.
-#[derive(Clone, Default, Debug)]
+#[derive(Clone, Debug)]
 pub struct Pipeline {
     /// The steps.
     pub steps: Vec<Step>,
+    /// The passes it could name.
+    pub registry: &'static Registry,
+}
+
+impl Default for Pipeline {
+    fn default() -> Pipeline {
+        Pipeline {
+            steps: Vec::new(),
+            registry: Registry::EMPTY,
+        }
+    }
 }
 
 impl Pipeline {

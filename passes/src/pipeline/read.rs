@@ -3,9 +3,9 @@
 
 use super::token::Token;
 use super::{DEEPEST, DEFAULT_ROUNDS, PassStep, Pipeline, ROUNDS, Step};
+use crate::framework_registry::Registry;
 use crate::options::OptionError;
 use crate::pass::PassInfo;
-use crate::registry;
 use lalrpop_util::{ParseError, lalrpop_mod};
 use logos::Logos;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
@@ -34,14 +34,9 @@ const TEXT_NAME: &str = "<-passes>";
 /// Longest pipeline text accepted, in bytes.
 const LONGEST: usize = 1 << 20;
 
-/// Reads a pipeline.
-///
-/// # Errors
-///
-/// When the text does not follow the grammar, names a pass, preset or option
-/// that does not exist, or gives an option a value it cannot take.
-pub fn parse(text: &str) -> Result<Pipeline, PipelineError> {
-    let mut builder = Builder::default();
+/// Reads a pipeline of the passes of a registry: [`Registry::pipeline`].
+pub(crate) fn parse(text: &str, registry: &'static Registry) -> Result<Pipeline, PipelineError> {
+    let mut builder = Builder::new(registry);
     if text.len() > LONGEST {
         builder.error(0..0, "a pipeline of more than a megabyte is a mistake");
     } else {
@@ -50,6 +45,7 @@ pub fn parse(text: &str) -> Result<Pipeline, PipelineError> {
     if builder.diagnostics.is_empty() {
         Ok(Pipeline {
             steps: builder.steps,
+            registry,
         })
     } else {
         let diagnostics = builder.diagnostics;
@@ -64,8 +60,8 @@ pub(crate) struct Setting {
     pub(super) value: Option<String>,
 }
 
-#[derive(Default)]
 pub(crate) struct Builder {
+    registry: &'static Registry,
     steps: Vec<Step>,
     depth: usize,
     /// Set while the text of a preset is read: where the preset is used.
@@ -74,6 +70,16 @@ pub(crate) struct Builder {
 }
 
 impl Builder {
+    fn new(registry: &'static Registry) -> Builder {
+        Builder {
+            registry,
+            steps: Vec::new(),
+            depth: 0,
+            inside: None,
+            diagnostics: Vec::new(),
+        }
+    }
+
     fn read(&mut self, text: &str) {
         let tokens = Token::lexer(text)
             .spanned()
@@ -137,15 +143,15 @@ impl Builder {
     }
 
     pub(super) fn pass(&mut self, span: Range<usize>, name: &str, settings: Vec<Setting>) {
-        let Some(info) = registry::find(name) else {
+        let Some(info) = self.registry.find(name) else {
             let message = if name == "fixpoint" {
                 "'fixpoint' needs a group of passes: fixpoint(fold,cse)".to_owned()
             } else {
                 format!("there is no pass '{name}'")
             };
             let start = span.start;
-            let diagnostic = self.error(start..start + name.len(), &message);
-            diagnostic.notes = unknown_pass_notes(name);
+            let notes = unknown_pass_notes(name, self.registry);
+            self.error(start..start + name.len(), &message).notes = notes;
             return;
         };
         let mut options: Vec<(String, String)> = Vec::new();
@@ -194,10 +200,11 @@ impl Builder {
     }
 
     pub(super) fn preset(&mut self, span: Range<usize>, name: &str) {
-        let Some(preset) = registry::preset(name) else {
-            let known = registry::PRESETS.iter().map(|preset| preset.name);
+        let Some(preset) = self.registry.preset(name) else {
+            let presets = self.registry.presets;
+            let known = presets.iter().map(|preset| preset.name);
             let mut notes = suggestion(name, known, "$");
-            let list: Vec<String> = registry::PRESETS
+            let list: Vec<String> = presets
                 .iter()
                 .map(|preset| format!("${} = {}", preset.name, preset.pipeline))
                 .collect();
@@ -260,10 +267,10 @@ fn suggestion<'a>(
         .collect()
 }
 
-fn unknown_pass_notes(name: &str) -> Vec<String> {
-    let names: Vec<&str> = registry::PASSES.iter().map(|info| info.name).collect();
+fn unknown_pass_notes(name: &str, registry: &Registry) -> Vec<String> {
+    let names: Vec<&str> = registry.passes.iter().map(|info| info.name).collect();
     let mut notes = suggestion(name, names.iter().copied(), "");
-    if registry::preset(name).is_some() {
+    if registry.preset(name).is_some() {
         notes.push(format!("'{name}' is a preset: write '${name}'"));
     }
     notes.push(format!("passes: {}", names.join(", ")));
@@ -288,60 +295,4 @@ fn option_notes(info: &PassInfo, misspelt: Option<&str>) -> Vec<String> {
         ));
     }
     notes
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn message(text: &str) -> String {
-        parse(text).expect_err("a mistake").to_string()
-    }
-
-    #[test]
-    fn printing_and_parsing_are_inverse() {
-        for text in [
-            "atomise",
-            "atomise,cse,dce",
-            "atomise,fixpoint{max=3}(cse,fixpoint{max=8}(dce,cse)),dce",
-        ] {
-            let pipeline = parse(text).expect("well formed");
-            assert_eq!(pipeline.to_string(), text);
-            assert_eq!(parse(&pipeline.to_string()).expect("printed"), pipeline);
-        }
-        assert_eq!(
-            parse(" atomise , fixpoint ( cse , ) ")
-                .map(|p| p.to_string())
-                .ok(),
-            None,
-            "a comma before a closing parenthesis is a mistake"
-        );
-        assert_eq!(
-            parse("atomise,\n dce, // both\n")
-                .expect("as in a file")
-                .to_string(),
-            "atomise,dce"
-        );
-    }
-
-    #[test]
-    fn mistakes_are_named_and_placed() {
-        assert!(message("atomize").contains("did you mean 'atomise'?"));
-        assert!(message("atomise,,cse").contains("<-passes>:1:9"));
-        assert!(message("cse{turbo}").contains("the pass 'cse' has no option 'turbo'"));
-        assert!(message("fixpoint").contains("needs a group"));
-        assert!(message("fixpoint{max=0}(cse)").contains("an integer from 1 to 1000 is"));
-        assert!(message("fixpoint{max}(cse)").contains("needs a value"));
-        assert!(message("").contains("empty"));
-        assert!(message("cse;dce").contains("no place in a pipeline"));
-        assert!(message("$fpgo").contains("did you mean '$fpga'?"));
-    }
-
-    #[test]
-    fn hostile_pipelines_are_refused_quickly() {
-        let deep = format!("{}cse{}", "fixpoint(".repeat(50_000), ")".repeat(50_000));
-        assert!(message(&deep).contains("at most 16 deep"));
-        assert!(parse(&"(".repeat(1 << 20)).is_err());
-        assert!(parse(&"cse,".repeat(1 << 19)).is_err());
-    }
 }

@@ -66,6 +66,7 @@ fn shortest_tail(
             tables: before.tables,
             function,
             steps: steps.clone(),
+            registry: pipeline.registry,
         };
         if case.shows(problem, setting, None) {
             return case;
@@ -75,6 +76,7 @@ fn shortest_tail(
         tables: module.tables.clone(),
         function: module.functions[index].clone(),
         steps,
+        registry: pipeline.registry,
     }
 }
 

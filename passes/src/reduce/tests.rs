@@ -2,11 +2,12 @@
 #![allow(unreachable_pub, reason = "the macro declares public passes")]
 
 use super::*;
+use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError, PassInfo};
 use crate::pipeline::{PassStep, Step};
+use crate::registry::REGISTRY;
 use crate::rewrite::lay_out;
 use crate::rules::RuleSet;
-use crate::{declare_pass, registry};
 use robovec_ir::{Function, Level, Machine, Operation, Value, parse, verify};
 
 /// True when an operation reads the result of such an operation.
@@ -147,12 +148,13 @@ fn reduced(steps: &[Step]) -> Option<Reduction> {
     };
     let pipeline = Pipeline {
         steps: steps.to_vec(),
+        registry: &REGISTRY,
     };
     reduce(&module, &pipeline, setting, WORK)
 }
 
 fn registered(name: &str) -> Step {
-    step(registry::find(name).expect("registered"), &[])
+    step(REGISTRY.find(name).expect("registered"), &[])
 }
 
 fn text(reduction: &Reduction) -> String {

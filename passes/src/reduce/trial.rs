@@ -1,5 +1,6 @@
 //! Running steps on a function and saying what went wrong.
 
+use crate::framework_registry::Registry;
 use crate::manager::{self, Config, Executed, Limit, RunError};
 use crate::pipeline::{PassStep, Pipeline, Step};
 use crate::rules::RuleSet;
@@ -136,12 +137,14 @@ pub(super) struct Case {
     pub(super) tables: Tables,
     pub(super) function: Function,
     pub(super) steps: Vec<PassStep>,
+    pub(super) registry: &'static Registry,
 }
 
 impl Case {
     pub(super) fn pipeline(&self) -> Pipeline {
         Pipeline {
             steps: self.steps.iter().cloned().map(Step::Pass).collect(),
+            registry: self.registry,
         }
     }
 

@@ -1,6 +1,6 @@
 use super::*;
 use crate::manager::{Config, run};
-use crate::pipeline;
+use crate::registry::REGISTRY;
 use robovec_ir::parse::parse_module;
 use robovec_ir::print::print_module;
 use robovec_ir::{Machine, Module};
@@ -30,7 +30,7 @@ fn compiled(passes: &str) -> (Module, Trail) {
 fn compile(text: &str, passes: &str) -> (Module, Trail) {
     let mut module = parse_module("arm.rvir", text).expect("the text is sound");
     let machine = Machine::built_in("thesis").expect("it ships");
-    let pipeline = pipeline::parse(passes).expect("the pipeline is sound");
+    let pipeline = REGISTRY.pipeline(passes).expect("the pipeline is sound");
     let mut trail = Trail::new();
     let mut log = Vec::new();
     let config = Config {
@@ -164,7 +164,9 @@ fn a_value_left_alone_has_no_history_and_nobody_asking_leaves_none() {
     assert!(histories.chain(histories.values[cosine.index()]).is_empty());
     let mut plain = parse_module("arm.rvir", TEXT).expect("the text is sound");
     let machine = Machine::built_in("thesis").expect("it ships");
-    let pipeline = pipeline::parse("atomise,balance").expect("the pipeline is sound");
+    let pipeline = REGISTRY
+        .pipeline("atomise,balance")
+        .expect("the pipeline is sound");
     let mut log = Vec::new();
     run(&mut plain, &pipeline, Config::new(&machine, &mut log)).expect("the passes run");
     assert!(plain.functions[0].histories.is_none());
@@ -206,7 +208,7 @@ fn notes_of_a_pass_reach_the_story() {
     };
     let mut module = parse_module("arm.rvir", TEXT).expect("the text is sound");
     let machine = Machine::built_in("thesis").expect("it ships");
-    let mut pipeline: Pipeline = pipeline::parse("atomise").expect("the pipeline is sound");
+    let mut pipeline: Pipeline = REGISTRY.pipeline("atomise").expect("the pipeline is sound");
     let span = 0..0;
     pipeline.steps.push(Step::Pass(PassStep {
         info: &INFO,

@@ -10,7 +10,7 @@ use crate::present::text_table;
 use clap::Args;
 use robovec_ir::{Function, Machine, Module};
 use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline;
+use robovec_passes::registry::REGISTRY;
 use robovec_passes::rules::RuleSet;
 use robovec_passes::rules::find::{self, Found, Search, Space};
 use serde_json::{Value, json};
@@ -123,7 +123,9 @@ pub(super) fn run(arguments: &FindArguments) -> Result<String, Failure> {
 }
 
 fn modules(arguments: &FindArguments, machine: &Machine) -> Result<Vec<Module>, Failure> {
-    let pipeline = pipeline::parse(PIPELINE).map_err(|error| Failure(error.0))?;
+    let pipeline = REGISTRY
+        .pipeline(PIPELINE)
+        .map_err(|error| Failure(error.0))?;
     let mut modules = Vec::new();
     for name in &arguments.files {
         check_number(name)?;

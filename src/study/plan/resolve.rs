@@ -6,7 +6,8 @@ use crate::generate::Formulation;
 use crate::study::printed;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
 use robovec_passes::pass::Gives;
-use robovec_passes::pipeline::{self, Pipeline};
+use robovec_passes::pipeline::Pipeline;
+use robovec_passes::registry::REGISTRY;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
@@ -307,7 +308,7 @@ fn unique(mut model: Subject, others: &[Subject]) -> Subject {
 
 /// A pipeline that leaves its function ready to be placed.
 fn read_pipeline(text: &str) -> Result<Pipeline, String> {
-    let pipeline = pipeline::parse(text).map_err(|error| {
+    let pipeline = REGISTRY.pipeline(text).map_err(|error| {
         let messages = error.0.diagnostics().iter();
         let messages: Vec<&str> = messages.map(|message| message.message.as_str()).collect();
         messages.join("; ")

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::manager::{self, Config};
-use crate::pipeline;
+use crate::registry::REGISTRY;
 use robovec_ir::parse::parse_module;
 use robovec_ir::{Format, Module};
 
@@ -42,7 +42,7 @@ fn machine(more: &str) -> Machine {
 
 fn placed(text: &str, machine: &Machine) -> Module {
     let mut module = parse_module("small", text).expect("a well-formed text");
-    let pipeline = pipeline::parse("atomise,place").expect("a pipeline");
+    let pipeline = REGISTRY.pipeline("atomise,place").expect("a pipeline");
     let mut log = Vec::new();
     manager::run(&mut module, &pipeline, Config::new(machine, &mut log)).expect("it fits");
     module

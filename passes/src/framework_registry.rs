@@ -1,0 +1,55 @@
+//! What a registry is: the passes and presets that a pipeline can name.
+//!
+//! The framework knows passes by their entries only; which there are is said
+//! above all of them, in one place.
+
+use crate::pass::PassInfo;
+use crate::pipeline::{Pipeline, PipelineError, parse};
+
+/// A named pipeline, written `$name` in another.
+#[derive(Clone, Copy, Debug)]
+pub struct Preset {
+    /// Name, without the `$`.
+    pub name: &'static str,
+    /// One line for people.
+    pub summary: &'static str,
+    /// The pipeline it stands for.
+    pub pipeline: &'static str,
+}
+
+/// All passes and presets of a program.
+#[derive(Debug)]
+pub struct Registry {
+    /// The passes, in the order a function usually meets them.
+    pub passes: &'static [PassInfo],
+    /// The presets.
+    pub presets: &'static [Preset],
+}
+
+impl Registry {
+    /// The registry without passes, of the empty pipeline.
+    pub const EMPTY: &'static Registry = &Registry {
+        passes: &[],
+        presets: &[],
+    };
+
+    /// The pass of a name.
+    pub fn find(&self, name: &str) -> Option<&'static PassInfo> {
+        self.passes.iter().find(|info| info.name == name)
+    }
+
+    /// The preset of a name.
+    pub fn preset(&self, name: &str) -> Option<&'static Preset> {
+        self.presets.iter().find(|preset| preset.name == name)
+    }
+
+    /// Reads a pipeline of these passes.
+    ///
+    /// # Errors
+    ///
+    /// When the text does not follow the grammar, names a pass, preset or
+    /// option that does not exist, or gives an option a value it cannot take.
+    pub fn pipeline(&'static self, text: &str) -> Result<Pipeline, PipelineError> {
+        parse(text, self)
+    }
+}
