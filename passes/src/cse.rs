@@ -4,7 +4,7 @@ use crate::declare_pass;
 use crate::pass::{Context, Gives, Pass, PassError};
 use crate::rewrite::Rewriter;
 use crate::rewrites::Rewrites;
-use crate::trail::Notes;
+use crate::trail::{Notes, equal_to};
 use hashbrown::HashTable;
 use robovec_ir::{Function, Node, Operand, Operation, SourceSet, Tables, Value};
 use rustc_hash::FxBuildHasher;
@@ -127,11 +127,6 @@ pub fn merge_equal(function: &Function, tables: &mut Tables) -> Option<(Function
         &Rewrites::default(),
         &mut Notes::unwanted(),
     )
-}
-
-/// The rule noted for a value that took over another of this name (`%OM16`).
-pub fn equal_to(name: &str) -> String {
-    format!("equal to {name}")
 }
 
 /// As [`merge_equal`], asking before each merge and noting which value took

@@ -4,7 +4,7 @@ use super::failure::{Failed, Values};
 use super::numbers::{self, LANES, Survey};
 use super::pairing::Pairs;
 use super::states::StatePlace;
-use crate::mixed::Allowed;
+use crate::scene::Allowed;
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Format, View};

@@ -1,8 +1,8 @@
 //! A format for every value, at a price for errors.
 
 use super::Search;
-use super::measure::Allowed;
 use crate::accurate::profile::{LANES, Lanes, Profile};
+use crate::scene::Allowed;
 use robovec_ir::{Format, Formats, Function, Node, Operation, Value};
 use robovec_num::soft_float::FormatArithmetic;
 

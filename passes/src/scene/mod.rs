@@ -17,8 +17,10 @@
 //! of a range is not above the high end, no element is both bound and ranged,
 //! and of locked joints position, velocity and acceleration are bound.
 
+mod allowed;
 mod pattern;
 
+pub use allowed::Allowed;
 pub use pattern::{IndexPattern, Pattern};
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Input, Output, View};

@@ -153,7 +153,7 @@ fn has(function: &Function, item: Item) -> bool {
 
 /// The value that a removed one gave way to, as the pass noted it.
 fn replacement(tables: &Tables, notes: &Notes, name: &str) -> Option<String> {
-    let into = notes.noted_with(&crate::cse::equal_to(name))?;
+    let into = notes.noted_with(&super::equal_to(name))?;
     Some(format!("%{}", into.display(&tables.symbols)))
 }
 

@@ -26,7 +26,7 @@ mod tests;
 
 pub use account::{Account, Change, Entry, Gone, Moment, explain};
 pub use find::{Item, NotFound, find};
-pub use notes::Notes;
+pub use notes::{Notes, equal_to};
 
 pub(crate) use follow::{Follower, begin};
 

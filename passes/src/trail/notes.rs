@@ -98,6 +98,11 @@ impl Notes {
     }
 }
 
+/// The rule noted for a value that took over another of this name (`%OM16`).
+pub fn equal_to(name: &str) -> String {
+    format!("equal to {name}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
