@@ -352,6 +352,26 @@ mod tests {
     }
 
     #[test]
+    fn squares_and_roots_that_round_either_way_are_enclosed() {
+        // A fused operation gives the error of a rounded square exactly.
+        let mut ways = [0, 0];
+        for number in (1..200).map(|step| 1.0 + f64::from(step) / 7.0) {
+            let square = Interval::point(number).square();
+            let rounded = number * number;
+            let error = number.mul_add(number, -rounded);
+            ways[usize::from(error < 0.0)] += 1;
+            assert!(error >= 0.0 || square.low < rounded, "{number}");
+            assert!(error <= 0.0 || square.high > rounded, "{number}");
+            let root = Enclosing.sqrt(Interval::point(number));
+            let rounded = number.sqrt();
+            let error = rounded.mul_add(rounded, -number);
+            assert!(error <= 0.0 || root.low < rounded, "{number}");
+            assert!(error >= 0.0 || root.high > rounded, "{number}");
+        }
+        assert!(ways[0] > 50 && ways[1] > 50, "{ways:?}");
+    }
+
+    #[test]
     fn results_of_members_are_members() {
         let mut state = 1;
         let mut draw = || draw(&mut state);
