@@ -17,10 +17,10 @@ pub(crate) use self::inputs::zero;
 use crate::align::align;
 use crate::generate::{FunctionKind, Options, Request, generate};
 use crate::model::{CutKind, Model};
+use robovec_analysis::class::NumericClass;
+use robovec_framework::check::check;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Input, Module, OperandKind, Place, Tables, View};
-use robovec_passes::NumericClass;
-use robovec_passes::check::check;
 use std::collections::BTreeMap;
 
 /// Random points of the comparison, in each of two prime fields.

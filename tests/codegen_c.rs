@@ -1,13 +1,13 @@
 //! Generated C, compiled, against the evaluator, bit for bit.
 
 use crate::simulate::naive::{self, Random};
+use robovec_codegen::c::{Options, Real, Trial, c_files, trial_main};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{
     Assignment, Constant, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation,
     Output, Shape, SourceSet, View,
 };
 use robovec_num::arithmetic::Binary32;
-use robovec_passes::codegen::c::{Options, Real, Trial, c_files, trial_main};
 use std::path::Path;
 use std::process::Command;
 

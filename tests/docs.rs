@@ -5,7 +5,7 @@ use std::path::Path;
 #[test]
 fn the_manual_of_passes_is_up_to_date() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/passes.md");
-    let manual = robovec_passes::manual::manual(&robovec_passes::registry::REGISTRY);
+    let manual = robovec_framework::manual::manual(&robovec_passes::registry::REGISTRY);
     if std::env::var_os("INSTA_UPDATE").is_some_and(|value| value == "always") {
         std::fs::write(&path, &manual).expect("a writable folder");
     }

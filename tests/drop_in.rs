@@ -3,12 +3,12 @@
 
 use robovec::generate::{FunctionKind, Request, generate};
 use robovec::model::mbs::read_mbs;
-use robovec_ir::states::States;
-use robovec_ir::{Machine, Module, View};
-use robovec_passes::codegen::c::{
+use robovec_codegen::c::{
     Options, Order, Real, Signature, Sines, Trial, files, function_name, minimal_data, trial_main,
 };
-use robovec_passes::manager::{self, Config};
+use robovec_framework::manager::{self, Config};
+use robovec_ir::states::States;
+use robovec_ir::{Machine, Module, View};
 use robovec_passes::registry::REGISTRY;
 use std::path::Path;
 use std::process::{Command, Output};

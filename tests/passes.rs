@@ -9,8 +9,8 @@
 
 use crate::support::files::{compare_with_record, each, name, tree};
 use robovec::scene::SceneFile;
+use robovec_framework::manager::{self, Config};
 use robovec_ir::{Machine, parse, print};
-use robovec_passes::manager::{self, Config};
 use robovec_passes::registry::REGISTRY;
 use std::fs;
 use std::path::Path;

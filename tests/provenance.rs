@@ -1,11 +1,11 @@
 //! Every value of a compiled program keeps the equations it comes from and
 //! the passes that made it, whatever the pipeline.
 
+use robovec_framework::manager::{self, Config};
+use robovec_framework::trail::{Trail, explain, find};
 use robovec_ir::print::{print_definition, print_module};
 use robovec_ir::{History, Machine, Module, View, parse};
-use robovec_passes::manager::{self, Config};
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::trail::{Trail, explain, find};
 use std::collections::HashMap;
 use std::path::Path;
 use std::process::Command;

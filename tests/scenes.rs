@@ -5,18 +5,18 @@ use crate::support::files::{compare_with_record, each, stem, tree};
 use crate::support::programs::{robovec, stderr};
 use robovec::generate::{Formulation, FunctionKind, Options, Request, generate};
 use robovec::scene::{PIPELINE, SceneFile, Subject, USUAL, read};
+use robovec_framework::manager::{self, Config};
+use robovec_framework::pass::Pass;
+use robovec_framework::pass::{Aside, Context};
+use robovec_framework::rewrites::Rewrites;
+use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Function, Input, Machine, Module, View};
 use robovec_num::arithmetic::{Arithmetic, Binary64};
 use robovec_num::double_double::DoubleDouble;
-use robovec_passes::manager::{self, Config};
-use robovec_passes::pass::Pass;
-use robovec_passes::pass::{Aside, Context};
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::rewrites::Rewrites;
-use robovec_passes::rules::RuleSet;
-use robovec_passes::scene::Scene;
+use robovec_rules::RuleSet;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -214,7 +214,7 @@ fn every_part_of_a_scene_has_its_share() {
     let parameters = Scene {
         outputs: Vec::new(),
         bound: {
-            let mut bound = robovec_passes::scene::Bindings::default();
+            let mut bound = robovec_framework::scene::Bindings::default();
             for (array, indices, number) in file.scene.bound.iter() {
                 if ["dpt", "l", "m", "In", "g", "lrod"].contains(&array) {
                     bound.set(array, indices, number);

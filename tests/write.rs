@@ -7,6 +7,9 @@ use robovec::generate::{FunctionKind, Request, generate};
 use robovec::model::mbs::read_mbs;
 use robovec::robotran::write::{WriteOptions, write};
 use robovec::robotran::{Language, read};
+use robovec_codegen::c::{Options, Real, Signature as CSignature, Sines, files as c_files};
+use robovec_framework::manager::{self, Config};
+use robovec_framework::rewrite::lay_out;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::parse::parse_module;
@@ -17,11 +20,8 @@ use robovec_ir::{
     Symbol, View, same_equations,
 };
 use robovec_num::arithmetic::Binary64;
-use robovec_passes::codegen::c::{Options, Real, Signature as CSignature, Sines, files as c_files};
-use robovec_passes::manager::{self, Config};
 #[allow(dead_code)]
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::rewrite::lay_out;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::process::Command;

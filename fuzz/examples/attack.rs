@@ -13,8 +13,8 @@
 //! `show NUMBER` prints the pipeline and the program of a case of `programs`.
 
 use arbitrary::Unstructured;
+use robovec_framework::manager::usage;
 use robovec_fuzz::results::{Finding, Tally, describe_case, examine};
-use robovec_passes::manager::usage;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;

@@ -9,12 +9,12 @@
 
 use crate::hostile;
 use arbitrary::{Result, Unstructured};
+use robovec_framework::rewrite::lay_out;
 use robovec_ir::verify::verify;
 use robovec_ir::{
     Assignment, Function, Input, Level, Module, Name, Node, Operand, Operation, Output, Shape,
     SourceSet, Value, View,
 };
-use robovec_passes::rewrite::lay_out;
 
 /// What random equations may contain.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -5,18 +5,18 @@ use crate::equations::{Contents, equations};
 use crate::passes;
 use crate::statistics::{Run, Statistics};
 use arbitrary::{Result, Unstructured};
+use robovec_analysis::class::NumericClass;
 use robovec_analysis::error_bound::{Binary32Bound, Bounded};
+use robovec_framework::manager::{self, Config, Executed, Limit, RunError};
+use robovec_framework::pipeline::Pipeline;
+use robovec_framework::reduce::{Setting, WORK, reduce};
 use robovec_ir::evaluate::{evaluate, evaluate_nodes, outputs};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, View, print};
 use robovec_num::arithmetic::Binary32;
 use robovec_num::double_double::DoubleDouble;
-use robovec_passes::NumericClass;
-use robovec_passes::manager::{self, Config, Executed, Limit, RunError};
-use robovec_passes::pipeline::Pipeline;
-use robovec_passes::reduce::{Setting, WORK, reduce};
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::rules::RuleSet;
+use robovec_rules::RuleSet;
 
 /// How often [`errors_stay_within_bounds`] ran, and on what.
 pub static STATISTICS: Statistics = Statistics::new("errors_stay_within_bounds");

@@ -10,12 +10,12 @@ use robovec::model::family::random_tree;
 use robovec::model::{Anchor, Asks, Cut, CutKind, Link, Model, Nature, Sensor};
 use robovec::robotran::write::{WriteOptions, write};
 use robovec::robotran::{Language, read};
+use robovec_analysis::class::NumericClass;
+use robovec_framework::check::check;
 use robovec_ir::print::print_module;
 use robovec_ir::states::States;
 use robovec_ir::verify::verify;
 use robovec_ir::{Module, View, same_equations};
-use robovec_passes::NumericClass;
-use robovec_passes::check::check;
 
 /// Generates a random function of a random model.
 ///

@@ -3,12 +3,12 @@
 use arbitrary::{Result, Unstructured};
 use robovec::simulate::Program;
 use robovec::simulate::mif::Image;
+use robovec_codegen::images;
 use robovec_ir::{
     Assignment, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation, Output,
     Shape, SourceSet, View,
 };
-use robovec_passes::codegen::images;
-use robovec_passes::place::{PlaceOptions, place};
+use robovec_schedule::{PlaceOptions, place};
 
 const MACHINES: [&str; 4] = ["thesis", "side-split", "ideal", "de10-nano"];
 const INPUTS: u32 = 3;

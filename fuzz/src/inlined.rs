@@ -3,9 +3,9 @@
 
 use crate::generate::{Kind, module};
 use arbitrary::{Result, Unstructured};
+use robovec_framework::manager::{self, Config};
 use robovec_ir::verify::verify;
 use robovec_ir::{Function, Level, Machine, Module, OperandKind, View, parse, print};
-use robovec_passes::manager::{self, Config};
 use robovec_passes::registry::REGISTRY;
 use std::collections::BTreeMap;
 

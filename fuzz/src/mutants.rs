@@ -4,6 +4,8 @@ use crate::generate::{self, Kind};
 use crate::mutations;
 use crate::referee::{self, BITS, Leniency, Opinion, Referee};
 use arbitrary::{Result, Unstructured};
+use robovec_analysis::class::NumericClass;
+use robovec_framework::check::check;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::print::print_function;
 use robovec_ir::states::States;
@@ -12,8 +14,6 @@ use robovec_ir::{
     SourceSet, Tables, Value, View,
 };
 use robovec_num::double_double::DoubleDouble;
-use robovec_passes::NumericClass;
-use robovec_passes::check::check;
 
 const INPUTS: u32 = 4;
 const STATES: u32 = 3;

@@ -1,8 +1,8 @@
 //! Random pipelines that can run: levels and properties fit.
 
 use arbitrary::{Result, Unstructured};
+use robovec_framework::pass::{Gives, PassInfo, Property};
 use robovec_ir::Level;
-use robovec_passes::pass::{Gives, PassInfo, Property};
 use robovec_passes::registry::REGISTRY;
 use std::fmt::Write;
 

@@ -2,9 +2,9 @@
 
 use crate::generate::{Kind, module};
 use arbitrary::{Result, Unstructured};
+use robovec_framework::manager::{self, Config};
 use robovec_ir::states::States;
 use robovec_ir::{Level, Machine, Module, parse, print};
-use robovec_passes::manager::{self, Config};
 use robovec_passes::registry::REGISTRY;
 
 /// Runs a random pipeline over a random module under the verifier and the

@@ -2,8 +2,8 @@
 
 use crate::generate::{Kind, module};
 use arbitrary::{Result, Unstructured};
+use robovec_framework::manager::{self, Config, RunError};
 use robovec_ir::{Machine, Module, print};
-use robovec_passes::manager::{self, Config, RunError};
 use robovec_passes::registry::REGISTRY;
 
 /// Runs `accurate` with random budgets and `mixed` with a random error over a

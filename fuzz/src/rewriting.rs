@@ -3,11 +3,11 @@
 
 #![allow(unreachable_pub, reason = "the macro declares public passes")]
 
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError, PassInfo};
+use robovec_framework::rewrite::{Rewriter, owners};
 use robovec_ir::{FreshNames, Function, Node, Operand, Operation, Symbol, Tables};
-use robovec_passes::declare_pass;
-use robovec_passes::pass::{Context, Gives, Pass, PassError, PassInfo};
-use robovec_passes::rewrite::{Rewriter, owners};
-use robovec_passes::rules::{Pattern, PatternNode, Rule};
+use robovec_rules::{Pattern, PatternNode, Rule};
 
 declare_pass! {
     /// Applies the rules wherever they fit as they are written, the first

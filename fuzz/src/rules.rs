@@ -8,17 +8,17 @@ use crate::rewriting::{BELIEVE, instance, plain};
 use crate::statistics::{Run, Statistics};
 use crate::term::Term;
 use arbitrary::{Result, Unstructured};
+use robovec_framework::manager::{self, Config, Executed, RunError};
+use robovec_framework::pipeline::{PassStep, Pipeline, Step};
+use robovec_framework::reduce::{Reduction, Setting, WORK, reduce};
+use robovec_framework::rewrite::lay_out;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
 use robovec_ir::{Assignment, Input, Machine, Module, Operand, Output, Shape, SourceSet, print};
 use robovec_num::field::{Field, PrimeField};
-use robovec_passes::manager::{self, Config, Executed, RunError};
-use robovec_passes::pipeline::{PassStep, Pipeline, Step};
-use robovec_passes::reduce::{Reduction, Setting, WORK, reduce};
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::rewrite::lay_out;
-use robovec_passes::rules::check::{Verdict, check};
-use robovec_passes::rules::{Rule, RuleSet};
+use robovec_rules::check::{Verdict, check};
+use robovec_rules::{Rule, RuleSet};
 
 /// How often [`false_rules_are_caught`] ran, and on what.
 pub static STATISTICS: Statistics = Statistics::new("false_rules_are_caught");

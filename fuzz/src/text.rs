@@ -2,13 +2,13 @@
 
 use crate::generate::{self, Kind};
 use arbitrary::{Result, Unstructured};
+use robovec_framework::manager::{Config, RunError, run};
 use robovec_ir::diagnostic::Report;
 use robovec_ir::machine::BUILT_IN;
 use robovec_ir::parse::parse_module;
 use robovec_ir::print::print_module;
 use robovec_ir::verify::verify;
 use robovec_ir::{Function, Level, Machine, Module, View};
-use robovec_passes::manager::{Config, RunError, run};
 use robovec_passes::registry::REGISTRY;
 use std::io;
 

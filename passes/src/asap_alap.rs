@@ -1,8 +1,8 @@
 //! Earliest and latest times (thesis 2.2).
 
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
 use robovec_analysis::critical_path::{Weights, arrivals, tails};
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::{Function, Timing};
 
 declare_pass! {

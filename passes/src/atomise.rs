@@ -1,8 +1,8 @@
 //! From equations to single operations (thesis 2.1, equation 2.2).
 
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::rewrite::{Rewriter, owners};
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::rewrite::{Rewriter, owners};
 use robovec_ir::{Function, Level, Node, Operand, Operation};
 
 declare_pass! {

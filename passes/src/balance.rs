@@ -1,13 +1,13 @@
 //! Tree balancing (thesis 2.4.3).
 
 use crate::cse::merge_equal_noting;
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
 use crate::reassociate::{Reach, Shape, reassociate_asking};
-use crate::rewrite::remove_dead_asking;
-use crate::rewrites::Rewrites;
-use crate::trail::Notes;
 use robovec_analysis::critical_path::{Weights, arrivals};
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::rewrite::remove_dead_asking;
+use robovec_framework::rewrites::Rewrites;
+use robovec_framework::trail::Notes;
 use robovec_ir::{Function, Level, Tables};
 use robovec_num::limits::NumberLimit;
 

@@ -1,11 +1,11 @@
 //! Common subexpressions are computed once.
 
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::rewrite::Rewriter;
-use crate::rewrites::Rewrites;
-use crate::trail::{Notes, equal_to};
 use hashbrown::HashTable;
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::rewrite::Rewriter;
+use robovec_framework::rewrites::Rewrites;
+use robovec_framework::trail::{Notes, equal_to};
 use robovec_ir::{Function, Node, Operand, Operation, SourceSet, Tables, Value};
 use rustc_hash::FxBuildHasher;
 use std::hash::BuildHasher;

@@ -1,8 +1,8 @@
 //! What no output needs is not computed.
 
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::rewrite::remove_dead_asking;
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::rewrite::remove_dead_asking;
 use robovec_ir::Function;
 
 declare_pass! {

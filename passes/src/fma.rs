@@ -13,10 +13,10 @@
 //! A contraction never adds an operation: a product that is read elsewhere
 //! too stays, and the sum that took it in is one operation as before.
 
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::rewrite::Rewriter;
 use robovec_analysis::critical_path::{Weights, critical_path};
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::rewrite::Rewriter;
 use robovec_ir::{Function, Machine, Node, Operand, Operation};
 
 declare_pass! {

@@ -1,8 +1,8 @@
 //! Operations whose result is known, or is an operand.
 
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::rewrite::Rewriter;
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::rewrite::Rewriter;
 use robovec_ir::{Function, Node, Operand, Operation};
 
 declare_pass! {

@@ -1,9 +1,9 @@
 //! Single operations become equations again.
 
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::rewrite::{Rewriter, lay_out, output_symbol};
-use crate::rewrites::Rewrites;
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::rewrite::{Rewriter, lay_out, output_symbol};
+use robovec_framework::rewrites::Rewrites;
 use robovec_ir::{
     Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Tables, Value,
 };

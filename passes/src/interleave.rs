@@ -8,11 +8,11 @@
 //! of all instances stand side by side in its order, and what falls behind
 //! becomes more urgent.
 
-use crate::declare_pass;
-use crate::instances::{Instances, KEY, MOST, Names, numbered};
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::rewrite::lay_out;
 use hashbrown::HashMap;
+use robovec_framework::declare_pass;
+use robovec_framework::instances::{Instances, KEY, MOST, Names, numbered};
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::rewrite::lay_out;
 use robovec_ir::{
     Array, Assignment, Boundary, Formats, Function, Input, Level, Name, Node, Operand, OperandKind,
     Output, Symbol, Tables, Value,

@@ -6,9 +6,9 @@ use crate::choice::emit::emit;
 use crate::choice::import::Import;
 use crate::choice::map::{Mapper, Mapping};
 use crate::choice::timing::Timing;
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
 use robovec_analysis::critical_path::{Weights, arrivals};
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::{Function, Level, Tables};
 use robovec_num::limits::NumberLimit;
 

@@ -5,9 +5,9 @@ use crate::choice::compose::{Limits, look_ahead};
 use crate::choice::emit::emit;
 use crate::choice::map::Mapper;
 use crate::choice::timing::Timing;
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
 use robovec_analysis::critical_path::{Weights, arrivals};
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::{Function, Level};
 use robovec_num::limits::NumberLimit;
 

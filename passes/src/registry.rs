@@ -1,13 +1,15 @@
 //! The table of all passes and of all presets: the single place where they
 //! are listed.
 
-use crate::framework_registry::{Preset, Registry};
-use crate::pass::PassInfo;
 use crate::{
-    accurate, asap_alap, atomise, balance, codegen, composite, cse, dce, eqsat, factor, fma, fold,
-    inline, interleave, lookahead, mixed, optimise, place, recurrence, specialise, swap,
-    trigonometry, zero_removal,
+    accurate, asap_alap, atomise, balance, composite, cse, dce, eqsat, factor, fma, fold, inline,
+    interleave, lookahead, mixed, optimise, recurrence, specialise, swap, trigonometry,
+    zero_removal,
 };
+use robovec_codegen::Codegen;
+use robovec_framework::pass::PassInfo;
+use robovec_framework::registry::{Preset, Registry};
+use robovec_schedule::Place;
 
 /// All passes and presets of robovec.
 pub static REGISTRY: Registry = Registry {
@@ -39,8 +41,8 @@ const PASSES: &[PassInfo] = &[
     interleave::Interleave::INFO,
     asap_alap::AsapAlap::INFO,
     optimise::Optimise::INFO,
-    place::Place::INFO,
-    codegen::Codegen::INFO,
+    Place::INFO,
+    Codegen::INFO,
 ];
 
 /// All presets.

@@ -1,9 +1,9 @@
 //! Tree swapping (thesis 2.4.2).
 
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
 use crate::reassociate::{Reach, Shape, reassociate_asking};
 use robovec_analysis::critical_path::{Weights, critical_path};
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::Function;
 
 declare_pass! {

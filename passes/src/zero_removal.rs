@@ -1,9 +1,9 @@
 //! Zero removal (thesis 2.4.1).
 
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
 use crate::reassociate::{Reach, Shape, reassociate_asking};
 use robovec_analysis::critical_path::Weights;
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::{Function, Operation};
 
 declare_pass! {

@@ -1,5 +1,8 @@
 //! All tests of the passes from outside, in one program: `cargo test
 //! --workspace --test all MODULE::` runs those of a module.
 
+mod manager;
 mod pipelines;
-mod rtl_cores;
+mod reduce;
+mod rtl;
+mod trail;

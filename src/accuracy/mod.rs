@@ -13,10 +13,10 @@ pub use view::{figure, summary, table, text};
 
 use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::{Change, Rounding};
+use robovec_framework::manager::{self, Config, Progress, RunError};
+use robovec_framework::pipeline::Pipeline;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module};
-use robovec_passes::manager::{self, Config, Progress, RunError};
-use robovec_passes::pipeline::Pipeline;
 use std::io;
 use std::sync::Arc;
 

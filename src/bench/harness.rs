@@ -6,8 +6,8 @@
 //! sets, in order of its assignments.
 
 use super::functions::is_varying;
+use robovec_codegen::c::Real;
 use robovec_ir::{Array, Shape, View};
-use robovec_passes::codegen::c::Real;
 use std::fmt::Write;
 
 /// How a function is called.

@@ -5,11 +5,11 @@ use super::contestant::{Contestant, Family};
 use super::functions::{inputs, outputs};
 use super::harness::{self, Call, Callee};
 use super::tools::{Compiler, Step};
+use robovec_codegen::batch;
+use robovec_codegen::c::{self, Real, c_files};
+use robovec_codegen::rolled::rolled_files;
 use robovec_ir::View;
 use robovec_ir::count::Counts;
-use robovec_passes::codegen::batch;
-use robovec_passes::codegen::c::{self, Real, c_files};
-use robovec_passes::codegen::rolled::rolled_files;
 
 /// The clock and the windows, shared by all programs.
 pub(super) const BENCH_H: &str = include_str!("../../benches/peers/bench.h");

@@ -13,8 +13,8 @@ use super::own::{self, BENCH_H, input_bytes};
 use super::tools::{Compiler, Step};
 use crate::robotran::Language;
 use crate::robotran::write::{WriteOptions, write};
+use robovec_codegen::c::{self, Real};
 use robovec_ir::{Module, View};
-use robovec_passes::codegen::c::{self, Real};
 use std::fmt::Write;
 use std::path::Path;
 

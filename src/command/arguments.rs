@@ -4,7 +4,7 @@ use super::flags::{SEED, whole};
 use clap::builder::{PossibleValuesParser, StyledStr};
 use clap::{CommandFactory, Parser, ValueEnum};
 use clap_complete::engine::{ArgValueCandidates, CompletionCandidate};
-use robovec_passes::manager::Limit;
+use robovec_framework::manager::Limit;
 use robovec_passes::registry::REGISTRY;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -127,7 +127,7 @@ pub(crate) struct Arguments {
     pub(crate) auto_reduce: Option<PathBuf>,
 
     /// Most work of --auto-reduce: values of programs tried, times passes
-    #[arg(long, value_name = "N", default_value_t = robovec_passes::reduce::WORK,
+    #[arg(long, value_name = "N", default_value_t = robovec_framework::reduce::WORK,
           add = whole(0, 1_000_000_000_000, "every step of the search runs passes over a program"))]
     pub(crate) reduce_work: u64,
 

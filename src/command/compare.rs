@@ -13,12 +13,12 @@ use crate::model::Model;
 use crate::motion::parameter;
 use crate::stale::zero;
 use clap::Args;
+use robovec_analysis::class::NumericClass;
+use robovec_framework::check::check;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Input, Module, Tables, View};
 use robovec_num::arithmetic::Binary64;
-use robovec_passes::NumericClass;
-use robovec_passes::check::check;
 use std::fmt::Write;
 use std::path::PathBuf;
 

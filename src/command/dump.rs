@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::output::{make_folder, write_file};
-use robovec_passes::manager::{Dump, DumpState};
+use robovec_framework::manager::{Dump, DumpState};
 use serde::Serialize;
 use std::io;
 use std::path::{Path, PathBuf};

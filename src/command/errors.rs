@@ -5,11 +5,11 @@ use super::flags::{SEED, states, whole};
 use super::{Failure, input};
 use crate::errors::{self, ErrorTable, Method, Settings};
 use clap::Args;
+use robovec_framework::manager::{self, Config};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, Module, View};
-use robovec_passes::manager::{self, Config};
 use std::io;
 use std::path::PathBuf;
 

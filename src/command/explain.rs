@@ -3,10 +3,10 @@
 use super::Failure;
 use super::input::Input;
 use crate::errors;
+use robovec_framework::trail::{self, Account, Change, Entry, Moment, Trail};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Place, SourceSet, Step, View, print};
-use robovec_passes::trail::{self, Account, Change, Entry, Moment, Trail};
 use std::fmt::Write;
 
 /// So many source places are shown with their lines; the others are named.

@@ -10,9 +10,9 @@ use crate::model::Model;
 use crate::robotran::write::WriteOptions;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
+use robovec_framework::manager::{self, Config};
+use robovec_framework::pipeline::Pipeline;
 use robovec_ir::{Module, print};
-use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline::Pipeline;
 use std::path::PathBuf;
 
 /// What is generated, and how.

@@ -11,9 +11,9 @@ use crate::model::mbs::ReadModel;
 use crate::robotran::Language;
 use crate::scene::SceneFile;
 use crate::sources::{self, EquationLanguage, display_name};
+use robovec_framework::pipeline::Pipeline;
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
 use robovec_ir::{Machine, Module};
-use robovec_passes::pipeline::Pipeline;
 use robovec_passes::registry::REGISTRY;
 use std::path::{Path, PathBuf};
 

@@ -8,10 +8,10 @@
 use crate::files::limited;
 use crate::model::{family, mbs};
 use crate::{evaluate_command, motion, robotran, scene, study};
+use robovec_framework::options;
 use robovec_ir::parse;
 pub use robovec_num::limits::LimitRow;
 use robovec_num::limits::{self, NumberLimit};
-use robovec_passes::options;
 use robovec_passes::registry::REGISTRY;
 use std::fmt::Write;
 
@@ -100,7 +100,7 @@ fn words() -> Vec<LimitRow> {
         row(
             "robovec-opt",
             "--bisect-limit P:N",
-            robovec_passes::manager::LIMIT,
+            robovec_framework::manager::LIMIT,
             "",
         ),
     ]

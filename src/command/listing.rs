@@ -2,9 +2,9 @@
 //! people.
 
 use super::Failure;
+use robovec_framework::pass::{Gives, PassInfo, Property};
 use robovec_ir::diagnostic::did_you_mean;
 use robovec_ir::{Machine, machine};
-use robovec_passes::pass::{Gives, PassInfo, Property};
 use robovec_passes::registry::REGISTRY;
 use std::fmt::Write;
 

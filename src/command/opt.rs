@@ -11,16 +11,18 @@ use crate::files::{Replace, limited};
 use crate::report;
 use clap::FromArgMatches;
 use clap_complete::env::{CompleteEnv, Shells};
+use robovec_codegen::rtl::DESCRIPTION;
+use robovec_framework::manager::{
+    self, Config, Outcome, PassFilter, PrintChanged, RunError, usage,
+};
+use robovec_framework::pipeline::Pipeline;
+use robovec_framework::scene::Scene;
+use robovec_framework::trail::Trail;
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
-use robovec_passes::codegen::rtl::DESCRIPTION;
-use robovec_passes::manager::{self, Config, Outcome, PassFilter, PrintChanged, RunError, usage};
-use robovec_passes::pipeline::Pipeline;
-use robovec_passes::rules::RuleSet;
-use robovec_passes::scene::Scene;
-use robovec_passes::trail::Trail;
+use robovec_rules::RuleSet;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;

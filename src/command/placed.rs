@@ -2,10 +2,10 @@
 
 use super::Failure;
 use super::input::Input;
+use robovec_framework::manager::{RunError, check_schedules};
 use robovec_ir::Machine;
 use robovec_ir::diagnostic::{Diagnostic, Report};
 use robovec_ir::parse::{Target, parse_placed};
-use robovec_passes::manager::{RunError, check_schedules};
 
 /// Refuses input with a schedule of another machine, or a placement that is
 /// wrong on its own.

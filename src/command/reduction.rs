@@ -3,12 +3,12 @@
 
 use super::arguments::Arguments;
 use super::{Failure, output, reproducer};
+use robovec_framework::pipeline::Pipeline;
+use robovec_framework::reduce::{self, Broken, Reduction, Setting};
+use robovec_framework::scene::Scene;
 use robovec_ir::diagnostic::Diagnostic;
 use robovec_ir::{Machine, Module};
-use robovec_passes::pipeline::Pipeline;
-use robovec_passes::reduce::{self, Broken, Reduction, Setting};
-use robovec_passes::rules::RuleSet;
-use robovec_passes::scene::Scene;
+use robovec_rules::RuleSet;
 use std::io::{self, Write as _};
 use std::panic;
 use std::path::Path;

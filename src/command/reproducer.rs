@@ -7,8 +7,8 @@
 
 use super::Failure;
 use super::arguments::{Arguments, USUAL_MACHINE};
+use robovec_framework::pipeline::Pipeline;
 use robovec_ir::{Machine, Module, print};
-use robovec_passes::pipeline::Pipeline;
 use std::fmt::Write;
 use std::path::Path;
 

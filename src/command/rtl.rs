@@ -6,14 +6,12 @@ use super::{Failure, input, output, placed};
 use crate::files::sealed::check_folder;
 use crate::files::{Replace, limited};
 use clap::{Args, ValueEnum};
+use robovec_codegen::hardware::Shape;
+use robovec_codegen::manifest::FileHash;
+use robovec_codegen::rtl::{self, Crossbar, CrossbarChoice, DESCRIPTION, Fit, Hardware, RtlError};
+use robovec_codegen::{Artifacts, quartus};
+use robovec_framework::manager::{self, Config};
 use robovec_ir::{Function, Machine, Module, View};
-use robovec_passes::codegen::hardware::Shape;
-use robovec_passes::codegen::manifest::FileHash;
-use robovec_passes::codegen::rtl::{
-    self, Crossbar, CrossbarChoice, DESCRIPTION, Fit, Hardware, RtlError,
-};
-use robovec_passes::codegen::{Artifacts, quartus};
-use robovec_passes::manager::{self, Config};
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};

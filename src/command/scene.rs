@@ -4,8 +4,8 @@ use super::{Failure, input};
 use crate::present::text_table;
 use crate::scene::{Effect, SceneFile, Subject, effects};
 use clap::Args;
+use robovec_framework::scene::{Hold, Scene};
 use robovec_ir::{Input, Machine, Module, View};
-use robovec_passes::scene::{Hold, Scene};
 use std::fmt::Write;
 use std::path::PathBuf;
 

@@ -2,12 +2,12 @@
 
 use super::Failure;
 use crate::simulate::Program;
+use robovec_codegen::write_images;
 use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, View};
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_passes::codegen::write_images;
 use std::fmt::Write;
 
 /// Generates the memory images of every placed function, runs them cycle by

@@ -8,9 +8,9 @@ use crate::process::ToolError;
 use crate::synthesis::cores::{self, Mapped};
 use crate::synthesis::{SynthesisError, Tool, machine, page};
 use clap::Args;
+use robovec_codegen::hardware::Shape;
+use robovec_codegen::rtl::cores::Core;
 use robovec_ir::Format;
-use robovec_passes::codegen::hardware::Shape;
-use robovec_passes::codegen::rtl::cores::Core;
 use std::fmt::Write;
 
 /// What is mapped.

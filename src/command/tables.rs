@@ -2,7 +2,7 @@
 
 use super::arguments::TableFormat;
 use crate::present::text_table;
-use robovec_passes::manager::PassRecord;
+use robovec_framework::manager::PassRecord;
 use serde_json::{Value, json};
 
 /// A step that is not a pass: reading, writing.

@@ -4,9 +4,9 @@ use super::heat::{Heat, blame, blame_of};
 use super::view::{place, small};
 use crate::present::number::percent;
 use robovec_analysis::adjoint::{Run, Tape};
+use robovec_framework::trail::Item;
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
-use robovec_passes::trail::Item;
 use std::fmt::Write;
 
 /// How many equations are named where an output's error comes from.

@@ -1,10 +1,10 @@
 //! What a machine takes of a device, by number format: an estimate.
 //!
-//! The formulas are those of [`robovec_passes::codegen::hardware`], for the
+//! The formulas are those of [`robovec_codegen::hardware`], for the
 //! hardware that `robovec rtl` writes. Nothing is synthesised.
 
+use robovec_codegen::hardware::{self, Shape};
 use robovec_ir::{Format, Machine};
-use robovec_passes::codegen::hardware::{self, Shape};
 use serde::Serialize;
 
 /// The device that shares are of: that of the thesis' board, 5CSEBA6U23I7.

@@ -1,7 +1,7 @@
 //! Placing one program on machines with other numbers of elements.
 
 use robovec_ir::{Function, Machine, Module, Operation, View, verify};
-use robovec_passes::place::{
+use robovec_schedule::{
     PlaceError, PlaceOptions, PlaceSummary, PlacementStatistics, place, placement_statistics,
 };
 

@@ -10,9 +10,9 @@
 use crate::bench::contestant::Family;
 use crate::bench::{Compiler, Question, bench, own};
 use crate::files::TemporaryFolder;
+use robovec_codegen::c::Real;
 use robovec_ir::View;
 use robovec_ir::states::States;
-use robovec_passes::codegen::c::Real;
 use std::fs;
 
 /// Functions with more operations are not compiled unless asked for: C

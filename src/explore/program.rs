@@ -2,11 +2,11 @@
 
 use super::yardstick::Unmeasurable;
 use crate::generate::Formulation;
+use robovec_framework::manager::{self, Config, RunError};
+use robovec_framework::pipeline::Pipeline;
+use robovec_framework::scene::Scene;
 use robovec_ir::{Machine, Module, View};
-use robovec_passes::manager::{self, Config, RunError};
-use robovec_passes::pipeline::Pipeline;
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::scene::Scene;
 use std::collections::BTreeMap;
 use std::io;
 use std::sync::Arc;

@@ -7,9 +7,9 @@
 
 use super::own::{self, Replace};
 use super::write::{WriteError, make_folder, write_whole};
+use robovec_codegen::manifest::FileHash;
+use robovec_codegen::rtl::DESCRIPTION;
 use robovec_num::fnv::Fnv;
-use robovec_passes::codegen::manifest::FileHash;
-use robovec_passes::codegen::rtl::DESCRIPTION;
 use std::fs;
 use std::io;
 use std::path::Path;

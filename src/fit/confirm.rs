@@ -11,9 +11,9 @@ use crate::explore::placing::placed;
 use crate::explore::program::{ExplorationError, view};
 use crate::explore::yardstick::{ErrorSpread, results};
 use crate::simulate;
+use robovec_codegen::write_images;
 use robovec_ir::{Machine, Module, View};
-use robovec_passes::codegen::write_images;
-use robovec_passes::place::PlaceOptions;
+use robovec_schedule::PlaceOptions;
 use serde::Serialize;
 
 /// States that are run cycle by cycle.

@@ -38,9 +38,9 @@ use crate::explore::program::{ExplorationError, view};
 use crate::explore::yardstick::{ErrorSpread, MeasuredErrors, Yardstick};
 use crate::generate::Formulation;
 use robovec_analysis::critical_path::critical_path;
+use robovec_framework::scene::{Measure, Scene};
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Machine, Module};
-use robovec_passes::scene::{Measure, Scene};
 use serde::Serialize;
 use std::sync::Arc;
 

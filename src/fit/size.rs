@@ -4,7 +4,7 @@ use super::{FitProgram, Task};
 use crate::explore::placing::{placed, with_counts};
 use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Operation};
-use robovec_passes::place::{PlaceOptions, schedule_bound};
+use robovec_schedule::{PlaceOptions, schedule_bound};
 
 /// The most elements of a kind.
 const MOST: u32 = 64;

@@ -6,10 +6,10 @@ use crate::explore::processor;
 use crate::explore::program::{ExplorationError, view};
 use crate::explore::yardstick::{ErrorSpread, LargestErrors, MeasuredErrors, Yardstick};
 use robovec_analysis::critical_path::critical_path;
+use robovec_codegen::c::Real;
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Machine, Module, Operation};
-use robovec_passes::codegen::c::Real;
-use robovec_passes::place::PlaceOptions;
+use robovec_schedule::PlaceOptions;
 use serde::Serialize;
 
 /// A choice, measured in a format.

@@ -5,12 +5,12 @@ use super::linear::Matrix;
 use super::{Inputs, MotionError, State};
 use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
 use crate::model::Model;
+use robovec_framework::manager::{self, Config};
+use robovec_framework::pipeline::Pipeline;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Format, Function, Machine, Module, Shape, View};
 use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_passes::manager::{self, Config};
-use robovec_passes::pipeline::Pipeline;
 
 /// A function of the model, ready to be evaluated.
 struct Compiled {

@@ -3,9 +3,9 @@
 use super::PassRecord;
 use super::rounding::RoundingReport;
 use robovec_analysis::accuracy::Summary;
+use robovec_framework::check::{Deviation, ErrorChange, FailureKind, Verdict};
 use robovec_ir::print::print_output;
 use robovec_ir::{Boundary, View};
-use robovec_passes::check::{Deviation, ErrorChange, FailureKind, Verdict};
 use serde::Serialize;
 
 /// One run of a pass.
@@ -95,7 +95,7 @@ pub struct SummaryReport {
 
 impl CheckReport {
     fn new(verdict: &Verdict, view: View<'_>) -> CheckReport {
-        use robovec_passes::NumericClass::{Approximating, Exact, Real, RealTrig};
+        use robovec_analysis::class::NumericClass::{Approximating, Exact, Real, RealTrig};
         let result = match (verdict.holds(), verdict.class) {
             (false, _) => "failed",
             (true, Exact) => "bit-equal",

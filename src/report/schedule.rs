@@ -2,7 +2,7 @@
 
 use robovec_ir::placement::{ElementKind, Schedule};
 use robovec_ir::{Format, Function, Machine, Operation};
-use robovec_passes::place::{KindStatistics, PlacementStatistics, Spread, placement_statistics};
+use robovec_schedule::{KindStatistics, PlacementStatistics, Spread, placement_statistics};
 use serde::{Serialize, Serializer};
 
 /// Cycles, processing elements and what they hold.

@@ -1,14 +1,14 @@
 //! The report of a small placed function.
 
 use super::*;
+use robovec_analysis::class::NumericClass;
 use robovec_analysis::rounding::rounding;
+use robovec_framework::check::check;
 use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
 use robovec_ir::states::States;
 use robovec_ir::{
     Assignment, Boundary, Input, Level, Name, Node, Operand, Operation, Output, Shape, SourceSet,
 };
-use robovec_passes::NumericClass;
-use robovec_passes::check::check;
 
 /// `y[1] = (0 - q[1]*q[2]) + q[1]`, `y[2] = sin(q[2])`, on one adder and one
 /// multiplier.

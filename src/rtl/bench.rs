@@ -2,9 +2,9 @@
 
 use crate::simulate::mif::{Image, MifError};
 use crate::simulate::{Hazard, LoadError, Program, Trace};
+use robovec_codegen::manifest::Manifest;
+use robovec_codegen::rtl::bench::{Bench, BenchError, BusResult, Load, Run};
 use robovec_ir::{Machine, View};
-use robovec_passes::codegen::manifest::Manifest;
-use robovec_passes::codegen::rtl::bench::{Bench, BenchError, BusResult, Load, Run};
 
 /// Why there is no bench.
 #[derive(Debug, thiserror::Error)]

@@ -2,9 +2,9 @@
 
 use super::document::{Problems, Span};
 use crate::model::{CutKind, Model};
+use robovec_framework::scene::{IndexPattern, Pattern};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::{Module, Shape};
-use robovec_passes::scene::{IndexPattern, Pattern};
 
 /// An array with what its indices mean.
 pub(super) struct KnownArray {

@@ -2,11 +2,11 @@
 
 use super::{SceneFile, Subject};
 use robovec_analysis::critical_path::critical_path;
+use robovec_framework::manager::{self, Config};
+use robovec_framework::scene::{Bindings, Scene};
 use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Module};
-use robovec_passes::manager::{self, Config};
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::scene::{Bindings, Scene};
 use thiserror::Error;
 
 /// The function with a part of the scene used, after the usual pipeline.

@@ -7,8 +7,8 @@ use super::document::{Problems, Span, Table, Value, array, get, limited, string,
 use super::known::{Known, Rank, Words};
 use crate::model::Model;
 use crate::motion;
+use robovec_framework::scene::{HeldJoint, Hold, IndexPattern, Pattern};
 use robovec_ir::Shape;
-use robovec_passes::scene::{HeldJoint, Hold, IndexPattern, Pattern};
 use toml::de::DeValue;
 
 /// Reads all that a scene says of inputs.

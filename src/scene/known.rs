@@ -1,9 +1,9 @@
 //! What a scene says of input elements, the more specific word winning.
 
 use super::document::{Problems, Span};
+use robovec_framework::scene::{Bindings, Pattern};
 use robovec_ir::Shape;
 use robovec_ir::states::Ranges;
-use robovec_passes::scene::{Bindings, Pattern};
 use std::collections::BTreeMap;
 
 /// What is said of an element.
@@ -35,8 +35,8 @@ pub(super) enum Rank {
 impl Rank {
     /// That of a pattern for an array of a shape.
     pub(super) fn of(pattern: &Pattern, shape: Shape) -> Rank {
-        let fixed = |index: &robovec_passes::scene::IndexPattern| {
-            use robovec_passes::scene::IndexPattern::Between;
+        let fixed = |index: &robovec_framework::scene::IndexPattern| {
+            use robovec_framework::scene::IndexPattern::Between;
             matches!(index, Between(first, last) if first == last)
         };
         match (shape, pattern.indices.iter().all(fixed)) {

@@ -29,7 +29,7 @@
 //! q = { all = [-0.05, 0.05], T1_Frame = [-100, 100] }
 //! ```
 //!
-//! The scene itself is [`robovec_passes::scene::Scene`]; here it is read,
+//! The scene itself is [`robovec_framework::scene::Scene`]; here it is read,
 //! joined with its model or its equations ([`Subject`]), and every mistake is
 //! told with its place. docs/scenes.md is the manual.
 
@@ -48,10 +48,10 @@ pub use subject::{ModelSubject, Subject};
 use crate::files::limited;
 use crate::generate::{Formulation, GenerateError};
 use crate::sources;
+use robovec_framework::scene::Scene;
 use robovec_ir::Module;
 use robovec_ir::diagnostic::Report;
 use robovec_num::limits::NumberLimit;
-use robovec_passes::scene::Scene;
 use std::path::Path;
 
 /// The time allowed, in microseconds.

@@ -9,9 +9,9 @@ use super::known::Words;
 use super::{DEADLINE, ERROR, ModelSubject, SceneFile, Subject};
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::sources;
+use robovec_framework::scene::{Hold, Measure, Need, Scene, Tolerance};
 use robovec_ir::diagnostic::{Report, clip};
 use robovec_ir::{Module, Shape, View};
-use robovec_passes::scene::{Hold, Measure, Need, Scene, Tolerance};
 use std::path::{Path, PathBuf};
 use toml::de::DeValue;
 

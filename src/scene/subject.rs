@@ -4,8 +4,8 @@ use super::known::{Known, Words};
 use crate::generate::{Formulation, FunctionKind, GenerateError, Options, Request, generate};
 use crate::model::{Model, Nature};
 use crate::motion;
+use robovec_framework::scene::{HeldJoint, Hold};
 use robovec_ir::Module;
-use robovec_passes::scene::{HeldJoint, Hold};
 
 /// What a scene is about.
 #[derive(Debug)]

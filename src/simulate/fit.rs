@@ -2,8 +2,8 @@
 
 use super::error::LoadError;
 use super::load::Loader;
+use robovec_codegen::manifest;
 use robovec_num::fnv::Fnv;
-use robovec_passes::codegen::manifest;
 
 /// Most elements.
 const MOST_ELEMENTS: usize = 1 << 14;

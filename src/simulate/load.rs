@@ -4,10 +4,10 @@ use super::decode::{Fields, Steps};
 use super::error::LoadError;
 use super::mif::Image;
 use super::program::{ElementUnit, HostStep, MemoryUnit, OutputPlace, OutputUnit, Program};
+use robovec_codegen::manifest::{self, Manifest, OutputValue, Reference, WordAddress};
 use robovec_ir::{Machine, Operation};
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_num::trigonometry::host::Unit;
-use robovec_passes::codegen::manifest::{self, Manifest, OutputValue, Reference, WordAddress};
 use std::collections::BTreeMap;
 
 /// Most words of all memories, of all buffers, of all instruction images in

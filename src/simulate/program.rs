@@ -1,10 +1,10 @@
 //! A program as loaded from its images.
 
 use super::decode::Steps;
+use robovec_codegen::manifest::Reference;
 use robovec_ir::Operation;
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_num::trigonometry::host::Unit;
-use robovec_passes::codegen::manifest::Reference;
 
 /// A program in the simulator's memories, ready to be run any number of times.
 #[derive(Clone, Debug)]

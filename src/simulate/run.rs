@@ -9,8 +9,8 @@ use super::decode::{BufferWrite, Issue, Write};
 use super::error::Hazard;
 use super::program::{OutputPlace, Program};
 use super::trace::{Observer, Silent};
+use robovec_codegen::manifest::Reference;
 use robovec_num::arithmetic::Arithmetic;
-use robovec_passes::codegen::manifest::Reference;
 
 /// What a run gives.
 #[derive(Clone, PartialEq, Debug)]

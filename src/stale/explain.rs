@@ -4,10 +4,10 @@ use super::inputs::is_zero;
 use super::{Comparison, Element, element, extent, metadata, used};
 use crate::align::replace;
 use crate::model::{Model, Point};
+use robovec_analysis::class::NumericClass;
+use robovec_framework::check::check;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Module, Operand, Tables, View};
-use robovec_passes::NumericClass;
-use robovec_passes::check::check;
 
 /// No more parameters than this are named in one message.
 const NAMED: usize = 6;

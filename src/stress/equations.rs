@@ -6,6 +6,7 @@ use super::numbers::{Evaluation, Numbers};
 use super::program::{is_normal, run_passes, shared};
 use super::treatment::BALANCED;
 use super::{StressError, Treatment};
+use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::parse::parse_module;
@@ -14,7 +15,6 @@ use robovec_ir::{Format, Input, Module};
 use robovec_num::arithmetic::Binary64;
 use robovec_num::double_double::Double;
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::scene::Scene;
 
 /// Equations, and the inputs they are evaluated for.
 pub(super) struct Equations {

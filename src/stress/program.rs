@@ -6,15 +6,15 @@ use super::units::{Dimension, Units};
 use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
 use crate::model::Model;
 use crate::motion::{Inputs, State};
+use robovec_framework::manager::{self, Config};
+use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::{Format, Function, Input, Machine, Module, Operand, Output, View};
 use robovec_num::NumberFormat;
 use robovec_num::arithmetic::Binary64;
 use robovec_num::double_double::Double;
-use robovec_passes::manager::{self, Config};
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::scene::Scene;
 
 /// How a program is made.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -5,7 +5,7 @@ use super::plan::{NamedMachine, Request};
 use super::program::StudyProgram;
 use crate::explore::placing::{verified, with_counts};
 use robovec_ir::Operation;
-use robovec_passes::place::Spread;
+use robovec_schedule::Spread;
 use serde::{Deserialize, Serialize};
 
 /// What is kept of a placement. Names and numbers of its [`Request`] are not

@@ -23,7 +23,7 @@ use crate::explore::program::{ExplorationError, transformed_by};
 use design::{Design, Space};
 use rayon::prelude::*;
 use robovec_ir::{Machine, Module, View};
-use robovec_passes::place::PlaceOptions;
+use robovec_schedule::PlaceOptions;
 use serde::Serialize;
 
 /// The most operations times designs that are placed at once.

@@ -5,10 +5,10 @@
 
 use super::timing::{FAST_NET, Path, Paths, SLOW_NET, Timing};
 use super::{Design, SynthesisError, Tool, count};
+use robovec_codegen::hardware::{Resources, operator};
+use robovec_codegen::rtl::cores::{Core, SOURCES, cuts};
 use robovec_ir::Format;
 use robovec_num::NumberFormat;
-use robovec_passes::codegen::hardware::{Resources, operator};
-use robovec_passes::codegen::rtl::cores::{Core, SOURCES, cuts};
 
 /// An operator of one latency, as mapped.
 #[derive(Clone, PartialEq, Debug)]
@@ -109,7 +109,7 @@ fn delays(timing: &Timing<'_>, net: u32) -> Delays {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_passes::codegen::hardware::tabulated;
+    use robovec_codegen::hardware::tabulated;
 
     /// Needs an installed yosys; some seconds per operator.
     #[test]

@@ -10,7 +10,7 @@
 use super::SynthesisError;
 use super::delays::TRUE_DUAL_PORT;
 use super::netlist::{Bit, Cell, Module, Netlist, readable};
-use robovec_passes::codegen::hardware::{Resources, true_dual_port_blocks};
+use robovec_codegen::hardware::{Resources, true_dual_port_blocks};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Bits of a word of an MLAB.

@@ -8,8 +8,8 @@
 use super::netlist::{Netlist, readable};
 use super::timing::{FAST_NET, Path, Paths, SLOW_NET, Timing};
 use super::{Design, SynthesisError, Tool, count};
-use robovec_passes::codegen::hardware::{Part, PartKind, Resources, Shape, parts};
-use robovec_passes::codegen::rtl::cores::Core;
+use robovec_codegen::hardware::{Part, PartKind, Resources, Shape, parts};
+use robovec_codegen::rtl::cores::Core;
 use std::collections::BTreeMap;
 
 /// The top of every machine.

@@ -4,7 +4,7 @@ use super::Tool;
 use super::machine::MappedMachine;
 use super::timing::{FAST_NET, Path, SLOW_NET};
 use crate::present::text_table;
-use robovec_passes::codegen::hardware::{PartKind, Resources};
+use robovec_codegen::hardware::{PartKind, Resources};
 use std::fmt::Write;
 
 /// What Table 1.4 of the thesis prints for all of a part of its 4 adders and

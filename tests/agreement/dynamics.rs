@@ -5,11 +5,11 @@ use crate::reference::dynamics::{bias, cholesky, inverse_dynamics, mass_matrix};
 use crate::reference::random::Recipe;
 use robovec::align::align;
 use robovec::generate::{Formulation, FunctionKind, Request};
+use robovec_analysis::class::NumericClass;
+use robovec_framework::check::check;
 use robovec_ir::View;
 use robovec_ir::states::States;
 use robovec_num::double_double::Double;
-use robovec_passes::NumericClass;
-use robovec_passes::check::check;
 
 fn check_direct(case: &Case, request: &Request, matrix: &[Double], forces: &[Double]) {
     let module = case.generate(request);

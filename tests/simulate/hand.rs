@@ -12,13 +12,13 @@
 
 use robovec::simulate::mif::Image;
 use robovec::simulate::{Hazard, LoadError, Program};
+use robovec_codegen::images;
+use robovec_codegen::manifest::Manifest;
 use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
 use robovec_ir::{
     Assignment, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation, Output,
     Shape, SourceSet,
 };
-use robovec_passes::codegen::images;
-use robovec_passes::codegen::manifest::Manifest;
 use std::fmt::Write as _;
 
 pub(crate) const ADD0: u32 = 0;

@@ -4,10 +4,10 @@ use super::float;
 use super::hand::{Edited, mif};
 use robovec::simulate::mif::Image;
 use robovec::simulate::{LoadError, Program};
+use robovec_codegen::manifest::{HostElement, Reference};
 use robovec_ir::Machine;
 use robovec_ir::machine::{BufferDescription, MemoryStyle};
 use robovec_num::fnv::Fnv;
-use robovec_passes::codegen::manifest::{HostElement, Reference};
 
 fn refused(change: impl FnOnce(&mut Edited)) -> LoadError {
     let mut images = Edited::new();

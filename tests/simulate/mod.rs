@@ -11,15 +11,15 @@ mod trace;
 
 use naive::Random;
 use robovec::simulate::Program;
+use robovec_codegen::images;
+use robovec_framework::manager::{self, Config};
 use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::machine::Interconnect;
 use robovec_ir::{Format, Machine, Module, View};
 use robovec_num::NumberFormat;
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_passes::codegen::images;
-use robovec_passes::manager::{self, Config};
-use robovec_passes::place::{Choice, PlaceOptions, place};
 use robovec_passes::registry::REGISTRY;
+use robovec_schedule::{Choice, PlaceOptions, place};
 
 /// A floating-point format.
 fn float(exponent: u32, mantissa: u32, subnormals: bool) -> Format {

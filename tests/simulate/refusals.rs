@@ -4,11 +4,11 @@
 use super::hand::{self, ADD0, MULTI0, word};
 use super::{float, view};
 use robovec::simulate::mif::Image;
+use robovec_codegen::manifest::Manifest;
+use robovec_codegen::{ImageError, images};
 use robovec_ir::machine::BufferDescription;
 use robovec_ir::placement::{Bank, Placement, Preload, Schedule, Write};
 use robovec_ir::{Function, Input, Level, Machine, Operand, Operation, Shape, Value};
-use robovec_passes::codegen::manifest::Manifest;
-use robovec_passes::codegen::{ImageError, images};
 
 fn thesis() -> Machine {
     Machine::built_in("thesis").expect("it ships")

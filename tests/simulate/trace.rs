@@ -3,11 +3,11 @@
 use super::naive::Random;
 use super::{hand, random_placed, view};
 use robovec::simulate::{Program, TracedResult};
+use robovec_codegen::images;
 use robovec_ir::Machine;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::machine::Interconnect;
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_passes::codegen::images;
 
 #[test]
 fn a_trace_holds_what_is_loaded_and_every_result_in_its_cycle() {

@@ -4,7 +4,7 @@ use super::theorems::number;
 use super::{parsed, precise};
 use arbitrary::{Result, Unstructured};
 use robovec_ir::Operation;
-use robovec_passes::rules::{Pattern, PatternNode, Rule};
+use robovec_rules::{Pattern, PatternNode, Rule};
 
 /// Places at which a changed rule is tried before it counts as true.
 const PLACES: usize = 24;

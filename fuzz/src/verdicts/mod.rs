@@ -12,8 +12,8 @@ mod theorems;
 
 use crate::statistics::{Run, Statistics};
 use arbitrary::{Result, Unstructured};
-use robovec_passes::rules::check::{Verdict, check};
-use robovec_passes::rules::{Rule, RuleSet};
+use robovec_rules::check::{Verdict, check};
+use robovec_rules::{Rule, RuleSet};
 
 /// How often [`rules_are_judged`] ran, and on what.
 pub static STATISTICS: Statistics = Statistics::new("rules_are_judged");

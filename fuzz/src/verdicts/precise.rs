@@ -2,7 +2,7 @@
 
 use astro_float::{BigFloat, Consts, RoundingMode};
 use robovec_ir::Operation;
-use robovec_passes::rules::{Pattern, PatternNode, Rule};
+use robovec_rules::{Pattern, PatternNode, Rule};
 
 const BITS: usize = 2_048;
 const ROUNDING: RoundingMode = RoundingMode::ToEven;

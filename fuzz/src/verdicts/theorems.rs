@@ -2,7 +2,7 @@
 
 use super::parsed;
 use arbitrary::{Result, Unstructured};
-use robovec_passes::rules::Rule;
+use robovec_rules::Rule;
 
 /// Theorems in `X`, `Y` and `Z`, which may be any terms, in numbers `K` and
 /// `L`, and in `p`, `q` and `n`, which must be positive and, `n`, not zero.

@@ -3,6 +3,7 @@
 
 pub mod accuracy;
 pub mod adjoint;
+pub mod class;
 pub mod condition;
 pub mod critical_path;
 pub mod error_bound;

@@ -16,9 +16,9 @@
 //! Over the real numbers every correction is zero.
 
 use super::profile::{LANES, Lanes, Profile, add, is_exact, product, squares};
-use crate::pass::Context;
-use crate::rewrite::{Rewriter, owners, remove_dead};
 use robovec_analysis::critical_path::{Weights, tails};
+use robovec_framework::pass::Context;
+use robovec_framework::rewrite::{Rewriter, owners, remove_dead};
 use robovec_ir::{
     Format, FreshNames, Function, Name, Node, Operand, Operation, SourceSet, Symbol, Value,
 };

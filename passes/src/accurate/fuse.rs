@@ -8,9 +8,9 @@
 //! whose error is computed is read more than once.
 
 use super::profile::Profile;
-use crate::pass::Context;
-use crate::rewrite::Rewriter;
 use robovec_analysis::critical_path::{Weights, tails};
+use robovec_framework::pass::Context;
+use robovec_framework::rewrite::Rewriter;
 use robovec_ir::{Function, Node, Operand, Operation, Value};
 
 /// The function with products taken in, and how many; `None` where there are

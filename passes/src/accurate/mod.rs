@@ -9,15 +9,15 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
-use crate::declare_pass;
-use crate::options::OptionValue;
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::rewrite::remove_dead;
 use compensate::Budget;
 use measure::{Errors, Reference};
 use profile::{LANES, Profile};
 use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::usual_states;
+use robovec_framework::declare_pass;
+use robovec_framework::options::OptionValue;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::rewrite::remove_dead;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
 use robovec_num::limits::{Amount, NumberLimit};

@@ -13,11 +13,11 @@
 
 use super::profile::{Lanes, Profile, squares};
 use super::terms::{self, Factor, Plan, Setting, Source, Term};
-use crate::pass::Context;
 use crate::reassociate::{Family, Groups, Leaf, Reach};
-use crate::rewrite::{Rewriter, owners};
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_analysis::slice::live;
+use robovec_framework::pass::Context;
+use robovec_framework::rewrite::{Rewriter, owners};
 use robovec_ir::{FreshNames, Function, Name, Node, Operand, Operation, SourceSet, Symbol, Value};
 
 /// The part of the function's error that a sum must save to take time.

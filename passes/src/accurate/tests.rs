@@ -1,9 +1,9 @@
 //! Cases where cancellation dominates.
 
-use crate::manager::{self, Config};
 use crate::registry::REGISTRY;
-use crate::scene::Scene;
 use robovec_analysis::critical_path::critical_path;
+use robovec_framework::manager::{self, Config};
+use robovec_framework::scene::Scene;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;

@@ -21,7 +21,7 @@
 use super::import::{Import, import};
 use super::network::{Class, Form, Network, Signed, Term};
 use super::timing::{Arrivals, Timing};
-use crate::pass::Context;
+use robovec_framework::pass::Context;
 use robovec_ir::Function;
 use std::rc::Rc;
 

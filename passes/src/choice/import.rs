@@ -2,10 +2,10 @@
 
 use super::network::{Class, Network, Opaque, RANK_STEP, Signed, Term};
 use super::timing::{Arrivals, Timing};
-use crate::fingerprint::{Fingerprint, Images};
 use crate::reassociate::{Family, Groups, Leaf, Reach};
-use crate::rewrite::owners;
 use robovec_analysis::critical_path::{Weights, arrivals};
+use robovec_framework::fingerprint::{Fingerprint, Images};
+use robovec_framework::rewrite::owners;
 use robovec_ir::{Function, Name, Operand, OperandKind, SourceSet, Tables, Value};
 
 /// A function read into a network.

@@ -5,7 +5,7 @@
 //! value up to its sign, and for each class its *forms*: sums of products of
 //! other classes. Classes are identified by the value itself, taken at a
 //! random point of two prime fields and of the real numbers
-//! ([`Fingerprint`](crate::fingerprint::Fingerprint)): two expressions that
+//! ([`Fingerprint`](robovec_framework::fingerprint::Fingerprint)): two expressions that
 //! are equal as polynomials meet in one class however they were derived, so
 //! there is nothing to saturate and associativity and commutativity cost
 //! nothing. Two different values meet with probability below

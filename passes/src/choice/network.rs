@@ -1,7 +1,7 @@
 //! Classes of equal values and their forms.
 
-use crate::fingerprint::{Fingerprint, Images};
 use hashbrown::{HashSet, HashTable};
+use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_ir::{Input, Operand, Operation, SourceSet, Symbol};
 use robovec_num::arithmetic::Arithmetic;
 use rustc_hash::FxBuildHasher;

@@ -11,10 +11,11 @@ mod search;
 mod tree;
 mod write;
 
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::{declare_pass, factor};
+use crate::factor;
 use model::Model;
 use robovec_analysis::critical_path::Weights;
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::Function;
 
 declare_pass! {

@@ -1,8 +1,8 @@
 //! What a function says about the system whose mass matrix it computes.
 
 use crate::factor::network::{Edge, Kind, Network};
-use crate::fingerprint::Fingerprint;
 use hashbrown::{HashMap, HashSet};
+use robovec_framework::fingerprint::Fingerprint;
 use robovec_ir::{Array, Function, Input, Operation, Shape, Tables};
 
 use super::bodies::Body;

@@ -3,7 +3,7 @@
 use super::bodies::{Body, Inertia, Joint, Ring, Stand, Wrench, cross};
 use super::model::Model;
 use super::tree::Place;
-use crate::fingerprint::{Fingerprint, Images};
+use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_ir::{Input, Operation};
 use robovec_num::arithmetic::Arithmetic;
 

@@ -4,7 +4,7 @@ use super::bodies::{Body, Inertia, Joint, Ring, Stand, Wrench};
 use super::model::Model;
 use super::tree::Place;
 use crate::factor::network::{Edge, Kind, Network, Origin, ZERO};
-use crate::rewrite::output_symbol;
+use robovec_framework::rewrite::output_symbol;
 use robovec_ir::{Function, Input, Name, Operand, Operation, Tables};
 use robovec_num::arithmetic::Arithmetic;
 

@@ -3,9 +3,9 @@
 use super::form::{Form, Knowledge};
 use super::plain::{self, plain_number};
 use super::saturate::Limits;
-use crate::NumericClass;
-use crate::rules::{Pattern, PatternNode, RuleSet};
 use egg::{EGraph, FlatTerm, Id, Language, RecExpr};
+use robovec_analysis::class::NumericClass;
+use robovec_rules::{Pattern, PatternNode, RuleSet};
 
 /// A step of a derivation: a rule, and the whole term after it.
 #[derive(Clone, PartialEq, Debug)]

@@ -16,13 +16,14 @@ mod tests;
 mod window;
 mod write;
 
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::rules::RuleSet;
-use crate::{NumericClass, declare_pass};
 use pattern::BagRule;
+use robovec_analysis::class::NumericClass;
 use robovec_analysis::critical_path::{Weights, arrivals};
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::Function;
 use robovec_num::limits::NumberLimit;
+use robovec_rules::RuleSet;
 use round::{Budget, Settings};
 use saturate::{Limits, STRUCTURE};
 

@@ -1,8 +1,8 @@
 //! Rules as the e-graph sees them: patterns over signed bags.
 
-use crate::NumericClass;
-use crate::rules::{Condition, Pattern, PatternNode, Rule, RuleSet};
+use robovec_analysis::class::NumericClass;
 use robovec_ir::Operation;
+use robovec_rules::{Condition, Pattern, PatternNode, Rule, RuleSet};
 
 /// A pattern: sums and products as wide as they are written, signs outside.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]

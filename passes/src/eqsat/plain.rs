@@ -7,13 +7,13 @@
 
 use super::form::{Form, Knowledge};
 use super::saturate::Limits;
-use crate::NumericClass;
-use crate::rules::{Pattern as RulePattern, PatternNode, Rule, RuleSet};
 use egg::{
     Applier, ConditionalApplier, EGraph, ENodeOrVar, FromOp, FromOpError, Id, Pattern, RecExpr,
     Rewrite, Runner, Searcher, SimpleScheduler, StopReason, Subst, Var,
 };
+use robovec_analysis::class::NumericClass;
 use robovec_ir::Operation;
+use robovec_rules::{Pattern as RulePattern, PatternNode, Rule, RuleSet};
 use std::fmt;
 use std::sync::LazyLock;
 use std::time::Duration;

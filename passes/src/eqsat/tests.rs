@@ -9,15 +9,15 @@ use super::graph::Graph;
 use super::pattern::BagRule;
 use super::plain;
 use super::saturate::{Limits, saturate};
-use crate::NumericClass;
 use crate::reassociate::{Reach, Shape as TreeShape, reassociate};
-use crate::rules::RuleSet;
 use egg::{EGraph, Id};
+use robovec_analysis::class::NumericClass;
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_ir::{
     Assignment, Function, Input, Level, Machine, Name, Node, Operand, Operation, Output, Shape,
     SourceSet, Tables,
 };
+use robovec_rules::RuleSet;
 
 /// A small generator of the same numbers everywhere.
 struct Random(u64);

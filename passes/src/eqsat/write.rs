@@ -4,8 +4,8 @@ use super::alternatives::{Kind, all_negative};
 use super::graph::Maker;
 use super::round::Rewriting;
 use crate::cse::{Key, KnownValues, SourceMerges};
-use crate::rewrite::{owners, remove_dead};
 use robovec_analysis::critical_path::Weights;
+use robovec_framework::rewrite::{owners, remove_dead};
 use robovec_ir::{
     FreshNames, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol, Tables,
 };

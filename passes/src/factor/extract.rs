@@ -14,8 +14,8 @@
 
 use super::network::{Edge, Kind, Network, Origin, cancel};
 use super::times::Times;
-use crate::fingerprint::Fingerprint;
 use hashbrown::HashMap;
+use robovec_framework::fingerprint::Fingerprint;
 use robovec_num::arithmetic::Arithmetic;
 use rustc_hash::FxBuildHasher;
 

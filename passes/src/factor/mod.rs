@@ -12,10 +12,10 @@ pub(crate) mod read;
 mod times;
 pub(crate) mod write;
 
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::{declare_pass, option_words};
 use network::Network;
 use robovec_analysis::critical_path::Weights;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::{declare_pass, option_words};
 use robovec_ir::Function;
 use robovec_num::limits::NumberLimit;
 use times::Times;

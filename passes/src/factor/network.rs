@@ -8,8 +8,8 @@
 //! outputs; a node without uses does not count its operands, so `cost` is the
 //! number of operations of what the outputs need.
 
-use crate::fingerprint::{Fingerprint, Images};
 use hashbrown::HashMap;
+use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_ir::{Name, Operand, Operation, SourceSet, Symbol};
 use robovec_num::arithmetic::Arithmetic;
 use rustc_hash::FxBuildHasher;

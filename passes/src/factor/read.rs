@@ -1,8 +1,8 @@
 //! From a function to a network.
 
 use super::network::{Edge, Kind, Network, Origin};
-use crate::fingerprint::Images;
-use crate::rewrite::owners;
+use robovec_framework::fingerprint::Images;
+use robovec_framework::rewrite::owners;
 use robovec_ir::{Function, Name, Node, Operand, OperandKind, Operation, Tables};
 use std::collections::HashMap;
 

@@ -6,9 +6,9 @@
 //! `0 - x`.
 
 use super::network::{Edge, Kind, Network, Origin};
-use crate::rewrite::output_symbol;
-use crate::trail::Notes;
 use robovec_analysis::critical_path::Weights;
+use robovec_framework::rewrite::output_symbol;
+use robovec_framework::trail::Notes;
 use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Tables,
 };

@@ -2,7 +2,7 @@
 
 use super::Search;
 use crate::accurate::profile::{LANES, Lanes, Profile};
-use crate::scene::Allowed;
+use robovec_framework::scene::Allowed;
 use robovec_ir::{Format, Formats, Function, Node, Operation, Value};
 use robovec_num::soft_float::FormatArithmetic;
 

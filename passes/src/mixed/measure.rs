@@ -1,6 +1,6 @@
 //! Errors against what is allowed.
 
-use crate::scene::Allowed;
+use robovec_framework::scene::Allowed;
 use robovec_ir::evaluate::{evaluate, evaluate_nodes_in};
 use robovec_ir::states::States;
 use robovec_ir::{Format, Formats, Function, OperandKind, View};

@@ -2,8 +2,8 @@
 
 use super::Goal;
 use super::trial::Trial;
-use crate::place::{PlaceError, PlaceOptions, place};
 use robovec_ir::Machine;
+use robovec_schedule::{PlaceError, PlaceOptions, place};
 
 /// The index of the variant to take; makes the schedules that are needed to
 /// tell.

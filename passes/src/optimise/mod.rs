@@ -16,12 +16,12 @@ mod table;
 mod trial;
 mod variants;
 
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::place::{ElementCounts, explain, with_counts};
-use crate::{declare_pass, option_words};
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::{declare_pass, option_words};
 use robovec_ir::Function;
 use robovec_ir::machine::fields;
 use robovec_num::limits::NumberLimit;
+use robovec_schedule::{ElementCounts, explain, with_counts};
 
 option_words! {
     /// What a variant is chosen for.

@@ -1,15 +1,15 @@
 //! Variants made and measured.
 
 use super::variants::{FUSED, VARIANTS, Variant};
-use crate::framework_registry::Registry;
-use crate::manager::apply;
-use crate::pass::{Aside, Context, PassError};
-use crate::pipeline::Pipeline;
-use crate::place::{PlaceError, schedule_bound};
-use crate::trail::Notes;
 use robovec_analysis::critical_path::critical_path;
+use robovec_framework::manager::apply;
+use robovec_framework::pass::{Aside, Context, PassError};
+use robovec_framework::pipeline::Pipeline;
+use robovec_framework::registry::Registry;
+use robovec_framework::trail::Notes;
 use robovec_ir::count::Counts;
 use robovec_ir::{Function, Level, Machine, Operation};
+use robovec_schedule::{PlaceError, schedule_bound};
 
 /// What is known of a variant.
 pub(super) struct Trial {

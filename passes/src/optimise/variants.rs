@@ -4,8 +4,8 @@
 //! another variant, so that common work is done once. Variants stand in the
 //! order in which they are made: those most often best first among equals.
 
-use crate::framework_registry::Registry;
-use crate::pipeline::Pipeline;
+use robovec_framework::pipeline::Pipeline;
+use robovec_framework::registry::Registry;
 
 /// One way to write the function.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -115,8 +115,8 @@ impl Variant {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::class::NumericClass;
     use crate::registry::REGISTRY;
+    use robovec_analysis::class::NumericClass;
 
     #[test]
     fn variants_start_from_earlier_ones_and_change_no_function() {

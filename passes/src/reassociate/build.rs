@@ -5,10 +5,10 @@ use super::negations::Negations;
 use super::share::{self, PairCounts};
 use super::signs::Wishes;
 use crate::cse::{Key, KnownValues, SourceMerges};
-use crate::rewrite::{lay_out, output_symbol, owners};
-use crate::rewrites::Rewrites;
 use hashbrown::HashMap;
 use robovec_analysis::critical_path::{Weights, tails};
+use robovec_framework::rewrite::{lay_out, output_symbol, owners};
+use robovec_framework::rewrites::Rewrites;
 use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol,
     Tables, Value,

@@ -1,6 +1,6 @@
 //! Finding the groups: signed sums and products.
 
-use crate::rewrites::Rewrites;
+use robovec_framework::rewrites::Rewrites;
 use robovec_ir::{Function, Operand, Operation, Value};
 
 /// How far a group reaches into the values that only it uses.

@@ -4,8 +4,8 @@ use super::constants::{Constants, Known};
 use super::form::{Form, MOST_TERMS, Reading, Term};
 use super::write::{is_function, known};
 use crate::cse::{Key, KnownValues};
-use crate::rewrite::owners;
-use crate::rewrites::Rewrites;
+use robovec_framework::rewrite::owners;
+use robovec_framework::rewrites::Rewrites;
 use robovec_ir::{
     Assignment, FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation,
     SourceSet, Symbol, Tables, Value,

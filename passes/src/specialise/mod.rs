@@ -20,12 +20,12 @@ mod form;
 mod slice;
 mod write;
 
-use crate::declare_pass;
-use crate::pass::{Context, Gives, Pass, PassError};
-use crate::rewrite::{lay_out, remove_dead};
-use crate::scene::Scene;
 use constants::Constants;
 use evaluate::Evaluator;
+use robovec_framework::declare_pass;
+use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::rewrite::{lay_out, remove_dead};
+use robovec_framework::scene::Scene;
 use robovec_ir::{Function, Level, View};
 
 declare_pass! {

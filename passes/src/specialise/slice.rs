@@ -1,7 +1,7 @@
 //! What a scene needs of a function: its outputs, and the arrays that are left.
 
-use crate::rewrite::remove_dead;
-use crate::scene::Scene;
+use robovec_framework::rewrite::remove_dead;
+use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
 use robovec_ir::{Array, Function, Input, Operand, OperandKind, Output, View};
 

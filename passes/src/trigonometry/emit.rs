@@ -2,8 +2,8 @@
 
 use super::ranges::Angles;
 use super::recipe::{Recipe, place};
-use crate::pass::Context;
-use crate::rewrite::{Rewriter, lay_out, owners};
+use robovec_framework::pass::Context;
+use robovec_framework::rewrite::{Rewriter, lay_out, owners};
 use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Value,
 };

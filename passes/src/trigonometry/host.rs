@@ -2,7 +2,7 @@
 
 use super::Trigonometry;
 use super::options::Method;
-use crate::pass::{Context, PassError};
+use robovec_framework::pass::{Context, PassError};
 use robovec_ir::Function;
 use robovec_num::trigonometry::host::{Implementation, KEY, Unit};
 

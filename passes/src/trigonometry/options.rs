@@ -1,7 +1,7 @@
 //! The types of the pass's options.
 
-use crate::option_words;
-use crate::options::OptionValue;
+use robovec_framework::option_words;
+use robovec_framework::options::OptionValue;
 use robovec_num::limits::Amount;
 use std::f64::consts::PI;
 

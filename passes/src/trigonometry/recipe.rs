@@ -150,7 +150,7 @@ impl Builder {
                 }
             }
         }
-        let mut rewriter = crate::rewrite::Rewriter::new(&old, Level::Atomic);
+        let mut rewriter = robovec_framework::rewrite::Rewriter::new(&old, Level::Atomic);
         for (value, node) in old.values() {
             if needed[value.index()] {
                 let operands = rewriter.translate_operands(node);

@@ -3,8 +3,8 @@
 use super::choose::Choice;
 use super::recipe::Recipe;
 use super::{Occurrence, Treatment};
-use crate::pass::Context;
 use robovec_analysis::critical_path::critical_path;
+use robovec_framework::pass::Context;
 use robovec_num::trigonometry::Circular;
 use std::collections::BTreeMap;
 use std::fmt::Write;

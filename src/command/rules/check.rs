@@ -5,8 +5,8 @@ use super::super::{Failure, output};
 use super::{list, read};
 use crate::present::text_table;
 use clap::Args;
-use robovec_passes::rules::check::{self, Finding, Proof, TRIALS, Verdict};
-use robovec_passes::rules::{Rule, RuleSet};
+use robovec_rules::check::{self, Finding, Proof, TRIALS, Verdict};
+use robovec_rules::{Rule, RuleSet};
 use serde_json::{Value, json};
 use std::fmt::Write;
 

@@ -5,8 +5,8 @@ use super::{list, read};
 use crate::files::limited;
 use clap::{Args, ValueEnum};
 use robovec_ir::diagnostic::{Severity, termcolor::ColorChoice};
-use robovec_passes::rules::check::{Verdict, check, diagnose};
-use robovec_passes::rules::syntax::{self, Syntax};
+use robovec_rules::check::{Verdict, check, diagnose};
+use robovec_rules::syntax::{self, Syntax};
 use std::path::{Path, PathBuf};
 
 /// Trials in floating point to find the class of an imported rule.

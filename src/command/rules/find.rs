@@ -8,11 +8,11 @@ use super::{list, read};
 use crate::generate::{FunctionKind, Request, generate};
 use crate::present::text_table;
 use clap::Args;
+use robovec_framework::manager::{self, Config};
 use robovec_ir::{Function, Machine, Module};
-use robovec_passes::manager::{self, Config};
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::rules::RuleSet;
-use robovec_passes::rules::find::{self, Found, Search, Space};
+use robovec_rules::RuleSet;
+use robovec_rules::find::{self, Found, Search, Space};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::io::{self, IsTerminal};
@@ -171,7 +171,7 @@ fn to_text(search: &Search, all: usize) -> String {
         .found
         .iter()
         .map(|Found { rule, gain }| {
-            let side = |pattern: &robovec_passes::rules::Pattern| pattern.to_text(&rule.variables);
+            let side = |pattern: &robovec_rules::Pattern| pattern.to_text(&rule.variables);
             vec![
                 rule.name.clone(),
                 format!("{} => {}", side(&rule.left), side(&rule.right)),

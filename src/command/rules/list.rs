@@ -3,7 +3,7 @@
 use super::super::Failure;
 use super::read;
 use clap::Args;
-use robovec_passes::rules::{BUILT_IN, DEFAULT};
+use robovec_rules::{BUILT_IN, DEFAULT};
 use std::fmt::Write;
 
 /// Which rules are listed.

@@ -3,7 +3,7 @@
 use super::super::{Failure, input};
 use crate::files::limited;
 use robovec_ir::diagnostic::{did_you_mean, termcolor::ColorChoice};
-use robovec_passes::rules::{BUILT_IN, RuleSet};
+use robovec_rules::{BUILT_IN, RuleSet};
 use std::path::Path;
 
 /// The rules of some files, or of names of files that ship.

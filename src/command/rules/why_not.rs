@@ -4,10 +4,10 @@ use super::super::Failure;
 use super::super::flags::whole;
 use super::read;
 use clap::Args;
-use robovec_passes::NumericClass;
+use robovec_analysis::class::NumericClass;
 use robovec_passes::eqsat::derive::{Derivation, Effort, Step, derive};
-use robovec_passes::rules::check::{self, Verdict};
-use robovec_passes::rules::{Rule, RuleSet};
+use robovec_rules::check::{self, Verdict};
+use robovec_rules::{Rule, RuleSet};
 use std::fmt::Write;
 
 /// What is asked.

@@ -12,8 +12,8 @@ use super::text::{Text, comment_mark};
 use super::{Member, WriteOptions, extents};
 use crate::robotran::Language;
 use hashbrown::HashMap;
+use robovec_codegen::kind::file_stem;
 use robovec_ir::{Function, Input, Module, Shape, Symbols};
-use robovec_passes::codegen::kind::file_stem;
 use rustc_hash::FxBuildHasher;
 
 /// The functions of one file.

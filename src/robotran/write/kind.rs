@@ -1,12 +1,12 @@
 //! The files Robotran writes, in all its languages.
 //!
-//! The C ones are [`robovec_passes::codegen::kind`]'s; the Matlab ones are
+//! The C ones are [`robovec_codegen::kind`]'s; the Matlab ones are
 //! those of generator 6.6, the only one that writes Matlab. Where Robotran has
 //! no such file in a language (`accelred` in Matlab and Python) the signature
 //! is the natural counterpart.
 
 use crate::robotran::Language;
-pub(super) use robovec_passes::codegen::kind::Kind;
+pub(super) use robovec_codegen::kind::Kind;
 
 /// What the function of a kind is called in a language.
 pub(super) fn function_name(kind: Kind, language: Language) -> String {

@@ -5,8 +5,8 @@ use super::super::plan::Plan;
 use super::super::results::Results;
 use super::CpuTime;
 use crate::present::{DataCell, DataTable};
+use robovec_codegen::hardware::{Estimate, estimated_clock_mhz};
 use robovec_ir::Machine;
-use robovec_passes::codegen::hardware::{Estimate, estimated_clock_mhz};
 
 /// Clock of the machine the thesis built (its section 1.3.4), MHz.
 const BUILT_MHZ: f64 = 25.0;

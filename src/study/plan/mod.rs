@@ -9,10 +9,10 @@ mod file;
 mod resolve;
 mod sweeps;
 
+use robovec_framework::pipeline::Pipeline;
 use robovec_ir::Machine;
 use robovec_num::limits::NumberLimit;
-use robovec_passes::pipeline::Pipeline;
-use robovec_passes::place::{Choice, PlaceOptions, Priority};
+use robovec_schedule::{Choice, PlaceOptions, Priority};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
 //! Table 1.4: what a machine of 4 adders and 4 multipliers takes on a
 //! Cyclone V, from the words and cycles of its placement.
 //!
-//! The figures are those of [`robovec_passes::codegen::hardware`] for the
+//! The figures are those of [`robovec_codegen::hardware`] for the
 //! hardware that `robovec rtl` writes, beside the ones the thesis prints for
 //! the machine it built. Parts do not match one to one: our instruction word
 //! has the selects of the crossbar and the addresses of the buffer too.
@@ -10,7 +10,7 @@ use super::super::plan::Printed;
 use super::super::printed::Topology;
 use super::super::results::{Placed, Results};
 use crate::present::{DataCell, DataTable};
-use robovec_passes::codegen::hardware::{Part, PartKind, Resources, Shape, parts};
+use robovec_codegen::hardware::{Part, PartKind, Resources, Shape, parts};
 
 /// What the thesis built: adders, multipliers.
 const BUILT: [u32; 2] = [4, 4];

@@ -1,0 +1,439 @@
+//! How a C function is called, and how it reaches the elements of its arrays.
+
+use super::{Options, Real, Signature};
+use crate::emit::arrays::{self, Rows};
+use crate::emit::names::{CNames, is_word_letter};
+use crate::kind::{Kind, file_stem};
+use hashbrown::HashMap;
+use robovec_ir::{Array, Function, Input, OperandKind, Output, Shape, View};
+use rustc_hash::FxBuildHasher;
+use std::collections::BTreeSet;
+
+/// Why a function cannot be called as Robotran's is.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum SignatureError {
+    /// The function is of no kind that Robotran writes.
+    #[error("'{0}' is of no kind that Robotran writes (dirdyna, invdyna, cons_hJ, …)")]
+    Kind(String),
+    /// The function is one case of a file of sensors.
+    #[error("'{0}' is one of the sensors of a file, which are written together")]
+    Sensor(String),
+    /// The function is a piece of one with loops.
+    #[error("'{0}' is one part of a function with loops; the loops themselves are not there")]
+    Part(String),
+    /// User functions are called in the middle.
+    #[error("'{function}' calls the user's '{callee}', which is written in one piece only")]
+    Call {
+        /// The function.
+        function: String,
+        /// The user's function.
+        callee: String,
+    },
+    /// An array cannot bear its name in C.
+    #[error("the array '{array}' of '{function}' has a name that C does not take: rename it")]
+    ArrayName {
+        /// The function.
+        function: String,
+        /// The array.
+        array: String,
+    },
+    /// An output is a single number.
+    #[error(
+        "the output '{output}' of '{function}' is a single number; Robotran's functions give back arrays only"
+    )]
+    ScalarOutput {
+        /// The function.
+        function: String,
+        /// The output.
+        output: String,
+    },
+}
+
+/// An element in C, and the local pointer it is reached by, if any.
+pub(super) struct Element {
+    pub(super) text: String,
+    pub(super) pointer: Option<usize>,
+}
+
+/// A pointer that a part declares when it uses it.
+pub(super) struct Pointer {
+    pub(super) name: String,
+    pub(super) declaration: String,
+}
+
+/// How an array is reached.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Reach {
+    /// A parameter with indices, or a number given by value.
+    Parameter,
+    /// A parameter that points to a number.
+    Target,
+    /// A parameter whose rows have pointers.
+    Rows,
+    /// A member of the model's data structure.
+    Member,
+}
+
+struct Access {
+    name: String,
+    reach: Reach,
+    /// The array is both given and given back.
+    is_shared: bool,
+}
+
+/// The data structure of a project, which changed its name.
+pub(super) struct Structure {
+    pub(super) name: &'static str,
+    pub(super) header: &'static str,
+    /// What stands before the names of functions.
+    prefix: &'static str,
+}
+
+/// The structure that a function's file was written for: that of today,
+/// unless its metadata say `structure "MBSdataStruct"`.
+pub(super) fn structure(function: &Function) -> Structure {
+    match function.metadata("structure") {
+        Some("MBSdataStruct") => Structure {
+            name: "MBSdataStruct",
+            header: "MBSdataStructR7.h",
+            prefix: "",
+        },
+        Some(_) | None => Structure {
+            name: "MbsData",
+            header: "mbs_data.h",
+            prefix: "mbs_",
+        },
+    }
+}
+
+/// The interface of a generated function.
+pub(super) struct Interface<'a> {
+    function: &'a Function,
+    /// Robotran's kind; `None` with the plain signature.
+    kind: Option<Kind>,
+    name: String,
+    file: String,
+    inputs: Vec<Access>,
+    outputs: Vec<Access>,
+    pub(super) pointers: Vec<Pointer>,
+    by_row: HashMap<(bool, usize, u32), usize, FxBuildHasher>,
+    /// Declarations of the parameters, and their names.
+    parameters: Vec<(String, String)>,
+    /// Those that parts are given.
+    inner: Vec<(String, String)>,
+    /// All names in use so far.
+    names: CNames,
+}
+
+impl<'a> Interface<'a> {
+    pub(super) fn new(view: View<'a>, options: &Options) -> Result<Interface<'a>, SignatureError> {
+        let mut interface = Interface {
+            function: view.function,
+            kind: None,
+            name: String::new(),
+            file: String::new(),
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            pointers: Vec::new(),
+            by_row: HashMap::default(),
+            parameters: Vec::new(),
+            inner: Vec::new(),
+            names: CNames::new(),
+        };
+        match options.signature {
+            Signature::Plain => interface.plain(view, options.real),
+            Signature::Robotran => interface.robotran(view)?,
+        }
+        Ok(interface)
+    }
+
+    fn plain(&mut self, view: View<'_>, real: Real) {
+        let symbols = &view.tables.symbols;
+        self.name = self.names.take(&view.function.name);
+        self.file.clone_from(&self.name);
+        for (arrays, is_output) in [
+            (view.function.inputs(), false),
+            (view.function.outputs(), true),
+        ] {
+            for array in arrays {
+                let name = self.names.take(symbols.text(array.name));
+                let declaration =
+                    arrays::parameter(real, &name, array.shape, is_output, Rows::Brackets);
+                let reach = match array.shape {
+                    Shape::Scalar if is_output => Reach::Target,
+                    Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) => Reach::Parameter,
+                };
+                self.parameters.push((declaration, name.clone()));
+                let access = Access {
+                    name,
+                    reach,
+                    is_shared: false,
+                };
+                if is_output {
+                    self.outputs.push(access);
+                } else {
+                    self.inputs.push(access);
+                }
+            }
+        }
+        self.inner.clone_from(&self.parameters);
+    }
+
+    fn robotran(&mut self, view: View<'_>) -> Result<(), SignatureError> {
+        let function = view.function;
+        let kind = robotran_kind(function)?;
+        let model = function.metadata("model").unwrap_or("model");
+        self.kind = Some(kind);
+        self.name = self
+            .names
+            .take(&format!("{}{}", structure(function).prefix, kind.name));
+        self.file = format!("mbs_{}_{}", kind.name, file_stem(model));
+        for (name, _) in kind.outputs {
+            self.names.take(name);
+        }
+        let data = structure(function).name;
+        for name in ["s", "tsim", data] {
+            self.names.take(name);
+        }
+        for &(name, rank) in kind.outputs {
+            let given = function
+                .outputs()
+                .iter()
+                .any(|array| robotran_name(view.tables.symbols.text(array.name)) == name);
+            let declaration = format!("double {}{name}", "*".repeat(rank));
+            if given {
+                self.inner.push((declaration.clone(), name.to_owned()));
+            }
+            self.parameters.push((declaration, name.to_owned()));
+        }
+        self.inner
+            .push((format!("const {data} *s"), "s".to_owned()));
+        self.parameters.push((format!("{data} *s"), "s".to_owned()));
+        let time = ("double tsim".to_owned(), "tsim".to_owned());
+        self.parameters.push(time.clone());
+        for array in function.inputs() {
+            let access = self.access(view, array, kind, false)?;
+            if access.reach == Reach::Parameter {
+                self.inner.push(time.clone());
+            }
+            self.inputs.push(access);
+        }
+        for array in function.outputs() {
+            let access = self.access(view, array, kind, true)?;
+            self.outputs.push(access);
+        }
+        self.find_pointers();
+        Ok(())
+    }
+
+    fn access(
+        &self,
+        view: View<'_>,
+        array: &Array,
+        kind: Kind,
+        is_output: bool,
+    ) -> Result<Access, SignatureError> {
+        let name = view.tables.symbols.text(array.name);
+        let function = || view.function.name.clone();
+        if !is_word(name) {
+            return Err(SignatureError::ArrayName {
+                function: function(),
+                array: name.to_owned(),
+            });
+        }
+        if is_output && array.shape == Shape::Scalar {
+            return Err(SignatureError::ScalarOutput {
+                function: function(),
+                output: name.to_owned(),
+            });
+        }
+        let others = if is_output {
+            view.function.inputs()
+        } else {
+            view.function.outputs()
+        };
+        let name = robotran_name(name);
+        let parameter = kind.outputs.iter().find(|(known, _)| *known == name);
+        let reach = match (parameter, array.shape) {
+            (None, Shape::Scalar) if name == "tsim" => Reach::Parameter,
+            (Some((_, 2)), _) => Reach::Rows,
+            (Some(_), _) => Reach::Target,
+            (None, _) => Reach::Member,
+        };
+        Ok(Access {
+            name: name.to_owned(),
+            reach,
+            is_shared: others.iter().any(|other| other.name == array.name),
+        })
+    }
+
+    /// Gives every vector and every row that is used a pointer.
+    fn find_pointers(&mut self) {
+        let mut rows = BTreeSet::new();
+        let nodes = self
+            .function
+            .nodes()
+            .iter()
+            .flat_map(|node| node.operands());
+        let outputs = self.function.assignments.iter();
+        for operand in nodes.chain(outputs.clone().map(|output| &output.operand)) {
+            if let OperandKind::Input(input) = operand.kind() {
+                rows.insert((false, self.place(false, input.0)));
+            }
+        }
+        rows.extend(outputs.map(|assignment| (true, self.place(true, assignment.output.0))));
+        for (is_output, (number, indices, rank)) in rows {
+            let access = if is_output {
+                &self.outputs
+            } else {
+                &self.inputs
+            };
+            let access = &access[number];
+            let row = if rank == 2 { indices[0] } else { 0 };
+            let key = (is_output, number, row);
+            let needs_none = rank == 0 || (rank == 1 && access.reach != Reach::Member);
+            if needs_none || self.by_row.contains_key(&key) {
+                continue;
+            }
+            let source = match (access.reach, rank) {
+                (Reach::Member, 1) => format!("s->{}", access.name),
+                (Reach::Member, _) => format!("s->{}[{row}]", access.name),
+                (_, _) => format!("{}[{row}]", access.name),
+            };
+            let qualifiers = match (is_output, access.is_shared) {
+                (_, true) => ("", ""),
+                (false, false) => ("const ", "restrict "),
+                (true, false) => ("", "restrict "),
+            };
+            let wanted = match rank {
+                1 => access.name.clone(),
+                _ => format!("{}{row}", access.name),
+            };
+            let name = self.names.take(&wanted);
+            let (constant, restrict) = qualifiers;
+            self.by_row.insert(key, self.pointers.len());
+            self.pointers.push(Pointer {
+                declaration: format!("{constant}double *{restrict}{name} = {source};"),
+                name,
+            });
+        }
+    }
+
+    fn place(&self, is_output: bool, element: u32) -> (usize, [u32; 2], usize) {
+        let (input, output) = (Input(element), Output(element));
+        let function = self.function;
+        let (number, (_, indices, rank)) = match is_output {
+            false => (function.input_array(input), function.input_element(input)),
+            true => (
+                function.output_array(output),
+                function.output_element(output),
+            ),
+        };
+        (number, indices, rank)
+    }
+
+    /// How an input (or output) element is written.
+    pub(super) fn element(&self, is_output: bool, element: u32) -> Element {
+        let (number, indices, rank) = self.place(is_output, element);
+        let access = if is_output {
+            &self.outputs
+        } else {
+            &self.inputs
+        };
+        let access = &access[number];
+        let row = if rank == 2 { indices[0] } else { 0 };
+        let pointer = self.by_row.get(&(is_output, number, row)).copied();
+        let text = match (pointer, rank) {
+            (Some(pointer), _) => {
+                format!("{}[{}]", self.pointers[pointer].name, indices[rank - 1])
+            }
+            (None, 0) => match access.reach {
+                Reach::Target => format!("*{}", access.name),
+                Reach::Member => format!("s->{}", access.name),
+                Reach::Parameter | Reach::Rows => access.name.clone(),
+            },
+            (None, 1) => format!("{}[{}]", access.name, indices[0]),
+            (None, _) => format!("{}[{}][{}]", access.name, indices[0], indices[1]),
+        };
+        Element { text, pointer }
+    }
+
+    /// True when writing an output may change an input.
+    pub(super) fn overwrites(&self) -> bool {
+        self.outputs.iter().any(|access| access.is_shared)
+    }
+
+    pub(super) fn is_robotran(&self) -> bool {
+        self.kind.is_some()
+    }
+
+    /// What the function gives back.
+    pub(super) fn result(&self) -> &'static str {
+        match self.kind {
+            Some(kind) if kind.has_status() => "int",
+            Some(_) | None => "void",
+        }
+    }
+
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The name of the files, without extension.
+    pub(super) fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// The header of the data structure.
+    pub(super) fn data_header(&self) -> Option<&'static str> {
+        self.kind.map(|_| structure(self.function).header)
+    }
+
+    /// The names in use, for those that come.
+    pub(super) fn names(&self) -> CNames {
+        self.names.clone()
+    }
+
+    /// The parameters of the function.
+    pub(super) fn parameters(&self) -> &[(String, String)] {
+        &self.parameters
+    }
+
+    /// The parameters of its parts, but for the work array.
+    pub(super) fn inner(&self) -> &[(String, String)] {
+        &self.inner
+    }
+}
+
+/// The kind of a function that one bounded C function can stand for.
+fn robotran_kind(function: &Function) -> Result<Kind, SignatureError> {
+    let name = || function.name.clone();
+    if function.metadata("part").is_some() {
+        return Err(SignatureError::Part(name()));
+    }
+    let (kind, _) = Kind::of(function).ok_or_else(|| SignatureError::Kind(name()))?;
+    if kind.is_sensor() {
+        return Err(SignatureError::Sensor(name()));
+    }
+    match function.boundaries.first() {
+        None => Ok(kind),
+        Some(call) => Err(SignatureError::Call {
+            function: name(),
+            callee: call.callee.clone(),
+        }),
+    }
+}
+
+/// The name of an array today.
+fn robotran_name(name: &str) -> &str {
+    if name == "Flnk" { "Flink" } else { name }
+}
+
+fn is_word(name: &str) -> bool {
+    let mut characters = name.chars();
+    characters
+        .next()
+        .is_some_and(|first| first.is_ascii_alphabetic())
+        && characters.all(is_word_letter)
+        && CNames::is_free(name)
+}

@@ -1,0 +1,215 @@
+//! What becomes a statement, which statements form a part, and which values
+//! cross from part to part.
+
+use super::sines::Slots;
+use super::{Options, Order, Sines};
+use crate::emit::crossing::{Crossing, PartValues};
+use crate::emit::inlining::{Inlining, assigned};
+use crate::emit::order::{Step, depth_first, program};
+use robovec_analysis::slice::live;
+use robovec_ir::{Function, Operand, Value};
+
+/// A statement of the generated function.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Statement {
+    /// Defines a variable or sets an output element.
+    Step(Step),
+    /// Puts an angle in its slot.
+    Angle(u32),
+}
+
+/// Some statements that follow each other.
+#[derive(Clone, Default, Debug)]
+pub(super) struct Part {
+    pub(super) statements: Vec<Statement>,
+}
+
+/// The plan of a generated function.
+pub(super) struct Plan {
+    /// For each node: whether its operation stands inside the expression of
+    /// its only user.
+    inlined: Vec<bool>,
+    pub(super) parts: Vec<Part>,
+    /// How many parts stand before the sines are computed.
+    pub(super) head: usize,
+    /// True when all parts stand in one function.
+    pub(super) is_flat: bool,
+    pub(super) slots: Slots,
+    crossing: Crossing,
+}
+
+impl Plan {
+    /// Plans a function. With `outputs_last` no output is written before
+    /// everything is computed.
+    pub(super) fn new(function: &Function, options: &Options, outputs_last: bool) -> Plan {
+        let live = live(function);
+        let Inlining { inlined, sizes } = inlining(function, outputs_last);
+        let slots = match options.sines {
+            Sines::Inline => Slots::new(function, &live),
+            Sines::Library => Slots::none(function),
+        };
+        let computed: Vec<bool> = (live.iter().zip(&inlined))
+            .map(|(live, inlined)| *live && !inlined)
+            .collect();
+        let ordered = match options.order {
+            Order::Program => program(function, &computed),
+            Order::Depth => depth_first(function, &computed, outputs_last),
+        };
+        let (head, body) = apart(function, ordered, &slots);
+        let size = |statement: &Statement| {
+            let operand = match *statement {
+                Statement::Step(Step::Define(value)) => return sizes[value.index()],
+                Statement::Angle(slot) => slots.angles()[slot as usize],
+                Statement::Step(Step::Assign(index)) => {
+                    function.assignments[index as usize].operand
+                }
+            };
+            let value = operand.value().filter(|value| inlined[value.index()]);
+            value.map_or(1, |value| sizes[value.index()])
+        };
+        let head = cut(head, options.part, size);
+        let body = cut(body, options.part, size);
+        let mut plan = Plan {
+            is_flat: head.len() <= 1 && body.len() <= 1,
+            inlined,
+            head: head.len(),
+            parts: head.into_iter().chain(body).collect(),
+            crossing: Crossing::new(0, &[], 0, |_| 0..0),
+            slots,
+        };
+        plan.crossing = plan.cross(function);
+        plan
+    }
+
+    /// True when the node's operation stands in its user's expression.
+    pub(super) fn is_inlined(&self, value: Value) -> bool {
+        self.inlined[value.index()]
+    }
+
+    /// The word of the work array a value travels in.
+    pub(super) fn word(&self, value: Value) -> Option<u32> {
+        self.crossing.word(value)
+    }
+
+    /// The word of the work array a value has to be fetched from in a part.
+    pub(super) fn load(&self, value: Value, part: usize) -> Option<u32> {
+        self.slots.of(value).or(self.crossing.load(value, part))
+    }
+
+    /// Length of the work array.
+    pub(super) fn work(&self) -> u32 {
+        self.crossing.length
+    }
+
+    /// Finds the values that cross from part to part; none does when all
+    /// stand in one function.
+    fn cross(&self, function: &Function) -> Crossing {
+        let parts = if self.is_flat { &[] } else { &*self.parts };
+        let traffic: Vec<PartValues> = parts
+            .iter()
+            .map(|part| {
+                let mut traffic = PartValues::default();
+                for &statement in &part.statements {
+                    if let Statement::Step(Step::Define(value)) = statement {
+                        traffic.defined.push(value);
+                    }
+                    self.leaves(function, statement, |operand| {
+                        traffic.read.extend(operand.value());
+                    });
+                }
+                // Sines have words of their own.
+                traffic.read.retain(|&value| self.slots.of(value).is_none());
+                traffic.read.sort_unstable();
+                traffic
+            })
+            .collect();
+        // Angles are not read again once their sines are there.
+        let freed = |part| match part == self.head {
+            true => self.slots.angle_words(),
+            false => 0..0,
+        };
+        Crossing::new(self.inlined.len(), &traffic, self.slots.words(), freed)
+    }
+
+    /// Calls for every variable, input and constant in a statement's
+    /// expression.
+    fn leaves(&self, function: &Function, statement: Statement, mut call: impl FnMut(Operand)) {
+        let mut open: Vec<Operand> = match statement {
+            Statement::Step(step) => step.reads(function).to_vec(),
+            Statement::Angle(slot) => vec![self.slots.angles()[slot as usize]],
+        };
+        while let Some(operand) = open.pop() {
+            match operand.value() {
+                Some(value) if self.is_inlined(value) => {
+                    open.extend(function.node(value).operands());
+                }
+                Some(_) | None => call(operand),
+            }
+        }
+    }
+}
+
+/// What stands before the sines, angles last, and what stands behind them.
+fn apart(
+    function: &Function,
+    ordered: Vec<Step>,
+    slots: &Slots,
+) -> (Vec<Statement>, Vec<Statement>) {
+    let mut early = vec![false; function.nodes().len()];
+    for &angle in slots.angles() {
+        mark(function, angle, &mut early);
+    }
+    let mut head = Vec::new();
+    let mut body = Vec::with_capacity(ordered.len());
+    for step in ordered {
+        match step {
+            Step::Define(value) if slots.of(value).is_some() => {}
+            Step::Define(value) if early[value.index()] => head.push(Statement::Step(step)),
+            Step::Define(_) | Step::Assign(_) => body.push(Statement::Step(step)),
+        }
+    }
+    head.extend((0..slots.angles().len() as u32).map(Statement::Angle));
+    (head, body)
+}
+
+/// Cuts statements into parts of about so many operations, all of one size.
+fn cut(statements: Vec<Statement>, part: u32, size: impl Fn(&Statement) -> u32) -> Vec<Part> {
+    let total: u64 = statements
+        .iter()
+        .map(|statement| u64::from(size(statement)))
+        .sum();
+    let count = total.div_ceil(u64::from(part.max(1))).max(1);
+    let share = total.div_ceil(count);
+    let mut parts: Vec<Part> = Vec::new();
+    let mut done = share;
+    for statement in statements {
+        if done >= share {
+            parts.push(Part::default());
+            done = 0;
+        }
+        done += u64::from(size(&statement));
+        let part = parts.last_mut().expect("the first statement begins a part");
+        part.statements.push(statement);
+    }
+    parts
+}
+
+/// Marks a value and everything it needs.
+fn mark(function: &Function, operand: Operand, marked: &mut [bool]) {
+    let mut open: Vec<Value> = operand.value().into_iter().collect();
+    while let Some(value) = open.pop() {
+        if !std::mem::replace(&mut marked[value.index()], true) {
+            let operands = function.node(value).operands().iter();
+            open.extend(operands.filter_map(|operand| operand.value()));
+        }
+    }
+}
+
+/// Unnamed operations stand inside their user's expression. What outputs are
+/// set to is a variable when outputs stand last, so that it is computed before.
+fn inlining(function: &Function, outputs_last: bool) -> Inlining {
+    let given = assigned(function);
+    Inlining::new(function, |value, node| {
+        node.name.is_none() && !(outputs_last && given[value.index()])
+    })
+}

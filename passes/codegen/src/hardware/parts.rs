@@ -1,0 +1,372 @@
+//! The parts of a machine and what each takes.
+//!
+//! The formulas follow the Verilog under `hdl/` and what is generated around
+//! it, part by part, so that a change there has one place here. They hold for
+//! any number of elements, format, latency, memory style and size; yosys'
+//! mapping is what they are compared with (`robovec rtl --synthesise`).
+
+use super::Resources;
+use super::interconnect::{Terminals, interconnect};
+use super::memory::{bits, blocks, four_port_blocks, lab_memories, true_dual_port_blocks};
+use super::operator::operator;
+use super::shape::{Kind, Shape};
+use crate::rtl::cores::Core;
+use robovec_ir::Operation;
+use robovec_ir::machine::{Interconnect, MemoryStyle};
+use serde::Serialize;
+
+/// What a part is.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PartKind {
+    /// The operators of an element.
+    Operators,
+    /// The instruction memory of an element, with its word register.
+    Instructions,
+    /// The operand memories of an element.
+    Operands,
+    /// The buffer of an element.
+    Buffer,
+    /// The crossbar.
+    Crossbar,
+    /// The counter of cycles.
+    Sequencer,
+    /// The host's window, with its way to the memories.
+    Window,
+}
+
+impl PartKind {
+    /// Its name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            PartKind::Operators => "operators",
+            PartKind::Instructions => "instruction memory",
+            PartKind::Operands => "operand memories",
+            PartKind::Buffer => "buffer",
+            PartKind::Crossbar => "crossbar",
+            PartKind::Sequencer => "sequencer",
+            PartKind::Window => "host window",
+        }
+    }
+}
+
+/// A part of a machine.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Part {
+    /// What it is.
+    pub part: PartKind,
+    /// The kind of the element it belongs to; none for what exists once.
+    pub kind: Option<String>,
+    /// How many there are.
+    pub count: u32,
+    /// What one takes.
+    pub each: Resources,
+}
+
+/// The parts of a machine.
+pub fn parts(shape: &Shape) -> Vec<Part> {
+    let mut parts = Vec::new();
+    for kind in shape.kinds.iter().filter(|kind| kind.count > 0) {
+        let mut part = |part: PartKind, each: Resources| {
+            parts.push(Part {
+                part,
+                kind: Some(kind.element.kind.clone()),
+                count: kind.count,
+                each,
+            });
+        };
+        part(PartKind::Operators, operators(shape, kind));
+        part(PartKind::Instructions, instructions(shape, kind));
+        part(PartKind::Operands, operands(shape, kind));
+        if let Some((words, reads)) = shape.buffer {
+            part(PartKind::Buffer, buffer(shape, words, reads));
+        }
+    }
+    let once = [
+        (PartKind::Crossbar, crossbar(shape)),
+        (PartKind::Sequencer, sequencer(shape)),
+        (PartKind::Window, window(shape)),
+    ];
+    parts.extend(once.map(|(part, each)| Part {
+        part,
+        kind: None,
+        count: 1,
+        each,
+    }));
+    parts
+}
+
+/// What a whole machine takes.
+pub fn resources(shape: &Shape) -> Resources {
+    let all = parts(shape).into_iter();
+    all.map(|part| part.each * f64::from(part.count)).sum()
+}
+
+/// The operators that perform the operations of a kind.
+fn cores_of(kind: &Kind) -> Vec<Core> {
+    let performed = Operation::ALL.into_iter();
+    let performed = performed.filter(|operation| kind.element.performs(*operation));
+    let mut cores: Vec<Core> = performed.filter_map(Core::of).collect();
+    cores.sort_unstable();
+    cores.dedup();
+    cores
+}
+
+fn operators(shape: &Shape, kind: &Kind) -> Resources {
+    let cores = cores_of(kind);
+    let stages = kind.element.stages;
+    let mut taken: Resources = cores
+        .iter()
+        .map(|core| operator(*core, shape.number, stages))
+        .sum();
+    let operations = kind.element.operations.len() as u32;
+    if operations > 1 {
+        // The code of the operation that enters; with several operators also
+        // of those under way, and a choice among their results.
+        let code = bits(operations);
+        taken.registers += f64::from(code);
+        taken.aluts += f64::from(code);
+        if cores.len() > 1 {
+            taken.registers += f64::from(code * stages);
+            let choice = shape.number.width() * (cores.len() as u32 - 1) + 2 * cores.len() as u32;
+            taken.aluts += f64::from(choice);
+        }
+    }
+    taken
+}
+
+fn instructions(shape: &Shape, kind: &Kind) -> Resources {
+    let width = shape.instruction_width(kind);
+    let words = 1 << shape.instruction_address();
+    Resources {
+        // Enables that are inverted.
+        aluts: 2.0,
+        registers: f64::from(width),
+        memory_blocks: f64::from(blocks(words, width)),
+        ..Resources::default()
+    }
+}
+
+fn operands(shape: &Shape, kind: &Kind) -> Resources {
+    let address = shape.operand_address();
+    let width = shape.number.width();
+    let words = 1 << address;
+    let ports = shape.write_ports;
+    match shape.style {
+        MemoryStyle::SideSplit => {
+            // Two addresses joined with the host's; with several writes a
+            // choice of address and word, and a register for the operand.
+            let choice = if ports > 1 {
+                multiplexer(ports) * (address + width)
+            } else {
+                0
+            };
+            let held = if ports > 1 { width } else { 0 };
+            let side = Resources {
+                aluts: f64::from(2 * address + 2 + choice),
+                registers: f64::from(held),
+                memory_blocks: f64::from(blocks(words, width)),
+                ..Resources::default()
+            };
+            side * 2.0
+        }
+        MemoryStyle::Unified => {
+            // Each port reads or writes, so its address is a choice of two,
+            // and of more with more writes; an operand waits in a register
+            // for the end of the cycle.
+            let each = ports.div_ceil(2);
+            let choice = if each > 1 {
+                multiplexer(each) * width
+            } else {
+                0
+            };
+            let held = if shape.phases() > 2 { 2 } else { 1 };
+            let copies = copies_of(kind);
+            Resources {
+                aluts: f64::from((1 + copies) * (address + 1) + 2 * choice),
+                registers: f64::from((1 + copies) * held * width),
+                memory_blocks: f64::from(copies * true_dual_port_blocks(words, width)),
+                ..Resources::default()
+            }
+        }
+        MemoryStyle::FourPort => {
+            let copies = copies_of(kind);
+            Resources {
+                aluts: f64::from(copies * (2 * address + 2)),
+                memory_blocks: f64::from(copies * four_port_blocks(words, width)),
+                ..Resources::default()
+            }
+        }
+    }
+}
+
+/// How often an operand memory is there: an element of fused operations reads
+/// a third operand from a second one.
+fn copies_of(kind: &Kind) -> u32 {
+    if kind.element.is_fused() { 2 } else { 1 }
+}
+
+fn buffer(shape: &Shape, words: u32, reads: u32) -> Resources {
+    let width = shape.number.width();
+    let words = 1_u32 << bits(words).max(2);
+    let columns = words.div_ceil(32);
+    let choice = if columns > 1 {
+        multiplexer(columns) * width + columns
+    } else {
+        0
+    };
+    Resources {
+        aluts: f64::from(reads * (1 + choice)),
+        lab_memories: f64::from(reads * lab_memories(words, width)),
+        ..Resources::default()
+    }
+}
+
+/// Six-input tables per bit of a choice of `count`, as a tree of choices of
+/// four (thesis 1.3.1).
+pub fn multiplexer(count: u32) -> u32 {
+    let mut tables = 0;
+    let mut left = count;
+    while left > 1 {
+        // A single word at the end of a level passes as it is.
+        tables += left.div_ceil(4) - u32::from(left % 4 == 1);
+        left = left.div_ceil(4);
+    }
+    tables
+}
+
+fn crossbar(shape: &Shape) -> Resources {
+    let width = shape.number.width();
+    if let Interconnect::Network(_) = shape.interconnect {
+        let terminals = Terminals {
+            elements: shape.elements(),
+            sources: 1 + shape.buffer.map_or(0, |(_, reads)| reads),
+            ports: shape.memories() * shape.write_ports,
+            width,
+        };
+        return interconnect(shape.interconnect, terminals);
+    }
+    let select = bits(shape.sources());
+    let aluts: u32 = match &shape.legs {
+        None => shape.ports() * multiplexer(shape.sources()) * width,
+        // A select is first turned into the number of a leg, two tables per
+        // bit of it.
+        Some(legs) => legs
+            .iter()
+            .map(|&count| match count {
+                0 | 1 => 0,
+                _ if count == shape.sources() => multiplexer(count) * width,
+                _ => multiplexer(count) * width + 2 * bits(count).min(select),
+            })
+            .sum(),
+    };
+    Resources {
+        aluts: f64::from(aluts),
+        ..Resources::default()
+    }
+}
+
+fn sequencer(shape: &Shape) -> Resources {
+    let address = shape.instruction_address();
+    let phases = shape.phases();
+    let counter = if phases > 1 { bits(phases) + 1 } else { 0 };
+    Resources {
+        // Three counters with their loads, and a comparison with zero.
+        aluts: f64::from(5 * address + 16 + 2 * counter),
+        registers: f64::from(4 * address + 6 + counter),
+        ..Resources::default()
+    }
+}
+
+fn window(shape: &Shape) -> Resources {
+    let elements = shape.elements();
+    let width = shape.number.width();
+    let memories = elements * shape.memories();
+    let widths = shape.kinds.iter().map(|kind| shape.instruction_width(kind));
+    let instruction = widths.max().unwrap_or(1);
+    let limbs = instruction.max(width).div_ceil(32);
+    let cycle = shape.instruction_address();
+    let block = |word: u32, address: u32, units: u32| {
+        let limb = word.div_ceil(32).next_power_of_two().ilog2();
+        limb + address + units.next_power_of_two().ilog2()
+    };
+    let address = 1 + block(instruction, cycle, elements).max(block(
+        width,
+        shape.operand_address(),
+        memories,
+    ));
+    let unit = memories.next_power_of_two().ilog2();
+    Resources {
+        // What the host reads is a choice among all memories and registers;
+        // every memory compares the address with its own.
+        aluts: f64::from(
+            multiplexer(memories) * width + 4 * 32 + address + 2 * (elements + memories) + 20,
+        ),
+        registers: f64::from(32 * limbs + address + cycle + 1 + 64 + 4 * 32 + 14 + unit + width),
+        ..Resources::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_ir::Machine;
+
+    #[test]
+    fn a_choice_of_sixteen_takes_five_tables() {
+        // Thesis 1.3.1: 160 tables for 32 bits from 16 sources.
+        assert_eq!(32 * multiplexer(16), 160);
+        assert_eq!(
+            [1, 2, 4, 5, 8, 17, 32, 64].map(multiplexer),
+            [0, 1, 1, 2, 3, 6, 11, 21]
+        );
+    }
+
+    /// Elements of each kind, stages of adder and multiplier, words of an
+    /// instruction memory, and what yosys 0.70 counts of the whole machine:
+    /// tables, registers, memory blocks, multiplier blocks.
+    const MAPPED: [([u32; 4], [f64; 4]); 3] = [
+        ([2, 5, 3, 2048], [2894.0, 1421.0, 80.0, 2.0]),
+        ([4, 10, 5, 1024], [6543.0, 4092.0, 116.0, 4.0]),
+        ([8, 10, 5, 1024], [18994.0, 7842.0, 240.0, 8.0]),
+    ];
+
+    #[test]
+    fn whole_machines_are_within_a_twentieth_of_the_mapping() {
+        for ([count, add, multiply, words], mapped) in MAPPED {
+            let mut machine = Machine::built_in("side-split").expect("it ships");
+            for (element, stages) in machine.elements.iter_mut().zip([add, multiply]) {
+                (element.count, element.stages) = (count, stages);
+            }
+            let taken = resources(&Shape::of(&machine, words, 1024));
+            let found = [
+                taken.aluts,
+                taken.registers,
+                taken.memory_blocks,
+                taken.multiplier_blocks,
+            ];
+            for (found, mapped) in found.into_iter().zip(mapped) {
+                let error = (found - mapped).abs() / mapped;
+                assert!(error < 0.05, "{count}: {found} for {mapped}");
+            }
+        }
+    }
+
+    #[test]
+    fn more_of_anything_takes_more() {
+        let machine = Machine::built_in("side-split").expect("it ships");
+        let base = resources(&Shape::of(&machine, 1024, 1024));
+        let grown = |change: &dyn Fn(&mut Shape)| {
+            let mut shape = Shape::of(&machine, 1024, 1024);
+            change(&mut shape);
+            resources(&shape)
+        };
+        assert!(grown(&|shape| shape.kinds[0].count = 8).aluts > base.aluts);
+        assert!(grown(&|shape| shape.kinds[1].element.stages = 9).registers > base.registers);
+        assert!(grown(&|shape| shape.words = 4096).memory_blocks > base.memory_blocks);
+        assert!(grown(&|shape| shape.write_ports = 2).aluts > base.aluts);
+        assert!(grown(&|shape| shape.buffer = None).lab_memories < base.lab_memories);
+        assert!(grown(&|shape| shape.legs = Some(vec![5; 16])).aluts < base.aluts);
+        assert_eq!(base.multiplier_blocks, 4.0);
+    }
+}

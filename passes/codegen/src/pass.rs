@@ -1,0 +1,270 @@
+//! Code generation as a pass.
+
+use super::batch::{self, batch_files};
+use super::c::{self, Options, Order, Real, Signature, SignatureError, Sines};
+use super::images::foreign_format;
+use super::rolled::{self, Circular, rolled_files};
+use super::rtl::{self, CrossbarChoice, RtlError, write_rtl};
+use super::{Artifacts, ImageError, write_images};
+use robovec_framework::pass::{Artifact, Context, Gives, Pass, PassError};
+use robovec_framework::{declare_pass, option_words};
+use robovec_ir::{Format, Function, View};
+use robovec_num::limits::NumberLimit;
+use std::io;
+
+option_words! {
+    /// What code is generated for.
+    pub enum Target {
+        /// Memory images and their manifest, for the machine of elements.
+        Mif = "mif",
+        /// The machine of elements in Verilog, with its images.
+        Rtl = "rtl",
+        /// C99, for a processor.
+        C = "c",
+        /// C99 with loops where the function repeats itself.
+        Rolled = "rolled",
+        /// C that evaluates many states at once.
+        Batch = "batch",
+    }
+}
+
+option_words! {
+    /// Whose the parameters of a model are in batch code.
+    pub enum Parameters {
+        /// One set for all states.
+        Shared = "shared",
+        /// Every state has its own.
+        Own = "own",
+    }
+}
+
+/// Puts files into a folder that bears the function's name.
+struct Folder<'a> {
+    name: &'a str,
+    artifacts: &'a mut Vec<Artifact>,
+}
+
+impl Artifacts for Folder<'_> {
+    fn file(
+        &mut self,
+        name: &str,
+        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        self.artifacts
+            .file(&format!("{}/{name}", self.name), content)
+    }
+}
+
+declare_pass! {
+    /// Writes the function out for the machine or for a processor.
+    ///
+    /// `target=mif` turns a placed function into memory images: for every
+    /// processing element an instruction image with one word per cycle, for
+    /// every memory an image of its initial data, and `manifest.json`, which
+    /// lays out the instruction words and gives the address of every input,
+    /// constant and output. `docs/images.md` is the contract with hardware
+    /// and simulator. The images decide nothing that the placed text does not
+    /// say, and are refused where the machine's words cannot say it.
+    ///
+    /// `target=rtl` writes the machine itself beside them, for a function F
+    /// into `F/rtl` (Verilog) and `F/img` (images as `.mif` and `.hex`);
+    /// `docs/rtl.md` describes it. With `crossbar=pruned` only the pairs of
+    /// source and write port are built that the schedule uses.
+    ///
+    /// `target=c` writes a C99 function and its header from any level; arrays
+    /// count from 1. With `signature=robotran` its names, types and parameters
+    /// are those of Robotran's function (`docs/c.md`), so that the file takes
+    /// the place of Robotran's in a project of MBsysC; with
+    /// `signature=plain` the arrays are the parameters. The body is cut into
+    /// functions of about `part` operations, for whose length compilers are
+    /// fast, in an `order` that reads values soon after they are made. With
+    /// `sines=library order=program`, compiled with `-ffp-contract=off`, it
+    /// gives the evaluator's results bit for bit.
+    ///
+    /// `target=rolled` writes the same function with loops where it repeats
+    /// itself, as unrolled recursions do: the code of long chains then fits
+    /// the instruction cache (`docs/c-rolled.md`). It has the plain signature
+    /// and the results of plain C: bit for bit with `circular=library`, else
+    /// with sines and cosines within one unit in the last place. Arrays must
+    /// not overlap.
+    ///
+    /// `target=batch` writes C in which every operation computes `lanes`
+    /// states (1, 4, 8 or 16) as one vector, with its own sines and cosines and
+    /// drivers for any number of states (`docs/c-batch.md`). With
+    /// `parameters=shared` the arrays `dpt`, `l`, `m`, `In` and `g` are the same
+    /// for all states, and what depends on nothing else is computed once.
+    ///
+    /// The function itself stays as it is.
+    pub struct Codegen("codegen") {
+        /// What code is generated for.
+        pub target: Target = Target::Mif,
+        /// How much of the crossbar is built in Verilog.
+        pub crossbar: CrossbarChoice = CrossbarChoice::Full,
+        /// The type C code computes in; images follow the machine file.
+        pub number: Real = Real::Double,
+        /// States of a vector of batch code.
+        pub lanes: u32 = 8 => NumberLimit::whole(
+            1, 16, "processors have vectors of 1, 4, 8 and 16 numbers"),
+        /// Whose the parameters of a model are in batch code.
+        pub parameters: Parameters = Parameters::Shared,
+        /// How the C function is called.
+        pub signature: Signature = Signature::Robotran,
+        /// Who computes sines and cosines in C.
+        pub sines: Sines = Sines::Inline,
+        /// The order of statements in C.
+        pub order: Order = Order::Depth,
+        /// Operations per function in C.
+        pub part: u32 = 500 => NumberLimit::whole(
+            1, 1_000_000, "compilers take a time that grows faster than the length of a function"),
+        /// How rolled code computes sines and cosines of inputs.
+        pub circular: Circular = Circular::Vector,
+    }
+    takes: [Equations, Atomic, Scheduled, Placed],
+    gives: Gives::Same,
+    class: Exact,
+    requires: [],
+    sets: [],
+    destroys: [],
+}
+
+impl Artifacts for Vec<Artifact> {
+    fn file(
+        &mut self,
+        name: &str,
+        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let mut files: Vec<(String, String)> = Vec::new();
+        files.file(name, content)?;
+        self.extend(
+            files
+                .into_iter()
+                .map(|(name, text)| Artifact { name, text }),
+        );
+        Ok(())
+    }
+}
+
+impl Pass for Codegen {
+    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
+        let before = context.artifacts.len();
+        let view = View {
+            tables: context.tables,
+            function,
+        };
+        match self.target {
+            Target::Mif => {
+                write_images(view, context.machine, None, context.artifacts).map_err(explain)?;
+            }
+            Target::Rtl => {
+                let mut folder = Folder {
+                    name: &view.function.name,
+                    artifacts: context.artifacts,
+                };
+                write_rtl(view, context.machine, self.crossbar, &mut folder)
+                    .map_err(|error| explain_rtl(&error))?;
+            }
+            Target::C | Target::Rolled | Target::Batch => {
+                let own = match self.number {
+                    Real::Double => Format::BINARY64,
+                    Real::Float => Format::BINARY32,
+                };
+                if let Some((value, format)) = foreign_format(view, own) {
+                    let message = format!(
+                        "'%{value}' is computed as {format}, and the C code computes in {}",
+                        self.number.name()
+                    );
+                    let help = "give values their formats for a machine only";
+                    return Err(PassError::new(message).help(help));
+                }
+                let files = match self.target {
+                    Target::Rolled => {
+                        let options = rolled::Options {
+                            real: self.number,
+                            circular: self.circular,
+                        };
+                        let rolled = rolled_files(view, options)
+                            .map_err(|error| PassError::new(error.to_string()))?;
+                        context.statistics.extend(rolled.summary.statistics());
+                        rolled.files
+                    }
+                    Target::Batch => batch_files(view, &self.batch_options()?),
+                    _ => c::files(view, &self.options()).map_err(refuse)?,
+                };
+                context.artifacts.extend(
+                    files
+                        .into_iter()
+                        .map(|(name, text)| Artifact { name, text }),
+                );
+            }
+        }
+        let new = &context.artifacts[before..];
+        let bytes = new.iter().map(|file| file.text.len() as u64).sum();
+        context.statistics.push(("files", new.len() as u64));
+        context.statistics.push(("bytes", bytes));
+        Ok(())
+    }
+}
+
+fn explain_rtl(error: &RtlError) -> PassError {
+    let explained = PassError::new(error.to_string());
+    match rtl::advice(error) {
+        Some(help) => explained.help(help),
+        None => explained,
+    }
+}
+
+impl Codegen {
+    /// How batch code is written.
+    fn batch_options(&self) -> Result<batch::Options, PassError> {
+        if !batch::LANES.contains(&self.lanes) {
+            let message = format!("vectors of {} lanes do not exist", self.lanes);
+            return Err(PassError::new(message).help("choose 1, 4, 8 or 16"));
+        }
+        let defaults = batch::Options::default();
+        Ok(batch::Options {
+            real: self.number,
+            lanes: self.lanes,
+            shared: match self.parameters {
+                Parameters::Shared => defaults.shared,
+                Parameters::Own => Vec::new(),
+            },
+            ..defaults
+        })
+    }
+}
+
+impl Codegen {
+    /// How C is written.
+    fn options(&self) -> Options {
+        Options {
+            signature: self.signature,
+            real: self.number,
+            sines: self.sines,
+            order: self.order,
+            part: self.part,
+        }
+    }
+}
+
+fn refuse(error: SignatureError) -> PassError {
+    let help = match &error {
+        SignatureError::Sensor(_) | SignatureError::Call { .. } => {
+            "'robovec write --language c' writes such files in one piece"
+        }
+        _ => "with signature=plain the arrays are the parameters",
+    };
+    PassError::new(error.to_string()).help(help)
+}
+
+fn explain(error: ImageError) -> PassError {
+    let help = match &error {
+        ImageError::NotPlaced { .. } => Some("run 'place' before, or choose target=c".to_owned()),
+        ImageError::OtherMachine(mismatch) => Some(mismatch.advice()),
+        _ => None,
+    };
+    let explained = PassError::new(error.to_string());
+    match help {
+        Some(help) => explained.help(help),
+        None => explained,
+    }
+}

@@ -1,0 +1,236 @@
+//! A Quartus project for the DE10-Nano.
+//!
+//! The board of the thesis carries a 5CSEBA6U23I7. The project compiles the
+//! generated machine under a board module (`hdl/board/`) that gives it a
+//! clock, a reset and a host on the programming cable, so that no generated
+//! system of bridges is needed; scripts load programs and read results over
+//! that cable. `docs/quartus.md` describes it.
+//!
+//! **Quartus is not part of any test of robovec.** What can be checked
+//! without it is: every file that the project names is written, its scripts
+//! are well-formed Tcl, the Verilog elaborates, and the host on the cable
+//! answers in simulation.
+
+mod constraints;
+mod map;
+
+use super::manifest::Manifest;
+use crate::hardware::{Shape, estimated_clock_mhz};
+use constraints::constraints;
+use map::map;
+use robovec_ir::Machine;
+
+/// The device of the board.
+pub const DEVICE: &str = "5CSEBA6U23I7";
+
+/// The board's own clock, MHz.
+const BOARD_MHZ: f64 = 50.0;
+
+/// Verilog that is written by hand.
+const BOARD: [(&str, &str); 2] = [
+    (
+        "de10_nano_board.v",
+        include_str!("../../hdl/board/de10_nano_board.v"),
+    ),
+    (
+        "virtual_jtag_host.v",
+        include_str!("../../hdl/board/virtual_jtag_host.v"),
+    ),
+];
+
+/// The script that talks to the host on the cable.
+const HOST: &str = include_str!("../../hdl/board/host.tcl");
+
+/// Pins of the board (its user manual, tables 3-5, 3-7 and 3-8).
+const PINS: [(&str, &str); 11] = [
+    ("FPGA_CLK1_50", "PIN_V11"),
+    ("KEY[0]", "PIN_AH17"),
+    ("KEY[1]", "PIN_AH16"),
+    ("LED[0]", "PIN_W15"),
+    ("LED[1]", "PIN_AA24"),
+    ("LED[2]", "PIN_V16"),
+    ("LED[3]", "PIN_V15"),
+    ("LED[4]", "PIN_AF26"),
+    ("LED[5]", "PIN_AE26"),
+    ("LED[6]", "PIN_Y16"),
+    ("LED[7]", "PIN_AA23"),
+];
+
+/// The clock of the machine in the project, MHz, and why it is that.
+struct Clock {
+    megahertz: f64,
+    why: String,
+}
+
+/// What the clock of the project is: that of the machine file, unless even
+/// the lower end of the estimate is below it; then that.
+fn clock(machine: &Machine, phases: u32) -> Clock {
+    let phases = f64::from(phases);
+    let estimate = estimated_clock_mhz(machine);
+    let declared = machine.clock_mhz;
+    let (element, why) = if declared <= estimate.low {
+        (declared, "as the machine file has it")
+    } else {
+        (
+            estimate.low.floor(),
+            "the lower end of the estimate, since the machine file's is above it",
+        )
+    };
+    Clock {
+        megahertz: element * phases,
+        why: format!(
+            "{element} MHz per cycle, {why}; machine file {declared}, estimate {:.0} to {:.0}",
+            estimate.low, estimate.high
+        ),
+    }
+}
+
+/// The files of the project, below `quartus/`: name and text.
+///
+/// `sources` are the names of the Verilog files in `rtl/`, `images` those of
+/// the `.mif` files in `img/`.
+pub fn project(
+    machine: &Machine,
+    shape: &Shape,
+    manifest: &Manifest,
+    sources: &[String],
+    images: &[String],
+) -> Vec<(String, String)> {
+    let clock = clock(machine, shape.phases());
+    let mut files = vec![
+        ("robovec.qpf".to_owned(), PROJECT.to_owned()),
+        ("robovec.qsf".to_owned(), settings(&clock, sources, images)),
+        (
+            "robovec.sdc".to_owned(),
+            constraints(shape, clock.megahertz == BOARD_MHZ),
+        ),
+        ("de10_nano_top.v".to_owned(), top(&clock, manifest)),
+        ("map.tcl".to_owned(), map(manifest)),
+        ("host.tcl".to_owned(), HOST.to_owned()),
+    ];
+    files.extend(BOARD.map(|(name, text)| (name.to_owned(), text.to_owned())));
+    files
+}
+
+/// The project file: one revision.
+const PROJECT: &str = "# DE10-Nano project of a robovec machine.\n\
+    PROJECT_REVISION = \"robovec\"\n";
+
+/// The settings: device, files, pins.
+fn settings(clock: &Clock, sources: &[String], images: &[String]) -> String {
+    let mut text = format!(
+        "# Written by robovec; Quartus has not been run on it.\n\
+         # Clock: {}.\n\
+         set_global_assignment -name FAMILY \"Cyclone V\"\n\
+         set_global_assignment -name DEVICE {DEVICE}\n\
+         set_global_assignment -name TOP_LEVEL_ENTITY de10_nano_top\n\
+         set_global_assignment -name PROJECT_OUTPUT_DIRECTORY output_files\n\
+         set_global_assignment -name VERILOG_INPUT_VERSION VERILOG_2001\n\
+         set_global_assignment -name VERILOG_MACRO \"ROBOVEC_ALTSYNCRAM=1\"\n\
+         set_global_assignment -name OPTIMIZATION_MODE \"HIGH PERFORMANCE EFFORT\"\n\
+         set_global_assignment -name MIN_CORE_JUNCTION_TEMP \"-40\"\n\
+         set_global_assignment -name MAX_CORE_JUNCTION_TEMP 100\n\n",
+        clock.why
+    );
+    let mut line = |kind: &str, path: &str| {
+        text += &format!("set_global_assignment -name {kind} {path}\n");
+    };
+    line("SDC_FILE", "robovec.sdc");
+    line("VERILOG_FILE", "de10_nano_top.v");
+    for (name, _) in BOARD {
+        line("VERILOG_FILE", name);
+    }
+    for name in sources {
+        line("VERILOG_FILE", &format!("../rtl/{name}"));
+    }
+    for name in images {
+        line("MIF_FILE", &format!("../img/{name}"));
+    }
+    text += "\n";
+    for (port, pin) in PINS {
+        // Brackets are quoted: a bare one would be a command of Tcl.
+        text += &format!("set_location_assignment {pin} -to {{{port}}}\n");
+    }
+    for (port, _) in PINS {
+        text +=
+            &format!("set_instance_assignment -name IO_STANDARD \"3.3-V LVTTL\" -to {{{port}}}\n");
+    }
+    text
+}
+
+/// The top: pins, and the parameters of this machine.
+fn top(clock: &Clock, manifest: &Manifest) -> String {
+    let address = manifest
+        .window
+        .as_ref()
+        .map_or(16, |window| window.address_bits);
+    format!(
+        "// The pins of a DE10-Nano, and the board module with the sizes of this\n\
+         // machine. Clock: {}.\n\
+         module de10_nano_top (\n    \
+             input        FPGA_CLK1_50,\n    \
+             input  [1:0] KEY,\n    \
+             output [7:0] LED\n);\n\n    \
+         de10_nano_board #(\n        \
+             .ADDRESS({address}),\n        \
+             .PLL({}),\n        \
+             .FREQUENCY(\"{:.6} MHz\")\n    \
+         ) board (\n        \
+             .board_clock(FPGA_CLK1_50),\n        \
+             .key(KEY),\n        \
+             .led(LED)\n    );\n\nendmodule\n",
+        clock.why,
+        u32::from(clock.megahertz != BOARD_MHZ),
+        clock.megahertz,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn machine() -> Machine {
+        Machine::built_in("de10-nano").expect("it ships")
+    }
+
+    #[test]
+    fn a_clock_that_is_too_fast_gives_way_to_the_estimate() {
+        let mut machine = machine();
+        let as_built = clock(&machine, 2);
+        assert_eq!(as_built.megahertz, 50.0);
+        machine.clock_mhz = 1000.0;
+        let limited = clock(&machine, 2);
+        assert!(limited.megahertz < 240.0 && limited.why.contains("lower end"));
+    }
+
+    #[test]
+    fn settings_name_every_file_and_quote_brackets() {
+        let clock = clock(&machine(), 2);
+        let text = settings(&clock, &["a.v".to_owned()], &["F.add0.data.mif".to_owned()]);
+        for wanted in [
+            "VERILOG_FILE ../rtl/a.v",
+            "MIF_FILE ../img/F.add0.data.mif",
+            "VERILOG_FILE de10_nano_board.v",
+            "-to {KEY[0]}",
+            "DEVICE 5CSEBA6U23I7",
+            "PIN_V11 -to {FPGA_CLK1_50}",
+        ] {
+            assert!(text.contains(wanted), "{wanted}\n{text}");
+        }
+        assert!(
+            text.lines()
+                .all(|line| line.is_empty() || line.starts_with('#') || line.starts_with("set_"))
+        );
+    }
+
+    #[test]
+    fn only_cycles_of_several_clocks_have_exceptions() {
+        let machine = machine();
+        let mut shape = Shape::of(&machine, 1024, 1024);
+        assert!(constraints(&shape, true).contains("set_multicycle_path -setup -end"));
+        shape.style = robovec_ir::machine::MemoryStyle::SideSplit;
+        shape.write_ports = 1;
+        let text = constraints(&shape, false);
+        assert!(!text.contains("multicycle") && text.contains("derive_pll_clocks"));
+    }
+}

@@ -1,0 +1,295 @@
+//! Rolled C: loops found in straight-line programs.
+//!
+//! A multibody program is an unrolled recursion. Written out, one of 130
+//! joints has 10^5 operations and more, and the time to fetch them exceeds
+//! the time to do them. The recursion is found again in the order of the
+//! program ([`repeat`]), its loops are put together ([`nest`]), leaves become
+//! variables, carried variables or elements of arrays (`resolve`), and
+//! arrays are laid out so that loops read and write them in order
+//! ([`layout`]). What does not repeat stays as it was written.
+//!
+//! Nothing is reordered and no operation is changed, so results equal those
+//! of the straight-line program bit for bit. Nothing is believed either: every
+//! program is unrolled again with names in the place of numbers, and compared
+//! with the function ([`unroll`]), before a line of C is written.
+
+mod demote;
+mod fit;
+mod layout;
+mod nest;
+mod program;
+mod repeat;
+mod resolve;
+mod statements;
+#[cfg(test)]
+mod tests;
+mod text;
+mod unroll;
+
+pub use unroll::Difference;
+
+use super::emit::Real;
+use demote::Outputs;
+use layout::Layout;
+use nest::{Element, Nest};
+use program::{Carried, Code, Loop, Program, Source};
+use repeat::repeats;
+use resolve::{Resolution, parts, resolve};
+use robovec_framework::option_words;
+use robovec_ir::{Function, Operand, View};
+use statements::Statements;
+
+/// Operations of a part of straight-line code, as a bound for compilers.
+const PART: usize = 500;
+
+option_words! {
+    /// How sines and cosines are computed.
+    #[derive(Default)]
+    pub enum Circular {
+        /// Those of inputs all at once, by the kernel of
+        /// [`sincos`](super::sincos): within 1 ulp.
+        #[default]
+        Vector = "vector",
+        /// One by one, by the library.
+        Library = "library",
+    }
+}
+
+/// How rolled C is written.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct Options {
+    /// The type it computes in.
+    pub real: Real,
+    /// Its sines and cosines.
+    pub circular: Circular,
+}
+
+impl From<Real> for Options {
+    fn from(real: Real) -> Options {
+        Options {
+            real,
+            ..Options::default()
+        }
+    }
+}
+
+/// How much of a function became loops.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct Summary {
+    /// Operations of the function.
+    pub operations: usize,
+    /// Operations of it that loops carry out.
+    pub rolled: usize,
+    /// Operations that stand in the code, each once.
+    pub written: usize,
+    /// Loops in the code.
+    pub loops: usize,
+    /// Of these the loops whose passes do not depend on each other.
+    pub independent: usize,
+    /// Tables of addresses, and their entries.
+    pub tables: usize,
+    /// Entries of all tables.
+    pub entries: usize,
+    /// Words of the work array.
+    pub work: usize,
+}
+
+impl Summary {
+    /// The counts under the names they are reported by.
+    pub fn statistics(&self) -> [(&'static str, u64); 8] {
+        [
+            ("operations", self.operations as u64),
+            ("rolled", self.rolled as u64),
+            ("written", self.written as u64),
+            ("loops", self.loops as u64),
+            ("independent loops", self.independent as u64),
+            ("tables", self.tables as u64),
+            ("table entries", self.entries as u64),
+            ("words", self.work as u64),
+        ]
+    }
+}
+
+/// Rolled C code.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Rolled {
+    /// The source and then the header: file name and text.
+    pub files: [(String, String); 2],
+    /// How much was rolled.
+    pub summary: Summary,
+}
+
+/// The C source of a function with its recursions as loops, and the header
+/// that declares it. Takes a function of any level; schedules and placements
+/// play no part. The signature is that of [`c_files`](super::c::c_files), and
+/// so are the results, bit for bit where sines and cosines are; but arrays
+/// must not overlap.
+///
+/// # Errors
+///
+/// When the loops, unrolled again, are not the function: a mistake of ours,
+/// and no code is written.
+pub fn rolled_files(view: View<'_>, options: impl Into<Options>) -> Result<Rolled, Difference> {
+    let (program, summary) = roll(view.function)?;
+    let files = text::files(view, options.into(), &program);
+    Ok(Rolled { files, summary })
+}
+
+/// How much of a function can be rolled.
+///
+/// # Errors
+///
+/// As [`rolled_files`].
+pub fn summary(function: &Function) -> Result<Summary, Difference> {
+    roll(function).map(|(_, summary)| summary)
+}
+
+/// The rolled program of a function, proved equal to it.
+fn roll(function: &Function) -> Result<(Program, Summary), Difference> {
+    let mut statements = Statements::new(function);
+    let found = repeats(function, &statements);
+    let mut nest = Nest::new(function, &statements, &found);
+    let outputs = Outputs::new(function, &mut statements, &mut nest);
+    let program = assemble(function, &statements, &nest, &outputs);
+    unroll::unroll(&program, function, &statements)?;
+    let summary = summarise(&statements, &nest, &program);
+    Ok((program, summary))
+}
+
+fn assemble(
+    function: &Function,
+    statements: &Statements,
+    nest: &Nest,
+    outputs: &Outputs,
+) -> Program {
+    let parts = parts(nest, statements, PART);
+    let resolved = resolve(nest, statements, &parts);
+    let mut layout = Layout::new(function, nest, statements, outputs, &resolved);
+    let number = |operand: Operand| {
+        let number = function.number(operand);
+        number.expect("a leaf that is no result, input or output is a constant")
+    };
+    let source = |layout: &Layout<'_>, resolution: Resolution| match resolution {
+        Resolution::Position(position) => Source::Position(position),
+        Resolution::Carried(carried) => Source::Carried(carried),
+        Resolution::Constant(operand) => Source::Number(number(operand)),
+        Resolution::Access(access) => Source::Place(layout.places[access].clone()),
+    };
+    let mut codes = Vec::with_capacity(nest.positions.len());
+    for (number, position) in nest.positions.iter().enumerate() {
+        let leaves = resolved.leaves[number].iter();
+        codes.push(Code {
+            template: statements.list[position.statements[0] as usize].template,
+            sources: leaves.map(|&leaf| source(&layout, leaf)).collect(),
+            stores: layout.stores(number),
+        });
+    }
+    let carried: Vec<Carried> = resolved
+        .carried
+        .iter()
+        .map(|carry| Carried {
+            owner: carry.owner,
+            position: carry.position,
+            first: source(&layout, carry.first),
+        })
+        .collect();
+    let mut carries = vec![Vec::new(); nest.loops.len()];
+    for (number, carry) in carried.iter().enumerate() {
+        carries[carry.owner].push(number);
+    }
+    let loops = nest
+        .loops
+        .iter()
+        .map(|place| {
+            let counts = place.starts.windows(2);
+            let counts: Vec<i64> = counts.map(|pair| i64::from(pair[1] - pair[0])).collect();
+            Loop {
+                count: layout.index(place.parent, &counts),
+                body: place.body.clone(),
+                independent: place.independent,
+                circular: place.circular,
+                counted: false,
+            }
+        })
+        .collect();
+    let copies = layout.copies();
+    let mut program = Program {
+        templates: statements.templates.clone(),
+        items: nest.items.clone(),
+        parts,
+        loops,
+        codes,
+        carried,
+        carries,
+        copies,
+        work: layout.work(),
+        constants: layout.constants,
+        tables: layout.tables,
+    };
+    program.count();
+    program
+}
+
+fn summarise(statements: &Statements, nest: &Nest, program: &Program) -> Summary {
+    let mut summary = Summary {
+        loops: nest.loops.len(),
+        independent: nest.loops.iter().filter(|place| place.independent).count(),
+        tables: program.tables.len(),
+        entries: program.tables.iter().map(Vec::len).sum(),
+        work: program.work as usize,
+        ..Summary::default()
+    };
+    for position in &nest.positions {
+        let one = statements.operations(position.statements[0]);
+        let all = one * position.statements.len();
+        summary.operations += all;
+        summary.written += one;
+        if position.owner.is_some() {
+            summary.rolled += all;
+        }
+    }
+    summary
+}
+
+impl Program {
+    /// Marks the loops whose passes tables count.
+    fn count(&mut self) {
+        let mut counted: Vec<usize> = Vec::new();
+        self.each_index(|index| counted.extend(index.table.map(|(_, number)| number)));
+        for number in counted {
+            self.loops[number].counted = true;
+        }
+    }
+
+    /// Calls for every index in the program.
+    fn each_index(&self, mut call: impl FnMut(&program::Index)) {
+        let places = self
+            .codes
+            .iter()
+            .flat_map(|code| code.sources.iter())
+            .chain(self.carried.iter().map(|carry| &carry.first))
+            .filter_map(|source| match source {
+                Source::Place(place) => Some(place),
+                _ => None,
+            })
+            .chain(self.codes.iter().flat_map(|code| code.stores.iter()));
+        for place in places {
+            call(&place.row);
+            call(&place.column);
+        }
+        for place in &self.loops {
+            call(&place.count);
+        }
+    }
+
+    /// The elements of a body and all below, loops before what they hold.
+    fn below(&self, element: Element, list: &mut Vec<Element>) {
+        let mut open = vec![element];
+        while let Some(element) = open.pop() {
+            list.push(element);
+            if let Element::Loop(number) = element {
+                open.extend(self.loops[number].body.iter().rev());
+            }
+        }
+    }
+}

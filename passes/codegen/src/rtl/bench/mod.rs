@@ -1,0 +1,330 @@
+//! Self-checking benches of the hardware.
+//!
+//! A bench is a host that knows nothing but the images and their manifest. It
+//! loads a program through one of the windows of the machine, runs it on
+//! several states one after the other, reads the outputs back, and watches
+//! the buses meanwhile: every result of every operation is compared with the
+//! one of the cycle-accurate simulator, in its cycle and on its element. So a
+//! fault is told where it happens first, by the name of the operation and the
+//! equation it comes from, and not only by a wrong output.
+//!
+//! The benches themselves are written by hand (`hdl/bench/`, in plain Verilog
+//! and in C++ for Verilator) and read what stands here as data:
+//!
+//! | file | content |
+//! |---|---|
+//! | `host.hex`, `configured.hex` | what the host does ([`script`]) |
+//! | `places.hex` | element and cycle of every result |
+//! | `results.hex` | the results, run after run |
+//! | `operations.txt` | for every result its operation, for people |
+//! | `reads.txt` | for every word that is read back what it is |
+//! | `bench_config.vh`, `bench_config.h` | sizes |
+//!
+//! **Invariant.** Nothing here looks at the generated hardware: a mistake in
+//! its address map or its timing cannot be in the bench as well.
+
+mod names;
+mod script;
+
+use super::super::manifest::{Manifest, Window};
+use robovec_ir::{Machine, View};
+use std::fmt::Write;
+
+/// The files of the benches that are written by hand.
+const STATIC: [(&str, &str); 6] = [
+    (
+        "robovec_avalon.v",
+        include_str!("../../../hdl/host/robovec_avalon.v"),
+    ),
+    (
+        "robovec_axi4lite.v",
+        include_str!("../../../hdl/host/robovec_axi4lite.v"),
+    ),
+    (
+        "robovec_bench_top.v",
+        include_str!("../../../hdl/bench/robovec_bench_top.v"),
+    ),
+    (
+        "robovec_bench.v",
+        include_str!("../../../hdl/bench/robovec_bench.v"),
+    ),
+    (
+        "robovec_bench.cpp",
+        include_str!("../../../hdl/bench/robovec_bench.cpp"),
+    ),
+    (
+        "run_iverilog.sh",
+        include_str!("../../../hdl/bench/run_iverilog.sh"),
+    ),
+];
+
+/// The makefile for Verilator.
+const MAKEFILE: &str = include_str!("../../../hdl/bench/Makefile");
+
+/// A word that holds a value before the first cycle.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Load {
+    /// The memory, counted over all memories of the manifest.
+    pub memory: u32,
+    /// The address in it, from 0.
+    pub address: u32,
+    /// The value.
+    pub word: u64,
+    /// Whether it stays from run to run, so that it is loaded once.
+    pub stays: bool,
+}
+
+/// A result on the bus of an element.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct BusResult {
+    /// The cycle in which it is there.
+    pub cycle: u32,
+    /// The element, as the manifest counts them.
+    pub element: u32,
+    /// The value.
+    pub word: u64,
+}
+
+/// One run of the program: what goes in, what must come out.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Run {
+    /// Everything that is loaded.
+    pub loads: Vec<Load>,
+    /// Every result, in order of cycle and element.
+    pub results: Vec<BusResult>,
+    /// The words of the manifest's outputs, in their order.
+    pub outputs: Vec<u64>,
+}
+
+/// All that a bench is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Bench<'a> {
+    /// The placed function, for the names of operations.
+    pub view: View<'a>,
+    /// The machine it is placed for.
+    pub machine: &'a Machine,
+    /// The manifest of its images.
+    pub manifest: &'a Manifest,
+    /// For every element its instruction words, each in limbs of 32 bits, the
+    /// lowest first.
+    pub instructions: &'a [Vec<Vec<u32>>],
+    /// The runs, one after the other without a reset.
+    pub runs: &'a [Run],
+}
+
+/// Why there is no bench.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum BenchError {
+    /// Images for the simulator alone.
+    #[error("the images are for no hardware: their manifest has no 'window'")]
+    NoWindow,
+    /// The window lacks a memory that something is loaded into.
+    #[error("the window has no '{0}', or it is too small")]
+    NoUnit(String),
+    /// Runs that do not belong to the program.
+    #[error("the runs are not of this program: {0}")]
+    Runs(String),
+    /// More than a bench's files can say.
+    #[error("{0}, more than a bench holds")]
+    TooLarge(String),
+}
+
+impl Bench<'_> {
+    /// The files of the folder `tb/`: name and text.
+    ///
+    /// # Errors
+    ///
+    /// When images and runs do not fit together.
+    pub fn files(&self) -> Result<Vec<(String, String)>, BenchError> {
+        let window = self.manifest.window.as_ref().ok_or(BenchError::NoWindow)?;
+        self.check_runs()?;
+        let script = script::write(self, window, false)?;
+        let configured = script::write(self, window, true)?;
+        let mut files: Vec<(String, String)> = STATIC
+            .iter()
+            .map(|&(name, text)| (name.to_owned(), text.to_owned()))
+            .collect();
+        let mut add = |name: &str, text: String| files.push((name.to_owned(), text));
+        add("Makefile", MAKEFILE.to_owned());
+        add("places.hex", self.places());
+        add("results.hex", self.results());
+        add("operations.txt", names::operations(self));
+        let sizes = self.sizes(window, &script, &configured)?;
+        add("bench_config.vh", verilog(&sizes, &self.manifest.function));
+        add("bench_config.h", c(&sizes, &self.manifest.function));
+        add("host.hex", script.commands);
+        add("configured.hex", configured.commands);
+        add("reads.txt", script.reads);
+        Ok(files)
+    }
+
+    fn operations(&self) -> usize {
+        self.runs.first().map_or(0, |run| run.results.len())
+    }
+
+    /// A schedule is fixed: all runs have their results in the same places.
+    fn check_runs(&self) -> Result<(), BenchError> {
+        let fail = |what: &str| Err(BenchError::Runs(what.to_owned()));
+        let Some(first) = self.runs.first() else {
+            return fail("there are none");
+        };
+        let manifest = self.manifest;
+        if self.instructions.len() != manifest.elements.len() {
+            return fail("there is not one list of instructions per element");
+        }
+        let cycles = manifest.cycles as usize;
+        if self.instructions.iter().any(|words| words.len() != cycles) {
+            return fail("an element does not have one instruction per cycle");
+        }
+        for run in self.runs {
+            let places = |run: &Run| run.results.iter().map(|r| (r.cycle, r.element)).collect();
+            let (one, other): (Vec<_>, Vec<_>) = (places(first), places(run));
+            if one != other {
+                return fail("results stand in other places in other runs");
+            }
+            if !one.is_sorted() {
+                return fail("results are not in order of cycle and element");
+            }
+            if run.outputs.len() != manifest.outputs.len() {
+                return fail("there is not one word per output");
+            }
+        }
+        Ok(())
+    }
+
+    fn places(&self) -> String {
+        let mut text = String::new();
+        for result in self.runs.iter().take(1).flat_map(|run| &run.results) {
+            // Writing to a string cannot fail, here and below.
+            let _ = writeln!(text, "{:08x}{:08x}", result.element, result.cycle);
+        }
+        // One place more, which no cycle reaches: memories cannot be empty.
+        text + "00000000ffffffff\n"
+    }
+
+    fn results(&self) -> String {
+        let digits = self.manifest.number.width().div_ceil(4) as usize;
+        let mut text = String::new();
+        for result in self.runs.iter().flat_map(|run| &run.results) {
+            let _ = writeln!(text, "{:0digits$x}", result.word);
+        }
+        let _ = writeln!(text, "{:0digits$x}", 0);
+        text
+    }
+
+    /// The sizes that the benches are compiled with: what each is for, its
+    /// name, and the number.
+    fn sizes(
+        &self,
+        window: &Window,
+        script: &script::Script,
+        configured: &script::Script,
+    ) -> Result<Vec<Size>, BenchError> {
+        let manifest = self.manifest;
+        let depth = window
+            .units
+            .iter()
+            .filter(|unit| unit.name.ends_with(".instructions"))
+            .map(|unit| unit.words)
+            .max()
+            .unwrap_or(1);
+        let end = window.units.iter().map(|unit| {
+            let words = u64::from(unit.words) * u64::from(unit.stride);
+            u64::from(unit.address) + words
+        });
+        let end = end.max().unwrap_or(0).max(8);
+        let operations = self.operations() as u64;
+        let runs = self.runs.len() as u64;
+        if operations * runs > MOST_RESULTS {
+            return Err(BenchError::TooLarge(format!(
+                "{operations} results in {runs} runs"
+            )));
+        }
+        let most_wait = 1000 + 64 * (u64::from(manifest.cycles) + 100);
+        let most_clocks = 100_000 + 256 * script.count + runs * 2 * most_wait;
+        let numbers = [
+            ("elements", "ELEMENTS", manifest.elements.len() as u64),
+            (
+                "bits of a data word",
+                "WIDTH",
+                u64::from(manifest.number.width()),
+            ),
+            (
+                "bits of the host's address",
+                "ADDRESS",
+                u64::from(window.address_bits),
+            ),
+            ("words of the host's window", "WINDOW", end),
+            (
+                "bits of a cycle's number",
+                "CYCLE",
+                u64::from(depth.max(2).next_power_of_two().trailing_zeros()),
+            ),
+            (
+                "cycles of the program",
+                "CYCLES",
+                u64::from(manifest.cycles),
+            ),
+            ("results of a run", "OPERATIONS", operations),
+            ("runs", "RUNS", runs),
+            ("commands of the host", "COMMANDS", script.count),
+            (
+                "commands when the images are there",
+                "CONFIGURED_COMMANDS",
+                configured.count,
+            ),
+            (
+                "clocks after which a run has failed",
+                "MOST_WAIT",
+                most_wait.min(MOST_CLOCKS / 2),
+            ),
+            (
+                "clocks after which everything has failed",
+                "MOST_CLOCKS",
+                most_clocks.min(MOST_CLOCKS),
+            ),
+        ];
+        Ok(numbers.to_vec())
+    }
+}
+
+/// Results of all runs at most.
+const MOST_RESULTS: u64 = 1 << 26;
+/// Clocks at most: what a signed number of 32 bits counts.
+const MOST_CLOCKS: u64 = 2_000_000_000;
+
+/// What a size is, its name, and the number.
+type Size = (&'static str, &'static str, u64);
+
+/// Names of functions are identifiers; what is not is left out of texts that
+/// stand between quotes.
+fn quotable(name: &str) -> String {
+    let good = |c: &char| c.is_ascii_alphanumeric() || *c == '_';
+    name.chars().filter(good).collect()
+}
+
+fn verilog(sizes: &[Size], function: &str) -> String {
+    let mut text = String::from("// What the benches are compiled with.\n");
+    for (what, name, number) in sizes {
+        let _ = writeln!(text, "// {what}\n`define ROBOVEC_{name} {number}");
+    }
+    let _ = writeln!(
+        text,
+        "// the program\n`define ROBOVEC_NAME \"{}\"",
+        quotable(function)
+    );
+    text
+}
+
+fn c(sizes: &[Size], function: &str) -> String {
+    let mut text = String::from("/* What the benches are compiled with. */\n");
+    for (what, name, number) in sizes {
+        let _ = writeln!(text, "/* {what} */\n#define ROBOVEC_{name} {number}u");
+    }
+    let _ = writeln!(
+        text,
+        "/* the program */\n#define ROBOVEC_NAME \"{}\"",
+        quotable(function)
+    );
+    text
+}

@@ -1,0 +1,280 @@
+//! The floating-point operators of `hdl/cores`, and where to cut them.
+//!
+//! An operator is one Verilog module for every latency: between its steps
+//! stand cuts, any of which may hold a register. Which of them do is chosen
+//! here, so that the slowest step between two registers is as quick as
+//! possible, from a model of the delay of every step ([`steps`]).
+//!
+//! **Invariant.** The last cut, at the result, always holds a register: a
+//! result crosses the machine's interconnect in a cycle of its own.
+
+mod steps;
+
+use robovec_ir::Operation;
+use robovec_num::NumberFormat;
+pub use steps::Step;
+
+/// A floating-point operator in hardware.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Core {
+    /// Sum and difference: `fp_add`.
+    Add,
+    /// Product: `fp_mul`.
+    Multiply,
+    /// Quotient: `fp_div`.
+    Divide,
+    /// Square root: `fp_sqrt`.
+    Root,
+    /// Product and sum, rounded once: `fp_fma`.
+    Fused,
+}
+
+/// A Verilog file that travels with the compiler.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SourceFile {
+    /// Its name, that of its only module with `.v` behind.
+    pub name: &'static str,
+    /// Its text.
+    pub text: &'static str,
+}
+
+macro_rules! sources {
+    ($($name:literal),* $(,)?) => {
+        [$(SourceFile {
+            name: $name,
+            text: include_str!(concat!("../../../hdl/cores/", $name)),
+        }),*]
+    };
+}
+
+/// The files of all operators, in alphabetic order. They need no order among
+/// themselves and no file beside them.
+pub const SOURCES: [SourceFile; 12] = sources![
+    "fp_add.v",
+    "fp_div.v",
+    "fp_fma.v",
+    "fp_leading.v",
+    "fp_mul.v",
+    "fp_normalise.v",
+    "fp_pack.v",
+    "fp_shift_right.v",
+    "fp_sqrt.v",
+    "fp_unpack.v",
+    "pipeline_cut.v",
+    "pipeline_delay.v",
+];
+
+impl Core {
+    /// All operators.
+    pub const ALL: [Core; 5] = [
+        Core::Add,
+        Core::Multiply,
+        Core::Divide,
+        Core::Root,
+        Core::Fused,
+    ];
+
+    /// The operator that performs an operation, if hardware does: sine and
+    /// cosine are the host's.
+    pub fn of(operation: Operation) -> Option<Core> {
+        match operation {
+            Operation::Add | Operation::Sub => Some(Core::Add),
+            Operation::Mul => Some(Core::Multiply),
+            Operation::Div => Some(Core::Divide),
+            Operation::Sqrt => Some(Core::Root),
+            Operation::Fma | Operation::Fms | Operation::Fnma => Some(Core::Fused),
+            Operation::Copy | Operation::Neg | Operation::Sin | Operation::Cos => None,
+        }
+    }
+
+    /// The name of its Verilog module.
+    pub fn module(self) -> &'static str {
+        match self {
+            Core::Add => "fp_add",
+            Core::Multiply => "fp_mul",
+            Core::Divide => "fp_div",
+            Core::Root => "fp_sqrt",
+            Core::Fused => "fp_fma",
+        }
+    }
+
+    /// Its steps, each with the cut at its end.
+    pub fn steps(self, format: NumberFormat) -> Vec<Step> {
+        steps::of(self, format)
+    }
+}
+
+/// The parameters `CUTS` and `EXTRA` of an operator.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Cuts {
+    /// Bit `i` is set when cut `i` holds a register.
+    pub mask: u64,
+    /// Registers behind the result.
+    pub extra: u32,
+}
+
+impl Cuts {
+    /// Registers between operands and result.
+    pub fn stages(self) -> u32 {
+        self.mask.count_ones() + self.extra
+    }
+}
+
+/// Where to cut an operator for so many pipeline stages: such that the
+/// slowest stage is as quick as possible, and among these choices the one
+/// with the fewest registers. Stages beyond the last cut are plain registers.
+/// No stages give no cut at all.
+pub fn cuts(core: Core, format: NumberFormat, stages: u32) -> Cuts {
+    let steps = core.steps(format);
+    let places = steps.len() as u32;
+    let count = stages.min(places) as usize;
+    Cuts {
+        mask: if count == 0 {
+            0
+        } else {
+            best_mask(&steps, count, slowest(&steps, count))
+        },
+        extra: stages.saturating_sub(places),
+    }
+}
+
+/// The delay of a stage that begins behind step `first - 1` and ends at the
+/// cut of step `last`, in picoseconds.
+fn delay(steps: &[Step], first: usize, last: usize) -> u32 {
+    steps[first..=last].iter().map(|step| step.delay).sum()
+}
+
+/// The delay of the slowest stage at its best, with so many registers.
+fn slowest(steps: &[Step], count: usize) -> u32 {
+    let least = steps.iter().map(|step| step.delay).max().unwrap_or(0);
+    let (mut low, mut high) = (least, delay(steps, 0, steps.len() - 1));
+    while low < high {
+        let middle = low + (high - low) / 2;
+        if stages_within(steps, middle) <= count {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    low
+}
+
+/// The fewest stages of at most a delay; no step alone exceeds it.
+fn stages_within(steps: &[Step], limit: u32) -> usize {
+    let (mut stages, mut stage) = (1, 0);
+    for step in steps {
+        if stage + step.delay > limit {
+            stages += 1;
+            stage = 0;
+        }
+        stage += step.delay;
+    }
+    stages
+}
+
+/// The mask with `count` registers, the last at the last cut, whose stages
+/// keep to a delay and whose registers hold the fewest bits. Such a mask
+/// exists: a stage can always be divided as long as there are cuts.
+fn best_mask(steps: &[Step], count: usize, limit: u32) -> u64 {
+    // best[k][i]: the fewest bits of k registers, the last at cut i, and the
+    // cut of the register before.
+    let mut best = vec![vec![None; steps.len()]; count + 1];
+    for last in 0..steps.len() {
+        if delay(steps, 0, last) <= limit {
+            best[1][last] = Some((steps[last].bits, usize::MAX));
+        }
+    }
+    for stage in 2..=count {
+        for last in 1..steps.len() {
+            best[stage][last] = (0..last)
+                .filter(|&cut| delay(steps, cut + 1, last) <= limit)
+                .filter_map(|cut| best[stage - 1][cut].map(|(bits, _): (u32, usize)| (bits, cut)))
+                .min()
+                .map(|(bits, cut)| (bits + steps[last].bits, cut));
+        }
+    }
+    let (mut mask, mut cut) = (0, steps.len() - 1);
+    for stage in (1..=count).rev() {
+        mask |= 1 << cut;
+        if let Some((_, before)) = best[stage][cut] {
+            cut = before;
+        }
+    }
+    mask
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn formats() -> impl Iterator<Item = NumberFormat> {
+        let widths = [(2, 1), (4, 3), (5, 10), (8, 7), (8, 17), (8, 23), (11, 52)];
+        widths.into_iter().flat_map(|(exponent, mantissa)| {
+            [true, false].map(|subnormals| NumberFormat {
+                exponent,
+                mantissa,
+                subnormals,
+            })
+        })
+    }
+
+    #[test]
+    fn every_number_of_stages_is_reached() {
+        for (core, format) in Core::ALL
+            .into_iter()
+            .flat_map(|core| formats().map(move |format| (core, format)))
+        {
+            let steps = core.steps(format);
+            assert!(steps.len() <= 64, "{core:?} {format:?}");
+            for stages in 1..steps.len() as u32 + 3 {
+                let cuts = cuts(core, format, stages);
+                assert_eq!(cuts.stages(), stages, "{core:?} {format:?}");
+                assert_ne!(cuts.mask >> (steps.len() - 1) & 1, 0);
+            }
+            assert_eq!(cuts(core, format, 0), Cuts { mask: 0, extra: 0 });
+        }
+    }
+
+    #[test]
+    fn more_stages_are_never_slower() {
+        for core in Core::ALL {
+            let steps = core.steps(NumberFormat::BINARY32);
+            let delays: Vec<u32> = (1..=steps.len())
+                .map(|count| slowest(&steps, count))
+                .collect();
+            assert!(delays.is_sorted_by(|a, b| a >= b), "{delays:?}");
+        }
+    }
+
+    #[test]
+    fn a_mask_is_the_best_of_all() {
+        let steps = Core::Multiply.steps(NumberFormat::BINARY32);
+        let count = 4;
+        let cost = |mask: u64| {
+            let (mut worst, mut bits, mut first) = (0, 0, 0);
+            for last in (0..steps.len()).filter(|cut| mask >> cut & 1 == 1) {
+                worst = worst.max(delay(&steps, first, last));
+                bits += steps[last].bits;
+                first = last + 1;
+            }
+            (worst, bits)
+        };
+        let end = 1 << (steps.len() - 1);
+        let best = (end..2 * end)
+            .filter(|mask: &u64| mask.count_ones() == count)
+            .map(cost)
+            .min();
+        let chosen = cuts(Core::Multiply, NumberFormat::BINARY32, count);
+        assert_eq!(Some(cost(chosen.mask)), best);
+    }
+
+    #[test]
+    fn files_hold_the_module_of_their_name() {
+        assert!(SOURCES.is_sorted_by_key(|file| file.name));
+        for file in SOURCES {
+            let module = file.name.trim_end_matches(".v");
+            assert!(file.text.contains(&format!("\nmodule {module} ")));
+            assert!(file.text.ends_with("endmodule\n"), "{module}");
+        }
+    }
+}

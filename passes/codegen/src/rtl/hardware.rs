@@ -1,0 +1,383 @@
+//! What hardware is built: the machine file with every size settled.
+//!
+//! A machine file may leave sizes open, a schedule says how many elements
+//! there are. Hardware is what both come to, and stays when the next program
+//! comes: `machine.json` keeps it beside the generated text, and a program
+//! fits when its traffic stays within.
+
+use super::error::RtlError;
+use super::window::Window;
+use super::{legs, unit};
+use crate::layout::{Layout, Sizes, bits};
+use crate::manifest::{Buffer, FileHash};
+use crate::traffic::Traffic;
+use robovec_framework::option_words;
+use robovec_ir::machine::{ElementDescription, Interconnect, MemoryStyle};
+use robovec_ir::{Format, Machine};
+use robovec_num::NumberFormat;
+use robovec_num::fnv::Fnv;
+use serde::{Deserialize, Serialize};
+
+/// The version of the description, raised at every incompatible change.
+const FORMAT: u32 = 2;
+/// Bits of the host's address at most: 4 GiB of bytes.
+const MOST_ADDRESS_BITS: u32 = 30;
+/// Words of an instruction or operand memory at most.
+const MOST_WORDS: u32 = 1 << 24;
+/// Elements at most: a crossbar grows with their square.
+const MOST_ELEMENTS: usize = 1024;
+
+option_words! {
+    /// How much of the crossbar is built.
+    #[derive(Default)]
+    pub enum CrossbarChoice {
+        /// Every source reaches every write port: any program fits.
+        #[default]
+        Full = "full",
+        /// Only the pairs of source and write port that the schedule uses.
+        Pruned = "pruned",
+    }
+}
+
+/// The crossbar as built.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Crossbar {
+    /// Every source reaches every write port.
+    Full,
+    /// For every write port the codes of the sources that reach it, in
+    /// ascending order. Ports are counted element by element, within an
+    /// element memory by memory.
+    Pruned(Vec<Vec<u32>>),
+}
+
+/// Equal elements.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Group {
+    /// Their kind in the machine file.
+    pub kind: String,
+    /// How many there are.
+    pub count: u32,
+}
+
+/// Hardware, with every size settled.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Hardware {
+    /// The version of robovec that built it.
+    pub robovec: String,
+    /// The version of this description.
+    pub format: u32,
+    /// The machine file.
+    pub machine: Machine,
+    /// The elements, in the order that the crossbar counts them.
+    pub elements: Vec<Group>,
+    /// Words of an instruction memory: cycles of the longest program.
+    pub instruction_words: u32,
+    /// Words of an operand memory.
+    pub words: u32,
+    /// Write ports of an operand memory.
+    pub write_ports: u32,
+    /// The buffer of every element, if there are any.
+    pub buffer: Option<Buffer>,
+    /// The crossbar.
+    pub crossbar: Crossbar,
+    /// The generated files beside the description; none as long as nothing is
+    /// generated.
+    pub files: Vec<FileHash>,
+}
+
+impl Hardware {
+    /// The hardware for a program and all others that fit it: the machine's
+    /// sizes, and where it leaves them open what the program uses, rounded up
+    /// to a power of two.
+    pub(crate) fn new(traffic: &Traffic<'_>, choice: CrossbarChoice) -> Result<Hardware, RtlError> {
+        let machine = traffic.machine;
+        check_machine(machine)?;
+        let usage = &traffic.usage;
+        let room = |declared: Option<u32>, used: u32| {
+            let rounded = used.max(1).checked_next_power_of_two();
+            declared.unwrap_or_else(|| rounded.unwrap_or(u32::MAX))
+        };
+        let cycles = traffic.schedule.cycles.max(1);
+        let declared = machine.instructions.and_then(|memory| memory.words);
+        let instruction_words = room(declared, cycles);
+        if instruction_words < cycles {
+            let function = traffic.view.function.name.clone();
+            let reasons = vec![format!(
+                "it takes {cycles} cycles, and the machine file gives the instruction memories \
+                 {instruction_words} words"
+            )];
+            return Err(RtlError::Misfit { function, reasons });
+        }
+        let groups = traffic.schedule.kinds.iter().map(|kind| Group {
+            kind: kind.name.clone(),
+            count: kind.count,
+        });
+        let mut hardware = Hardware {
+            robovec: env!("CARGO_PKG_VERSION").to_owned(),
+            format: FORMAT,
+            machine: machine.clone(),
+            elements: groups.filter(|group| group.count > 0).collect(),
+            instruction_words,
+            words: room(machine.memory.words, usage.words),
+            write_ports: machine.memory.writes.unwrap_or(usage.write_ports).max(1),
+            buffer: machine.buffer.map(|buffer| Buffer {
+                words: room(buffer.words, usage.buffer_words),
+                read_ports: buffer.reads.unwrap_or(usage.buffer_reads).max(1),
+            }),
+            crossbar: Crossbar::Full,
+            files: Vec::new(),
+        };
+        // Before anything is counted with these sizes.
+        hardware.validate()?;
+        if choice == CrossbarChoice::Pruned {
+            hardware.crossbar = Crossbar::Pruned(legs::used(traffic, &hardware.sizes()));
+        }
+        Ok(hardware)
+    }
+
+    /// Reads a description.
+    ///
+    /// # Errors
+    ///
+    /// When it is none, or one that no robovec of this version wrote.
+    pub fn parse(text: &str) -> Result<Hardware, RtlError> {
+        let fail = |message: String| RtlError::Description(message);
+        let hardware: Hardware =
+            serde_json::from_str(text).map_err(|error| fail(error.to_string()))?;
+        if hardware.format != FORMAT {
+            return Err(fail(format!(
+                "its format is {}, and this robovec knows {FORMAT}",
+                hardware.format
+            )));
+        }
+        let sound = hardware.machine.validate();
+        sound.map_err(|error| fail(error.to_string()))?;
+        hardware.validate()?;
+        Ok(hardware)
+    }
+
+    /// The description as text, one line per part.
+    ///
+    /// # Errors
+    ///
+    /// None that is known: every description has a text.
+    pub fn text(&self) -> Result<String, RtlError> {
+        let text = serde_json::to_string_pretty(self).map_err(std::io::Error::from)?;
+        Ok(text + "\n")
+    }
+
+    fn validate(&self) -> Result<(), RtlError> {
+        check_machine(&self.machine)?;
+        let unknown = |group: &&Group| self.machine.elements.iter().all(|e| e.kind != group.kind);
+        if let Some(group) = self.elements.iter().find(unknown) {
+            return Err(RtlError::Description(format!(
+                "the machine has no elements of kind '{}'",
+                group.kind
+            )));
+        }
+        for group in &self.elements {
+            unit::check(self.kind(group))?;
+        }
+        let elements: u64 = self
+            .elements
+            .iter()
+            .map(|group| u64::from(group.count))
+            .sum();
+        if elements == 0 || elements > MOST_ELEMENTS as u64 {
+            return Err(RtlError::TooLarge(format!(
+                "the machine has {elements} elements; hardware is built for 1 to {MOST_ELEMENTS}"
+            )));
+        }
+        let sizes = [self.instruction_words, self.words]
+            .into_iter()
+            .chain(self.buffer.iter().map(|buffer| buffer.words));
+        for words in sizes {
+            if words == 0 || words > MOST_WORDS {
+                return Err(RtlError::TooLarge(format!(
+                    "a memory of {words} words; hardware is built for 1 to {MOST_WORDS}"
+                )));
+            }
+        }
+        let ports = [
+            Some(self.write_ports),
+            self.buffer.as_ref().map(|b| b.read_ports),
+        ];
+        if ports
+            .into_iter()
+            .flatten()
+            .any(|ports| ports == 0 || ports > 64)
+        {
+            return Err(RtlError::TooLarge(
+                "a memory has more than 64 ports or none".to_owned(),
+            ));
+        }
+        if self.window().address_bits > MOST_ADDRESS_BITS {
+            return Err(RtlError::TooLarge(format!(
+                "the memories take {} bits of the host's address, more than {MOST_ADDRESS_BITS}",
+                self.window().address_bits
+            )));
+        }
+        match &self.crossbar {
+            Crossbar::Full => Ok(()),
+            Crossbar::Pruned(legs) => legs::validate(legs, self),
+        }
+    }
+
+    /// The number format.
+    pub(super) fn number(&self) -> NumberFormat {
+        match self.machine.number {
+            Format::Float(float) => float,
+            // Refused when the hardware was made.
+            Format::Fixed(_) => NumberFormat::BINARY32,
+        }
+    }
+
+    /// Bits of a data word.
+    pub fn width(&self) -> u32 {
+        self.machine.number.width()
+    }
+
+    /// How many elements there are.
+    pub fn element_count(&self) -> u32 {
+        self.elements.iter().map(|group| group.count).sum()
+    }
+
+    /// Memories per element.
+    pub fn memories(&self) -> u32 {
+        self.machine.memory.style.banks() as u32
+    }
+
+    /// The names of an element's memories, behind the element's own.
+    pub(super) fn memory_suffixes(&self) -> &'static [&'static str] {
+        match self.machine.memory.style {
+            MemoryStyle::Unified | MemoryStyle::FourPort => &[""],
+            MemoryStyle::SideSplit => &[".left", ".right"],
+        }
+    }
+
+    /// Clocks of a cycle.
+    ///
+    /// A unified memory reads in the first and writes two words in each
+    /// further one; a memory per side reads and writes in the first and
+    /// writes in each further one.
+    pub fn phases(&self) -> u32 {
+        match self.machine.memory.style {
+            MemoryStyle::Unified | MemoryStyle::FourPort => 1 + self.write_ports.div_ceil(2),
+            MemoryStyle::SideSplit => self.write_ports,
+        }
+    }
+
+    /// The sizes that lay out the instruction words.
+    pub(crate) fn sizes(&self) -> Sizes {
+        Sizes {
+            words: self.words,
+            write_ports: self.write_ports,
+            memories: self.memories(),
+            buffer: self.buffer.as_ref().map(|b| (b.words, b.read_ports)),
+            elements: self.element_count(),
+        }
+    }
+
+    /// The kind of a group.
+    pub(super) fn kind(&self, group: &Group) -> &ElementDescription {
+        let mut kinds = self.machine.elements.iter();
+        let found = kinds.find(|kind| kind.kind == group.kind);
+        // Validation has found every kind.
+        found.unwrap_or(&self.machine.elements[0])
+    }
+
+    /// The names and kinds of all elements, in order.
+    pub(super) fn names(&self) -> impl Iterator<Item = (String, &Group)> {
+        self.elements.iter().flat_map(|group| {
+            (0..group.count).map(move |number| (format!("{}{number}", group.kind), group))
+        })
+    }
+
+    /// The layout of the instruction words of a group.
+    pub(super) fn layout(&self, group: &Group) -> Layout {
+        let kind = self.kind(group);
+        Layout::new(&self.sizes(), kind.operations.len(), kind.is_fused())
+    }
+
+    /// Bits of the widest instruction word.
+    pub(super) fn instruction_width(&self) -> u32 {
+        let widths = self.elements.iter().map(|group| self.layout(group).width());
+        widths.max().unwrap_or(1)
+    }
+
+    /// Address bits of the instruction memories. Smaller memories than 64
+    /// words are not built: block memories are larger, and synthesis would
+    /// take registers for less.
+    pub(super) fn instruction_address(&self) -> u32 {
+        bits(self.instruction_words).max(6)
+    }
+
+    /// Words of the instruction memories as built.
+    pub(crate) fn instruction_depth(&self) -> u32 {
+        1 << self.instruction_address()
+    }
+
+    /// Address bits of the operand memories as built; see
+    /// [`Hardware::instruction_address`].
+    pub(super) fn operand_address(&self) -> u32 {
+        bits(self.words).max(6)
+    }
+
+    /// Where the host finds everything.
+    pub(crate) fn window(&self) -> Window {
+        Window::new(self)
+    }
+
+    /// Pairs of source and write port that the crossbar has, and that a full
+    /// one would have.
+    pub fn crossbar_pairs(&self) -> (u64, u64) {
+        super::crossbar::pairs(self)
+    }
+
+    /// What the machine's hash register says: 64-bit FNV-1a, as sixteen
+    /// hexadecimal digits, of everything that decides which images run.
+    pub fn hash(&self) -> String {
+        let kinds: Vec<_> = (self.elements.iter())
+            .map(|group| {
+                let kind = self.kind(group);
+                (&group.kind, group.count, &kind.operations, kind.stages)
+            })
+            .collect();
+        let essence = (
+            self.machine.number,
+            kinds,
+            self.machine.memory.style,
+            &self.machine.interconnect,
+            (self.instruction_words, self.words, self.write_ports),
+            &self.buffer,
+            &self.crossbar,
+        );
+        let text = serde_json::to_vec(&essence).expect("hardware is numbers, texts and lists");
+        Fnv::of(&text).text()
+    }
+}
+
+/// What hardware can be built for.
+fn check_machine(machine: &Machine) -> Result<(), RtlError> {
+    if let Format::Fixed(_) = machine.number {
+        return Err(RtlError::Number(machine.number));
+    }
+    if machine.interconnect != Interconnect::Crossbar {
+        return Err(RtlError::Interconnect(machine.interconnect.name()));
+    }
+    if machine.memory.style == MemoryStyle::FourPort {
+        return Err(RtlError::FourPort);
+    }
+    if machine.memory.writes == Some(0) {
+        let (what, ports) = ("its memories", "write");
+        return Err(RtlError::NoPorts { what, ports });
+    }
+    if machine.buffer.is_some_and(|buffer| buffer.reads == Some(0)) {
+        let (what, ports) = ("its buffers", "read");
+        return Err(RtlError::NoPorts { what, ports });
+    }
+    Ok(())
+}

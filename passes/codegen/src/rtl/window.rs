@@ -1,0 +1,140 @@
+//! The host's window: where every memory is.
+//!
+//! Eight control registers come first, then one block with all instruction
+//! memories and one with all operand memories. Within a block all memories
+//! have equal regions, and every block starts at a multiple of its size, so
+//! that block, memory, word and limb are fields of the address and nothing
+//! has to be subtracted.
+
+use super::hardware::Hardware;
+use crate::manifest;
+
+/// The version of the map, in register 7.
+const VERSION: u32 = 1;
+
+/// Memories of one sort.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Block {
+    /// First address.
+    pub(crate) base: u32,
+    /// 32-bit limbs of the widest word.
+    pub(crate) limbs: u32,
+    /// Address bits that count limbs.
+    pub(crate) limb_bits: u32,
+    /// Address bits that count words.
+    pub(crate) word_bits: u32,
+    /// Address bits that count memories.
+    pub(crate) unit_bits: u32,
+}
+
+impl Block {
+    fn new(width: u32, word_bits: u32, units: u32) -> Block {
+        let limbs = width.div_ceil(32);
+        Block {
+            base: 0,
+            limbs,
+            limb_bits: log2(limbs),
+            word_bits,
+            unit_bits: log2(units),
+        }
+    }
+
+    /// Bits of an address within the block.
+    pub(crate) fn bits(&self) -> u32 {
+        self.limb_bits + self.word_bits + self.unit_bits
+    }
+
+    /// Where the number of the memory begins in an address.
+    pub(crate) fn unit_low(&self) -> u32 {
+        self.limb_bits + self.word_bits
+    }
+
+    fn address(&self, unit: u32) -> u32 {
+        self.base + (unit << self.unit_low())
+    }
+}
+
+/// The smallest number of bits that tells `count` things apart.
+fn log2(count: u32) -> u32 {
+    count.next_power_of_two().trailing_zeros()
+}
+
+/// The map.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Window {
+    /// Bits of the host's address.
+    pub(crate) address_bits: u32,
+    /// The instruction memories, in order of the elements.
+    pub(crate) instructions: Block,
+    /// The operand memories, element by element.
+    pub(crate) operands: Block,
+}
+
+impl Window {
+    pub(super) fn new(hardware: &Hardware) -> Window {
+        let elements = hardware.element_count();
+        let mut instructions = Block::new(
+            hardware.instruction_width(),
+            hardware.instruction_address(),
+            elements,
+        );
+        let mut operands = Block::new(
+            hardware.width(),
+            hardware.operand_address(),
+            elements * hardware.memories(),
+        );
+        let (small, large) = if instructions.bits() < operands.bits() {
+            (&mut instructions, &mut operands)
+        } else {
+            (&mut operands, &mut instructions)
+        };
+        // Blocks have 64 words and more, so that the registers are below.
+        small.base = 1u32.checked_shl(small.bits()).unwrap_or(0);
+        let step = u32::from(small.bits() == large.bits());
+        large.base = (1 + step) << large.bits().min(30);
+        let address_bits = large.bits() + 1 + step;
+        Window {
+            address_bits,
+            instructions,
+            operands,
+        }
+    }
+
+    /// What the manifest says of it.
+    pub(crate) fn manifest(&self, hardware: &Hardware) -> manifest::Window {
+        let mut units = Vec::new();
+        for (index, (name, group)) in (0u32..).zip(hardware.names()) {
+            units.push(manifest::Unit {
+                name: format!("{name}.instructions"),
+                address: self.instructions.address(index),
+                words: hardware.instruction_depth(),
+                limbs: hardware.layout(group).width().div_ceil(32),
+                stride: 1 << self.instructions.limb_bits,
+                readable: false,
+            });
+        }
+        for (index, (name, _)) in (0u32..).zip(hardware.names()) {
+            for (memory, suffix) in (0u32..).zip(hardware.memory_suffixes()) {
+                units.push(manifest::Unit {
+                    name: format!("{name}{suffix}"),
+                    address: self.operands.address(index * hardware.memories() + memory),
+                    words: 1 << hardware.operand_address(),
+                    limbs: self.operands.limbs,
+                    stride: 1 << self.operands.limb_bits,
+                    readable: true,
+                });
+            }
+        }
+        manifest::Window {
+            version: VERSION,
+            address_bits: self.address_bits,
+            machine_hash: hardware.hash(),
+            control: 0,
+            status: 1,
+            cycles: 2,
+            schedule: 3,
+            machine: 5,
+            units,
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! The floating-point operators of `hdl/cores` in simulation, against other
+//! implementations of the same arithmetic.
+//!
+//! A vector is a set of operands and the word that must come out. The short
+//! tests run some thousands of them through iverilog, for a few latencies and
+//! formats, and through planted mutants, each of which must be noticed. The
+//! long one runs three million per operator and latency through verilator:
+//!
+//!     cargo test --release -p robovec-codegen --features softfloat --test all rtl_cores:: -- --ignored --nocapture --test-threads 1
+//!
+//! In every run `enable` is low now and then, while other operands stand at
+//! the inputs: a result must come exactly as many enabled clocks after its
+//! operands as the operator has stages, and must stay while nothing is
+//! enabled.
+
+mod mutants;
+mod reference;
+mod simulators;
+mod vectors;
+
+use robovec_codegen::rtl::cores::{Core, Cuts, cuts};
+use robovec_num::NumberFormat;
+use simulators::{Bench, Simulator};
+
+/// A format of so many exponent and mantissa bits.
+const fn float(exponent: u32, mantissa: u32, subnormals: bool) -> NumberFormat {
+    NumberFormat {
+        exponent,
+        mantissa,
+        subnormals,
+    }
+}
+
+const BINARY32: NumberFormat = NumberFormat::BINARY32;
+const BINARY32_FLUSHED: NumberFormat = float(8, 23, false);
+
+/// Says loudly that a simulator is missing.
+fn is_missing(simulator: Simulator) -> bool {
+    let missing = !simulator.is_installed();
+    if missing {
+        eprintln!(
+            "SKIPPED: {simulator:?} is not installed, so hardware was not simulated \
+             (Debian: apt-get install iverilog verilator)"
+        );
+    }
+    missing
+}
+
+/// Runs vectors through a core and demands that nothing differs.
+fn check(simulator: Simulator, core: Core, format: NumberFormat, cuts: Cuts, count: usize) {
+    let vectors = vectors::vectors(core, format, count, 1);
+    let bench = Bench::new(core, format, cuts);
+    let report = bench.run(simulator, &vectors);
+    assert_eq!(
+        (report.checked, report.wrong),
+        (count, 0),
+        "{core:?} {format:?} {cuts:?}:\n{}",
+        report.text
+    );
+}
+
+/// One register, a handful, one at every cut, and more than that.
+fn stages(core: Core, format: NumberFormat) -> [u32; 4] {
+    let places = core.steps(format).len() as u32;
+    [1, places.min(5), places, places + 2]
+}
+
+fn short(core: Core) {
+    if is_missing(Simulator::Iverilog) {
+        return;
+    }
+    for format in [BINARY32, BINARY32_FLUSHED] {
+        for stages in stages(core, format) {
+            let count = if stages == 5 { 5_000 } else { 500 };
+            let cuts = cuts(core, format, stages);
+            check(Simulator::Iverilog, core, format, cuts, count);
+        }
+    }
+}
+
+#[test]
+fn sums_are_right() {
+    short(Core::Add);
+}
+
+#[test]
+fn products_are_right() {
+    short(Core::Multiply);
+}
+
+#[test]
+fn quotients_are_right() {
+    short(Core::Divide);
+}
+
+#[test]
+fn roots_are_right() {
+    short(Core::Root);
+}
+
+#[test]
+fn fused_results_are_right() {
+    short(Core::Fused);
+}
+
+/// The least and the widest format, narrow exponents with long mantissas and
+/// the other way round.
+const FORMATS: [(u32, u32); 8] = [
+    (2, 1),
+    (2, 9),
+    (3, 14),
+    (5, 10),
+    (8, 7),
+    (11, 3),
+    (8, 17),
+    (11, 52),
+];
+
+#[test]
+fn every_format_is_right() {
+    if is_missing(Simulator::Iverilog) {
+        return;
+    }
+    for (exponent, mantissa) in FORMATS {
+        for core in Core::ALL {
+            for subnormals in [true, false] {
+                let format = float(exponent, mantissa, subnormals);
+                let places = core.steps(format).len() as u32;
+                for stages in [3, places] {
+                    let cuts = cuts(core, format, stages);
+                    check(Simulator::Iverilog, core, format, cuts, 150);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn mutants_are_noticed() {
+    if is_missing(Simulator::Iverilog) {
+        return;
+    }
+    let survivors: Vec<String> = mutants::MUTANTS
+        .iter()
+        .filter(|mutant| !mutant.is_noticed(20_000))
+        .map(|mutant| format!("{}: {}", mutant.file, mutant.what))
+        .collect();
+    assert!(survivors.is_empty(), "not noticed: {survivors:#?}");
+}
+
+/// The latencies of the thesis' Tables 1.1 and 1.2, and some for the rest.
+fn tabled(core: Core) -> &'static [u32] {
+    match core {
+        Core::Add => &[1, 2, 3, 4, 5, 6, 7, 9, 10, 14],
+        Core::Multiply => &[2, 3, 4, 5, 8, 9],
+        Core::Divide => &[1, 8, 16, 28],
+        Core::Root => &[1, 8, 16, 28],
+        Core::Fused => &[1, 5, 13, 20],
+    }
+}
+
+/// Every tabled latency of binary32, and other formats. `ROBOVEC_VECTORS` sets
+/// another number of vectors per line than three million.
+fn long(core: Core) {
+    if is_missing(Simulator::Verilator) {
+        return;
+    }
+    let count = std::env::var("ROBOVEC_VECTORS").map_or(3_000_000, |text| {
+        text.parse().expect("ROBOVEC_VECTORS is a number")
+    });
+    println!("core      format            stages   vectors   wrong");
+    let mut wrong = 0;
+    for format in [BINARY32, BINARY32_FLUSHED] {
+        let vectors = vectors::vectors(core, format, count, 2);
+        for &stages in tabled(core) {
+            wrong += line(core, format, stages, &vectors);
+        }
+    }
+    for format in [
+        NumberFormat::BINARY64,
+        float(11, 52, false),
+        float(5, 10, true),
+        float(8, 17, true),
+    ] {
+        let vectors = vectors::vectors(core, format, count, 2);
+        wrong += line(core, format, 10, &vectors);
+    }
+    assert_eq!(wrong, 0);
+}
+
+#[test]
+#[ignore = "minutes of simulation, in a release build"]
+fn millions_of_sums() {
+    long(Core::Add);
+}
+
+#[test]
+#[ignore = "minutes of simulation, in a release build"]
+fn millions_of_products() {
+    long(Core::Multiply);
+}
+
+#[test]
+#[ignore = "minutes of simulation, in a release build"]
+fn millions_of_quotients() {
+    long(Core::Divide);
+}
+
+#[test]
+#[ignore = "minutes of simulation, in a release build"]
+fn millions_of_roots() {
+    long(Core::Root);
+}
+
+#[test]
+#[ignore = "minutes of simulation, in a release build"]
+fn millions_of_fused_results() {
+    long(Core::Fused);
+}
+
+/// Runs and prints one line of the table.
+fn line(core: Core, format: NumberFormat, stages: u32, vectors: &[vectors::Vector]) -> usize {
+    let bench = Bench::new(core, format, cuts(core, format, stages));
+    let report = bench.run(Simulator::Verilator, vectors);
+    println!(
+        "{:<9} {:<17} {stages:>6} {:>9} {:>7}",
+        core.module(),
+        robovec_ir::Format::Float(format).to_string(),
+        report.checked,
+        report.wrong
+    );
+    print!("{}", report.text);
+    assert_eq!(report.checked, vectors.len(), "every vector is compared");
+    report.wrong
+}

@@ -1,0 +1,415 @@
+//! Planted faults: each changes a few characters of a source file, and the
+//! vectors must notice every one of them.
+
+use super::simulators::{Bench, Simulator};
+use super::{BINARY32, BINARY32_FLUSHED, vectors};
+use robovec_codegen::rtl::cores::{Core, SOURCES, cuts};
+
+/// A fault.
+pub(crate) struct Mutant {
+    pub(crate) file: &'static str,
+    /// What it makes of the operator.
+    pub(crate) what: &'static str,
+    /// The text it replaces, at its first place.
+    from: &'static str,
+    to: &'static str,
+    core: Core,
+    flushes: bool,
+}
+
+impl Mutant {
+    /// True when one of so many vectors gives another result than it must.
+    pub(crate) fn is_noticed(&self, count: usize) -> bool {
+        let format = if self.flushes {
+            BINARY32_FLUSHED
+        } else {
+            BINARY32
+        };
+        let source = SOURCES.iter().find(|source| source.name == self.file);
+        let text = source.expect("the file is there").text;
+        assert!(text.contains(self.from), "{}: {}", self.file, self.from);
+        let text = text.replacen(self.from, self.to, 1);
+        let vectors = vectors::vectors(self.core, format, count, 3);
+        let bench = Bench::new(self.core, format, cuts(self.core, format, 4));
+        let report = bench
+            .with(self.file, text)
+            .run(Simulator::Iverilog, &vectors);
+        report.wrong > 0
+    }
+}
+
+const fn mutant(
+    (file, what): (&'static str, &'static str),
+    (from, to): (&'static str, &'static str),
+    core: Core,
+    flushes: bool,
+) -> Mutant {
+    Mutant {
+        file,
+        what,
+        from,
+        to,
+        core,
+        flushes,
+    }
+}
+
+pub(crate) const MUTANTS: &[Mutant] = &[
+    mutant(
+        ("fp_pack.v", "ties are not broken by the sticky bit"),
+        ("guard & (sticky | fraction[0])", "guard & fraction[0]"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_pack.v", "ties go away from zero"),
+        ("guard & (sticky | fraction[0])", "guard"),
+        Core::Multiply,
+        false,
+    ),
+    mutant(
+        ("fp_pack.v", "ties go to the odd neighbour"),
+        ("(sticky | fraction[0])", "(sticky | ~fraction[0])"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_pack.v", "the carry between the halves is lost"),
+        ("low_2[LOW]};", "1'b0};"),
+        Core::Multiply,
+        false,
+    ),
+    mutant(
+        ("fp_pack.v", "NaN has a sign"),
+        ("sign & ~nan", "sign"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_pack.v", "NaN is an infinity"),
+        ("quiet[MANTISSA-1:0] | (", "("),
+        Core::Multiply,
+        false,
+    ),
+    mutant(
+        ("fp_pack.v", "infinity has a fraction"),
+        ("(fraction & {MANTISSA{~special}})", "fraction"),
+        Core::Multiply,
+        false,
+    ),
+    mutant(
+        ("fp_pack.v", "special results are rounded"),
+        ("& ~special;", ";"),
+        Core::Multiply,
+        true,
+    ),
+    mutant(
+        ("fp_shift_right.v", "the nearest dropped bits are forgotten"),
+        ("(digit != 2'd0 & group[0])", "1'b0"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        (
+            "fp_shift_right.v",
+            "dropped bits of the second unit are forgotten",
+        ),
+        ("(digit[1] & group[1])", "1'b0"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        (
+            "fp_shift_right.v",
+            "dropped bits of the third unit are forgotten",
+        ),
+        ("(&digit & group[2])", "1'b0"),
+        Core::Multiply,
+        false,
+    ),
+    mutant(
+        ("fp_shift_right.v", "only the last level sees dropped bits"),
+        ("sticky_in | dropped", "dropped"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_normalise.v", "the limit is ignored"),
+        ("more ? cap_in :", "1'b0 ? cap_in :"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_normalise.v", "a smaller digit does not free the next"),
+        ("wire less = less_held |", "wire less = 1'b0 |"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_normalise.v", "the least sum counts as zero"),
+        ("nonzero_in = |value;", "nonzero_in = |value[WIDTH-1:4];"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_add.v", "an exact zero keeps a sign"),
+        ("sign_5 & (nonzero | ~subtracts_5)", "sign_5"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_add.v", "operands of one exponent are not ordered"),
+        ("(~backward_0[E] & less)", "1'b0"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_add.v", "a subnormal operand lies a place too low"),
+        ("small_least & ~large_least ?", "1'b0 ?"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_add.v", "infinity less infinity is infinity"),
+        ("\n        | (left_most & right_most & subtracts)", ""),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_add.v", "far operands come round again"),
+        (" | {AMOUNT{|difference[E-1:AMOUNT]}}", ""),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_add.v", "differences are one too small"),
+        ("term[HALF-1:0], subtracts_2}", "term[HALF-1:0], 1'b0}"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_add.v", "the carry into the upper half is lost"),
+        ("{term_3, low_3[HALF]}", "{term_3, 1'b0}"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_add.v", "an overflow by a carry is missed"),
+        ("flags_4[0] | overflows", "flags_4[0]"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_add.v", "the lowest bit does not count in the rounding"),
+        (".sticky(|shifted[2:0])", ".sticky(|shifted[2:1])"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_add.v", "the least exponent is zero"),
+        ("~|exponent_3}", "1'b0}"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_add.v", "differences are sums"),
+        ("right[E+M] ^ subtract", "right[E+M]"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_add.v", "small sums are not flushed"),
+        ("below | ~nonzero", "~nonzero"),
+        Core::Add,
+        true,
+    ),
+    mutant(
+        ("fp_add.v", "subnormal operands are not flushed"),
+        ("large_fraction & {M{~large_least}}", "large_fraction"),
+        Core::Add,
+        true,
+    ),
+    mutant(
+        ("fp_pack.v", "the register at the result is missing"),
+        (".REGISTERED(CUTS[2])", ".REGISTERED(0)"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("pipeline_cut.v", "registers do not hold"),
+        ("if (enable) held", "held"),
+        Core::Add,
+        false,
+    ),
+    mutant(
+        ("fp_mul.v", "the lower half of the product is forgotten"),
+        ("|rest,", "1'b0,"),
+        Core::Multiply,
+        true,
+    ),
+    mutant(
+        (
+            "fp_mul.v",
+            "the exponent of a subnormal product is below zero",
+        ),
+        ("left_over & {WIDE{~limited}}", "left_over"),
+        Core::Multiply,
+        false,
+    ),
+    mutant(
+        ("fp_mul.v", "the bit below the guard is forgotten"),
+        ("sticky | (stays & window[0])", "sticky"),
+        Core::Multiply,
+        false,
+    ),
+    mutant(
+        ("fp_mul.v", "small products are not flushed"),
+        ("SUBNORMALS == 0 & below", "1'b0"),
+        Core::Multiply,
+        true,
+    ),
+    mutant(
+        ("fp_mul.v", "products are flushed a binade too late"),
+        ("(~top & ~|base_4)", "1'b0"),
+        Core::Multiply,
+        true,
+    ),
+    mutant(
+        ("fp_mul.v", "an overflow by the leading bit is missed"),
+        ("(top & base_4 == ONES - 1)", "1'b0"),
+        Core::Multiply,
+        false,
+    ),
+    mutant(
+        ("fp_mul.v", "infinity times zero is infinity"),
+        (
+            "\n        | (left_most & right_zero) | (right_most & left_zero)",
+            "",
+        ),
+        Core::Multiply,
+        false,
+    ),
+    mutant(
+        ("fp_mul.v", "minus times minus is minus"),
+        ("left[E+M] ^ right[E+M]", "left[E+M] | right[E+M]"),
+        Core::Multiply,
+        false,
+    ),
+    mutant(
+        ("fp_mul.v", "a subnormal factor is half as large"),
+        ("left_exponent[0] | left_least", "left_exponent[0]"),
+        Core::Multiply,
+        false,
+    ),
+    mutant(
+        ("fp_div.v", "the remainder is forgotten"),
+        ("rest | (top & quotient[0])", "top & quotient[0]"),
+        Core::Divide,
+        false,
+    ),
+    mutant(
+        ("fp_div.v", "zero by zero is infinity"),
+        (" | (left_zero & right_zero)", ""),
+        Core::Divide,
+        false,
+    ),
+    mutant(
+        ("fp_div.v", "a quotient below one has the exponent of one"),
+        ("1'b0}}, ~top}", "1'b0}}, 1'b0}"),
+        Core::Divide,
+        false,
+    ),
+    mutant(
+        ("fp_div.v", "what a subnormal quotient drops is forgotten"),
+        ("sticky_4 | dropped", "sticky_4"),
+        Core::Divide,
+        false,
+    ),
+    mutant(
+        ("fp_div.v", "a large quotient is not infinite"),
+        ("flags_2[1] | (above & ~flags_2[0])", "flags_2[1]"),
+        Core::Divide,
+        false,
+    ),
+    mutant(
+        ("fp_sqrt.v", "odd powers are taken for even ones"),
+        ("odd ? {leading, 1'b0} :", "1'b0 ? {leading, 1'b0} :"),
+        Core::Root,
+        false,
+    ),
+    mutant(
+        ("fp_sqrt.v", "the remainder is forgotten"),
+        ("assign sticky = rest;", "assign sticky = 1'b0;"),
+        Core::Root,
+        false,
+    ),
+    mutant(
+        ("fp_sqrt.v", "the root of minus zero is no number"),
+        ("(sign & ~zero)", "sign"),
+        Core::Root,
+        false,
+    ),
+    mutant(
+        ("fp_fma.v", "an addend is lost beside a zero product"),
+        ("distance[WIDE-1] | product_zero_2", "distance[WIDE-1]"),
+        Core::Fused,
+        false,
+    ),
+    mutant(
+        ("fp_fma.v", "a negative sum is positive"),
+        ("(negative & ~flags_7[0])", "1'b0"),
+        Core::Fused,
+        false,
+    ),
+    mutant(
+        ("fp_fma.v", "differences are one too small"),
+        ("? with_7 :", "? without_7 :"),
+        Core::Fused,
+        false,
+    ),
+    mutant(
+        ("fp_fma.v", "what is dropped of the addend is forgotten"),
+        ("aligned, sticky}", "aligned, 1'b0}"),
+        Core::Fused,
+        false,
+    ),
+    mutant(
+        ("fp_fma.v", "the addend is always added"),
+        ("addend_sign ^ operation[0]", "addend_sign"),
+        Core::Fused,
+        false,
+    ),
+    mutant(
+        ("fp_fma.v", "infinity less infinity is infinity"),
+        (
+            "\n        | (product_infinite & addend_infinite & subtracts)",
+            "",
+        ),
+        Core::Fused,
+        false,
+    ),
+    mutant(
+        ("fp_fma.v", "the largest exponent is a number's"),
+        ("exact >= ONES", "exact > ONES"),
+        Core::Fused,
+        false,
+    ),
+    mutant(
+        ("fp_fma.v", "an exact zero keeps a sign"),
+        ("(nonzero | ~flags_9[2] | flags_9[0])", "1'b1"),
+        Core::Fused,
+        false,
+    ),
+    mutant(
+        ("fp_unpack.v", "a subnormal number is half as large"),
+        ("field[0] | least", "field[0]"),
+        Core::Fused,
+        false,
+    ),
+    mutant(
+        ("fp_leading.v", "zeros at the top do not count"),
+        ("\n                - {{(WIDE - COUNT) {1'b0}}, count}", ""),
+        Core::Divide,
+        false,
+    ),
+];

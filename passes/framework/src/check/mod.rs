@@ -1,0 +1,406 @@
+//! The semantic check between two versions of a function.
+//!
+//! What a pass claims by its [`NumericClass`] is tested, not believed:
+//!
+//! - every class but *approximating*: all outputs are equal
+//!   - at random points of two prime fields whose primes are drawn from the
+//!     seed and the constants of both versions. Two rational functions that
+//!     differ agree at a random point with probability at most `degree / p`,
+//!     unless their difference vanishes modulo the prime. Sine and cosine are
+//!     points of the circle, on which angles add up, for *real-trig* and
+//!     independent elements otherwise;
+//!   - in double-double within a bound of its error that follows from the
+//!     operations, at states near and far, whole and not, positive and
+//!     negative, and near the constants of both versions. This image decides
+//!     what a field cannot: signs of roots, poles, constants that vanish
+//!     modulo a prime.
+//!
+//!   A difference in any image is a difference. An output that divides by
+//!   zero at every point has no value in a field, nor a bound; as IEEE
+//!   arithmetic may still end in a number (`1/(1/0)`), it is compared in
+//!   double-double with a tolerance;
+//! - *exact*, and every function in which values have formats of their own:
+//!   all outputs are also bit-equal in binary64 and binary32, or in these
+//!   formats, save that zeros of either sign are equal (a minus becomes
+//!   `0 - x`) and that outputs on whose way something was infinite or NaN may
+//!   become anything (`0*x` becomes `0`);
+//! - *approximating*: what the pass promised ([`Promise`]) holds, and the
+//!   distance between the versions is measured in double-double.
+//!
+//! Beside the verdict stands what the pass did to the rounding error of the
+//! outputs, in binary32 and binary64 against double-double.
+//!
+//! The field check is one-sided: what it rejects differs as a function of
+//! unknown `sin`, `cos` and `sqrt` (see [`robovec_num::field`]); identities
+//! that need more than their parity, the circle and sums of angles are
+//! rejected too.
+
+mod constants;
+mod failure;
+mod field;
+mod numbers;
+mod numeric;
+mod pairing;
+mod poles;
+mod promise;
+mod states;
+
+use crate::instances::Instances;
+use crate::scene::Scene;
+use failure::{Failed, explain};
+pub use failure::{Failure, FailureKind, Values};
+use field::FieldComparison;
+use numbers::Survey;
+use pairing::Pairs;
+pub use promise::Promise;
+use robovec_analysis::accuracy::{Measurement, Summary, measure};
+use robovec_analysis::class::NumericClass;
+use robovec_ir::states::States;
+use robovec_ir::{Output, View};
+use robovec_num::ball::Balls;
+use robovec_num::field::{CircleField, Field, FieldPoint, PrimeField};
+use robovec_num::format::Format;
+pub use states::{StatePlace, StateScale};
+use std::array;
+use std::fmt;
+
+/// What the check found.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Verdict {
+    /// What was claimed.
+    pub class: NumericClass,
+    /// How many points and states it was tested at.
+    pub points: u32,
+    /// Where they come from.
+    pub seed: u64,
+    /// The first output that breaks the claim; `None` when it holds.
+    pub failure: Option<Failure>,
+    /// Outputs that divide by zero at every point before: these were compared
+    /// in double-double only, where that gives a number.
+    pub undefined: u32,
+    /// Rounding errors in binary32 and binary64; `None` after a failure,
+    /// when comparing them means nothing.
+    pub errors: Option<[ErrorChange; 2]>,
+    /// How far an *approximating* pass moved the outputs.
+    pub deviation: Option<Deviation>,
+    /// At how many states numbers were compared.
+    pub states: u32,
+    /// How far outputs that must be equal were apart there at most, relative
+    /// to the largest element of their array.
+    pub distance: f64,
+    /// True when an *approximating* pass promised a bound, and it holds.
+    pub promised: bool,
+}
+
+/// The rounding errors of a function before and after a pass.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ErrorChange {
+    /// Before the pass.
+    pub before: Summary,
+    /// After it.
+    pub after: Summary,
+}
+
+/// The distance between two versions in double-double, over random states.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Deviation {
+    /// The largest difference of an array's element over its largest element.
+    pub worst_normwise: f64,
+    /// The largest relative difference of an element.
+    pub worst_relative: f64,
+    /// The element with the largest relative difference.
+    pub output: Option<Output>,
+}
+
+/// Checks what a pass of a class claims, between the version it took and the
+/// one it gave, at a number of random points.
+///
+/// Costs about three nanoseconds per operation, version and point for the
+/// field and ten for the rounding errors.
+pub fn check(
+    before: View<'_>,
+    after: View<'_>,
+    class: NumericClass,
+    states: &States,
+    points: u32,
+) -> Verdict {
+    check_promise(before, after, (class, None), states, points)
+}
+
+/// Checks what a pass of a class claims, and what it promises beyond that.
+pub fn check_promise(
+    before: View<'_>,
+    after: View<'_>,
+    (class, promise): (NumericClass, Option<&Promise>),
+    states: &States,
+    points: u32,
+) -> Verdict {
+    let mut verdict = Verdict::new(class, states, points);
+    match Pairs::new(before, after) {
+        Ok(pairs) => judge(&pairs, states, promise, &mut verdict),
+        Err(unpaired) => verdict.failure = Some(unpaired.failure(before, after)),
+    }
+    if verdict.failure.is_none() {
+        verdict.errors = Some(error_changes([before, after], states, verdict.points));
+    }
+    verdict
+}
+
+/// Checks a pass of a class that makes several instances of a function: each
+/// of them must be the function before, whatever the inputs of the others.
+/// The first instance that is not ends the check.
+pub fn check_instances(
+    before: View<'_>,
+    after: View<'_>,
+    instances: &Instances,
+    class: NumericClass,
+    states: &States,
+    points: u32,
+) -> Verdict {
+    let mut verdict = Verdict::new(class, states, points);
+    for instance in 1..=instances.count {
+        match Pairs::instance(before, after, instances, instance) {
+            Ok(pairs) => judge(&pairs, states, None, &mut verdict),
+            Err(unpaired) => verdict.failure = Some(unpaired.failure(before, after)),
+        }
+        if verdict.failure.is_some() {
+            return verdict;
+        }
+    }
+    verdict.errors = Some(error_changes([before, after], states, verdict.points));
+    verdict
+}
+
+/// A function made for a scene, with what it was made of.
+#[derive(Clone, Copy)]
+pub struct Specialised<'a> {
+    /// The function before.
+    pub before: View<'a>,
+    /// The function after, in which numbers are still expressions.
+    pub witness: View<'a>,
+    /// The function after.
+    pub after: View<'a>,
+    /// What it was made for.
+    pub scene: Option<&'a Scene>,
+}
+
+/// Checks what a pass of a class claims that makes a function for a scene:
+/// outputs that the scene does not need may be gone, and inputs that it binds
+/// have their numbers. The claim is about the witness; the function after must
+/// be the witness with its constant expressions replaced by their values.
+pub fn check_specialised(
+    subject: Specialised<'_>,
+    class: NumericClass,
+    states: &States,
+    points: u32,
+) -> Verdict {
+    let Specialised {
+        before,
+        witness,
+        after,
+        scene,
+    } = subject;
+    let mut verdict = Verdict::new(class, states, points);
+    let empty = Scene::default();
+    match Pairs::within(before, witness, scene.unwrap_or(&empty)) {
+        Ok(pairs) => judge(&pairs, states, None, &mut verdict),
+        Err(unpaired) => verdict.failure = Some(unpaired.failure(before, witness)),
+    }
+    if verdict.failure.is_none()
+        && let Err(reason) = constants::compare(witness.function, after)
+    {
+        verdict.failure = Some(Failure::about(FailureKind::Constants { reason }, after));
+    }
+    if verdict.failure.is_none() {
+        verdict.errors = Some(error_changes([before, after], states, verdict.points));
+    }
+    verdict
+}
+
+fn judge(pairs: &Pairs<'_>, states: &States, promise: Option<&Promise>, verdict: &mut Verdict) {
+    let states = &promise.map_or_else(|| states.clone(), |promise| promise.states(states));
+    let rounds = verdict.points;
+    match verdict.class {
+        NumericClass::Approximating => {
+            verdict.deviation = Some(numeric::deviation(pairs, states, rounds));
+            judge_promise(pairs, states, promise, verdict);
+        }
+        NumericClass::RealTrig => judge_equality::<CircleField>(pairs, states, verdict),
+        NumericClass::Real | NumericClass::Exact => {
+            judge_equality::<PrimeField>(pairs, states, verdict);
+        }
+    }
+    if verdict.class != NumericClass::Approximating
+        && verdict.failure.is_none()
+        && let Some(failed) = poles::first(pairs, states, verdict.seed)
+    {
+        verdict.failure = Some(failed.explain(pairs, states, FailureKind::Pole, verdict));
+    }
+    // Formats of single values are part of a function, whatever is claimed of
+    // it as one of real numbers.
+    let formats = [pairs.before, pairs.after].map(|view| view.function.formats.is_some());
+    let bits = match verdict.class {
+        NumericClass::Exact => true,
+        NumericClass::Real | NumericClass::RealTrig => formats.contains(&true),
+        NumericClass::Approximating => false,
+    };
+    if verdict.failure.is_none()
+        && bits
+        && let Some(found) = numeric::first_bit_difference(pairs, states, rounds)
+    {
+        let field = first_field(pairs, verdict.seed);
+        verdict.failure = Some(explain(pairs, states, found, None, &field));
+    }
+}
+
+/// A field in which values of the same name are compared.
+fn first_field(pairs: &Pairs<'_>, seed: u64) -> PrimeField {
+    let [prime, _] = pairs.primes(seed);
+    PrimeField::at(prime, FieldPoint { seed })
+}
+
+impl Failed {
+    /// The failure, of a kind that numbers show.
+    fn explain(
+        self,
+        pairs: &Pairs<'_>,
+        states: &States,
+        kind: fn(Values) -> FailureKind,
+        verdict: &Verdict,
+    ) -> Failure {
+        let found = (self.pair, kind(self.values));
+        let field = first_field(pairs, verdict.seed);
+        explain(pairs, states, found, self.inputs.as_deref(), &field)
+    }
+}
+
+/// Equality as functions: in the fields and in numbers.
+fn judge_equality<F: Field>(pairs: &Pairs<'_>, states: &States, verdict: &mut Verdict) {
+    let rounds = verdict.points;
+    let numbers = |only: Option<usize>| {
+        let survey = Survey {
+            states: numbers::every_scale,
+            rounds,
+            only,
+        };
+        numbers::compare(pairs, &Balls, states, survey)
+    };
+    let found = match field::compare::<F>(pairs, rounds, verdict.seed) {
+        FieldComparison::Different { pair, field } => {
+            // Numbers tell more than residues, where they show the difference.
+            let kind = match numbers(Some(pair)) {
+                Err(failed) => FailureKind::Numbers(failed.values),
+                Ok(_) => {
+                    let [before, after] = field::residues(pairs, pair, &field);
+                    FailureKind::Field {
+                        prime: field.prime().modulus(),
+                        before,
+                        after,
+                    }
+                }
+            };
+            Some(explain(pairs, states, (pair, kind), None, &field))
+        }
+        FieldComparison::Equal { undefined } => {
+            verdict.undefined = undefined.len() as u32;
+            let failed = match numbers(None) {
+                Err(failed) => Some(failed),
+                Ok(agreement) => {
+                    (verdict.states, verdict.distance) = (agreement.states, agreement.distance);
+                    numeric::first_distance(pairs, &undefined, states, rounds)
+                }
+            };
+            failed.map(|failed| failed.explain(pairs, states, FailureKind::Numbers, verdict))
+        }
+    };
+    verdict.failure = found;
+}
+
+/// Whether an approximating pass keeps what it promised.
+fn judge_promise(
+    pairs: &Pairs<'_>,
+    states: &States,
+    promise: Option<&Promise>,
+    verdict: &mut Verdict,
+) {
+    let Some(promise) = promise else { return };
+    match promise.keeps(pairs, states, verdict.points) {
+        Ok(count) => (verdict.states, verdict.promised) = (count, true),
+        Err(failed) => {
+            let failure = failed.explain(pairs, states, FailureKind::Promise, verdict);
+            verdict.failure = Some(failure);
+        }
+    }
+}
+
+fn error_changes(versions: [View<'_>; 2], states: &States, points: u32) -> [ErrorChange; 2] {
+    let formats = [Format::BINARY32, Format::BINARY64];
+    let [before, after] =
+        versions.map(|view| measure(view, states, points, &formats, Measurement::QUICK));
+    array::from_fn(|index| ErrorChange {
+        before: before.formats[index].summary(),
+        after: after.formats[index].summary(),
+    })
+}
+
+/// The seed of the `n`th point of a run.
+fn nth_seed(seed: u64, n: u32) -> u64 {
+    seed.wrapping_add(u64::from(n) << 32)
+}
+
+impl Verdict {
+    /// Before anything is found.
+    fn new(class: NumericClass, states: &States, points: u32) -> Verdict {
+        Verdict {
+            class,
+            points: points.max(1),
+            seed: states.seed(),
+            failure: None,
+            undefined: 0,
+            errors: None,
+            deviation: None,
+            states: 0,
+            distance: 0.0,
+            promised: false,
+        }
+    }
+
+    /// True when the claim holds.
+    pub fn holds(&self) -> bool {
+        self.failure.is_none()
+    }
+
+    /// What broke the claim, for people.
+    pub fn failure(&self) -> Option<String> {
+        self.failure.as_ref().map(ToString::to_string)
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(failure) = &self.failure {
+            return write!(formatter, "not {}: {failure}", self.class);
+        }
+        let Verdict { class, states, .. } = self;
+        if let Some(deviation) = self.deviation {
+            write!(
+                formatter,
+                "{class}, outputs moved by at most {:.1e} of their array's largest element at {} \
+                 states",
+                deviation.worst_normwise, self.points
+            )?;
+            if self.promised {
+                write!(formatter, ", as promised at {states} states")?;
+            }
+            return Ok(());
+        }
+        write!(
+            formatter,
+            "{class}, equal at {} points of two prime fields and at {states} states within {:.1e}",
+            self.points, self.distance
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests;

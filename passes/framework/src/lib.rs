@@ -1,0 +1,25 @@
+//! What every pass stands on, and nothing of any pass.
+//!
+//! [`pass`] says what a pass is, [`options`] how it declares its options,
+//! [`pipeline`] reads what the user wants to run of a [`registry`], [`manager`]
+//! runs it with its instruments, [`check`] compares functions, [`trail`] tells
+//! where values come from, [`reduce`] finds what a pass breaks. This crate
+//! reads and writes no files.
+
+pub mod check;
+pub mod fingerprint;
+pub mod instances;
+pub mod manager;
+pub mod manual;
+pub mod options;
+pub mod pass;
+pub mod pipeline;
+pub mod reduce;
+pub mod registry;
+pub mod rewrite;
+pub mod rewrites;
+pub mod scene;
+pub mod trail;
+
+/// What passes declare of their numbers; [`declare_pass!`] names it.
+pub use robovec_analysis::class::NumericClass;

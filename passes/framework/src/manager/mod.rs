@@ -1,0 +1,556 @@
+//! The pass manager: runs a pipeline over every function of a module, and
+//! everything around the passes.
+//!
+//! Invariants: levels and properties are checked for the whole pipeline
+//! before the first pass runs; after each pass the verifier has accepted the
+//! function (unless switched off); what the instruments print never goes to
+//! the standard output, which belongs to the result.
+
+mod bisect;
+mod given;
+mod instrument;
+mod measure;
+mod plan;
+mod walk;
+
+pub use bisect::{Executed, LIMIT, Limit};
+pub use given::check_schedules;
+pub(crate) use instrument::difference;
+pub use instrument::{Dump, DumpState, PassFilter, PrintChanged};
+pub use measure::usage;
+pub use plan::PlanError;
+pub use walk::apply;
+
+use crate::check::{self, Promise, Verdict};
+use crate::instances::Instances;
+use crate::pass::{Artifact, Context, PassError, PassInfo};
+use crate::pipeline::{PassStep, Pipeline};
+use crate::registry::Registry;
+use crate::rewrites::Rewrites;
+use crate::scene::Scene;
+use crate::trail::{self, Follower, Notes, Trail};
+use instrument::Instruments;
+use measure::Meter;
+use robovec_analysis::class::NumericClass;
+use robovec_analysis::rounding::{Rounding, rounding, usual_states};
+use robovec_ir::states::States;
+use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
+use robovec_rules::RuleSet;
+use std::any::Any;
+use std::borrow::Cow;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use walk::Walk;
+
+/// Told before each pass: its ordinal, the number of all, its name.
+pub type Progress<'a> = dyn FnMut(usize, usize, &str) + 'a;
+
+/// How a pipeline is run.
+pub struct Config<'a> {
+    /// The machine compiled for.
+    pub machine: &'a Machine,
+    /// The rules that rewriting may use; those that ship when `None`.
+    pub rules: Option<&'a RuleSet>,
+    /// Run the verifier after every pass.
+    pub verify_each: bool,
+    /// Compare the function before and after every pass at this many points.
+    pub check_each: Option<u32>,
+    /// Measure the rounding errors in binary32 before and after every pass, over
+    /// so many states; [`usual_states`] of the function as it was read for
+    /// `Some(0)`.
+    pub rounding: Option<u32>,
+    /// Where random states come from; their seed is also that of the points
+    /// of the prime field.
+    pub states: States,
+    /// What the functions are needed for. States should be its own
+    /// ([`Scene::states`]).
+    pub scene: Option<&'a Scene>,
+    /// Print the function before these passes.
+    pub print_before: PassFilter,
+    /// Print the function after these passes.
+    pub print_after: PassFilter,
+    /// Print the function after passes that changed it.
+    pub print_changed: Option<PrintChanged>,
+    /// Receives every state of every function.
+    pub dump: Option<&'a mut dyn Dump>,
+    /// Keep with every value the passes and rules that made it.
+    pub histories: bool,
+    /// Receives every state that a pass changed, for
+    /// [`explain`](crate::trail::explain).
+    pub trail: Option<&'a mut Trail>,
+    /// Receives what is printed, and the remarks of the passes.
+    pub log: &'a mut dyn io::Write,
+    /// Called before each pass of each function.
+    pub progress: Option<&'a mut Progress<'a>>,
+    /// Stop here, and log which passes run.
+    pub limit: Option<Limit>,
+    /// Receives every pass that is started.
+    pub executed: Option<&'a mut Vec<Executed>>,
+}
+
+impl<'a> Config<'a> {
+    /// The verifier after every pass, and no other instrument.
+    pub fn new(machine: &'a Machine, log: &'a mut dyn io::Write) -> Config<'a> {
+        Config {
+            machine,
+            rules: None,
+            verify_each: true,
+            check_each: None,
+            rounding: None,
+            states: States::new(1),
+            scene: None,
+            print_before: PassFilter::None,
+            print_after: PassFilter::None,
+            print_changed: None,
+            dump: None,
+            histories: false,
+            trail: None,
+            log,
+            progress: None,
+            limit: None,
+            executed: None,
+        }
+    }
+}
+
+/// What one pass did to one function.
+#[derive(Clone, PartialEq, Debug)]
+pub struct PassRecord {
+    /// The function.
+    pub function: String,
+    /// The pass with its options, as in the pipeline.
+    pub name: String,
+    /// Whether the function is another one now.
+    pub changed: bool,
+    /// CPU time in seconds.
+    pub cpu_s: f64,
+    /// Largest memory of the process so far, in megabytes of 10^6 bytes; 0
+    /// where the system does not tell.
+    pub peak_mb: f64,
+    /// Operations after the pass: everything but sines, cosines and copies.
+    pub operations: u64,
+    /// Length of the longest chain after the pass, in cycles.
+    pub asap_cycle: u32,
+    /// What the pass counted.
+    pub statistics: Vec<(&'static str, u64)>,
+    /// The outcome of the semantic check.
+    pub check: Option<Verdict>,
+    /// Rounding errors before and after, when they were asked for.
+    pub rounding: Option<[Arc<Rounding>; 2]>,
+}
+
+/// What a run leaves behind, besides the module.
+#[derive(Default, Debug)]
+pub struct Outcome {
+    /// One record per pass and function, in order.
+    pub records: Vec<PassRecord>,
+    /// Files produced by code generation.
+    pub artifacts: Vec<Artifact>,
+}
+
+/// Why a pipeline stopped.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The pipeline cannot work on this module.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A pass gave up.
+    #[error("{pass}, function '{function}': {error}")]
+    Pass {
+        /// The pass, as in the pipeline.
+        pass: String,
+        /// The function.
+        function: String,
+        /// Its reason.
+        error: PassError,
+    },
+    /// A pass panicked: a mistake in the pass.
+    #[error(
+        "{pass}, function '{function}': the pass panicked; this is a mistake in the pass\n{message}"
+    )]
+    Panic {
+        /// The pass, as in the pipeline.
+        pass: String,
+        /// The function.
+        function: String,
+        /// What it panicked with.
+        message: String,
+    },
+    /// The verifier refuses what the pipeline was given: nothing a pass did.
+    #[error(
+        "function '{function}' is wrong as it was read, before any pass\n{}",
+        violations.join("\n")
+    )]
+    Given {
+        /// The function.
+        function: String,
+        /// What the verifier says.
+        violations: Vec<String>,
+        /// What the user can do.
+        help: String,
+    },
+    /// The verifier refuses what a pass made: a mistake in the pass.
+    #[error(
+        "{pass}, function '{function}': the result is not well formed; this is a mistake in the pass\n{}",
+        violations.join("\n")
+    )]
+    Verify {
+        /// The pass, as in the pipeline.
+        pass: String,
+        /// The function.
+        function: String,
+        /// What the verifier says.
+        violations: Vec<String>,
+    },
+    /// The semantic check refuses what a pass made: a mistake in the pass.
+    #[error(
+        "{pass}, function '{function}': the pass changed the function; this is a mistake in the pass\n{reason}"
+    )]
+    Check {
+        /// The pass, as in the pipeline.
+        pass: String,
+        /// The function.
+        function: String,
+        /// What differs.
+        reason: String,
+    },
+    /// A dump or log could not be written.
+    #[error("cannot write: {0}")]
+    Io(#[from] io::Error),
+}
+
+/// Runs a pipeline over every function of a module.
+///
+/// # Errors
+///
+/// See [`RunError`]; the module is then left half way and must not be used.
+pub fn run(
+    module: &mut Module,
+    pipeline: &Pipeline,
+    config: Config<'_>,
+) -> Result<Outcome, RunError> {
+    plan::check(module, pipeline)?;
+    given::check(module, pipeline, config.machine)?;
+    let rules = config.rules.map(Cow::Borrowed);
+    let mut run = Run {
+        registry: pipeline.registry,
+        rules: rules.unwrap_or_else(|| Cow::Owned(RuleSet::built_in())),
+        instruments: Instruments::new(config),
+        outcome: Outcome::default(),
+        ordinal: 0,
+        index: 0,
+        fingerprint: 0,
+        rounding: None,
+        total: pipeline.passes().count() * module.functions.len(),
+    };
+    let tables = &mut module.tables;
+    for (index, function) in module.functions.iter_mut().enumerate() {
+        run.index = index;
+        if run.instruments.config.histories {
+            trail::begin(function);
+        }
+        run.instruments.start(tables, function)?;
+        run.fingerprint = measure::fingerprint(function);
+        run.rounding = run.instruments.config.rounding.map(|states| {
+            let states = match states {
+                0 => usual_states(function.nodes().len()),
+                states => states,
+            };
+            let view = View { tables, function };
+            let measured = rounding(view, &run.instruments.config.states, states);
+            (measure::computation(function), Arc::new(measured))
+        });
+        run.steps(pipeline, tables, function)?;
+    }
+    Ok(run.outcome)
+}
+
+/// What is claimed of what a pass did.
+struct Claim {
+    class: NumericClass,
+    /// Of a pass that makes several instances of a function.
+    instances: Option<Instances>,
+    /// Of an approximating pass.
+    promise: Option<Promise>,
+}
+
+struct Run<'a> {
+    registry: &'static Registry,
+    rules: Cow<'a, RuleSet>,
+    instruments: Instruments<'a>,
+    outcome: Outcome,
+    ordinal: usize,
+    total: usize,
+    /// Of the function.
+    index: usize,
+    /// That of the function as it is now.
+    fingerprint: u64,
+    /// Its rounding errors, with the fingerprint of what it computes.
+    rounding: Option<(u64, Arc<Rounding>)>,
+}
+
+impl Run<'_> {
+    fn steps(
+        &mut self,
+        pipeline: &Pipeline,
+        tables: &mut Tables,
+        function: &mut Function,
+    ) -> Result<(), RunError> {
+        let mut walk = Walk::new(pipeline);
+        while let Some(step) = walk.next(self.fingerprint) {
+            self.pass(step, tables, function)?;
+        }
+        Ok(())
+    }
+
+    fn pass(
+        &mut self,
+        step: &PassStep,
+        tables: &mut Tables,
+        function: &mut Function,
+    ) -> Result<(), RunError> {
+        self.ordinal += 1;
+        let name = step.to_string();
+        let Some(limit) = self.limit(&name, function)? else {
+            return Ok(());
+        };
+        if let Some(progress) = &mut self.instruments.config.progress {
+            progress(self.ordinal, self.total.max(self.ordinal), &name);
+        }
+        // The pipeline was read, so the options are known to be right.
+        let pass = (step.info.build)(&step.options).map_err(|error| RunError::Pass {
+            pass: name.clone(),
+            function: function.name.clone(),
+            error: PassError::new(error.to_string()),
+        })?;
+        self.instruments.before(step, tables, function)?;
+        let before = self.instruments.keeps_before().then(|| function.clone());
+        let fingerprint = self.fingerprint;
+        let meter = Meter::start();
+        let mut record = PassRecord {
+            function: function.name.clone(),
+            name: name.clone(),
+            changed: false,
+            cpu_s: 0.0,
+            peak_mb: 0.0,
+            operations: 0,
+            asap_cycle: 0,
+            statistics: Vec::new(),
+            check: None,
+            rounding: None,
+        };
+        let mut remarks = Vec::new();
+        let follower = Follower::start(function);
+        let mut notes = match follower.is_some() || self.instruments.config.trail.is_some() {
+            true => Notes::wanted(),
+            false => Notes::unwanted(),
+        };
+        let rewrites = Rewrites::new(limit);
+        let (mut witness, mut promise) = (None, None);
+        let mut context = Context {
+            tables,
+            machine: self.instruments.config.machine,
+            registry: self.registry,
+            rules: &self.rules,
+            scene: self.instruments.config.scene,
+            witness: &mut witness,
+            promise: &mut promise,
+            artifacts: &mut self.outcome.artifacts,
+            statistics: &mut record.statistics,
+            remarks: &mut remarks,
+            notes: &mut notes,
+            rewrites: &rewrites,
+        };
+        let formats = function.formats.is_some();
+        // What a panic leaves half done is not looked at again.
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            pass.run(function, &mut context)?;
+            measure::check_formats(formats, function)
+        }));
+        if let Some(executed) = &mut self.instruments.config.executed {
+            executed.push(Executed {
+                function: self.index,
+                step: step.clone(),
+                rewrites: rewrites.asked(),
+                last: rewrites.last(),
+            });
+        }
+        match result {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => {
+                return Err(RunError::Pass {
+                    pass: name,
+                    function: function.name.clone(),
+                    error,
+                });
+            }
+            Err(panic) => {
+                return Err(RunError::Panic {
+                    pass: name,
+                    function: function.name.clone(),
+                    message: panic_message(panic.as_ref()),
+                });
+            }
+        }
+        measure::forget_stale_properties(step.info, function);
+        (record.cpu_s, record.peak_mb) = meter.stop();
+        if let Some(follower) = follower {
+            follower.finish(tables, function, &name, &notes);
+        }
+        self.fingerprint = measure::fingerprint(function);
+        record.changed = self.fingerprint != fingerprint;
+        for remark in remarks {
+            writeln!(
+                self.instruments.config.log,
+                "remark: {}: {name}: {remark}",
+                function.name
+            )?;
+        }
+        self.verify(step.info, &name, tables, function)?;
+        // Only what the verifier has accepted can be measured.
+        (record.operations, record.asap_cycle) =
+            measure::size(function, self.instruments.config.machine);
+        if let (Some(points), Some(before)) = (self.instruments.config.check_each, &before) {
+            let class = pass.class(step.info.class);
+            let versions = [before, witness.as_ref().unwrap_or(function), function];
+            let instances = pass.instances();
+            let claim = Claim {
+                class,
+                instances,
+                promise,
+            };
+            record.check = Some(self.check(&claim, &name, points, tables, versions)?);
+        }
+        record.rounding = self.measure_rounding(tables, function);
+        self.instruments
+            .after(step, tables, before.as_ref(), function, &record)?;
+        if let (Some(trail), Some(before), true) =
+            (&mut self.instruments.config.trail, before, record.changed)
+        {
+            trail.add(before, &name, notes);
+        }
+        self.outcome.records.push(record);
+        Ok(())
+    }
+
+    /// The rounding errors before and after the pass that just ran. A pass
+    /// that computes the same, as placement does, is not measured again.
+    fn measure_rounding(
+        &mut self,
+        tables: &Tables,
+        function: &Function,
+    ) -> Option<[Arc<Rounding>; 2]> {
+        let (old, before) = self.rounding.take()?;
+        let new = measure::computation(function);
+        let after = if new == old {
+            before.clone()
+        } else {
+            let view = View { tables, function };
+            Arc::new(rounding(
+                view,
+                &self.instruments.config.states,
+                before.states,
+            ))
+        };
+        self.rounding = Some((new, after.clone()));
+        Some([before, after])
+    }
+
+    /// How many rewrites the next pass may do; `None` when it is beyond the
+    /// limit.
+    fn limit(&mut self, name: &str, function: &Function) -> io::Result<Option<Option<u64>>> {
+        let config = &mut self.instruments.config;
+        let limit = Limit::of(config.limit, self.ordinal as u64);
+        if config.limit.is_some() {
+            let verb = if limit.is_some() {
+                "running"
+            } else {
+                "NOT running"
+            };
+            writeln!(
+                config.log,
+                "BISECT: {verb} pass ({}) {name} on {}",
+                self.ordinal, function.name
+            )?;
+        }
+        Ok(limit)
+    }
+
+    fn verify(
+        &self,
+        info: &PassInfo,
+        name: &str,
+        tables: &Tables,
+        function: &Function,
+    ) -> Result<(), RunError> {
+        if !self.instruments.config.verify_each {
+            return Ok(());
+        }
+        let view = View { tables, function };
+        let found = match function.level {
+            Level::Placed => verify::verify_placement(view, self.instruments.config.machine),
+            Level::Equations | Level::Atomic | Level::Scheduled => verify::verify(view),
+        };
+        let mut violations: Vec<String> = found
+            .into_iter()
+            .map(|violation| violation.message)
+            .collect();
+        if let crate::pass::Gives::Level(level) = info.gives
+            && function.level != level
+        {
+            violations.push(format!("the level is {}, not {level}", function.level));
+        }
+        if violations.is_empty() {
+            return Ok(());
+        }
+        Err(RunError::Verify {
+            pass: name.to_owned(),
+            function: function.name.clone(),
+            violations,
+        })
+    }
+
+    fn check(
+        &self,
+        claim: &Claim,
+        name: &str,
+        points: u32,
+        tables: &Tables,
+        versions: [&Function; 3],
+    ) -> Result<Verdict, RunError> {
+        let [before, witness, after] = versions.map(|function| View { tables, function });
+        let config = &self.instruments.config;
+        let class = claim.class;
+        let verdict = if let Some(instances) = &claim.instances {
+            let states = &config.states;
+            check::check_instances(before, after, instances, class, states, points)
+        } else if std::ptr::eq(witness.function, after.function) {
+            let claim = (class, claim.promise.as_ref());
+            check::check_promise(before, after, claim, &config.states, points)
+        } else {
+            let subject = check::Specialised {
+                before,
+                witness,
+                after,
+                scene: config.scene,
+            };
+            check::check_specialised(subject, class, &config.states, points)
+        };
+        if verdict.holds() {
+            return Ok(verdict);
+        }
+        Err(RunError::Check {
+            pass: name.to_owned(),
+            function: after.function.name.clone(),
+            reason: verdict.to_string(),
+        })
+    }
+}
+
+/// What a panic says of itself.
+fn panic_message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    text.unwrap_or("without a message").to_owned()
+}

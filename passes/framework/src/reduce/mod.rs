@@ -1,0 +1,207 @@
+//! From a pipeline that goes wrong to the smallest program and the single
+//! rewrite that show it.
+//!
+//! Three steps, each of which only narrows what the one before has found: the
+//! first pass whose result is refused (by itself, by a panic, by the verifier
+//! or by the semantic check); the smallest program on which that pass goes
+//! wrong in the same way; in it, the one rewrite without which it does not.
+//!
+//! Invariants: nothing is believed, every step is run again on what it found;
+//! the work is bounded by a number of values run through passes, so that the
+//! same input gives the same bytes on a slow machine and on a fast one.
+
+mod edit;
+mod locate;
+mod shrink;
+mod trial;
+mod witness;
+
+pub use locate::Rewrite;
+pub use shrink::Effort;
+pub use trial::{Problem, ProblemKind, Setting};
+pub use witness::Witness;
+
+use crate::manager::difference;
+use crate::pipeline::Pipeline;
+use robovec_ir::{Module, View, print};
+use std::fmt;
+use trial::Case;
+
+/// The work allowed when nobody says: values run through passes.
+pub const WORK: u64 = 4_000_000;
+
+/// The smallest program found, and what goes wrong on it.
+#[derive(Clone, Debug)]
+pub struct Reduction {
+    /// The function that goes wrong.
+    pub function: String,
+    /// Which pass of the whole run it is, counted over all functions from 1.
+    pub ordinal: u64,
+    /// What goes wrong on the program as it was.
+    pub problem: Problem,
+    /// The rewrite that breaks the program as it was.
+    pub rewrite: Option<Rewrite>,
+    /// Values of the function before the pass.
+    pub size_before: usize,
+    /// The small program.
+    pub program: Module,
+    /// The passes that show the problem on it; the last one goes wrong.
+    pub pipeline: Pipeline,
+    /// What goes wrong on the small program.
+    pub small_problem: Problem,
+    /// The rewrite that breaks the small program.
+    pub small_rewrite: Option<Rewrite>,
+    /// What that rewrite (or, when the pass does not count them, the whole
+    /// pass) does to the text of the small program.
+    pub difference: Option<String>,
+    /// Whole numbers that show the difference, where there are such.
+    pub witness: Option<Witness>,
+    /// How much was tried.
+    pub effort: Effort,
+}
+
+/// The first pass that goes wrong, on the function as it was before it.
+#[derive(Clone, Debug)]
+pub struct Broken {
+    /// What goes wrong.
+    pub problem: Problem,
+    /// The function that goes wrong, alone.
+    pub program: Module,
+    /// The passes that show the problem on it; the last one goes wrong.
+    pub pipeline: Pipeline,
+}
+
+/// Finds the first pass that goes wrong when a pipeline runs on a module;
+/// `None` when every pass does what its numeric class promises.
+pub fn broken_pass(module: &Module, pipeline: &Pipeline, setting: Setting<'_>) -> Option<Broken> {
+    let located = locate::first_broken_pass(module, pipeline, setting)?;
+    Some(Broken {
+        problem: located.problem,
+        program: located.case.module(),
+        pipeline: located.case.pipeline(),
+    })
+}
+
+/// Reduces the first thing that goes wrong when a pipeline runs on a module;
+/// `None` when every pass does what its numeric class promises.
+///
+/// `work` bounds the effort; see [`WORK`].
+pub fn reduce(
+    module: &Module,
+    pipeline: &Pipeline,
+    setting: Setting<'_>,
+    work: u64,
+) -> Option<Reduction> {
+    let located = locate::first_broken_pass(module, pipeline, setting)?;
+    let problem = located.problem;
+    let mut case = located.case;
+    let rewrite = locate::single_rewrite(&case, &problem, setting);
+    let size_before = case.function.nodes().len();
+    let effort = shrink::shrink(&mut case, &problem, setting, work);
+    // The small program shows a like problem, by construction; a pass that
+    // is not deterministic may not.
+    let small_problem = case.run(setting, None, true).problem?;
+    let small_rewrite = locate::single_rewrite(&case, &problem, setting);
+    let (difference, witness) = effect(&case, &small_problem, small_rewrite.as_ref(), setting);
+    Some(Reduction {
+        function: case.function.name.clone(),
+        ordinal: located.ordinal,
+        rewrite,
+        size_before,
+        program: case.module(),
+        pipeline: case.pipeline(),
+        small_problem,
+        small_rewrite,
+        difference,
+        witness,
+        effort,
+        problem,
+    })
+}
+
+/// What the broken rewrite does to the text, and numbers that show it; only
+/// where there is a well-formed result to look at.
+fn effect(
+    case: &Case,
+    problem: &Problem,
+    rewrite: Option<&Rewrite>,
+    setting: Setting<'_>,
+) -> (Option<String>, Option<Witness>) {
+    if problem.kind != ProblemKind::Changed {
+        return (None, None);
+    }
+    let after = |rewrites: Option<u64>| case.run(setting, rewrites, false).module;
+    let new = after(rewrite.map(|rewrite| rewrite.number));
+    let old = match rewrite {
+        Some(rewrite) => after(Some(rewrite.number - 1)),
+        None => case.module(),
+    };
+    let (Some(function), Some(before)) = (new.functions.first(), old.functions.first()) else {
+        return (None, None);
+    };
+    let text = |module: &Module, function| {
+        print::print_function(View {
+            tables: &module.tables,
+            function,
+        })
+    };
+    let lines = difference(&text(&old, before), &text(&new, function));
+    let witness = witness::find(&new.tables, &case.function, function);
+    (Some(lines), witness)
+}
+
+impl fmt::Display for Rewrite {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "rewrite {} of {}", self.number, self.of)?;
+        if !self.name.is_empty() {
+            write!(formatter, ", of {}", self.name)?;
+        }
+        write!(formatter, ", by: {}", self.rule)
+    }
+}
+
+impl fmt::Display for Reduction {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let pass = self.pipeline.passes().last().map(ToString::to_string);
+        let pass = pass.unwrap_or_default();
+        writeln!(
+            formatter,
+            "pass {} of the run, {pass}, goes wrong on function '{}' of {} values",
+            self.ordinal, self.function, self.size_before
+        )?;
+        match &self.rewrite {
+            Some(rewrite) => writeln!(formatter, "  {rewrite}")?,
+            None => writeln!(
+                formatter,
+                "  no single rewrite: the pass goes wrong before it asks for one, or asks for none"
+            )?,
+        }
+        let values: usize = self.program.functions.iter().map(|f| f.nodes().len()).sum();
+        let exhausted = match self.effort.exhausted {
+            true => "; the work allowed was used up, a smaller one may exist",
+            false => "",
+        };
+        writeln!(
+            formatter,
+            "smallest program found: {values} values, after {} trials{exhausted}",
+            self.effort.trials
+        )?;
+        formatter.write_str(&self.small_summary())
+    }
+}
+
+impl Reduction {
+    /// What goes wrong on the small program, line by line: the problem,
+    /// numbers that show it, the rewrite and what it does.
+    pub fn small_summary(&self) -> String {
+        let mut lines = vec![self.small_problem.message.clone()];
+        lines.extend(self.witness.as_ref().map(ToString::to_string));
+        lines.extend(self.small_rewrite.as_ref().map(ToString::to_string));
+        if let Some(difference) = &self.difference {
+            lines.push("which does this:".to_owned());
+            lines.push(difference.trim_end().to_owned());
+        }
+        lines.push(String::new());
+        lines.join("\n")
+    }
+}

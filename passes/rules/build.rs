@@ -1,0 +1,8 @@
+//! Generates the parser of rules from its grammar.
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    lalrpop::Configuration::new()
+        .emit_rerun_directives(true)
+        .use_cargo_dir_conventions()
+        .process_dir("src")
+}

@@ -1,0 +1,210 @@
+//! Finding new rules.
+//!
+//! Terms are enumerated and told apart by their values in the prime field
+//! (the characteristic vectors of Ruler, with a field that decides instead of
+//! samples that suggest); what has equal values and is not the same up to
+//! order and grouping is a candidate. A candidate that the known rules derive
+//! within a budget is dropped, the smallest ones first, so that those that
+//! are left derive the others. They are ranked by what they would gain on the
+//! critical paths of functions.
+
+mod enumerate;
+mod normal;
+mod rank;
+#[cfg(test)]
+mod tests;
+
+pub use enumerate::Space;
+pub use rank::Gain;
+
+use super::RuleSet;
+use super::check::{self, Finding};
+use super::graph::{Budget, Term, grow, rewrites, term};
+use super::pattern::Pattern;
+use super::rule::{Rule, RulePlaces};
+use egg::Rewrite;
+use enumerate::{Candidate, enumerate};
+use hashbrown::HashSet;
+use rank::Timed;
+use robovec_analysis::class::NumericClass;
+use robovec_analysis::critical_path::Weights;
+use robovec_ir::{Function, Machine};
+
+/// What a derivation may cost.
+const DERIVATION: Budget = Budget {
+    nodes: 300,
+    iterations: 3,
+};
+
+/// Candidates examined at most, the smallest ones.
+const MOST_CANDIDATES: usize = 4_000;
+
+/// Random trials in floating point to find the class of a rule.
+const TRIALS: usize = 2_000;
+
+/// A rule that was found.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Found {
+    /// The rule, in the direction that gains more.
+    pub rule: Rule,
+    /// What it gains.
+    pub gain: Gain,
+}
+
+/// The outcome of a search.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Search {
+    /// Terms tried.
+    pub tried: usize,
+    /// Terms of different value among them.
+    pub different: usize,
+    /// True when all terms of the space were tried and all candidates
+    /// examined.
+    pub complete: bool,
+    /// Candidates that differ by more than order, grouping and names.
+    pub candidates: usize,
+    /// Candidates that the known rules derive.
+    pub derived: usize,
+    /// The rules that are left, by gain.
+    pub found: Vec<Found>,
+}
+
+/// Searches a space of terms for rules that `known` does not derive, and
+/// ranks them by their gain on functions at the atomic level. `progress` is
+/// told of candidates done and of all.
+pub fn find(
+    space: &Space,
+    known: &RuleSet,
+    functions: &[&Function],
+    machine: &Machine,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Search {
+    let enumeration = enumerate(space);
+    let mut candidates = distinct(enumeration.candidates, space);
+    let complete = enumeration.complete && candidates.len() <= MOST_CANDIDATES;
+    candidates.truncate(MOST_CANDIDATES);
+    let weights = Weights::cycles(machine);
+    let timed: Vec<Timed<'_>> = functions
+        .iter()
+        .map(|function| Timed::new(function, &weights))
+        .collect();
+    // A rule with a condition does not hold of every value.
+    let free = known.rules.iter().filter(|rule| rule.conditions.is_empty());
+    let mut rewrites: Vec<Rewrite<Term, ()>> = free.flat_map(rewrites).collect();
+    let (mut found, mut derived) = (Vec::new(), 0);
+    let count = candidates.len();
+    for (index, candidate) in candidates.into_iter().enumerate() {
+        progress(index, count);
+        if derives(&rewrites, &candidate) {
+            derived += 1;
+            continue;
+        }
+        let Some(rule) = rule(&candidate, found.len() + 1, space) else {
+            continue;
+        };
+        rewrites.extend(self::rewrites(&rule));
+        found.push(best(rule, &timed, machine));
+    }
+    // Of equal gains the smaller rule, which was found first.
+    found.sort_by_key(|found| std::cmp::Reverse(found.gain));
+    for (index, found) in found.iter_mut().enumerate() {
+        found.rule.name = format!("found-{}", index + 1);
+    }
+    Search {
+        tried: enumeration.tried,
+        different: enumeration.different,
+        complete,
+        candidates: count,
+        derived,
+        found,
+    }
+}
+
+/// One candidate of those that differ by order, grouping and names only, and
+/// none whose sides do; small ones first.
+fn distinct(candidates: Vec<Candidate>, space: &Space) -> Vec<Candidate> {
+    let same: Vec<u32> = (0..=space.variables).collect();
+    let mut names = HashSet::new();
+    let mut distinct: Vec<Candidate> = candidates
+        .into_iter()
+        .filter(|candidate| {
+            let (left, right) = (&candidate.left, &candidate.right);
+            normal::normal(left, &same) != normal::normal(right, &same)
+                && names.insert(normal::name(
+                    left,
+                    right,
+                    space.variables,
+                    space.trigonometric,
+                ))
+        })
+        .collect();
+    // The order of equally large ones is that of the enumeration.
+    distinct.sort_by_key(|candidate| candidate.left.nodes.len() + candidate.right.nodes.len());
+    distinct
+}
+
+/// Whether known rules make the sides equal.
+fn derives(rewrites: &[Rewrite<Term, ()>], candidate: &Candidate) -> bool {
+    let terms = [term(&candidate.left), term(&candidate.right)];
+    let grown = grow(&terms, rewrites, DERIVATION);
+    let [left, right] = grown.roots[..] else {
+        return false;
+    };
+    grown.graph.find(left) == grown.graph.find(right)
+}
+
+/// A candidate as a rule, if it is sound: it always is but for an accident of
+/// the field.
+fn rule(candidate: &Candidate, number: usize, space: &Space) -> Option<Rule> {
+    let names = (0..space.variables).map(|index| {
+        // Letters are enough for the number of variables that can be tried.
+        char::from(b'a' + (index % 20) as u8).to_string()
+    });
+    let variables: Vec<String> = names.chain(["t".to_owned()]).collect();
+    let (mut left, mut right) = (candidate.left.clone(), candidate.right.clone());
+    let bound = |from: &Pattern, to: &Pattern| {
+        let known = from.variables();
+        to.variables()
+            .iter()
+            .all(|variable| known.contains(variable))
+    };
+    if left.is_variable() || !bound(&left, &right) {
+        std::mem::swap(&mut left, &mut right);
+    }
+    if left.is_variable() || !bound(&left, &right) {
+        return None;
+    }
+    let both_ways = !right.is_variable() && bound(&right, &left);
+    let mut rule = Rule {
+        name: format!("found-{number}"),
+        group: "found".to_owned(),
+        variables,
+        left,
+        right,
+        both_ways,
+        conditions: Vec::new(),
+        class: NumericClass::RealTrig,
+        reason: String::new(),
+        places: RulePlaces::default(),
+    };
+    let finding: Finding = check::check(&rule, TRIALS);
+    rule.class = finding.class;
+    finding.is_sound().then_some(rule)
+}
+
+/// The direction of a rule that gains more.
+fn best(rule: Rule, functions: &[Timed<'_>], machine: &Machine) -> Found {
+    let directed = rule.directed().into_iter();
+    let gains = directed.map(|rule| Found {
+        gain: rank::gain(&rule, functions, machine),
+        rule,
+    });
+    // Of equal ones the first direction, towards the smaller term.
+    let key = |found: &Found| (found.gain.cycles, found.gain.operations);
+    let better = |one: &Found, other: &Found| key(one) > key(other);
+    let best = gains.reduce(|best, other| if better(&other, &best) { other } else { best });
+    best.unwrap_or(Found {
+        rule,
+        gain: Gain::default(),
+    })
+}

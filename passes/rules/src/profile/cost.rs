@@ -1,0 +1,91 @@
+//! What a rule does to operations and to the path.
+
+use super::super::pattern::{Pattern, PatternNode};
+use super::super::rule::Rule;
+use hashbrown::HashMap;
+use robovec_analysis::critical_path::Weights;
+use robovec_ir::{Machine, Operation};
+
+/// Changes from the left side to the right side; negative is better.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct Change {
+    /// Operations, equal ones counted once; sines, cosines and copies do not
+    /// count.
+    pub operations: i64,
+    /// Cycles from the moment when all variables are there.
+    pub cycles: i64,
+    /// Cycles when this variable comes last, later than all others need: the
+    /// variable with the greatest gain.
+    pub late: Option<(String, i64)>,
+}
+
+pub(super) fn change(rule: &Rule, machine: &Machine) -> Change {
+    let weights = Weights::cycles(machine);
+    let all = |_: u32| Some(0);
+    let path = |side: &Pattern, arrival: &dyn Fn(u32) -> Option<i64>| {
+        arrival_of(side, &weights, arrival).unwrap_or(0)
+    };
+    let late = rule.left.variables().into_iter().map(|variable| {
+        let only = |other: u32| (other == variable).then_some(0);
+        let gain = path(&rule.right, &only) - path(&rule.left, &only);
+        (rule.variables[variable as usize].clone(), gain)
+    });
+    Change {
+        operations: operations(&rule.right) - operations(&rule.left),
+        cycles: path(&rule.right, &all) - path(&rule.left, &all),
+        // Of equals the first.
+        late: late.min_by_key(|(_, gain)| *gain),
+    }
+}
+
+/// When the value of a pattern is available, if its variables are at these
+/// times; `None` stands for long before all others.
+pub(crate) fn arrival_of(
+    pattern: &Pattern,
+    weights: &Weights,
+    arrival: &dyn Fn(u32) -> Option<i64>,
+) -> Option<i64> {
+    let mut times: Vec<Option<i64>> = Vec::with_capacity(pattern.nodes.len());
+    for node in &pattern.nodes {
+        let time = match *node {
+            PatternNode::Variable(variable) => arrival(variable),
+            PatternNode::Number(_) => None,
+            PatternNode::Operation(operation, [a, b]) => times[a as usize]
+                .max(times[b as usize])
+                .map(|ready| ready + i64::from(weights.of(operation))),
+        };
+        times.push(time);
+    }
+    times.pop().flatten()
+}
+
+/// How many different operations a pattern has.
+pub(crate) fn operations(pattern: &Pattern) -> i64 {
+    let mut known: HashMap<(u8, u64, [u32; 2]), u32> = HashMap::new();
+    let mut class: Vec<u32> = Vec::with_capacity(pattern.nodes.len());
+    let mut count = 0;
+    for node in &pattern.nodes {
+        let key = match *node {
+            PatternNode::Variable(variable) => (0, u64::from(variable), [0; 2]),
+            PatternNode::Number(number) => (1, number.to_bits(), [0; 2]),
+            PatternNode::Operation(operation, operands) => {
+                let mut operands = operands.map(|operand| class[operand as usize]);
+                if operation.is_commutative() {
+                    operands.sort_unstable();
+                }
+                (2, operation as u64, operands)
+            }
+        };
+        let next = known.len() as u32;
+        let is_new = !known.contains_key(&key);
+        class.push(*known.entry(key).or_insert(next));
+        let counts = match node {
+            PatternNode::Operation(operation, _) => {
+                !operation.is_trigonometric() && *operation != Operation::Copy
+            }
+            PatternNode::Variable(_) | PatternNode::Number(_) => false,
+        };
+        count += i64::from(is_new && counts);
+    }
+    count
+}

@@ -1,0 +1,121 @@
+//! One rule of rewriting.
+
+use super::pattern::Pattern;
+use robovec_analysis::class::NumericClass;
+use std::ops::Range;
+
+/// What must hold of a value that a variable stands for.
+///
+/// A pass may use the rule only where it *knows* that the condition holds:
+/// of a number in the equations it does, of a state it does not.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Requirement {
+    /// `constant(a)`: a number written in the equations.
+    Constant,
+    /// `nonzero(a)`: not zero.
+    Nonzero,
+    /// `positive(a)`: above zero.
+    Positive,
+}
+
+impl Requirement {
+    /// All requirements.
+    pub const ALL: [Requirement; 3] = [
+        Requirement::Constant,
+        Requirement::Nonzero,
+        Requirement::Positive,
+    ];
+
+    /// The word in rule files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Requirement::Constant => "constant",
+            Requirement::Nonzero => "nonzero",
+            Requirement::Positive => "positive",
+        }
+    }
+
+    /// True when a number meets the requirement.
+    pub fn holds_for(self, number: f64) -> bool {
+        match self {
+            Requirement::Constant => true,
+            Requirement::Nonzero => number != 0.0,
+            Requirement::Positive => number > 0.0,
+        }
+    }
+}
+
+/// A condition of a rule: a requirement on one of its variables.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Condition {
+    /// What is required.
+    pub requirement: Requirement,
+    /// Of which variable, by its number.
+    pub variable: u32,
+}
+
+/// Where the parts of a rule stand in its file, in bytes.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct RulePlaces {
+    /// The number of the file in [`RuleSet::files`](super::RuleSet::files).
+    pub file: usize,
+    /// The name.
+    pub name: Range<usize>,
+    /// The left side.
+    pub left: Range<usize>,
+    /// The right side.
+    pub right: Range<usize>,
+    /// The class, or the name when no class is written.
+    pub class: Range<usize>,
+}
+
+/// A rule: what looks like the left side may become the right side.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Rule {
+    /// The name, unique in its set.
+    pub name: String,
+    /// The file it comes from, without folder and ending: `distribution`.
+    pub group: String,
+    /// The names of the variables of both sides, by number.
+    pub variables: Vec<String>,
+    /// What is looked for.
+    pub left: Pattern,
+    /// What may take its place. Its variables occur on the left side.
+    pub right: Pattern,
+    /// True for a rule written with `<=>`: the sides may also be exchanged.
+    pub both_ways: bool,
+    /// All must hold where the rule is used.
+    pub conditions: Vec<Condition>,
+    /// What the rule may do to the numbers, as its author declares it.
+    pub class: NumericClass,
+    /// Why the rule is there, in one line; may be empty.
+    pub reason: String,
+    /// Where it stands.
+    pub places: RulePlaces,
+}
+
+impl Rule {
+    /// The rule and, when it goes both ways, its reverse as a rule of its
+    /// own, named with `.back`. None of them goes both ways.
+    pub fn directed(&self) -> Vec<Rule> {
+        let forward = Rule {
+            both_ways: false,
+            ..self.clone()
+        };
+        if !self.both_ways {
+            return vec![forward];
+        }
+        let mut back = forward.clone();
+        back.name = format!("{}.back", self.name);
+        std::mem::swap(&mut back.left, &mut back.right);
+        std::mem::swap(&mut back.places.left, &mut back.places.right);
+        vec![forward, back]
+    }
+
+    /// What is required of a variable.
+    pub fn requirements(&self, variable: u32) -> impl Iterator<Item = Requirement> + '_ {
+        let here = move |condition: &&Condition| condition.variable == variable;
+        let conditions = self.conditions.iter().filter(here);
+        conditions.map(|condition| condition.requirement)
+    }
+}

@@ -1,0 +1,304 @@
+//! Which element an operation goes to (thesis 2.3 and Table 2.1).
+//!
+//! An element can take an operation when all operands are in its memory or
+//! can still get there: *directly*, through a write port that is free in the
+//! very cycle the operand appeared on the crossbar, or *indirectly*, through
+//! the producer's buffer in a later cycle that is past. Table 2.1 ranks the
+//! nine combinations; direct transfers never need what indirect ones do, so
+//! indirect ones are looked at only when no element does without.
+
+use super::locations::{Locations, PRELOADED};
+use super::ports::{PLANNED, Ports, Word};
+use robovec_framework::option_words;
+
+option_words! {
+    /// How the processing element is chosen among those that can take an
+    /// operation.
+    #[derive(Default)]
+    pub enum Choice {
+        /// The smallest rank of Table 2.1; among equals the shortest stay in
+        /// buffers, the fewest new words of initial data, the fewest live
+        /// words. An operation that needs a buffer waits, while its chain
+        /// has time, for an element that does without.
+        #[default]
+        Preferential = "preferential",
+        /// The naive scheme: the first free element that can.
+        First = "first",
+    }
+}
+
+/// Table 2.1: preference by status of the left (row) and right (column)
+/// operand, each in the order memory, direct, indirect.
+pub(super) const RANKS: [[u8; 3]; 3] = [[1, 2, 5], [3, 4, 7], [6, 8, 9]];
+
+/// What the addend of a fused operation adds to the rank of its factors, by
+/// status. The thesis has no such operation; as in its table an operand in
+/// memory is best, and one through a buffer is worse than anything without.
+pub(super) const ADDEND_RANKS: [u8; 3] = [0, 2, 9];
+
+/// How many cycles after its write-back an operand's indirect write is looked
+/// for, and how many before the issue. Between them lies what is busy anyway;
+/// the limit keeps the search from growing with the length of the program.
+const EARLY_WINDOW: u32 = 96;
+const LATE_WINDOW: u32 = 24;
+
+/// An operand at the moment its reader is to be issued.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Source {
+    /// Which datum.
+    pub(super) datum: u32,
+    /// Its write-back cycle and producer; `None` for initial data.
+    pub(super) result: Option<(u32, usize)>,
+}
+
+/// How an operand gets into (or is in) a memory.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Route {
+    /// It is there, by an earlier transfer: the entry.
+    Held(u32),
+    /// Initial data, to be preloaded there as well.
+    Load,
+    /// A write in the write-back cycle.
+    Direct(u32),
+    /// A write through the producer's buffer in a later cycle.
+    Indirect(u32),
+}
+
+impl Route {
+    /// Row or column of Table 2.1.
+    pub(super) fn status(self) -> usize {
+        match self {
+            Route::Held(_) | Route::Load => 0,
+            Route::Direct(_) => 1,
+            Route::Indirect(_) => 2,
+        }
+    }
+}
+
+/// A transfer that is planned for the other operand of the same operation
+/// and not yet reserved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Planned {
+    source: Source,
+    memory: usize,
+    route: Route,
+    /// The cycle in which the word departs, unless it is there.
+    word: Option<Word>,
+}
+
+impl Planned {
+    pub(super) fn new(ports: &Ports, source: Source, memory: usize, route: Route) -> Planned {
+        Planned {
+            source,
+            memory,
+            route,
+            word: word(ports, source, memory, route),
+        }
+    }
+
+    fn writes(&self, cycle: u32, memory: usize) -> u8 {
+        let at = match self.route {
+            Route::Held(_) | Route::Load => return 0,
+            Route::Direct(at) | Route::Indirect(at) => at,
+        };
+        u8::from(at == cycle && self.memory == memory)
+    }
+
+    fn reads_buffer(&self, cycle: u32, element: usize) -> bool {
+        matches!(self.route, Route::Indirect(_))
+            && self
+                .word
+                .is_some_and(|word| (word.departs, word.from) == (cycle, element))
+    }
+}
+
+/// The word that a route puts on its way.
+pub(super) fn word(ports: &Ports, source: Source, memory: usize, route: Route) -> Option<Word> {
+    let (Route::Direct(at) | Route::Indirect(at)) = route else {
+        return None;
+    };
+    let (_, from) = source.result?;
+    Some(Word {
+        datum: source.datum,
+        from,
+        to: ports.element_of(memory),
+        departs: at - ports.latency(from, memory),
+    })
+}
+
+/// The transfers planned for the other operands; no two of them bring the
+/// same datum to the same memory.
+#[derive(Clone, Copy, Default, Debug)]
+pub(super) struct Others([Option<Planned>; PLANNED]);
+
+impl Others {
+    /// Adds a transfer, unless it is there.
+    pub(super) fn add(&mut self, planned: Planned) {
+        let same = |other: &Planned| {
+            other.source.datum == planned.source.datum && other.memory == planned.memory
+        };
+        if !self.iter().any(same)
+            && let Some(place) = self.0.iter_mut().find(|place| place.is_none())
+        {
+            *place = Some(planned);
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &Planned> {
+        self.0.iter().flatten()
+    }
+
+    /// The words they put on their way.
+    fn words(&self) -> [Option<Word>; PLANNED] {
+        self.0
+            .map(|planned| planned.and_then(|planned| planned.word))
+    }
+
+    /// Words they write into a memory in a cycle.
+    fn writes(&self, cycle: u32, memory: usize) -> u8 {
+        self.iter().map(|other| other.writes(cycle, memory)).sum()
+    }
+
+    /// Words other than this one they read from a buffer in a cycle.
+    fn other_words(&self, datum: u32, cycle: u32, element: usize) -> u8 {
+        self.iter()
+            .filter(|other| other.source.datum != datum && other.reads_buffer(cycle, element))
+            .count() as u8
+    }
+
+    /// True when one of them reads this word from the buffer in the cycle.
+    fn reads_same(&self, datum: u32, cycle: u32, element: usize) -> bool {
+        self.iter()
+            .any(|other| other.source.datum == datum && other.reads_buffer(cycle, element))
+    }
+}
+
+/// Where a datum is wanted, and when.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    /// The memory.
+    pub(super) memory: usize,
+    /// The entry of the datum there, if it has one.
+    pub(super) held: Option<u32>,
+    /// It must be written before this cycle.
+    pub(super) before: u32,
+}
+
+/// The route without buffer, if ports and links allow one.
+pub(super) fn plain_route(
+    ports: &Ports,
+    locations: &Locations,
+    source: Source,
+    wanted: Wanted,
+    others: &Others,
+) -> Option<Route> {
+    let Wanted {
+        memory,
+        held,
+        before,
+    } = wanted;
+    if let Some(entry) = held {
+        let written = locations.entries[entry as usize].written;
+        return (written == PRELOADED || written < before).then_some(Route::Held(entry));
+    }
+    let Some((back, from)) = source.result else {
+        return Some(Route::Load);
+    };
+    let arrives = back + ports.latency(from, memory);
+    if arrives >= before || !ports.can_write(arrives, memory, others.writes(arrives, memory) + 1) {
+        return None;
+    }
+    let route = Route::Direct(arrives);
+    let word = word(ports, source, memory, route)?;
+    let free = ports.can_travel(locations, word, || others.words());
+    free.then_some(route)
+}
+
+/// The earliest indirect write before the cycle of issue; early, because the
+/// word occupies the buffer until then and the latest ports are wanted by the
+/// results that just appear.
+pub(super) fn indirect_route(
+    ports: &Ports,
+    locations: &Locations,
+    source: Source,
+    memory: usize,
+    issue: u32,
+    others: &Others,
+) -> Option<Route> {
+    let (back, producer) = source.result?;
+    if !ports.has_buffer() {
+        return None;
+    }
+    let latency = ports.latency(producer, memory);
+    // A word that departs in this cycle arrives too late.
+    let end = issue.saturating_sub(latency);
+    let early_end = end.min(back + 1 + EARLY_WINDOW);
+    let late_start = early_end.max(end.saturating_sub(LATE_WINDOW));
+    let mut room = Room::new(ports, locations, source, others);
+    for cycle in (back + 1..early_end).chain(late_start..end) {
+        let arrives = cycle + latency;
+        let planned = others.writes(arrives, memory);
+        if !ports.can_write(arrives, memory, planned + 1) {
+            continue;
+        }
+        let taken = others.other_words(source.datum, cycle, producer);
+        let shared = || {
+            others.reads_same(source.datum, cycle, producer)
+                || locations
+                    .of(source.datum)
+                    .any(|(_, entry)| entry.departed == cycle)
+        };
+        if !ports.can_read_buffer(cycle, producer, taken + 1) && !shared() {
+            continue;
+        }
+        let route = Route::Indirect(arrives);
+        let travels = word(ports, source, memory, route)
+            .is_some_and(|word| ports.can_travel(locations, word, || others.words()));
+        if !travels {
+            continue;
+        }
+        return room.reaches(ports, cycle, producer).then_some(route);
+    }
+    None
+}
+
+/// How long the producer's buffer can keep the word.
+struct Room {
+    /// The first cycle not yet known to have room.
+    next: u32,
+    words: u16,
+}
+
+impl Room {
+    fn new(ports: &Ports, locations: &Locations, source: Source, others: &Others) -> Room {
+        let (back, producer) = source.result.unwrap_or((0, 0));
+        let mut next = back;
+        if ports.buffers_are_limited()
+            && let Some(until) = locations.buffered_until(source.datum)
+        {
+            next = until + 1;
+        }
+        let rivals = others.iter().filter(|other| {
+            matches!(other.route, Route::Indirect(_))
+                && other.source.datum != source.datum
+                && other.source.result.is_some_and(|(_, by)| by == producer)
+        });
+        Room {
+            next,
+            words: rivals.count() as u16 + 1,
+        }
+    }
+
+    fn reaches(&mut self, ports: &Ports, cycle: u32, producer: usize) -> bool {
+        if !ports.buffers_are_limited() {
+            return true;
+        }
+        while self.next <= cycle {
+            if !ports.has_room(self.next, producer, self.words) {
+                return false;
+            }
+            self.next += 1;
+        }
+        true
+    }
+}

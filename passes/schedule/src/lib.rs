@@ -1,0 +1,157 @@
+//! Scheduling and placement (thesis 2.3): every operation gets a cycle and a
+//! processing element, every word an address, every transfer a cycle.
+//!
+//! The parts, in the order in which they run:
+//!
+//! - `graph`: dependences, kinds, longest chains before and after each node;
+//! - `bound`: a length no schedule can beat;
+//! - `order`, `list`: priorities, and how short a schedule they give without
+//!   memories;
+//! - `sweep`, with `ready`, `plan`, `choice`, `ports` and `locations`: the
+//!   placement itself, cycle by cycle; `ahead` does without buffers;
+//! - `search`: which orders are tried, and what is kept;
+//! - `homes`: words that keep the outputs to the end;
+//! - `addresses`, `finish`: addresses by lifetime, and the result.
+//!
+//! Everything is linear in the operations, up to the sorting of priorities
+//! and the number of elements an operation chooses from. Node order, names
+//! and sources stay; operands of commutative operations may change sides on
+//! machines with a memory per side.
+
+mod addresses;
+mod ahead;
+mod bound;
+mod choice;
+mod error;
+mod finish;
+mod graph;
+mod homes;
+mod list;
+mod locations;
+mod network;
+mod order;
+mod pass;
+mod plan;
+mod ports;
+mod ready;
+#[cfg(test)]
+mod rules;
+mod search;
+mod statistics;
+mod sweep;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
+
+pub use choice::Choice;
+pub use error::PlaceError;
+pub use order::Priority;
+pub use pass::Place;
+pub use pass::{ElementCounts, explain, with_counts};
+pub use statistics::{KindStatistics, PlacementStatistics, Spread, placement_statistics};
+
+use graph::Graph;
+use order::Order;
+use robovec_ir::{Function, Machine};
+use search::Search;
+use sweep::Task;
+
+/// The most entries the table of write ports may have: one per memory and
+/// cycle, in bytes.
+const LARGEST_TABLE: u64 = 1 << 30;
+
+/// How a function is placed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct PlaceOptions {
+    /// Which operation goes first.
+    pub priority: Priority,
+    /// Which element it goes to.
+    pub choice: Choice,
+}
+
+/// What placement reached.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PlaceSummary {
+    /// Length of the schedule, in cycles.
+    pub cycles: u32,
+    /// No schedule on this machine is shorter.
+    pub lower_bound: u32,
+    /// The order that gave the schedule.
+    pub order: &'static str,
+    /// Orders tried, with or without memories.
+    pub tries: u32,
+}
+
+/// A length that no schedule of a function on a machine can beat, found
+/// without placing it.
+///
+/// # Errors
+///
+/// As [`place`], but for memories.
+pub fn schedule_bound(function: &Function, machine: &Machine) -> Result<u32, PlaceError> {
+    let graph = Graph::new(function, machine)?;
+    Ok(bound::lower_bound(&graph, &Order::fan_out(&graph)))
+}
+
+/// Places a function on a machine.
+///
+/// # Errors
+///
+/// When the machine cannot perform the function (an operation it lacks, an
+/// angle it would have to compute, a memory too small); the function is then
+/// unchanged.
+pub fn place(
+    function: &mut Function,
+    machine: &Machine,
+    options: PlaceOptions,
+) -> Result<PlaceSummary, PlaceError> {
+    let graph = Graph::new(function, machine)?;
+    let memories = ports::Ports::new(machine).width() as u64;
+    if u64::from(graph.path) * memories > LARGEST_TABLE {
+        return Err(PlaceError::TooLong {
+            path: graph.path.into(),
+            limit: LARGEST_TABLE / memories,
+        });
+    }
+    let fan_out = Order::fan_out(&graph);
+    let lower_bound = bound::lower_bound(&graph, &fan_out);
+    let mut search = Search {
+        task: Task {
+            function,
+            graph: &graph,
+            machine,
+            choice: options.choice,
+            target: lower_bound,
+        },
+        best: None,
+        tries: 0,
+    };
+    match options.priority {
+        Priority::Alap => search.sweep("alap", &Order::alap(&graph)),
+        Priority::Mobility => search.sweep("mobility", &Order::mobility(&graph)),
+        Priority::FanOut => search.sweep("fan-out", &fan_out),
+        Priority::Best => search.best(&fan_out),
+    }
+    let tries = search.tries;
+    let Some(best) = search.best else {
+        // Binding ahead works wherever a memory can be written at all.
+        return Err(PlaceError::NoWritePorts {
+            machine: machine.name.clone(),
+        });
+    };
+    let summary = PlaceSummary {
+        cycles: best.draft.cycles,
+        lower_bound,
+        order: best.order,
+        tries,
+    };
+    let settled = finish::Settled {
+        draft: best.draft,
+        homes: best.homes,
+        buffers: best.buffers,
+        lower_bound,
+    };
+    finish::finish(function, graph, machine, settled)?;
+    Ok(summary)
+}

@@ -1,0 +1,99 @@
+//! Priorities: which of the operations that could be issued goes first.
+
+use super::graph::{Graph, HOST};
+use robovec_framework::option_words;
+
+option_words! {
+    /// How list scheduling ranks the operations (thesis 2.2 and 2.3.1).
+    #[derive(Default)]
+    pub enum Priority {
+        /// [`Priority::FanOut`]; where its schedule is longer than the bound
+        /// and the program small enough, also [`Priority::Alap`], orders
+        /// between it and program order, and those that schedules from the
+        /// end backwards suggest: the shortest is kept.
+        #[default]
+        Best = "best",
+        /// The thesis' "classical" order: ALAPCycle, then ASAPCycle.
+        Alap = "alap",
+        /// ALAPCycle, then the operation with more readers.
+        FanOut = "fan-out",
+        /// Least mobility (ALAPCycle minus ASAPCycle), then ALAPCycle.
+        Mobility = "mobility",
+    }
+}
+
+/// The operations of each kind of element, ranked.
+#[derive(Clone, Debug)]
+pub(super) struct Order {
+    /// The rank of each node among those of its kind, from 0; meaningless
+    /// for nodes of the host.
+    pub(super) rank: Vec<u32>,
+    /// For each kind, the nodes in order of rank.
+    pub(super) nodes: Vec<Vec<u32>>,
+}
+
+impl Order {
+    /// Ranks by a key, smallest first; equal keys keep program order.
+    pub(super) fn by_key(graph: &Graph, key: impl Fn(usize) -> u64) -> Order {
+        let mut rank = vec![0; graph.kind.len()];
+        let mut nodes = Vec::with_capacity(graph.kinds.len());
+        for kind in 0..graph.kinds.len() {
+            let mut keyed: Vec<(u64, u32)> = (0..graph.kind.len())
+                .filter(|&node| graph.kind[node] as usize == kind)
+                .map(|node| (key(node), node as u32))
+                .collect();
+            keyed.sort_unstable();
+            for (place, &(_, node)) in keyed.iter().enumerate() {
+                rank[node as usize] = place as u32;
+            }
+            nodes.push(keyed.into_iter().map(|(_, node)| node).collect());
+        }
+        debug_assert!(graph.kinds.len() < HOST as usize);
+        Order { rank, nodes }
+    }
+
+    /// ALAPCycle, then ASAPCycle. Within a kind all weights are equal, so
+    /// the times of issue order like the times of completion.
+    pub(super) fn alap(graph: &Graph) -> Order {
+        Order::by_key(graph, |node| {
+            pair(graph.path - graph.tail[node], graph.head[node])
+        })
+    }
+
+    /// Mobility, then ALAPCycle.
+    pub(super) fn mobility(graph: &Graph) -> Order {
+        Order::by_key(graph, |node| {
+            let latest = graph.path - graph.tail[node];
+            pair(latest - graph.head[node], latest)
+        })
+    }
+
+    /// ALAPCycle, then the number of readers, most first.
+    pub(super) fn fan_out(graph: &Graph) -> Order {
+        Order::by_key(graph, |node| {
+            let readers = graph.users_of(node).len() as u32;
+            pair(graph.path - graph.tail[node], u32::MAX - readers)
+        })
+    }
+}
+
+impl Order {
+    /// ALAPCycle plus `share / 64` of the place in program order, both on the
+    /// scale of the longest chain.
+    ///
+    /// Pure ALAPCycle does all of one stage before the next; where stages
+    /// consist of additions or of products mostly, the other elements idle.
+    /// The program as written goes through the stages of one body after the
+    /// other, so that leaning towards it mixes the kinds.
+    pub(super) fn towards_program(graph: &Graph, share: u64) -> Order {
+        let nodes = graph.kind.len().max(1) as u64;
+        Order::by_key(graph, |node| {
+            let place = node as u64 * u64::from(graph.path) / nodes;
+            u64::from(graph.path - graph.tail[node]) * 64 + place * share
+        })
+    }
+}
+
+fn pair(first: u32, second: u32) -> u64 {
+    u64::from(first) << 32 | u64::from(second)
+}
