@@ -5,7 +5,7 @@
 //! states, of the relative or of the normwise error in binary32, grows by
 //! more than 2 % and by more than 3.5 times the noise of that comparison.
 
-use robovec::accuracy::{Options, Subject, measure};
+use robovec::accuracy::{FunctionAccuracy, Options, measure};
 use robovec::generate::{FunctionKind, Request, generate};
 use robovec::model::mbs::read_mbs;
 use robovec_analysis::rounding::Trend;
@@ -68,11 +68,11 @@ fn arithmetic_part(preset: &str) -> Pipeline {
     pipeline
 }
 
-fn measured(preset: &str) -> Vec<Subject> {
+fn measured(preset: &str) -> Vec<FunctionAccuracy> {
     measured_on(preset, "thesis")
 }
 
-fn measured_on(preset: &str, machine: &str) -> Vec<Subject> {
+fn measured_on(preset: &str, machine: &str) -> Vec<FunctionAccuracy> {
     let machine = Machine::built_in(machine).expect("it ships");
     let pipeline = arithmetic_part(preset);
     let options = Options { states: 0, seed: 1 };

@@ -36,7 +36,7 @@ impl Compiler {
 
 /// A command that makes a part of a program.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Step {
+pub struct BuildStep {
     /// The program.
     pub command: String,
     /// Its arguments.
@@ -47,10 +47,10 @@ pub struct Step {
     pub object: Option<String>,
 }
 
-impl Step {
+impl BuildStep {
     /// A command with arguments separated by blanks.
-    pub fn new(command: &str, arguments: &str) -> Step {
-        Step {
+    pub fn new(command: &str, arguments: &str) -> BuildStep {
+        BuildStep {
             command: command.to_owned(),
             arguments: arguments.split_whitespace().map(str::to_owned).collect(),
             timed: false,
@@ -59,13 +59,13 @@ impl Step {
     }
 
     /// One more argument, blanks and all.
-    pub fn with(mut self, argument: impl Into<String>) -> Step {
+    pub fn with(mut self, argument: impl Into<String>) -> BuildStep {
         self.arguments.push(argument.into());
         self
     }
 
     /// Marks the step that compiles the function into an object file.
-    pub fn function(mut self, object: &str) -> Step {
+    pub fn function(mut self, object: &str) -> BuildStep {
         self.timed = true;
         self.object = Some(object.to_owned());
         self
@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn a_failing_step_tells_what_it_said() {
-        let step = Step::new("sh", "-c").with("echo 'error: no such thing' >&2; exit 3");
+        let step = BuildStep::new("sh", "-c").with("echo 'error: no such thing' >&2; exit 3");
         let message = step.run(Path::new(".")).expect_err("it exits with 3");
         assert!(message.contains("error: no such thing"), "{message}");
     }

@@ -4,7 +4,7 @@ use super::flags::{SEED, states};
 use super::output::result_files;
 use super::output_errors::{self, OutputArguments};
 use super::{Failure, input, output, progress};
-use crate::accuracy::{self, Options, Subject};
+use crate::accuracy::{self, FunctionAccuracy, Options};
 use crate::present::json::json_text;
 use clap::Args;
 use std::path::PathBuf;
@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
         seed: arguments.seed,
     };
     let bar = progress::bar(arguments.files.len(), "{pos}/{len} files, {msg}");
-    let mut subjects: Vec<Subject> = Vec::new();
+    let mut subjects: Vec<FunctionAccuracy> = Vec::new();
     let mut text = String::new();
     for path in &arguments.files {
         let function = arguments.function.as_deref();

@@ -2,8 +2,8 @@
 
 use super::flags::{SEED, states, whole};
 use super::{Failure, generation, input, output, progress, subjects};
-use crate::bench::contestant::{Contestant, Family};
-use crate::bench::{self, Compiler, Question, own, peers, robotran, text};
+use crate::bench::contestant::{Contestant, ContestantFamily};
+use crate::bench::{self, BenchQuestion, Compiler, own, peers, robotran, text};
 use crate::files::TemporaryFolder;
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::model::Model;
@@ -65,7 +65,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, Failure> {
         let loaded = load(subject, arguments)?;
         let view = loaded.view();
         let states = States::new(arguments.seed);
-        let question = Question {
+        let question = BenchQuestion {
             name: loaded.name.clone(),
             view,
             model: loaded.model.as_ref(),
@@ -146,7 +146,7 @@ fn load(subject: &str, arguments: &BenchArguments) -> Result<Loaded, Failure> {
 
 /// Everybody who takes part.
 fn contestants(
-    question: &Question<'_>,
+    question: &BenchQuestion<'_>,
     loaded: &Loaded,
     arguments: &BenchArguments,
 ) -> Result<Vec<Contestant>, Failure> {
@@ -178,7 +178,7 @@ fn contestants(
         });
     }
     let equations = Program {
-        family: Family::Equations,
+        family: ContestantFamily::Equations,
         name: String::new(),
         module: loaded.module.clone(),
         passes: EQUATIONS,
@@ -195,7 +195,7 @@ fn contestants(
         let formulation = Formulation::from_name(name).unwrap_or_default();
         let kinds = [FunctionKind::Dirdyna];
         let program = Program {
-            family: Family::Model,
+            family: ContestantFamily::Model,
             name: format!("{name}, "),
             module: generation::functions(model, &kinds, formulation, &options)?,
             passes: MODEL,
@@ -219,7 +219,7 @@ fn in_one_piece(operations: usize) -> String {
 
 /// Equations that robovec writes as C in several ways.
 struct Program {
-    family: Family,
+    family: ContestantFamily,
     /// What stands before the name of the way.
     name: String,
     module: Module,
@@ -231,12 +231,12 @@ struct Program {
 impl Program {
     fn enter(
         &self,
-        question: &Question<'_>,
+        question: &BenchQuestion<'_>,
         compilers: &[Compiler],
         list: &mut Vec<Contestant>,
     ) -> Result<(), Failure> {
         let shorter = transformed(&self.module, self.passes)?;
-        let ways: [(&str, own::Way, &Module); 4] = [
+        let ways: [(&str, own::ContestantMaker, &Module); 4] = [
             ("drop-in", robotran::drop_in, &shorter),
             ("straight-line", own::straight, &shorter),
             ("rolled", own::rolled, &self.module),

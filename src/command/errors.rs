@@ -3,7 +3,7 @@
 use super::arguments::InputLanguage;
 use super::flags::{SEED, states, whole};
 use super::{Failure, input};
-use crate::errors::{self, ErrorTable, Method, Settings};
+use crate::errors::{self, ErrorMethod, ErrorSettings, ErrorTable};
 use clap::Args;
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::print::print_output;
@@ -46,7 +46,7 @@ pub(super) struct ErrorsArguments {
         value_enum,
         default_value = "bound,predict,stochastic"
     )]
-    method: Vec<Method>,
+    method: Vec<ErrorMethod>,
     /// Seed of the states
     #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
@@ -107,7 +107,7 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, Failure> {
             tables: &module.tables,
             function,
         };
-        let settings = Settings {
+        let settings = ErrorSettings {
             format,
             states: states.clone(),
             state: arguments.state,

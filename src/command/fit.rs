@@ -4,7 +4,7 @@ use super::flags::{SEED, states};
 use super::output::result_files;
 use super::{Failure, input, output, progress};
 use crate::fit::confirm::{self, Confirmation};
-use crate::fit::{self, FitOutcome, Place, Task};
+use crate::fit::{self, FitOutcome, FitTask, SinePlace};
 use crate::generate::Formulation;
 use crate::present::json::json_text;
 use crate::scene::{SceneFile, Subject};
@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
         0 => usual_states(operations),
         count => count,
     };
-    let task = Task {
+    let task = FitTask {
         scene: &file.scene,
         general: &general,
         formulations: formulations(arguments, &file, &general),
@@ -100,12 +100,12 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
     Err(Failure::advised(message, vec![advice.to_owned()]))
 }
 
-fn place(arguments: &FitArguments, file: &SceneFile) -> Place {
+fn place(arguments: &FitArguments, file: &SceneFile) -> SinePlace {
     match arguments.trigonometry {
-        Some(Where::Host) => Place::Host,
-        Some(Where::Elements) => Place::Elements,
-        None if file.scene.series => Place::Elements,
-        None => Place::Host,
+        Some(Where::Host) => SinePlace::Host,
+        Some(Where::Elements) => SinePlace::Elements,
+        None if file.scene.series => SinePlace::Elements,
+        None => SinePlace::Host,
     }
 }
 
@@ -156,7 +156,7 @@ const TRIED: [Formulation; 5] = [
 
 fn write(
     folder: &Path,
-    task: &Task<'_>,
+    task: &FitTask<'_>,
     outcome: &FitOutcome,
     confirmation: Option<&Confirmation>,
 ) -> Result<(), Failure> {

@@ -3,7 +3,7 @@
 use super::flags::{SEED, real, states, whole};
 use super::output::result_files;
 use super::{Failure, generation, input, output, progress, subjects};
-use crate::front::{self, Front, Question};
+use crate::front::{self, Front, FrontQuestion};
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::model::Model;
 use crate::present::json::json_text;
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, Failure> {
             count => count,
         };
         let states = States::new(arguments.seed).within(Arc::new(angles(&module, arguments.angle)));
-        let question = Question {
+        let question = FrontQuestion {
             machine: &machine,
             elements: &arguments.elements,
             states: &states,

@@ -1,7 +1,7 @@
 //! Results to files and to the standard output, mistakes as messages.
 
 use super::Failure;
-use crate::files::{self, Replace, WriteError};
+use crate::files::{self, FileWriteError, Replace};
 use crate::present::{DataTable, Figure, plot};
 use std::io::{self, Write};
 use std::path::Path;
@@ -70,13 +70,13 @@ pub(crate) fn forced(force: bool, usual: Replace) -> Replace {
     }
 }
 
-fn failure(error: &WriteError, replace: Replace) -> Failure {
+fn failure(error: &FileWriteError, replace: Replace) -> Failure {
     let notes = match (error, replace) {
-        (WriteError::System(..), _) => Vec::new(),
-        (WriteError::Foreign(_), Replace::Own | Replace::Nothing) => {
+        (FileWriteError::System(..), _) => Vec::new(),
+        (FileWriteError::Foreign(_), Replace::Own | Replace::Nothing) => {
             vec!["name another place, or replace it with --force".to_owned()]
         }
-        (WriteError::Foreign(_), Replace::Results | Replace::Anything) => {
+        (FileWriteError::Foreign(_), Replace::Results | Replace::Anything) => {
             vec!["name another place, or remove the file first".to_owned()]
         }
     };

@@ -16,7 +16,7 @@ pub mod page;
 pub mod text;
 
 use crate::explore::device::{self, DeviceShare};
-use crate::explore::pareto::{self, Ties};
+use crate::explore::pareto::{self, EqualPoints};
 use crate::explore::placing::verified;
 use crate::explore::processor;
 use crate::explore::program::{ExplorationError, transformed_by};
@@ -201,7 +201,7 @@ fn measure(program: &Module, design: &Design) -> Result<SweepPoint, String> {
 fn mark_front(points: &mut [SweepPoint]) {
     let measures = |point: &SweepPoint| [point.share, point.us_per_evaluation];
     let all: Vec<[f64; 2]> = points.iter().map(measures).collect();
-    for index in pareto::front(&all, Ties::First) {
+    for index in pareto::front(&all, EqualPoints::First) {
         points[index].on_front = true;
     }
 }
