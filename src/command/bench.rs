@@ -1,7 +1,7 @@
 //! `robovec bench`: how fast the same function is in the hands of others.
 
 use super::flags::{SEED, states, whole};
-use super::{Failure, generation, input, output, progress, subjects};
+use super::{CommandFailure, generation, input, output, progress, subjects};
 use crate::bench::contestant::{Contestant, ContestantFamily};
 use crate::bench::{self, BenchQuestion, Compiler, own, peers, robotran, text};
 use crate::files::TemporaryFolder;
@@ -54,9 +54,9 @@ pub(super) struct BenchArguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &BenchArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &BenchArguments) -> Result<String, CommandFailure> {
     let temporary = TemporaryFolder::new()
-        .map_err(|error| Failure::plain(format!("no temporary folder: {error}")))?;
+        .map_err(|error| CommandFailure::plain(format!("no temporary folder: {error}")))?;
     let folder = arguments.output.as_deref().unwrap_or(temporary.path());
     let bar = progress::spinner();
     let mut text = String::new();
@@ -81,7 +81,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, Failure> {
             arguments.milliseconds,
             &mut |what| bar.set_message(format!("{}: {what}", loaded.name)),
         )
-        .map_err(|error| Failure::plain(format!("{}: {error}", folder.display())))?;
+        .map_err(|error| CommandFailure::plain(format!("{}: {error}", folder.display())))?;
         text += &text::text(&loaded.name, &outcomes);
         text.push('\n');
         results.push((loaded.name, outcomes));
@@ -114,7 +114,7 @@ impl Loaded {
     }
 }
 
-fn load(subject: &str, arguments: &BenchArguments) -> Result<Loaded, Failure> {
+fn load(subject: &str, arguments: &BenchArguments) -> Result<Loaded, CommandFailure> {
     let (name, model) = subjects::named_model(subject)?;
     let path = Path::new(subject);
     if let Some(model) = model {
@@ -149,7 +149,7 @@ fn contestants(
     question: &BenchQuestion<'_>,
     loaded: &Loaded,
     arguments: &BenchArguments,
-) -> Result<Vec<Contestant>, Failure> {
+) -> Result<Vec<Contestant>, CommandFailure> {
     let mut list = Vec::new();
     let compilers = arguments.compilers.iter();
     let (found, missing): (Vec<_>, Vec<_>) = compilers
@@ -157,7 +157,7 @@ fn contestants(
         .partition(Result::is_ok);
     let found: Vec<Compiler> = found.into_iter().flatten().collect();
     if found.is_empty() {
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             format!(
                 "none of the compilers is installed: {}",
                 arguments.compilers.join(", ")
@@ -177,7 +177,7 @@ fn contestants(
             None => robotran::printed(question, compiler, &loaded.module),
         });
     }
-    let equations = Program {
+    let equations = BenchProgram {
         family: ContestantFamily::Equations,
         name: String::new(),
         module: loaded.module.clone(),
@@ -194,7 +194,7 @@ fn contestants(
     for name in ["composite", "composite-base"] {
         let formulation = Formulation::from_name(name).unwrap_or_default();
         let kinds = [FunctionKind::Dirdyna];
-        let program = Program {
+        let program = BenchProgram {
             family: ContestantFamily::Model,
             name: format!("{name}, "),
             module: generation::functions(model, &kinds, formulation, &options)?,
@@ -218,7 +218,7 @@ fn in_one_piece(operations: usize) -> String {
 }
 
 /// Equations that robovec writes as C in several ways.
-struct Program {
+struct BenchProgram {
     family: ContestantFamily,
     /// What stands before the name of the way.
     name: String,
@@ -228,13 +228,13 @@ struct Program {
     passes: &'static str,
 }
 
-impl Program {
+impl BenchProgram {
     fn enter(
         &self,
         question: &BenchQuestion<'_>,
         compilers: &[Compiler],
         list: &mut Vec<Contestant>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), CommandFailure> {
         let shorter = transformed(&self.module, self.passes)?;
         let ways: [(&str, own::ContestantMaker, &Module); 4] = [
             ("drop-in", robotran::drop_in, &shorter),
@@ -261,7 +261,7 @@ const EQUATIONS: &str = "$cpu";
 /// From the model.
 const MODEL: &str = "$cpu";
 
-fn transformed(module: &Module, passes: &str) -> Result<Module, Failure> {
+fn transformed(module: &Module, passes: &str) -> Result<Module, CommandFailure> {
     let pipeline = input::passes(passes)?;
     let mut module = module.clone();
     generation::transform(&mut module, &pipeline)?;

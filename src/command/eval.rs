@@ -2,7 +2,7 @@
 
 use super::arguments::InputLanguage;
 use super::flags::{SEED, states};
-use super::{Failure, generation, input};
+use super::{CommandFailure, generation, input};
 use crate::evaluate_command::{self, Format, Number, evaluate_at_states};
 use crate::files::limited;
 use crate::generate::{Formulation, FunctionKind, Options};
@@ -63,7 +63,7 @@ pub(super) struct EvalArguments {
 }
 
 /// Runs the command: the text for the standard output.
-pub(super) fn run(arguments: &EvalArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
     let own = is_model(&arguments.file);
     let model_path = arguments.model.as_deref();
     let model_path = model_path.or(own.then_some(arguments.file.as_path()));
@@ -97,7 +97,7 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, Failure> {
     evaluate_at_states(&request).map_err(|diagnostics| {
         let name = arguments.states.as_deref().unwrap_or(Path::new(""));
         let text = text.clone().unwrap_or_default();
-        Failure(Report::of(&name.display().to_string(), text, diagnostics))
+        CommandFailure(Report::of(&name.display().to_string(), text, diagnostics))
     })
 }
 
@@ -106,13 +106,13 @@ fn is_model(path: &Path) -> bool {
         .is_some_and(|extension| extension.eq_ignore_ascii_case("mbs"))
 }
 
-fn read_model(path: &Path) -> Result<Model, Failure> {
+fn read_model(path: &Path) -> Result<Model, CommandFailure> {
     let read = input::model(path)?;
     Ok(read.model)
 }
 
 /// The functions of a model.
-fn generated(arguments: &EvalArguments, model: &Model) -> Result<Module, Failure> {
+fn generated(arguments: &EvalArguments, model: &Model) -> Result<Module, CommandFailure> {
     let kind = |name: &String| {
         FunctionKind::from_name(name).ok_or_else(|| {
             let known = FunctionKind::ALL.map(FunctionKind::name);
@@ -132,7 +132,7 @@ fn generated(arguments: &EvalArguments, model: &Model) -> Result<Module, Failure
 }
 
 /// The functions of a file of equations.
-fn read(arguments: &EvalArguments) -> Result<Module, Failure> {
+fn read(arguments: &EvalArguments) -> Result<Module, CommandFailure> {
     let input = input::equations(&arguments.file, arguments.language)?;
     let mut module = input.module;
     let asked = &arguments.function;
@@ -151,8 +151,8 @@ fn read(arguments: &EvalArguments) -> Result<Module, Failure> {
     Ok(module)
 }
 
-fn unknown(name: &str, known: &[&str]) -> Failure {
-    Failure::advised(
+fn unknown(name: &str, known: &[&str]) -> CommandFailure {
+    CommandFailure::advised(
         format!("there is no function '{}'", clip(name)),
         vec![format!("functions: {}", known.join(", "))],
     )

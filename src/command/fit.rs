@@ -2,7 +2,7 @@
 
 use super::flags::{SEED, states};
 use super::output::result_files;
-use super::{Failure, input, output, progress};
+use super::{CommandFailure, input, output, progress};
 use crate::fit::confirm::{self, Confirmation};
 use crate::fit::{self, FitOutcome, FitTask, SinePlace};
 use crate::generate::Formulation;
@@ -50,9 +50,10 @@ enum Where {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     let file = input::scene(&arguments.scene)?;
-    let fail = |error: String| Failure::plain(format!("{}: {error}", arguments.scene.display()));
+    let fail =
+        |error: String| CommandFailure::plain(format!("{}: {error}", arguments.scene.display()));
     let general = file.module().map_err(|error| fail(error.to_string()))?;
     let machine = machine(arguments, &file)?;
     let operations = robovec_ir::count::Counts::of(&general.functions[0]).operations;
@@ -97,7 +98,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
         Some(_) => "the choice did not hold at fresh states or cycle by cycle",
     };
     let advice = "allow a larger error, a later deadline, or a machine with more to offer";
-    Err(Failure::advised(message, vec![advice.to_owned()]))
+    Err(CommandFailure::advised(message, vec![advice.to_owned()]))
 }
 
 fn place(arguments: &FitArguments, file: &SceneFile) -> SinePlace {
@@ -110,7 +111,7 @@ fn place(arguments: &FitArguments, file: &SceneFile) -> SinePlace {
 }
 
 /// The machine asked for, else that of the scene, else the thesis'.
-fn machine(arguments: &FitArguments, file: &SceneFile) -> Result<Machine, Failure> {
+fn machine(arguments: &FitArguments, file: &SceneFile) -> Result<Machine, CommandFailure> {
     let asked = arguments.machine.as_ref().or(file.scene.machine.as_ref());
     input::machine(asked.map_or("thesis", String::as_str))
 }
@@ -159,7 +160,7 @@ fn write(
     task: &FitTask<'_>,
     outcome: &FitOutcome,
     confirmation: Option<&Confirmation>,
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     let json = json!({
         "scene": task.scene.name,
         "machine": task.machine.name,
@@ -186,7 +187,7 @@ fn write(
         let candidate = &outcome.candidates[chosen];
         let program = &outcome.programs[candidate.program];
         let ready = confirm::ready(task, program, candidate)
-            .map_err(|error| Failure::plain(error.to_string()))?;
+            .map_err(|error| CommandFailure::plain(error.to_string()))?;
         let machine = toml::to_string(&ready.machine)
             .expect("a machine that was read is one that can be written");
         files.push((

@@ -1,7 +1,7 @@
 //! `robovec sim`: a model in motion.
 
 use super::flags::{real, whole};
-use super::{Failure, input, output, progress};
+use super::{CommandFailure, input, output, progress};
 use crate::files::limited;
 use crate::generate::Formulation;
 use crate::model::mbs::ReadModel;
@@ -24,7 +24,7 @@ const LINK3D_ADVICE: &str = "help: make it a `link` with a law if it only pulls 
 
 /// Which integrator.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
-enum Integrator {
+enum IntegratorChoice {
     /// Runge-Kutta of fourth order with a fixed step
     Rk4,
     /// Dormand-Prince 5(4) with steps that meet a tolerance
@@ -45,8 +45,8 @@ pub(super) struct SimArguments {
           add = whole(1, 100_000, "every one is a row of the result"))]
     samples: u32,
     /// Integrator
-    #[arg(long, value_enum, default_value_t = Integrator::Dopri)]
-    method: Integrator,
+    #[arg(long, value_enum, default_value_t = IntegratorChoice::Dopri)]
+    method: IntegratorChoice,
     /// Step of rk4, s
     #[arg(long, value_name = "SECONDS", default_value_t = 1e-3,
           add = real(1e-9, 1e3, "the run is given up after --max-steps"))]
@@ -92,7 +92,7 @@ pub(super) struct SimArguments {
 }
 
 /// Runs the command: the text for the standard output.
-pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
     // Everything the user wrote is read before any work is done.
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let machine = input::machine(&arguments.machine)?;
@@ -137,7 +137,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
 
 /// Refuses a model with forces that are in no equation: its motion would be
 /// that of another model.
-fn refuse_left_out(read: &ReadModel) -> Result<(), Failure> {
+fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
     let (false, Some(file)) = (read.left_out.is_empty(), read.left_out.files().first()) else {
         return Ok(());
     };
@@ -150,27 +150,32 @@ fn refuse_left_out(read: &ReadModel) -> Result<(), Failure> {
         diagnostic
     });
     let refused = refused.collect();
-    Err(Failure(Report::of(file.name(), file.text(), refused)))
+    Err(CommandFailure(Report::of(
+        file.name(),
+        file.text(),
+        refused,
+    )))
 }
 
 /// Makes joints driven, which holds them unless a law moves them.
-fn hold(model: &mut Model, names: &[String]) -> Result<(), Failure> {
+fn hold(model: &mut Model, names: &[String]) -> Result<(), CommandFailure> {
     for name in names {
         let Some(joint) = model.joints.iter_mut().find(|joint| joint.name == *name) else {
             let known = model.joints.iter().map(|joint| joint.name.as_str());
             let near = did_you_mean(name, known).map(|near| format!("did you mean '{near}'?"));
             let message = format!("the model has no joint '{}'", clip(name));
-            return Err(Failure::advised(message, near.into_iter().collect()));
+            return Err(CommandFailure::advised(message, near.into_iter().collect()));
         };
         joint.nature = Nature::Driven;
     }
     Ok(())
 }
 
-fn laws(model: &Model, path: &Path) -> Result<Laws, Failure> {
+fn laws(model: &Model, path: &Path) -> Result<Laws, CommandFailure> {
     let text = input::text(path, &limited::LAWS)?;
-    Laws::parse(model, &text)
-        .map_err(|diagnostics| Failure(Report::of(&path.display().to_string(), text, diagnostics)))
+    Laws::parse(model, &text).map_err(|diagnostics| {
+        CommandFailure(Report::of(&path.display().to_string(), text, diagnostics))
+    })
 }
 
 fn plan(arguments: &SimArguments) -> Plan {
@@ -178,10 +183,10 @@ fn plan(arguments: &SimArguments) -> Plan {
         duration: arguments.time,
         samples: arguments.samples,
         method: match arguments.method {
-            Integrator::Rk4 => Method::RungeKutta {
+            IntegratorChoice::Rk4 => Method::RungeKutta {
                 step: arguments.step,
             },
-            Integrator::Dopri => Method::DormandPrince {
+            IntegratorChoice::Dopri => Method::DormandPrince {
                 relative: arguments.tolerance,
                 absolute: arguments.tolerance,
             },
@@ -190,9 +195,9 @@ fn plan(arguments: &SimArguments) -> Plan {
     }
 }
 
-fn failure(error: MotionError) -> Failure {
+fn failure(error: MotionError) -> CommandFailure {
     let notes = error.advice().map(str::to_owned).into_iter().collect();
-    Failure::advised(error.to_string(), notes)
+    CommandFailure::advised(error.to_string(), notes)
 }
 
 /// What moves freely, and what follows.

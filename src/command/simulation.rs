@@ -1,6 +1,6 @@
 //! `--simulate`: the placed program against the equations.
 
-use super::Failure;
+use super::CommandFailure;
 use crate::simulate::Program;
 use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::print::print_output;
@@ -18,11 +18,11 @@ pub(crate) fn simulate(
     machine: &Machine,
     states: u32,
     draws: &States,
-) -> Result<String, Failure> {
+) -> Result<String, CommandFailure> {
     let mut text = String::new();
     for function in &module.functions {
         if function.level != Level::Placed {
-            return Err(Failure::advised(
+            return Err(CommandFailure::advised(
                 format!(
                     "'{}' is at the level {}, not placed",
                     function.name, function.level
@@ -35,7 +35,7 @@ pub(crate) fn simulate(
             function,
         };
         let cycles = compare(view, machine, states, draws).map_err(|reason| {
-            Failure::plain(format!("simulating '{}': {reason}", function.name))
+            CommandFailure::plain(format!("simulating '{}': {reason}", function.name))
         })?;
         // Writing to a string cannot fail.
         let _ = writeln!(
