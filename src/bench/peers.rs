@@ -11,7 +11,7 @@ use super::own::BENCH_H;
 use super::tools::{BuildStep, Compiler};
 use super::{BenchQuestion, tree};
 use crate::model::Model;
-use crate::process::Call;
+use crate::process::ProgramCall;
 use robovec_ir::{Input, View};
 use std::path::Path;
 
@@ -169,7 +169,9 @@ fn package(name: &str) -> Option<(String, String)> {
     let script = format!(
         "import {name}, os\nprint(os.path.dirname({name}.__file__))\nprint({name}.__version__)"
     );
-    let run = Call::version("python3", "-c").arguments([script]).run();
+    let run = ProgramCall::version("python3", "-c")
+        .arguments([script])
+        .run();
     let run = run.ok().filter(|run| run.status.success())?;
     let text = run.text();
     let mut lines = text.lines().rev();

@@ -1,6 +1,6 @@
 //! Compilers and other programs of the user's.
 
-use crate::process::{Call, Finished};
+use crate::process::{FinishedProcess, ProgramCall};
 use std::path::Path;
 
 /// A C or C++ compiler that is installed.
@@ -19,7 +19,7 @@ impl Compiler {
     ///
     /// What it says, or why it does not.
     pub fn find(command: &str) -> Result<Compiler, String> {
-        let run = Call::version(command, "--version").run();
+        let run = ProgramCall::version(command, "--version").run();
         let text = told(command, &run.map_err(|error| error.to_string())?)?;
         Ok(Compiler {
             command: command.to_owned(),
@@ -81,7 +81,7 @@ impl BuildStep {
             self.command.clone(),
         ];
         arguments.extend(self.arguments.iter().cloned());
-        let call = Call::new("sh").called(&self.command).folder(place);
+        let call = ProgramCall::new("sh").called(&self.command).folder(place);
         let run = call.arguments(arguments).run();
         let text = told("sh", &run.map_err(|error| error.to_string())?)?;
         let last = text.lines().next_back().unwrap_or_default();
@@ -102,13 +102,13 @@ fn seconds(text: &str) -> Option<f64> {
 ///
 /// That it does not run, or what it says when it fails.
 pub(super) fn output(place: &Path, command: &str, arguments: &[String]) -> Result<String, String> {
-    let call = Call::new(command).folder(place).arguments(arguments);
+    let call = ProgramCall::new(command).folder(place).arguments(arguments);
     told(command, &call.run().map_err(|error| error.to_string())?)
 }
 
 /// What a program printed that succeeded; the line that says why, of one that
 /// failed.
-fn told(command: &str, run: &Finished) -> Result<String, String> {
+fn told(command: &str, run: &FinishedProcess) -> Result<String, String> {
     let text = run.text();
     if run.status.success() {
         return Ok(text);

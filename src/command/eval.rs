@@ -3,7 +3,7 @@
 use super::arguments::InputLanguage;
 use super::flags::{SEED, states};
 use super::{CommandFailure, generation, input};
-use crate::evaluate_command::{self, Format, Number, evaluate_at_states};
+use crate::evaluate_command::{self, NumberSystem, ResultFormat, evaluate_at_states};
 use crate::files::limited;
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::model::Model;
@@ -53,7 +53,7 @@ pub(super) struct EvalArguments {
     /// Numbers: a format (f16, bf16, f32, f64, float(8,17), float(8,17,flush),
     /// fixed(12,19)), double-double, field (a prime field), or a number of bits
     #[arg(long, value_name = "KIND", default_value = "f64")]
-    number: Number,
+    number: NumberSystem,
     /// How the result is written
     #[arg(long, value_enum, default_value_t = FormatName::Text)]
     format: FormatName,
@@ -77,21 +77,21 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
         .map(|path| input::text(path, &limited::STATES))
         .transpose()?;
     let states = match (&text, arguments.random) {
-        (Some(text), _) => evaluate_command::Source::Text(text),
-        (None, count) => evaluate_command::Source::Random {
+        (Some(text), _) => evaluate_command::StateSource::Text(text),
+        (None, count) => evaluate_command::StateSource::Random {
             count: count.unwrap_or(1),
             seed: arguments.seed,
         },
     };
-    let request = evaluate_command::Request {
+    let request = evaluate_command::EvaluationRequest {
         module: &module,
         model: model.as_ref(),
         states,
         number: arguments.number,
         format: match arguments.format {
-            FormatName::Text => Format::Text,
-            FormatName::Csv => Format::Csv,
-            FormatName::Json => Format::Json,
+            FormatName::Text => ResultFormat::Text,
+            FormatName::Csv => ResultFormat::Csv,
+            FormatName::Json => ResultFormat::Json,
         },
     };
     evaluate_at_states(&request).map_err(|diagnostics| {

@@ -4,7 +4,7 @@ use super::flags::{FlagLimit, SEED};
 use super::{CommandFailure, input, output};
 use crate::files::Replace;
 use crate::model::Model;
-use crate::model::family::{self, Family};
+use crate::model::family::{self, ModelFamily};
 use crate::model::mbs::write_mbs;
 use crate::model::summary::summarise;
 use crate::stale;
@@ -47,7 +47,7 @@ pub(super) struct ModelArguments {
 /// Runs the command.
 pub(super) fn run(arguments: &ModelArguments) -> Result<String, CommandFailure> {
     let name = arguments.subject.to_string_lossy();
-    if let Some(family) = Family::from_name(&name) {
+    if let Some(family) = ModelFamily::from_name(&name) {
         let model = member(family, arguments)?;
         return write(&model, arguments);
     }
@@ -123,7 +123,10 @@ fn freshness(model: &Model, files: &[PathBuf]) -> Result<String, CommandFailure>
 }
 
 fn unknown(name: &str) -> CommandFailure {
-    let names: Vec<&str> = Family::ALL.iter().map(|family| family.name()).collect();
+    let names: Vec<&str> = ModelFamily::ALL
+        .iter()
+        .map(|family| family.name())
+        .collect();
     let mut notes = Vec::new();
     if let Some(near) = did_you_mean(name, names.iter().copied()) {
         notes.push(format!("did you mean '{near}'?"));
@@ -133,7 +136,7 @@ fn unknown(name: &str) -> CommandFailure {
 }
 
 /// The model of a family that the options ask for.
-fn member(family: Family, arguments: &ModelArguments) -> Result<Model, CommandFailure> {
+fn member(family: ModelFamily, arguments: &ModelArguments) -> Result<Model, CommandFailure> {
     let joints = match (family.joints(), arguments.joints) {
         (Some(only), Some(asked)) if asked != only => {
             return Err(CommandFailure::plain(format!(

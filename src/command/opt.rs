@@ -446,10 +446,10 @@ fn write_report(
     machine: &Machine,
     options: &report::ReportOptions,
 ) -> Result<String, CommandFailure> {
-    let records: Vec<report::PassRecord> = outcome
+    let records: Vec<report::PassRunRecord> = outcome
         .records
         .iter()
-        .map(|record| report::PassRecord {
+        .map(|record| report::PassRunRecord {
             function: record.function.clone(),
             name: record.name.clone(),
             cpu_s: record.cpu_s,
@@ -460,7 +460,7 @@ fn write_report(
             rounding: record.rounding.clone(),
         })
         .collect();
-    let mut report = report::Report::collect(module, machine, &records, options);
+    let mut report = report::ModuleReport::collect(module, machine, &records, options);
     for (function, read) in report.functions.iter_mut().zip(read) {
         function.equations = read.equations;
         function.vectors = read.vectors;

@@ -4,7 +4,7 @@
 use super::{CommandFailure, generation, input};
 use crate::generate::{Formulation, FunctionKind, Options, TermOrder};
 use crate::model::Model;
-use crate::model::family::{Family, JOINTS};
+use crate::model::family::{JOINTS, ModelFamily};
 use crate::study::plan::Subject;
 use crate::study::program::Sources;
 use robovec_ir::Module;
@@ -143,11 +143,11 @@ pub(super) fn named_model(subject: &str) -> Result<(String, Option<Model>), Comm
 
 /// The built-in model of a name like `bogie` or `serial-23`.
 pub(super) fn built_in(name: &str) -> Option<Model> {
-    if let Some(family) = Family::from_name(name) {
+    if let Some(family) = ModelFamily::from_name(name) {
         return family.joints().map(|joints| family.build(joints, SEED));
     }
     let (family, joints) = name.rsplit_once('-')?;
-    let family = Family::from_name(family).filter(|family| family.joints().is_none())?;
+    let family = ModelFamily::from_name(family).filter(|family| family.joints().is_none())?;
     let joints = JOINTS.read_whole(joints).ok()?;
     Some(family.build(joints as usize, SEED))
 }
@@ -157,7 +157,7 @@ pub(super) fn check_number(name: &str) -> Result<(), CommandFailure> {
     let Some((family, joints)) = name.rsplit_once('-') else {
         return Ok(());
     };
-    let is_family = Family::from_name(family).is_some_and(|family| family.joints().is_none());
+    let is_family = ModelFamily::from_name(family).is_some_and(|family| family.joints().is_none());
     if !is_family || !joints.bytes().all(|byte| byte.is_ascii_digit()) {
         return Ok(());
     }
@@ -170,7 +170,7 @@ pub(super) fn check_number(name: &str) -> Result<(), CommandFailure> {
 }
 
 fn unknown(name: &str) -> CommandFailure {
-    let names: Vec<String> = Family::ALL
+    let names: Vec<String> = ModelFamily::ALL
         .iter()
         .map(|family| match family.joints() {
             Some(_) => family.name().to_owned(),

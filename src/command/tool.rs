@@ -15,7 +15,7 @@ use super::scene::{self, SceneArguments};
 use super::sim::{self, SimArguments};
 use super::{CommandFailure, flags, input, output, write};
 use crate::files::limited;
-use crate::process::{Limits, set_limits};
+use crate::process::{ProcessLimits, set_limits};
 use crate::simulate::Program;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
@@ -105,9 +105,9 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => error.exit(),
     };
-    set_limits(Limits {
+    set_limits(ProcessLimits {
         time: Duration::from_secs(arguments.tool_seconds),
-        ..Limits::USUAL
+        ..ProcessLimits::USUAL
     });
     let result = match &arguments.command {
         ToolCommand::Accuracy(arguments) => accuracy::run(arguments),

@@ -2,7 +2,7 @@
 
 use super::tests::serial;
 use super::*;
-use crate::model::{Body, Joint, JointKind, Nature, Point};
+use crate::model::{Body, Joint, JointKind, ModelPoint, Nature};
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
 use robovec_num::field::{Field, PrimeField};
@@ -41,7 +41,7 @@ pub(super) fn tree(seed: u64, bodies: usize) -> Model {
             0 => None,
             _ => index.checked_sub(1),
         };
-        model.points.push(Point {
+        model.points.push(ModelPoint {
             name: format!("point{index}"),
             body: parent,
             coordinates: [random.length(), random.length(), random.length()],

@@ -1,5 +1,5 @@
 use super::*;
-use crate::model::{Axis, Body, Joint, JointKind, Nature, Point};
+use crate::model::{Axis, Body, Joint, JointKind, ModelPoint, Nature};
 use robovec_ir::count::Counts;
 
 /// The serial chain of the study: rotations about the first and second axis in
@@ -30,7 +30,7 @@ pub(super) fn serial(joints: usize) -> Model {
             actuated: false,
             initial: [0.0; 3],
         });
-        model.points.push(Point {
+        model.points.push(ModelPoint {
             name: "next".to_owned(),
             body: Some(index),
             coordinates: [0.0, 0.0, 0.2],

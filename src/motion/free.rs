@@ -281,11 +281,11 @@ impl<'m> Watch<'m> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::family::Family;
+    use crate::model::family::ModelFamily;
     use robovec_num::arithmetic::{Binary32, Binary64};
 
     fn pendulum(compensated: bool, short: bool) -> Drift {
-        let model = Family::DoublePendulum.build(2, 1);
+        let model = ModelFamily::DoublePendulum.build(2, 1);
         let motion = FreeMotion::new(&model, Formulation::Recursive).expect("it has equations");
         let stepping = Stepping {
             step: 1e-4,

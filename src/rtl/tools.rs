@@ -1,6 +1,6 @@
 //! Running the benches with the simulators of hardware that are installed.
 
-use crate::process::{Call, Finished, ToolError};
+use crate::process::{FinishedProcess, ProgramCall, ToolError};
 use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -61,7 +61,7 @@ impl Tool {
     pub fn missing(self) -> Option<&'static str> {
         let mut programs = self.programs().iter();
         let missing = |(program, version): &&(&str, &str)| {
-            let run = Call::version(program, version).run();
+            let run = ProgramCall::version(program, version).run();
             matches!(run, Err(ToolError::Start { .. }))
         };
         programs.find(missing).map(|(program, _)| *program)
@@ -146,7 +146,7 @@ pub fn check(
     let hardware = hardware
         .canonicalize()
         .map_err(|error| CheckFailure::Hardware(hardware.display().to_string(), error))?;
-    let output = Call::new(program)
+    let output = ProgramCall::new(program)
         .arguments(arguments)
         .variable("RTL", hardware)
         .folder(folder)
@@ -158,7 +158,7 @@ pub fn check(
 }
 
 /// A bench has passed when every way in says so and nothing says otherwise.
-fn judge(output: &Finished, doors: usize) -> Result<Vec<String>, CheckFailure> {
+fn judge(output: &FinishedProcess, doors: usize) -> Result<Vec<String>, CheckFailure> {
     let said = output.text();
     let is = |word: &'static str| move |line: &&str| line.starts_with(word);
     let verdicts: Vec<String> = (said.lines().filter(is("PASS")))

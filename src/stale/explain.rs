@@ -3,7 +3,7 @@
 use super::inputs::is_zero;
 use super::{Comparison, Element, element, extent, metadata, used};
 use crate::align::replace;
-use crate::model::{Model, Point};
+use crate::model::{Model, ModelPoint};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Module, Operand, Tables, View};
 use robovec_passes::NumericClass;
@@ -48,7 +48,7 @@ fn describe(model: &Model, (array, indices): &Element) -> String {
             point
                 .and_then(|point| model.points.get(point))
                 .map(|point| {
-                    let Point { name, body, .. } = point;
+                    let ModelPoint { name, body, .. } = point;
                     let body = body.map_or("base", |body| &model.bodies[body].name);
                     format!("point {name} of {body}")
                 })

@@ -8,7 +8,7 @@ use super::SynthesisError;
 use super::netlist::Netlist;
 use super::script::{Design, NETLIST, UNMAPPED, script};
 use crate::files::{Replace, TemporaryFolder, make_folder, write_whole};
-use crate::process::{Call, Finished, ToolError};
+use crate::process::{FinishedProcess, ProgramCall, ToolError};
 use std::fs;
 use std::io;
 use std::path::Path;
@@ -40,7 +40,7 @@ impl Tool {
     pub fn find() -> Result<Tool, SynthesisError> {
         let mut old = None;
         for program in PROGRAMS {
-            let output = match Call::version(program, "-V").run() {
+            let output = match ProgramCall::version(program, "-V").run() {
                 Err(ToolError::Start { .. }) => continue,
                 result => result?,
             };
@@ -72,7 +72,7 @@ impl Tool {
             write_text(&path, text)?;
         }
         write_text(&folder.path().join("map.ys"), &script(design))?;
-        let output = Call::new(&self.program)
+        let output = ProgramCall::new(&self.program)
             .arguments(["-q", "-l", "log.txt", "map.ys"])
             .folder(folder.path())
             .run()?;
@@ -134,7 +134,7 @@ fn readable_memory(line: &str) -> String {
 }
 
 /// The error of a run that failed.
-fn complaint(log: &str, output: &Finished) -> String {
+fn complaint(log: &str, output: &FinishedProcess) -> String {
     let said = output.messages();
     let line = log
         .lines()

@@ -1,7 +1,7 @@
 //! Small models for simulations.
 
 use robovec::model::{
-    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, Nature, Point, Sensor,
+    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, ModelPoint, Nature, Sensor,
 };
 use robovec::motion::{Laws, Method, Plan, Run, Setting, System, simulate};
 
@@ -30,7 +30,7 @@ impl Builder {
 
     fn points(&mut self, body: Option<usize>, points: &[[f64; 3]]) {
         for (number, &coordinates) in points.iter().enumerate() {
-            self.model.points.push(Point {
+            self.model.points.push(ModelPoint {
                 name: format!("p{number}"),
                 body,
                 coordinates,

@@ -6,7 +6,7 @@ use super::super::dynamics::{Dynamics, Metric};
 use super::super::equations::Equations;
 use super::super::verdict::Verdict;
 use super::models::{HINGE, sphere};
-use crate::model::build::{BASE, Builder};
+use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model};
 use crate::motion::State;
 use robovec_num::double_double::Double;
@@ -160,7 +160,7 @@ fn ties() -> Equations {
 /// A beam with 100 kg on either side, a metre from its hinge but for what
 /// leaves a torque (N m).
 fn counterweight(residual: f64) -> Model {
-    let mut builder = Builder::new("counterweight");
+    let mut builder = ModelBuilder::new("counterweight");
     let beam = builder.body("Beam", BASE.origin(), &HINGE);
     builder.mass(beam, 10.0, [0.0, 0.0, 0.0], sphere(3.0));
     let weight = 100.0 * 9.81;

@@ -4,7 +4,7 @@ use super::super::case::{Case, Class};
 use super::super::long::{Kept, Long};
 use super::super::verdict::Verdict;
 use super::models::{random, sphere};
-use crate::model::build::{BASE, Builder};
+use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model, systems};
 use crate::motion::State;
 
@@ -65,7 +65,7 @@ fn case(
 
 /// A body that floats, with two arms that turn.
 fn satellite() -> Model {
-    let mut builder = Builder::new("satellite");
+    let mut builder = ModelBuilder::new("satellite");
     builder.gravity([0.0; 3]);
     let hub = builder.body("Hub", BASE.origin(), &JointKind::ALL);
     builder.mass(hub, 10.0, [0.01, 0.02, -0.01], sphere(1.0));

@@ -4,7 +4,7 @@ use super::super::case::{Case, Class};
 use super::super::loops::Loops;
 use super::super::verdict::Verdict;
 use super::models::{HINGE, sphere};
-use crate::model::build::{BASE, Builder, Place};
+use crate::model::build::{BASE, BodyPlace, ModelBuilder};
 use crate::model::{CutKind, Model, Nature};
 
 pub(super) fn cases() -> Vec<Case> {
@@ -67,7 +67,7 @@ const SLOPES: [f64; 4] = [0.3, 0.7, 1.1, 2.3];
 /// A crank, a coupler and a rocker that make a parallelogram of 1 m by 2 m;
 /// with a third rocker under the middle of the coupler that changes nothing.
 fn parallelogram(angle: f64, slope: f64, third: bool) -> Model {
-    let mut builder = Builder::new("parallelogram");
+    let mut builder = ModelBuilder::new("parallelogram");
     // Rounded to binary32 here, so that rounding hardly opens the loop.
     let slope = f64::from(slope as f32);
     let along = |length: f64| [length * slope.cos(), 0.0, -length * slope.sin()];
@@ -84,7 +84,7 @@ fn parallelogram(angle: f64, slope: f64, third: bool) -> Model {
     let rate = 0.5;
     set(&mut builder, crank, [lifted, rate], false);
     set(&mut builder, coupler, [slope - lifted, -rate], true);
-    let mut rocker = |name: &str, on: Place, to: Place| {
+    let mut rocker = |name: &str, on: BodyPlace, to: BodyPlace| {
         let rocker = builder.body(name, on, &HINGE);
         builder.mass(rocker, 1.0, [0.5, 0.0, 0.0], sphere(1.0 / 12.0));
         set(&mut builder, rocker, [lifted, rate], true);
@@ -99,7 +99,7 @@ fn parallelogram(angle: f64, slope: f64, third: bool) -> Model {
 }
 
 fn set(
-    builder: &mut Builder,
+    builder: &mut ModelBuilder,
     body: crate::model::build::BodyRef,
     [angle, rate]: [f64; 2],
     dependent: bool,

@@ -1,7 +1,7 @@
 //! Models and states that several cases start from.
 
 use super::super::draw::Draw;
-use crate::model::build::{BASE, Builder};
+use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model};
 use crate::motion::State;
 
@@ -11,7 +11,7 @@ pub(super) const HINGE: [JointKind; 1] = [JointKind::Revolute(Axis::Y)];
 /// Bodies of 1 kg and 1 m on hinges about the second axis, each at the end of
 /// the one before.
 pub(super) fn planar(joints: usize) -> Model {
-    let mut builder = Builder::new("planar");
+    let mut builder = ModelBuilder::new("planar");
     let mut place = BASE.origin();
     for number in 1..=joints {
         let body = builder.body(&format!("Body_{number}"), place, &HINGE);

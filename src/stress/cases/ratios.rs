@@ -5,7 +5,7 @@ use super::super::case::{Case, Class};
 use super::super::dynamics::{Dynamics, Metric};
 use super::super::verdict::Verdict;
 use super::models::{HINGE, planar, random, sphere, straight};
-use crate::model::build::{BASE, Builder};
+use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model, family};
 use crate::motion::State;
 
@@ -126,7 +126,7 @@ fn lengths() -> Vec<Case> {
 
 /// Prismatic and revolute joints, kilometres and millimetres.
 fn millimetres() -> Model {
-    let mut builder = Builder::new("rail_and_needle");
+    let mut builder = ModelBuilder::new("rail_and_needle");
     let slide = |axis| JointKind::Prismatic(axis);
     let turn = |axis| JointKind::Revolute(axis);
     let carriage = builder.body("Carriage", BASE.origin(), &[slide(Axis::X), turn(Axis::Z)]);
@@ -196,7 +196,7 @@ fn poses() -> Vec<Case> {
 
 /// An arm of two joints and a light wrist on the axes z, y, z.
 fn gimbal() -> Model {
-    let mut builder = Builder::new("gimbal");
+    let mut builder = ModelBuilder::new("gimbal");
     let turn = |axis| JointKind::Revolute(axis);
     let upper = builder.body("Upper", BASE.origin(), &[turn(Axis::Z)]);
     builder.mass(upper, 2.0, [0.1, 0.0, 0.0], sphere(0.02));

@@ -4,7 +4,7 @@ use super::super::case::{Case, Class};
 use super::super::dynamics::{Dynamics, Metric};
 use super::super::verdict::Verdict;
 use super::models::{random, resized, sphere};
-use crate::model::build::{BASE, Builder};
+use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model, family};
 
 pub(super) fn cases() -> Vec<Case> {
@@ -70,7 +70,7 @@ fn case(
 /// An arm that carries a spindle of almost no inertia, balanced, without
 /// gravity.
 fn spindle() -> Model {
-    let mut builder = Builder::new("spindle");
+    let mut builder = ModelBuilder::new("spindle");
     builder.gravity([0.0; 3]);
     let turn = |axis| JointKind::Revolute(axis);
     let arm = builder.body("Arm", BASE.origin(), &[turn(Axis::Z), turn(Axis::Y)]);
