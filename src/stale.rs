@@ -15,7 +15,7 @@ mod inputs;
 use self::explain::{reasons, superfluous};
 pub(crate) use self::inputs::zero;
 use crate::align::align;
-use crate::generate::{FunctionKind, Options, Request, generate};
+use crate::generate::{FunctionKind, GenerationRequest, Options, generate};
 use crate::model::{CutKind, Model};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Input, Module, OperandKind, Place, Tables, View};
@@ -223,12 +223,12 @@ fn body(model: &Model, equations: &Module, function: &Function, comparison: &mut
         // Its calls of the user's functions differ from generator to generator.
         return;
     }
-    let request = Request {
+    let request = GenerationRequest {
         options: Options {
             all_parameters: metadata(function, "all_parameter_symbols").is_some(),
             ..Options::default()
         },
-        ..Request::new(kind)
+        ..GenerationRequest::new(kind)
     };
     let Ok(mut expected) = generate(model, &request) else {
         return;

@@ -6,7 +6,7 @@
 //! more than 2 % and by more than 3.5 times the noise of that comparison.
 
 use robovec::accuracy::{FunctionAccuracy, Options, measure};
-use robovec::generate::{FunctionKind, Request, generate};
+use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
 use robovec_analysis::rounding::Trend;
 use robovec_ir::states::States;
@@ -44,7 +44,7 @@ fn modules() -> Vec<(String, Module)> {
         let file = format!("{name}.mbs");
         let bytes = example(&format!("models/{file}"));
         let model = read_mbs(&file, &bytes).expect("it is well formed").model;
-        let request = Request::new(FunctionKind::Dirdyna);
+        let request = GenerationRequest::new(FunctionKind::Dirdyna);
         let module = generate(&model, &request).expect("it has equations");
         modules.push(((*name).to_owned(), module));
     }
@@ -157,9 +157,9 @@ fn what_does_worsen_it_is_seen() {
         .expect("it is well formed")
         .model;
     let of = |formulation: Formulation| {
-        let request = Request {
+        let request = GenerationRequest {
             formulation,
-            ..Request::new(FunctionKind::Dirdyna)
+            ..GenerationRequest::new(FunctionKind::Dirdyna)
         };
         let module = generate(&model, &request).expect("it has equations");
         let view = View {

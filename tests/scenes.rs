@@ -3,7 +3,7 @@
 
 use crate::support::files::{compare_with_record, each, stem, tree};
 use crate::support::programs::{robovec, stderr};
-use robovec::generate::{Formulation, FunctionKind, Options, Request, generate};
+use robovec::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
 use robovec::scene::{PIPELINE, SceneFile, Subject, USUAL, read};
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
@@ -277,7 +277,7 @@ fn locked_joints_are_joints_held_by_their_reaction() {
     let (Subject::Model(subject), Subject::Model(_)) = (&file.subject, &straight.subject) else {
         panic!("both have models");
     };
-    let inverse = Request {
+    let inverse = GenerationRequest {
         function: FunctionKind::Invdyna,
         formulation: Formulation::Recursive,
         options: Options::default(),

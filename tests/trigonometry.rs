@@ -1,7 +1,7 @@
 //! What series for sines and cosines do to models, and that programs with
 //! them run.
 
-use robovec::generate::{FunctionKind, Request, generate};
+use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::Model;
 use robovec::model::mbs::read_mbs;
 use robovec::simulate::Program;
@@ -23,7 +23,8 @@ fn example(name: &str) -> (Model, Module) {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
     let bytes = fs::read(models.join(&file)).expect("it is in the repository");
     let model = read_mbs(&file, &bytes).expect("it is well formed").model;
-    let module = generate(&model, &Request::new(FunctionKind::Dirdyna)).expect("it has equations");
+    let module =
+        generate(&model, &GenerationRequest::new(FunctionKind::Dirdyna)).expect("it has equations");
     (model, module)
 }
 

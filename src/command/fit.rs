@@ -149,8 +149,8 @@ const TRIED: [Formulation; 5] = [
     Formulation::Composite,
     Formulation::CompositeBase,
     Formulation::Prefix {
-        network: crate::generate::Network::Sklansky,
-        origin: crate::generate::Origin::Body,
+        network: crate::generate::PrefixNetwork::Sklansky,
+        origin: crate::generate::MomentOrigin::Body,
     },
     Formulation::Articulated,
 ];

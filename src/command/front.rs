@@ -135,8 +135,8 @@ const FORMULATIONS: [Formulation; 3] = [
     Formulation::Composite,
     Formulation::CompositeBase,
     Formulation::Prefix {
-        network: crate::generate::Network::Sklansky,
-        origin: crate::generate::Origin::Body,
+        network: crate::generate::PrefixNetwork::Sklansky,
+        origin: crate::generate::MomentOrigin::Body,
     },
 ];
 

@@ -4,7 +4,8 @@ use super::write::{OutputLanguage, write_files};
 use super::{CommandFailure, input, names, output};
 use crate::files::Replace;
 use crate::generate::{
-    Binding, Formulation, FunctionKind, Options, Request, TermOrder, generate_into,
+    Formulation, FunctionKind, GenerationRequest, Options, ParameterBinding, TermOrder,
+    generate_into,
 };
 use crate::model::Model;
 use crate::robotran::write::WriteOptions;
@@ -77,9 +78,9 @@ impl GenArguments {
             },
             all_parameters: self.all_parameters,
             parameters: if self.numbers {
-                Binding::Numbers
+                ParameterBinding::Numbers
             } else {
-                Binding::Symbols
+                ParameterBinding::Symbols
             },
             external_forces: !self.no_forces,
             leading_signs: self.leading_signs,
@@ -122,7 +123,7 @@ pub(super) fn functions(
 ) -> Result<Module, CommandFailure> {
     let mut module = Module::new();
     for &function in kinds {
-        let request = Request {
+        let request = GenerationRequest {
             function,
             formulation,
             options: options.clone(),

@@ -6,7 +6,7 @@
 use super::CommandFailure;
 use super::arguments::InputLanguage;
 use crate::files::limited::{self, FileLimit};
-use crate::generate::{FunctionKind, Request, generate};
+use crate::generate::{FunctionKind, GenerationRequest, generate};
 use crate::model::mbs::ReadModel;
 use crate::robotran::Language;
 use crate::scene::SceneFile;
@@ -62,7 +62,7 @@ pub(crate) fn equations_or_model(
         ));
     };
     let read = model_for(path, Some(kind))?;
-    let module = generate(&read.model, &Request::new(kind))
+    let module = generate(&read.model, &GenerationRequest::new(kind))
         .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
     Ok(InputModule {
         module,

@@ -1,7 +1,7 @@
 //! Bounds, predictions and sampled deviations against the errors of all
 //! models that ship.
 
-use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
+use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
 use crate::model::mbs::read_mbs;
 use robovec_analysis::adjoint::{OutputError, Run, Tape};
 use robovec_analysis::stochastic::stochastic;
@@ -40,10 +40,10 @@ fn measure(path: &Path, largest: usize, states: u32, most: usize, found: &mut Fo
     let model = read_mbs(&name, &bytes).expect("it is a model").model;
     for kind in [FunctionKind::Dirdyna, FunctionKind::Invdyna] {
         for formulation in [Formulation::Recursive, Formulation::Composite] {
-            let request = Request {
+            let request = GenerationRequest {
                 formulation,
                 options: Options::default(),
-                ..Request::new(kind)
+                ..GenerationRequest::new(kind)
             };
             let Ok(module) = generate(&model, &request) else {
                 continue;

@@ -82,7 +82,7 @@ fn accelerations_solve_the_equations_of_motion_exactly() {
 
 /// `qdd` and `Lambda` in a state, in binary64.
 fn accelerations(model: &Model, formulation: Formulation, state: &State) -> Vec<f64> {
-    let mut request = Request::new(FunctionKind::Accelred);
+    let mut request = GenerationRequest::new(FunctionKind::Accelred);
     request.formulation = formulation;
     request.options.multipliers = true;
     let module = generate(model, &request).expect("the loops close");
@@ -153,7 +153,7 @@ fn accelerations_satisfy_loops() {
 }
 
 /// What is said instead of giving a function.
-fn refusal(model: &Model, request: &Request) -> String {
+fn refusal(model: &Model, request: &GenerationRequest) -> String {
     match generate(model, request) {
         Ok(_) => panic!("{request:?} is given"),
         Err(error) => error.to_string(),
@@ -162,7 +162,7 @@ fn refusal(model: &Model, request: &Request) -> String {
 
 #[test]
 fn what_cannot_be_given_says_what_can() {
-    let mut request = Request::new(FunctionKind::Dirdyna);
+    let mut request = GenerationRequest::new(FunctionKind::Dirdyna);
     request.formulation = Formulation::Articulated;
     let refused = refusal(&serial(3), &request);
     assert!(
@@ -189,7 +189,7 @@ fn what_cannot_be_given_says_what_can() {
 
 #[test]
 fn a_long_chain_is_not_eliminated() {
-    let mut request = Request::new(FunctionKind::Accelred);
+    let mut request = GenerationRequest::new(FunctionKind::Accelred);
     request.formulation = Formulation::CompositeBase;
     let refused = refusal(&serial(360), &request);
     assert!(refused.contains("'articulated'"), "{refused}");
@@ -200,7 +200,7 @@ fn a_long_chain_is_not_eliminated() {
 #[test]
 fn operations_for_accelerations_stay_low() {
     let operations = |joints, formulation| {
-        let mut request = Request::new(FunctionKind::Accelred);
+        let mut request = GenerationRequest::new(FunctionKind::Accelred);
         request.formulation = formulation;
         request.options.external_forces = false;
         let module = generate(&serial(joints), &request).expect("the chain is regular");

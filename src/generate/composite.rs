@@ -10,7 +10,7 @@
 
 use super::algebra::Scalar;
 use super::bias::Bias;
-use super::equations::{Equations, Style};
+use super::equations::{EquationStyle, Equations};
 use super::inertia::{Inertia, Wrench};
 use super::lower::operations;
 use super::parameters::Parameters;
@@ -18,17 +18,17 @@ use super::vector::Vector;
 use super::{Options, recursive};
 
 /// `M`, its lower triangle by rows, and `c`.
-pub(super) struct Dynamics {
+pub(super) struct MassAndBias {
     /// For every joint, its entries with the joints on its path to the base,
     /// the joint itself first.
     pub(super) mass: Vec<Vec<(usize, Scalar)>>,
     pub(super) bias: Vec<Scalar>,
 }
 
-impl Dynamics {
+impl MassAndBias {
     /// Takes back what was set as outputs `M` and `c`.
-    pub(super) fn take(equations: &mut Equations, joints: usize) -> Dynamics {
-        let mut dynamics = Dynamics {
+    pub(super) fn take(equations: &mut Equations, joints: usize) -> MassAndBias {
+        let mut dynamics = MassAndBias {
             mass: vec![Vec::new(); joints],
             bias: vec![Scalar::ZERO; joints],
         };
@@ -69,14 +69,14 @@ pub(super) fn dynamics(
     equations: &mut Equations,
     parameters: &Parameters<'_>,
     options: &Options,
-) -> Dynamics {
+) -> MassAndBias {
     let offsets = parameters.named_offsets(equations);
     let composites = Inertia::composites(equations, parameters, &offsets);
     let bias = bias(equations, parameters, options, &offsets, &composites);
     let mass = (0..parameters.joints())
         .map(|joint| column(equations, parameters, &offsets, &composites, joint))
         .collect();
-    Dynamics { mass, bias }
+    MassAndBias { mass, bias }
 }
 
 /// Joint forces for given accelerations of the joints, with composites where
@@ -118,7 +118,7 @@ pub(super) fn bias(
 /// given accelerations, or the bias beside composites that are needed anyway.
 fn body_by_body(parameters: &Parameters<'_>, options: &Options, accelerated: bool) -> bool {
     let count = |bodies: bool| {
-        let mut trial = Equations::new(Style {
+        let mut trial = Equations::new(EquationStyle {
             leading_signs: options.leading_signs,
         });
         let equations = &mut trial;

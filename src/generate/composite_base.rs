@@ -10,8 +10,8 @@
 
 use super::Options;
 use super::algebra::{Scalar, Sum};
-use super::composite::{Dynamics, bias, carry};
-use super::equations::{Equations, Label};
+use super::composite::{MassAndBias, bias, carry};
+use super::equations::{Equations, QuantityLabel};
 use super::hub::{Pose, Twist, hubs};
 use super::inertia::{Inertia, Wrench};
 use super::parameters::Parameters;
@@ -22,7 +22,7 @@ pub(super) fn dynamics(
     equations: &mut Equations,
     parameters: &Parameters<'_>,
     options: &Options,
-) -> Dynamics {
+) -> MassAndBias {
     let offsets = parameters.named_offsets(equations);
     let composites = Inertia::composites(equations, parameters, &offsets);
     let bias = bias(equations, parameters, options, &offsets, &composites);
@@ -30,7 +30,7 @@ pub(super) fn dynamics(
     let mass = (0..parameters.joints())
         .map(|joint| frames.column(equations, joint, &composites[joint]))
         .collect();
-    Dynamics { mass, bias }
+    MassAndBias { mass, bias }
 }
 
 /// Joints at most this far behind their hub are carried in body frames: the
@@ -155,7 +155,7 @@ impl<'a, 'm> Frames<'a, 'm> {
         for (linear, force) in twist.linear.iter().zip(&wrench.force) {
             sum.add(&[*linear, *force]);
         }
-        let label = Label::new("MO", 0, column + 1).column(joint + 1);
+        let label = QuantityLabel::new("MO", 0, column + 1).column(joint + 1);
         equations.define(label, sum)
     }
 }

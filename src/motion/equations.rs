@@ -3,7 +3,7 @@
 
 use super::linear::Matrix;
 use super::{Inputs, MotionError, State};
-use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
+use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
 use crate::model::Model;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Format, Function, Machine, Module, Shape, View};
@@ -303,8 +303,8 @@ impl Outputs<'_> {
     }
 }
 
-fn request(function: FunctionKind, formulation: Formulation) -> Request {
-    Request {
+fn request(function: FunctionKind, formulation: Formulation) -> GenerationRequest {
+    GenerationRequest {
         function,
         formulation,
         options: Options::default(),

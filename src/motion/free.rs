@@ -9,7 +9,7 @@
 
 use super::energy::{self, Momenta};
 use super::{Inputs, MotionError, State};
-use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
+use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
 use crate::model::Model;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Function, Input, Module, View};
@@ -70,7 +70,7 @@ impl<'m> FreeMotion<'m> {
     /// [`MotionError::Generate`]; [`MotionError::Element`] when the equations
     /// read what the model does not have.
     pub fn new(model: &'m Model, formulation: Formulation) -> Result<FreeMotion<'m>, MotionError> {
-        let request = Request {
+        let request = GenerationRequest {
             function: FunctionKind::Accelred,
             formulation,
             options: Options {

@@ -1,7 +1,9 @@
 //! What a scene is about: a model whose equations are made, or equations.
 
 use super::known::{Known, Words};
-use crate::generate::{Formulation, FunctionKind, GenerateError, Options, Request, generate};
+use crate::generate::{
+    Formulation, FunctionKind, GenerateError, GenerationRequest, Options, generate,
+};
 use crate::model::{Model, Nature};
 use crate::motion;
 use robovec_ir::Module;
@@ -52,7 +54,7 @@ impl ModelSubject {
     }
 
     fn generate(&self, model: &Model, formulation: Formulation) -> Result<Module, GenerateError> {
-        let request = Request {
+        let request = GenerationRequest {
             function: self.function,
             formulation,
             options: self.options.clone(),

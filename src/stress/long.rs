@@ -4,7 +4,7 @@ use super::case::{Bench, Measured, Subject};
 use super::dynamics::{Dynamics, Metric};
 use super::numbers::{Numbers, Wide, Work};
 use super::{StressError, Treatment};
-use crate::generate::{Formulation, FunctionKind, Request, generate};
+use crate::generate::{Formulation, FunctionKind, GenerationRequest, generate};
 use crate::model::Model;
 use crate::motion::{Calculus, Drift, FreeMotion, State, Stepping};
 use robovec_ir::Format;
@@ -103,7 +103,7 @@ impl Subject for Long {
     }
 
     fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
-        let request = Request::new(FunctionKind::Accelred);
+        let request = GenerationRequest::new(FunctionKind::Accelred);
         let module = generate(&self.model, &request)?;
         let operations = module.functions.iter().map(|f| Counts::of(f).operations);
         Ok(Box::new(Workbench {

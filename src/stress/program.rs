@@ -3,7 +3,7 @@
 use super::StressError;
 use super::numbers::{Evaluation, Numbers, rounded};
 use super::units::{Dimension, Units};
-use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
+use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
 use crate::model::Model;
 use crate::motion::{Inputs, State};
 use robovec_ir::count::Counts;
@@ -45,7 +45,7 @@ impl Program {
         kind: FunctionKind,
         recipe: Recipe<'_>,
     ) -> Result<Program, StressError> {
-        let request = Request {
+        let request = GenerationRequest {
             function: kind,
             formulation: recipe.formulation,
             options: Options::default(),

@@ -5,7 +5,7 @@ use super::{Case, Outputs, PLAIN, each};
 use crate::reference::dynamics::{bias, mass_matrix};
 use crate::reference::loops::constraints;
 use crate::reference::random::Recipe;
-use robovec::generate::{Formulation, FunctionKind, Request};
+use robovec::generate::{Formulation, FunctionKind, GenerationRequest};
 use robovec::model::{Model, Nature, mbs::read_mbs};
 use robovec::motion::linear::{Matrix, solve_square};
 use robovec::motion::{Laws, Setting, System};
@@ -15,9 +15,9 @@ use std::path::Path;
 /// Accelerations of all joints by a formulation; those of driven ones are
 /// given.
 fn accelerations(case: &Case, formulation: Formulation, forces: &[f64]) -> Vec<f64> {
-    let module = case.generate(&Request {
+    let module = case.generate(&GenerationRequest {
         formulation,
-        ..Request::new(FunctionKind::Accelred)
+        ..GenerationRequest::new(FunctionKind::Accelred)
     });
     let mut inputs = case.inputs();
     inputs.joint_forces.copy_from_slice(forces);

@@ -12,7 +12,7 @@ mod loops;
 use crate::reference::random::{self, Random, Recipe};
 use crate::reference::{State, Tree};
 use robovec::generate::{
-    Binding, Formulation, FunctionKind, Options, Request, TermOrder, generate,
+    Formulation, FunctionKind, GenerationRequest, Options, ParameterBinding, TermOrder, generate,
 };
 use robovec::model::Model;
 use robovec::motion;
@@ -51,7 +51,7 @@ impl Case {
     }
 
     /// Generates a function.
-    pub(crate) fn generate(&self, request: &Request) -> Module {
+    pub(crate) fn generate(&self, request: &GenerationRequest) -> Module {
         generate(&self.model, request)
             .unwrap_or_else(|error| panic!("seed {}, {request:?}: {error}", self.seed))
     }
@@ -112,7 +112,7 @@ pub(crate) const PLAIN: Recipe = Recipe {
 
 /// All requests for a function: every formulation of the dynamics, and each
 /// option that changes the equations.
-pub(crate) fn requests(function: FunctionKind) -> Vec<Request> {
+pub(crate) fn requests(function: FunctionKind) -> Vec<GenerationRequest> {
     let default = Options::default();
     let options = [
         default.clone(),
@@ -121,7 +121,7 @@ pub(crate) fn requests(function: FunctionKind) -> Vec<Request> {
             ..default.clone()
         },
         Options {
-            parameters: Binding::Numbers,
+            parameters: ParameterBinding::Numbers,
             ..default.clone()
         },
         Options {
@@ -141,7 +141,7 @@ pub(crate) fn requests(function: FunctionKind) -> Vec<Request> {
     formulations
         .filter(|formulation| formulation.gives(function))
         .flat_map(|formulation| {
-            options.iter().map(move |options| Request {
+            options.iter().map(move |options| GenerationRequest {
                 function,
                 formulation,
                 options: Options {

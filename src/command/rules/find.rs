@@ -5,7 +5,7 @@ use super::super::subjects::{built_in, check_number};
 use super::super::{CommandFailure, input};
 use super::exchange::deliver;
 use super::{list, read};
-use crate::generate::{FunctionKind, Request, generate};
+use crate::generate::{FunctionKind, GenerationRequest, generate};
 use crate::present::text_table;
 use clap::Args;
 use robovec_ir::{Function, Machine, Module};
@@ -128,7 +128,7 @@ fn modules(arguments: &FindArguments, machine: &Machine) -> Result<Vec<Module>, 
     for name in &arguments.files {
         check_number(name)?;
         let mut module = match built_in(name) {
-            Some(model) => generate(&model, &Request::new(FunctionKind::Dirdyna))
+            Some(model) => generate(&model, &GenerationRequest::new(FunctionKind::Dirdyna))
                 .map_err(|error| CommandFailure::plain(format!("{name}: {error}")))?,
             None => input::equations_or_model(Path::new(name), None, None)?.module,
         };
