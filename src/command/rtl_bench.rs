@@ -3,7 +3,7 @@
 use super::CommandFailure;
 use super::flags::{NUMBER, SEED, whole};
 use crate::process::ToolError;
-use crate::rtl::{CheckFailure, Checked, Door, Tool, bench_files, check};
+use crate::rtl::{CheckFailure, Checked, Door, HardwareSimulator, bench_files, check};
 use clap::{Args, ValueEnum};
 use robovec_ir::states::States;
 use robovec_ir::{Machine, View};
@@ -71,12 +71,12 @@ impl From<HostDoor> for Door {
     }
 }
 
-impl From<Simulator> for Tool {
-    fn from(simulator: Simulator) -> Tool {
+impl From<Simulator> for HardwareSimulator {
+    fn from(simulator: Simulator) -> HardwareSimulator {
         match simulator {
-            Simulator::Iverilog => Tool::Icarus,
-            Simulator::Verilator => Tool::Verilator,
-            Simulator::VerilogVerilator => Tool::VerilatorVerilog,
+            Simulator::Iverilog => HardwareSimulator::Icarus,
+            Simulator::Verilator => HardwareSimulator::Verilator,
+            Simulator::VerilogVerilator => HardwareSimulator::VerilatorVerilog,
         }
     }
 }
@@ -128,7 +128,7 @@ pub(super) fn checked(
         (false, true) => hardware.to_owned(),
         (false, false) => hardware.parent().unwrap_or(hardware).to_owned(),
     };
-    let tool = Tool::from(simulator);
+    let tool = HardwareSimulator::from(simulator);
     let mut doors: Vec<Door> = arguments.through.iter().map(|&way| way.into()).collect();
     // The configuration of hardware that was there has its own images.
     let is_configured = folder.join("rtl").is_dir();

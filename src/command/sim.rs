@@ -6,7 +6,10 @@ use crate::files::limited;
 use crate::generate::Formulation;
 use crate::model::mbs::ReadModel;
 use crate::model::{Model, Nature};
-use crate::motion::{Laws, Method, MotionError, Plan, Run, Setting, System, plot, simulate};
+use crate::motion::{
+    EquationSetting, IntegrationMethod, Laws, MotionError, MultibodySystem, SimulationPlan,
+    SimulationRun, plot, simulate,
+};
 use crate::present;
 use clap::{Args, ValueEnum};
 use robovec_ir::Format;
@@ -104,13 +107,13 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
         None => Laws::none(model),
         Some(path) => laws(model, path)?,
     };
-    let setting = Setting {
+    let setting = EquationSetting {
         formulation: Formulation::from_name(&arguments.formulation).unwrap_or_default(),
         passes: arguments.passes.is_some().then_some((&pipeline, &machine)),
         format: arguments.number,
         accelerations: arguments.accelred,
     };
-    let (mut system, initial) = System::new(model, laws, &setting).map_err(failure)?;
+    let (mut system, initial) = MultibodySystem::new(model, laws, &setting).map_err(failure)?;
     let remark = roles(model, &system);
     let bar = progress::bar(BAR_LENGTH as usize, "{percent}% {elapsed}, {eta} left");
     let run = simulate(&mut system, &initial, &plan(arguments), &mut |time| {
@@ -178,15 +181,15 @@ fn laws(model: &Model, path: &Path) -> Result<Laws, CommandFailure> {
     })
 }
 
-fn plan(arguments: &SimArguments) -> Plan {
-    Plan {
+fn plan(arguments: &SimArguments) -> SimulationPlan {
+    SimulationPlan {
         duration: arguments.time,
         samples: arguments.samples,
         method: match arguments.method {
-            IntegratorChoice::Rk4 => Method::RungeKutta {
+            IntegratorChoice::Rk4 => IntegrationMethod::RungeKutta {
                 step: arguments.step,
             },
-            IntegratorChoice::Dopri => Method::DormandPrince {
+            IntegratorChoice::Dopri => IntegrationMethod::DormandPrince {
                 relative: arguments.tolerance,
                 absolute: arguments.tolerance,
             },
@@ -201,7 +204,7 @@ fn failure(error: MotionError) -> CommandFailure {
 }
 
 /// What moves freely, and what follows.
-fn roles(model: &Model, system: &System<'_>) -> String {
+fn roles(model: &Model, system: &MultibodySystem<'_>) -> String {
     let partition = system.partition();
     let mut text = format!(
         "{}: {} independent, {} dependent, {} driven joints\n",
@@ -231,7 +234,7 @@ fn roles(model: &Model, system: &System<'_>) -> String {
     text
 }
 
-fn summary(arguments: &SimArguments, run: &Run) -> String {
+fn summary(arguments: &SimArguments, run: &SimulationRun) -> String {
     let rejected = match run.rejected {
         0 => String::new(),
         count => format!(", {count} repeated"),
@@ -249,7 +252,7 @@ fn summary(arguments: &SimArguments, run: &Run) -> String {
 }
 
 /// One line per sample.
-fn csv(model: &Model, run: &Run) -> String {
+fn csv(model: &Model, run: &SimulationRun) -> String {
     let mut text = String::from("time");
     for kind in ["q", "qd"] {
         for joint in &model.joints {

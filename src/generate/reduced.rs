@@ -121,11 +121,12 @@ impl JointRoles {
             });
         }
         let failed = |error: motion::MotionError| GenerateError::Loops(error.to_string());
-        let setting = motion::Setting::default();
+        let setting = motion::EquationSetting::default();
         let laws = motion::Laws::none(model);
-        let (system, state) = motion::System::new(model, laws, &setting).map_err(failed)?;
+        let (system, state) =
+            motion::MultibodySystem::new(model, laws, &setting).map_err(failed)?;
         let roles = system.partition();
-        let equations = motion::Equations::new(model, &setting).map_err(failed)?;
+        let equations = motion::MotionEquations::new(model, &setting).map_err(failed)?;
         let jacobian = equations.constraints(&state).1;
         let square = jacobian.select(&roles.rows, &roles.dependent);
         let pivots = motion::linear::eliminate(square, &vec![1.0; roles.dependent.len()], 0.0);

@@ -20,7 +20,7 @@ use super::units::Units;
 use super::{StressError, Treatment};
 use crate::generate::{Formulation, FunctionKind};
 use crate::model::Model;
-use crate::motion::State;
+use crate::motion::MotionState;
 use errors::Errors;
 use robovec_ir::Format;
 use robovec_num::arithmetic::Arithmetic;
@@ -41,7 +41,7 @@ pub(super) enum Metric {
 /// A model in some states.
 pub(super) struct Dynamics {
     pub(super) model: Model,
-    pub(super) states: Vec<State>,
+    pub(super) states: Vec<MotionState>,
     pub(super) metric: Metric,
     /// Too long for a mass matrix: accelerations come from articulated bodies.
     pub(super) articulated: bool,
@@ -51,7 +51,7 @@ pub(super) struct Dynamics {
 const JACOBI: usize = 140;
 
 impl Dynamics {
-    pub(super) fn new(model: Model, states: Vec<State>, metric: Metric) -> Dynamics {
+    pub(super) fn new(model: Model, states: Vec<MotionState>, metric: Metric) -> Dynamics {
         Dynamics {
             model: shared_model(model),
             states: states.into_iter().map(shared_state).collect(),
@@ -76,7 +76,7 @@ fn shared_model(mut model: Model) -> Model {
 }
 
 /// The state with every number rounded to what binary32 holds.
-fn shared_state(mut state: State) -> State {
+fn shared_state(mut state: MotionState) -> MotionState {
     for numbers in [&mut state.q, &mut state.qd, &mut state.qdd] {
         numbers
             .iter_mut()
@@ -248,7 +248,7 @@ impl Workbench<'_> {
     /// `M`, row by row, and `c`.
     fn masses(
         &self,
-        state: &State,
+        state: &MotionState,
         treatment: &Treatment,
         numbers: Numbers,
     ) -> Result<[Vec<Double>; 2], StressError> {
@@ -264,7 +264,7 @@ impl Workbench<'_> {
     /// The forces that the state's accelerations take.
     fn forces(
         &self,
-        state: &State,
+        state: &MotionState,
         treatment: &Treatment,
         numbers: Numbers,
     ) -> Result<Vec<Double>, StressError> {
@@ -276,7 +276,7 @@ impl Workbench<'_> {
     /// The forces, in the format that the treatment has for them.
     fn treated_forces(
         &self,
-        state: &State,
+        state: &MotionState,
         treatment: &Treatment,
     ) -> Result<Vec<Double>, StressError> {
         let format = treatment.forces.unwrap_or(treatment.format);
@@ -286,7 +286,7 @@ impl Workbench<'_> {
     /// Accelerations for the forces that were computed for those of the state.
     fn accelerations(
         &self,
-        state: &State,
+        state: &MotionState,
         treatment: &Treatment,
         masses: &[Vec<Double>; 2],
     ) -> Result<Vec<Double>, StressError> {
@@ -327,7 +327,7 @@ impl Workbench<'_> {
     /// Accelerations from articulated bodies, refined where that is asked for.
     fn articulated(
         &self,
-        state: &State,
+        state: &MotionState,
         treatment: &Treatment,
         forces: &[Double],
     ) -> Result<Vec<Double>, StressError> {
@@ -523,7 +523,7 @@ mod tests {
     #[test]
     fn all_ways_to_accelerations_agree_in_exact_numbers() {
         let model = family::serial(9, 2);
-        let mut state = State::initial(&model);
+        let mut state = MotionState::initial(&model);
         for joint in 0..9 {
             state.qd[joint] = 0.5 - 0.1 * joint as f64;
             state.qdd[joint] = 0.3 * joint as f64 - 1.0;

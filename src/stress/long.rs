@@ -6,7 +6,7 @@ use super::numbers::{Numbers, Wide, Work};
 use super::{StressError, Treatment};
 use crate::generate::{Formulation, FunctionKind, GenerationRequest, generate};
 use crate::model::Model;
-use crate::motion::{Calculus, Drift, FreeMotion, State, Stepping};
+use crate::motion::{Calculus, Drift, FreeMotion, MotionState, Stepping};
 use robovec_ir::Format;
 use robovec_ir::count::Counts;
 use robovec_num::arithmetic::Arithmetic;
@@ -24,7 +24,7 @@ pub(super) enum Kept {
 /// A model left to itself.
 pub(super) struct Long {
     model: Model,
-    initial: State,
+    initial: MotionState,
     kept: Kept,
     /// s.
     duration: f64,
@@ -35,7 +35,7 @@ pub(super) struct Long {
 impl Long {
     pub(super) fn new(
         model: Model,
-        initial: State,
+        initial: MotionState,
         kept: Kept,
         [duration, step]: [f64; 2],
     ) -> Long {

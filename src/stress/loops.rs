@@ -10,8 +10,8 @@ use super::units::Units;
 use super::{StressError, Treatment};
 use crate::generate::{Formulation, FunctionKind};
 use crate::model::Model;
-use crate::motion::linear::{Matrix, dot};
-use crate::motion::{Equations, Setting, State};
+use crate::motion::linear::{DenseMatrix, dot};
+use crate::motion::{EquationSetting, MotionEquations, MotionState};
 use robovec_ir::Format;
 use robovec_num::double_double::Double;
 
@@ -23,14 +23,14 @@ pub(super) struct Loops {
 /// A model in a state that closes its loops.
 struct Closed {
     model: Model,
-    state: State,
+    state: MotionState,
 }
 
 impl Loops {
     /// Models, closed in their initial states.
     pub(super) fn new(models: impl IntoIterator<Item = Model>) -> Loops {
         let closed = models.into_iter().map(|model| {
-            let state = State::initial(&model);
+            let state = MotionState::initial(&model);
             // Rounds the numbers of both.
             let mut shared = Dynamics::new(model, vec![state], Metric::Accelerations);
             Closed {
@@ -69,7 +69,7 @@ struct Prepared<'a> {
     subject: &'a Closed,
     plain: Program,
     exact: Vec<Double>,
-    equations: Equations,
+    equations: MotionEquations,
 }
 
 impl Subject for Loops {
@@ -143,7 +143,7 @@ impl<'a> Prepared<'a> {
         let inputs = plain.inputs(&subject.state);
         Ok(Prepared {
             exact: subject.accelerations(&plain, Numbers::Reference, &inputs),
-            equations: Equations::new(&subject.model, &Setting::default())?,
+            equations: MotionEquations::new(&subject.model, &EquationSetting::default())?,
             subject,
             plain,
         })
@@ -156,7 +156,7 @@ impl<'a> Prepared<'a> {
         let (mass, _) = self.equations.dynamics(&self.subject.state);
         let (_, jacobian) = self.equations.constraints(&self.subject.state);
         let size = joints + jacobian.rows();
-        let mut matrix = Matrix::zeros(size, size);
+        let mut matrix = DenseMatrix::zeros(size, size);
         for i in 0..joints {
             for j in 0..joints {
                 matrix[(i, j)] = mass[(i, j)];

@@ -5,7 +5,7 @@ use super::numbers::{Evaluation, Numbers, rounded};
 use super::units::{Dimension, Units};
 use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
 use crate::model::Model;
-use crate::motion::{Inputs, State};
+use crate::motion::{InputSources, MotionState};
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::{Format, Function, Input, Machine, Module, Operand, Output, View};
@@ -30,7 +30,7 @@ pub(super) struct Recipe<'a> {
 /// A function of a model.
 pub(super) struct Program {
     pub(super) function: Function,
-    inputs: Inputs,
+    inputs: InputSources,
     input_dimensions: Vec<Dimension>,
     outputs: Vec<(String, usize, usize)>,
     output_dimensions: Vec<Dimension>,
@@ -71,7 +71,7 @@ impl Program {
             tables: &tables,
             function: &function,
         };
-        let inputs = Inputs::new(model, view).map_err(StressError::Passes)?;
+        let inputs = InputSources::new(model, view).map_err(StressError::Passes)?;
         let dimension = |(array, indices, rank): (&robovec_ir::Array, [u32; 2], usize)| {
             Dimension::of(model, tables.symbols.text(array.name), &indices[..rank])
         };
@@ -97,7 +97,7 @@ impl Program {
 
     /// The flattened inputs in a state. Models and states are rounded before
     /// ([`shared`]), what a program is given by another is not.
-    pub(super) fn inputs(&self, state: &State) -> Vec<f64> {
+    pub(super) fn inputs(&self, state: &MotionState) -> Vec<f64> {
         self.inputs.gather(state)
     }
 

@@ -8,7 +8,7 @@ use super::units::Units;
 use super::{StressError, Treatment};
 use crate::generate::{Formulation, FunctionKind};
 use crate::model::Model;
-use crate::motion::State;
+use crate::motion::MotionState;
 use robovec_ir::Format;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
@@ -108,7 +108,7 @@ pub(super) struct Angles {
 }
 
 impl Angles {
-    pub(super) fn new(model: Model, states: Vec<State>) -> Angles {
+    pub(super) fn new(model: Model, states: Vec<MotionState>) -> Angles {
         Angles {
             dynamics: Dynamics::new(model, states, Metric::Forces),
         }
@@ -164,7 +164,7 @@ impl Subject for Angles {
             only: None,
         };
         let program = Program::new(&dynamics.model, FunctionKind::Invdyna, recipe)?;
-        let forces = |state: &State| {
+        let forces = |state: &MotionState| {
             let flat = program.evaluate(Numbers::Reference, Units::SI, &program.inputs(state));
             program.array("Qq", &flat, dynamics.model.joints.len())
         };
@@ -178,7 +178,7 @@ impl Subject for Angles {
 }
 
 impl Workbench<'_> {
-    fn forces(&self, state: &State, treatment: &Treatment) -> Vec<Double> {
+    fn forces(&self, state: &MotionState, treatment: &Treatment) -> Vec<Double> {
         let inputs = self.program.inputs(state);
         let evaluation = Evaluation {
             function: &self.program.function,

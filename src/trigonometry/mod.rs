@@ -14,7 +14,7 @@ pub use view::{figure, table, text};
 use crate::explore::program::transformed;
 use crate::explore::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
 use crate::model::Model;
-use crate::motion::{Inputs, State};
+use crate::motion::{InputSources, MotionState};
 use robovec_analysis::critical_path::critical_path;
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Format, Input, Machine, Module, View};
@@ -210,8 +210,8 @@ fn ranges(view: View<'_>, model: Option<&Model>, angle: f64) -> Result<Ranges, M
     let parameters = match model {
         None => None,
         Some(model) => {
-            let inputs = Inputs::new(model, view).map_err(MeasureError::Input)?;
-            Some(inputs.gather(&State::initial(model)))
+            let inputs = InputSources::new(model, view).map_err(MeasureError::Input)?;
+            Some(inputs.gather(&MotionState::initial(model)))
         }
     };
     for index in 0..view.function.input_len() {

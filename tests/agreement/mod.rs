@@ -40,8 +40,8 @@ impl Case {
     }
 
     /// The state as the equations' inputs are gathered from it.
-    pub(crate) fn inputs(&self) -> motion::State {
-        let mut inputs = motion::State::initial(&self.model);
+    pub(crate) fn inputs(&self) -> motion::MotionState {
+        let mut inputs = motion::MotionState::initial(&self.model);
         inputs.q.clone_from(&self.state.q);
         inputs.qd.clone_from(&self.state.qd);
         inputs.qdd.clone_from(&self.state.qdd);
@@ -163,7 +163,12 @@ pub(crate) struct Outputs {
 
 impl Outputs {
     /// Evaluates a function of a module.
-    pub(crate) fn of(case: &Case, module: &Module, name: &str, inputs: &motion::State) -> Outputs {
+    pub(crate) fn of(
+        case: &Case,
+        module: &Module,
+        name: &str,
+        inputs: &motion::MotionState,
+    ) -> Outputs {
         let function = module
             .function(name)
             .unwrap_or_else(|| panic!("seed {}: no function {name}", case.seed));
@@ -171,7 +176,7 @@ impl Outputs {
             tables: &module.tables,
             function,
         };
-        let sources = motion::Inputs::new(&case.model, view)
+        let sources = motion::InputSources::new(&case.model, view)
             .unwrap_or_else(|name| panic!("seed {}: no input {name}", case.seed));
         let numbers = evaluate(function, &Binary64, &sources.gather(inputs));
         let mut flat = vec![0.0; function.output_len()];

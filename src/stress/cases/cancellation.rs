@@ -8,7 +8,7 @@ use super::super::verdict::Verdict;
 use super::models::{HINGE, sphere};
 use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model};
-use crate::motion::State;
+use crate::motion::MotionState;
 use robovec_num::double_double::Double;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -49,7 +49,7 @@ pub(super) fn cases() -> Vec<Case> {
     ] {
         let residual = 10f64.powi(-power);
         let model = counterweight(residual);
-        let mut state = State::initial(&model);
+        let mut state = MotionState::initial(&model);
         state.q[0] = 0.3;
         cases.push(case(
             format!("counterweight-1e-{power}"),

@@ -6,7 +6,7 @@ use super::super::verdict::Verdict;
 use super::models::{random, sphere};
 use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model, systems};
-use crate::motion::State;
+use crate::motion::MotionState;
 
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
@@ -17,7 +17,7 @@ pub(super) fn cases() -> Vec<Case> {
         (5, 60.0, Verdict::BadCode),
     ] {
         let model = systems::double_pendulum();
-        let initial = State::initial(&model);
+        let initial = MotionState::initial(&model);
         let step = 10f64.powi(-power);
         let subject = Long::new(model, initial, Kept::Energy, [duration, step]);
         cases.push(case(

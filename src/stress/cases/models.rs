@@ -3,7 +3,7 @@
 use super::super::draw::Draw;
 use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model};
-use crate::motion::State;
+use crate::motion::MotionState;
 
 /// A hinge about the second axis.
 pub(super) const HINGE: [JointKind; 1] = [JointKind::Revolute(Axis::Y)];
@@ -28,9 +28,9 @@ pub(super) fn sphere(inertia: f64) -> [f64; 6] {
 
 /// A random state: angles up to half a turn, velocities and accelerations up
 /// to the given size.
-pub(super) fn random(model: &Model, seed: u64, rate: f64) -> State {
+pub(super) fn random(model: &Model, seed: u64, rate: f64) -> MotionState {
     let mut draw = Draw::new(seed);
-    let mut state = State::initial(model);
+    let mut state = MotionState::initial(model);
     for joint in 0..model.joints.len() {
         state.q[joint] = draw.within(std::f64::consts::PI);
         state.qd[joint] = draw.within(rate);
@@ -40,7 +40,7 @@ pub(super) fn random(model: &Model, seed: u64, rate: f64) -> State {
 }
 
 /// All positions zero, with velocities and accelerations of the order of one.
-pub(super) fn straight(model: &Model) -> State {
+pub(super) fn straight(model: &Model) -> MotionState {
     let mut state = random(model, 3, 1.0);
     state.q.iter_mut().for_each(|q| *q = 0.0);
     state

@@ -7,7 +7,7 @@ use super::super::verdict::Verdict;
 use super::models::{HINGE, planar, random, sphere, straight};
 use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model, family};
-use crate::motion::State;
+use crate::motion::MotionState;
 
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = masses();
@@ -23,7 +23,7 @@ fn case(
     name: String,
     (construction, breaks): (String, &'static str),
     expected: Verdict,
-    (model, states): (Model, Vec<State>),
+    (model, states): (Model, Vec<MotionState>),
 ) -> Case {
     Case {
         name,
@@ -36,7 +36,7 @@ fn case(
     }
 }
 
-fn some(model: &Model) -> Vec<State> {
+fn some(model: &Model) -> Vec<MotionState> {
     (0..3).map(|seed| random(model, seed, 1.0)).collect()
 }
 

@@ -8,8 +8,8 @@ use super::super::units::Units;
 use super::super::{StressError, Treatment};
 use super::{Exact, JACOBI, Metric, Solution, Workbench};
 use crate::generate::{Formulation, FunctionKind};
-use crate::motion::State;
-use crate::motion::linear::Matrix;
+use crate::motion::MotionState;
+use crate::motion::linear::DenseMatrix;
 use robovec_ir::Format;
 use robovec_num::double_double::Double;
 
@@ -97,7 +97,7 @@ impl Errors {
 impl Workbench<'_> {
     pub(super) fn errors(
         &self,
-        state: &State,
+        state: &MotionState,
         exact: &Exact,
         treatment: &Treatment,
     ) -> Result<Errors, StressError> {
@@ -149,7 +149,7 @@ impl Workbench<'_> {
                 let entries: Vec<f64> = mass.iter().map(|number| number.high).collect();
                 return estimated_condition(size, &entries);
             }
-            let mut matrix = Matrix::zeros(size, size);
+            let mut matrix = DenseMatrix::zeros(size, size);
             for (place, number) in mass.iter().enumerate() {
                 matrix[(place / size, place % size)] = number.high;
             }
@@ -160,7 +160,7 @@ impl Workbench<'_> {
 
     /// The mass matrix column by column, from the inverse dynamics at rest
     /// without gravity.
-    fn columns(&self, state: &State) -> Result<Vec<f64>, StressError> {
+    fn columns(&self, state: &MotionState) -> Result<Vec<f64>, StressError> {
         let size = self.joints();
         let mut model = self.subject.model.clone();
         model.gravity = [0.0; 3];
