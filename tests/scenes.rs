@@ -4,7 +4,7 @@
 use crate::support::files::{compare_with_record, each, stem, tree};
 use crate::support::programs::{robovec, stderr};
 use robovec::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
-use robovec::scene::{PIPELINE, SceneFile, Subject, USUAL, read};
+use robovec::scene::{PIPELINE, SceneFile, SceneSubject, USUAL, read};
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Function, Input, Machine, Module, View};
@@ -274,7 +274,8 @@ fn locked_joints_are_joints_held_by_their_reaction() {
         PIPELINE,
         Some(&everything),
     );
-    let (Subject::Model(subject), Subject::Model(_)) = (&file.subject, &straight.subject) else {
+    let (SceneSubject::Model(subject), SceneSubject::Model(_)) = (&file.subject, &straight.subject)
+    else {
         panic!("both have models");
     };
     let inverse = GenerationRequest {

@@ -4,7 +4,7 @@
 use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::Model;
 use robovec::model::mbs::read_mbs;
-use robovec::simulate::Program;
+use robovec::simulate::LoadedProgram;
 use robovec::trigonometry::{Effect, Setting, figure, measure, table, text};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
@@ -155,7 +155,7 @@ fn simulate(module: &Module, unit: Option<&Unit>) {
     };
     let mut files: Vec<(String, String)> = Vec::new();
     write_images(view, &thesis(), None, &mut files).expect("it can be written");
-    let program = Program::load(&files, &thesis()).expect("it can be loaded");
+    let program = LoadedProgram::load(&files, &thesis()).expect("it can be loaded");
     for state in 0..4 {
         let inputs = States::new(5).draw(view, state);
         let found = program.run(&inputs).expect("no hazard").values;

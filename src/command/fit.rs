@@ -7,7 +7,7 @@ use crate::fit::confirm::{self, Confirmation};
 use crate::fit::{self, FitOutcome, FitTask, SinePlace};
 use crate::generate::Formulation;
 use crate::present::json::json_text;
-use crate::scene::{SceneFile, Subject};
+use crate::scene::{SceneFile, SceneSubject};
 use clap::{Args, ValueEnum};
 use robovec_analysis::rounding::usual_states;
 use robovec_ir::{Machine, Module, print};
@@ -125,7 +125,7 @@ fn formulations(
     general: &Module,
 ) -> Vec<(Formulation, Module)> {
     let own = (file.formulation(), general.clone());
-    let Subject::Model(subject) = &file.subject else {
+    let SceneSubject::Model(subject) = &file.subject else {
         return vec![own];
     };
     let asked = arguments.formulation.iter();

@@ -2,7 +2,7 @@
 
 use super::{CommandFailure, input};
 use crate::present::text_table;
-use crate::scene::{Effect, SceneFile, Subject, effects};
+use crate::scene::{SceneEffect, SceneFile, SceneSubject, effects};
 use clap::Args;
 use robovec_ir::{Input, Machine, Module, View};
 use robovec_passes::scene::{Hold, Scene};
@@ -42,11 +42,11 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<String, CommandFailure> 
 
 fn about(file: &SceneFile) -> String {
     match &file.subject {
-        Subject::Equations(module) => {
+        SceneSubject::Equations(module) => {
             let names: Vec<&str> = module.functions.iter().map(|f| f.name.as_str()).collect();
             format!("\nfunction {}, as it was read\n", names.join(", "))
         }
-        Subject::Model(subject) => format!(
+        SceneSubject::Model(subject) => format!(
             "\nfunction {} of the model {}, formulation {}\n",
             subject.name,
             subject.model.name,
@@ -163,7 +163,7 @@ fn inputs(scene: &Scene, module: &Module) -> String {
     format!("\n{}\n", text_table(head, &rows))
 }
 
-fn worth(effects: &[Effect], machine: &Machine, scene: &Scene) -> String {
+fn worth(effects: &[SceneEffect], machine: &Machine, scene: &Scene) -> String {
     let general = effects.first().map_or(1, |first| first.operations.max(1));
     let rows: Vec<Vec<String>> = effects
         .iter()

@@ -1,7 +1,7 @@
 //! `--simulate`: the placed program against the equations.
 
 use super::CommandFailure;
-use crate::simulate::Program;
+use crate::simulate::LoadedProgram;
 use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
@@ -52,7 +52,7 @@ pub(crate) fn simulate(
 fn compare(view: View<'_>, machine: &Machine, states: u32, draws: &States) -> Result<u32, String> {
     let mut files: Vec<(String, String)> = Vec::new();
     write_images(view, machine, None, &mut files).map_err(|error| error.to_string())?;
-    let program = Program::load(&files, machine).map_err(|error| error.to_string())?;
+    let program = LoadedProgram::load(&files, machine).map_err(|error| error.to_string())?;
     let places: Vec<u32> = program.outputs().map(|(_, place)| place).collect();
     let arithmetic = FormatArithmetic::new(machine.number);
     for index in 0..states {

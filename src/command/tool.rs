@@ -16,7 +16,7 @@ use super::sim::{self, SimArguments};
 use super::{CommandFailure, flags, input, output, write};
 use crate::files::limited;
 use crate::process::{ProcessLimits, set_limits};
-use crate::simulate::Program;
+use crate::simulate::LoadedProgram;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::fmt::Write;
@@ -161,7 +161,7 @@ fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, Comm
     }
     files.sort();
     let fail = |error: String| CommandFailure::plain(format!("{}: {error}", folder.display()));
-    let program = Program::load(&files, &machine).map_err(|error| fail(error.to_string()))?;
+    let program = LoadedProgram::load(&files, &machine).map_err(|error| fail(error.to_string()))?;
     let outputs = program
         .run(inputs)
         .map_err(|hazard| fail(hazard.to_string()))?;

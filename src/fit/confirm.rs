@@ -138,7 +138,7 @@ fn run(ready: &Ready, states: &[Vec<f64>]) -> Result<(u32, Vec<Vec<f64>>), Strin
     let mut files: Vec<(String, String)> = Vec::new();
     write_images(placed, &ready.machine, None, &mut files).map_err(|error| error.to_string())?;
     let program =
-        simulate::Program::load(&files, &ready.machine).map_err(|error| error.to_string())?;
+        simulate::LoadedProgram::load(&files, &ready.machine).map_err(|error| error.to_string())?;
     let places: Vec<u32> = program.outputs().map(|(_, place)| place).collect();
     let mut rows = Vec::with_capacity(states.len());
     for state in states {

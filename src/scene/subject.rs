@@ -1,6 +1,6 @@
 //! What a scene is about: a model whose equations are made, or equations.
 
-use super::known::{Known, Words};
+use super::known::{ElementKnowledge, ElementStatements};
 use crate::generate::{
     Formulation, FunctionKind, GenerateError, GenerationRequest, Options, generate,
 };
@@ -11,7 +11,7 @@ use robovec_passes::scene::{HeldJoint, Hold};
 
 /// What a scene is about.
 #[derive(Debug)]
-pub enum Subject {
+pub enum SceneSubject {
     /// A model and a function of it.
     Model(Box<ModelSubject>),
     /// Equations as they were read: the one function of the scene.
@@ -89,11 +89,11 @@ impl ModelSubject {
 
     /// Keeps the symbols of parameters that are zero in the model but not in
     /// the scene.
-    pub(super) fn keep_needed_symbols(&mut self, words: &Words) {
+    pub(super) fn keep_needed_symbols(&mut self, words: &ElementStatements) {
         self.options.all_parameters = words.said().any(|(array, indices, known)| {
             let present = indices.iter().take_while(|&&index| index > 0).count();
             motion::parameter(&self.general, array, &indices[..present]) == Some(0.0)
-                && known != Known::Bound(0.0)
+                && known != ElementKnowledge::Bound(0.0)
         });
     }
 }
