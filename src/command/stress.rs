@@ -3,7 +3,7 @@
 use super::output::result_files;
 use super::{CommandFailure, output, progress};
 use crate::present::json::json_text;
-use crate::stress::{self, Case, Class, Findings, StressError};
+use crate::stress::{self, CaseClass, Findings, StressCase, StressError};
 use clap::Args;
 use rayon::prelude::*;
 use robovec_ir::diagnostic::{clip, did_you_mean};
@@ -31,7 +31,7 @@ pub(super) struct StressArguments {
 }
 
 fn classes() -> clap::builder::PossibleValuesParser {
-    Class::ALL.map(Class::name).into()
+    CaseClass::ALL.map(CaseClass::name).into()
 }
 
 /// Runs the command: the text for the standard output.
@@ -93,7 +93,7 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, CommandFailure>
     ))
 }
 
-fn chosen(arguments: &StressArguments) -> Result<Vec<Case>, CommandFailure> {
+fn chosen(arguments: &StressArguments) -> Result<Vec<StressCase>, CommandFailure> {
     let mut cases = stress::cases();
     for name in &arguments.case {
         if !cases.iter().any(|case| case.name == *name) {
@@ -118,9 +118,9 @@ fn chosen(arguments: &StressArguments) -> Result<Vec<Case>, CommandFailure> {
     Ok(cases)
 }
 
-fn list(cases: &[Case]) -> String {
+fn list(cases: &[StressCase]) -> String {
     let mut text = String::new();
-    for class in Class::ALL {
+    for class in CaseClass::ALL {
         let of_class = || cases.iter().filter(|case| case.class == class);
         if of_class().next().is_none() {
             continue;
@@ -141,7 +141,7 @@ fn list(cases: &[Case]) -> String {
 
 fn write_files(
     folder: &std::path::Path,
-    findings: &[(&Case, Findings)],
+    findings: &[(&StressCase, Findings)],
 ) -> Result<(), CommandFailure> {
     let table = stress::table(findings);
     let mut files = result_files(&table, json_text(&table), &stress::figure(findings));
@@ -150,7 +150,7 @@ fn write_files(
 }
 
 /// What is not as it should be: verdicts, and classes without a cure.
-fn complaints(arguments: &StressArguments, findings: &[(&Case, Findings)]) -> Vec<String> {
+fn complaints(arguments: &StressArguments, findings: &[(&StressCase, Findings)]) -> Vec<String> {
     let mut complaints = Vec::new();
     for (case, found) in findings {
         if found.verdict != case.expected {
@@ -163,7 +163,7 @@ fn complaints(arguments: &StressArguments, findings: &[(&Case, Findings)]) -> Ve
     if arguments.verdicts {
         return complaints;
     }
-    for class in Class::ALL {
+    for class in CaseClass::ALL {
         let mut of_class = findings.iter().filter(|(case, _)| case.class == class);
         let cured = of_class.clone().any(|(_, found)| found.cure.is_some());
         if of_class.next().is_some() && !cured {

@@ -1,11 +1,11 @@
 //! Equations as text with given inputs.
 
-use super::case::{Bench, Measured, Subject};
+use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{componentwise, normwise, perturb, worst};
 use super::numbers::{Evaluation, Numbers};
 use super::program::{is_normal, run_passes, shared};
 use super::treatment::BALANCED;
-use super::{StressError, Treatment};
+use super::{ProgramTreatment, StressError};
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::parse::parse_module;
@@ -17,17 +17,17 @@ use robovec_passes::registry;
 use robovec_passes::scene::Scene;
 
 /// Equations, and the inputs they are evaluated for.
-pub(super) struct Equations {
+pub(super) struct EquationsSubject {
     /// A module of one function in the text form.
     pub(super) text: String,
     /// Sets of inputs.
     pub(super) inputs: Vec<Vec<f64>>,
 }
 
-impl Equations {
-    pub(super) fn new(text: String, inputs: Vec<Vec<f64>>) -> Equations {
+impl EquationsSubject {
+    pub(super) fn new(text: String, inputs: Vec<Vec<f64>>) -> EquationsSubject {
         let share = |inputs: Vec<f64>| inputs.into_iter().map(shared).collect();
-        Equations {
+        EquationsSubject {
             text,
             inputs: inputs.into_iter().map(share).collect(),
         }
@@ -62,39 +62,39 @@ impl Equations {
     }
 }
 
-struct Workbench<'a> {
-    subject: &'a Equations,
+struct EquationsBench<'a> {
+    subject: &'a EquationsSubject,
     module: Module,
     exact: Vec<Vec<Double>>,
 }
 
-impl Subject for Equations {
+impl StressSubject for EquationsSubject {
     fn metric(&self) -> &'static str {
         "sum"
     }
 
-    fn candidates(&self) -> Vec<Treatment> {
+    fn candidates(&self) -> Vec<ProgramTreatment> {
         let mut passes = vec![BALANCED];
         // Only where there is such a pass.
         if registry::find("accurate").is_some() {
             passes.push("atomise,accurate");
             passes.push("atomise,accurate{growth=1000 slack=1000}");
         }
-        let treatment = |passes| Treatment {
+        let treatment = |passes| ProgramTreatment {
             passes,
-            ..Treatment::default()
+            ..ProgramTreatment::default()
         };
         passes.into_iter().map(treatment).collect()
     }
 
-    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
+    fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
         let module = self.module("")?;
         let exact = self
             .inputs
             .iter()
             .map(|inputs| evaluate(&module, Numbers::Reference, inputs))
             .collect();
-        Ok(Box::new(Workbench {
+        Ok(Box::new(EquationsBench {
             subject: self,
             module,
             exact,
@@ -107,7 +107,7 @@ fn evaluate(module: &Module, numbers: Numbers, inputs: &[f64]) -> Vec<Double> {
     numbers.work(Evaluation { function, inputs })
 }
 
-impl Bench for Workbench<'_> {
+impl StressBench for EquationsBench<'_> {
     fn condition(&self) -> f64 {
         let format = Format::BINARY32;
         self.floor(format) / format.unit_roundoff()
@@ -128,7 +128,7 @@ impl Bench for Workbench<'_> {
         worst(moved) * amount / step
     }
 
-    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
+    fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError> {
         let module = self.subject.module(treatment.passes)?;
         let function = &module.functions[0];
         let (mut outside, mut all) = (0u32, 0u32);

@@ -18,7 +18,7 @@ use robovec_passes::scene::Scene;
 
 /// How a program is made.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) struct Recipe<'a> {
+pub(super) struct ProgramRecipe<'a> {
     /// The recursion.
     pub(super) formulation: Formulation,
     /// The passes that are run over it; none when empty.
@@ -28,7 +28,7 @@ pub(super) struct Recipe<'a> {
 }
 
 /// A function of a model.
-pub(super) struct Program {
+pub(super) struct ModelProgram {
     pub(super) function: Function,
     inputs: InputSources,
     input_dimensions: Vec<Dimension>,
@@ -38,13 +38,13 @@ pub(super) struct Program {
     pub(super) operations: usize,
 }
 
-impl Program {
+impl ModelProgram {
     /// Generates a function and runs passes over it.
     pub(super) fn new(
         model: &Model,
         kind: FunctionKind,
-        recipe: Recipe<'_>,
-    ) -> Result<Program, StressError> {
+        recipe: ProgramRecipe<'_>,
+    ) -> Result<ModelProgram, StressError> {
         let request = GenerationRequest {
             function: kind,
             formulation: recipe.formulation,
@@ -85,7 +85,7 @@ impl Program {
             let name = tables.symbols.text(array.name).to_owned();
             (name, array.offset as usize, array.shape.len())
         });
-        Ok(Program {
+        Ok(ModelProgram {
             outputs: outputs.collect(),
             operations: Counts::of(&function).operations,
             function,
@@ -127,7 +127,7 @@ impl Program {
             .collect()
     }
 
-    /// An output array within what [`Program::evaluate`] gave; zeros where
+    /// An output array within what [`ModelProgram::evaluate`] gave; zeros where
     /// the function does not have it.
     pub(super) fn array(&self, name: &str, flat: &[Double], length: usize) -> Vec<Double> {
         let found = self.outputs.iter().find(|(array, ..)| array == name);

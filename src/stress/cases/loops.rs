@@ -1,19 +1,19 @@
 //! Closed loops.
 
-use super::super::case::{Case, Class};
-use super::super::loops::Loops;
-use super::super::verdict::Verdict;
+use super::super::case::{CaseClass, StressCase};
+use super::super::loops::LoopsSubject;
+use super::super::verdict::StressVerdict;
 use super::models::{HINGE, sphere};
 use crate::model::build::{BASE, BodyPlace, ModelBuilder};
 use crate::model::{CutKind, Model, Nature};
 
-pub(super) fn cases() -> Vec<Case> {
+pub(super) fn cases() -> Vec<StressCase> {
     let mut cases = Vec::new();
     for (power, expected) in [
-        (1, Verdict::Fine),
-        (2, Verdict::Fine),
-        (3, Verdict::Fine),
-        (4, Verdict::HardProblem),
+        (1, StressVerdict::Fine),
+        (2, StressVerdict::Fine),
+        (3, StressVerdict::Fine),
+        (4, StressVerdict::HardProblem),
     ] {
         cases.push(case(
             format!("parallelogram-1e-{power}"),
@@ -29,14 +29,14 @@ pub(super) fn cases() -> Vec<Case> {
         "redundant".to_owned(),
         "a parallelogram with a third rocker, at 1 rad".to_owned(),
         "the rank of the Jacobian: two rows say the same",
-        Verdict::Fine,
+        StressVerdict::Fine,
         [parallelogram(1.0, 0.0, true)],
     ));
     cases.push(case(
         "redundant-1e-3".to_owned(),
         "the same with the crank at 1e-3 rad".to_owned(),
         "the rank, beside rows that nearly say the same",
-        Verdict::Fine,
+        StressVerdict::Fine,
         [parallelogram(1e-3, 0.0, true)],
     ));
     cases
@@ -46,17 +46,17 @@ fn case(
     name: String,
     construction: String,
     breaks: &'static str,
-    expected: Verdict,
+    expected: StressVerdict,
     models: impl IntoIterator<Item = Model>,
-) -> Case {
-    Case {
+) -> StressCase {
+    StressCase {
         name,
-        class: Class::Loop,
+        class: CaseClass::Loop,
         construction,
         breaks,
         expected,
         long: false,
-        subject: Box::new(Loops::new(models)),
+        subject: Box::new(LoopsSubject::new(models)),
     }
 }
 

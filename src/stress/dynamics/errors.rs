@@ -3,10 +3,10 @@
 use super::super::draw::Draw;
 use super::super::linear::{condition, estimated_condition, solve};
 use super::super::numbers::{Numbers, rounded};
-use super::super::program::{Program, Recipe};
+use super::super::program::{ModelProgram, ProgramRecipe};
 use super::super::units::Units;
-use super::super::{StressError, Treatment};
-use super::{Exact, JACOBI, Metric, Solution, Workbench};
+use super::super::{ProgramTreatment, StressError};
+use super::{DynamicsBench, ExactDynamics, JACOBI, Metric, Solution};
 use crate::generate::{Formulation, FunctionKind};
 use crate::motion::MotionState;
 use crate::motion::linear::DenseMatrix;
@@ -48,7 +48,7 @@ pub(in super::super) fn worst(errors: impl Iterator<Item = f64>) -> f64 {
 
 /// The errors in a state.
 #[derive(Default)]
-pub(super) struct Errors {
+pub(super) struct DynamicsErrors {
     pub(super) masses: f64,
     pub(super) entries: f64,
     pub(super) bias: f64,
@@ -61,9 +61,9 @@ pub(super) struct Errors {
     pub(super) no_factor: bool,
 }
 
-impl Errors {
+impl DynamicsErrors {
     /// Keeps the larger of two states' errors.
-    pub(super) fn join(&mut self, other: &Errors) {
+    pub(super) fn join(&mut self, other: &DynamicsErrors) {
         let pairs = [
             (&mut self.masses, other.masses),
             (&mut self.entries, other.entries),
@@ -94,19 +94,19 @@ impl Errors {
     }
 }
 
-impl Workbench<'_> {
+impl DynamicsBench<'_> {
     pub(super) fn errors(
         &self,
         state: &MotionState,
-        exact: &Exact,
-        treatment: &Treatment,
-    ) -> Result<Errors, StressError> {
+        exact: &ExactDynamics,
+        treatment: &ProgramTreatment,
+    ) -> Result<DynamicsErrors, StressError> {
         let numbers = Numbers::In(treatment.format);
         let forces = self.treated_forces(state, treatment)?;
-        let mut errors = Errors {
+        let mut errors = DynamicsErrors {
             forces: normwise(&forces, &exact.forces),
             components: componentwise(&forces, &exact.forces),
-            ..Errors::default()
+            ..DynamicsErrors::default()
         };
         let mut masses = [Vec::new(), Vec::new()];
         if !self.subject.articulated && treatment.formulation != Formulation::Articulated {
@@ -164,12 +164,12 @@ impl Workbench<'_> {
         let size = self.joints();
         let mut model = self.subject.model.clone();
         model.gravity = [0.0; 3];
-        let recipe = Recipe {
+        let recipe = ProgramRecipe {
             formulation: Formulation::default(),
             passes: "",
             only: None,
         };
-        let program = Program::new(&model, FunctionKind::Invdyna, recipe)?;
+        let program = ModelProgram::new(&model, FunctionKind::Invdyna, recipe)?;
         let mut entries = vec![0.0; size * size];
         let mut state = state.clone();
         state.qd = vec![0.0; size];
@@ -214,7 +214,7 @@ impl Workbench<'_> {
             Metric::Masses => (FunctionKind::Dirdyna, "M"),
             Metric::Forces | Metric::Accelerations => (FunctionKind::Invdyna, "Qq"),
         };
-        let Ok(program) = self.program(kind, &Treatment::default(), None) else {
+        let Ok(program) = self.program(kind, &ProgramTreatment::default(), None) else {
             return f64::NAN;
         };
         let states = self.subject.states.iter().zip(&self.exact);
