@@ -10,8 +10,8 @@ use crate::files::limited;
 use crate::present::json::json_text;
 use crate::present::plot;
 use crate::study::cpu::{self, CpuTime, Job};
-use crate::study::plan::{self, Plan, Selection};
-use crate::study::program::Equations;
+use crate::study::plan::{self, Selection, StudyPlan};
+use crate::study::program::StudyEquations;
 use crate::study::results::Results;
 use crate::study::{figures, page, run, tables};
 use robovec_ir::Module;
@@ -83,7 +83,7 @@ pub(super) fn study(arguments: &StudyArguments) -> Result<String, CommandFailure
     Ok(summary(&results, &arguments.output))
 }
 
-fn read_plan(arguments: &StudyArguments) -> Result<Plan, CommandFailure> {
+fn read_plan(arguments: &StudyArguments) -> Result<StudyPlan, CommandFailure> {
     let (name, text) = if arguments.plan == "thesis" {
         ("thesis.toml".to_owned(), plan::THESIS.to_owned())
     } else {
@@ -112,7 +112,7 @@ fn read_plan(arguments: &StudyArguments) -> Result<Plan, CommandFailure> {
 
 fn compute(
     arguments: &StudyArguments,
-    plan: Plan,
+    plan: StudyPlan,
     store: &PointStore,
 ) -> Result<Results, CommandFailure> {
     let mut pool = rayon::ThreadPoolBuilder::new();
@@ -172,7 +172,7 @@ fn time(arguments: &StudyArguments, results: &Results) -> Result<Vec<CpuTime>, C
         })
     };
     for (index, subject) in plan.models.iter().enumerate() {
-        let equations = Equations::load(subject, &SubjectFiles).map_err(CommandFailure)?;
+        let equations = StudyEquations::load(subject, &SubjectFiles).map_err(CommandFailure)?;
         for (pipeline, named) in plan.pipelines.iter().enumerate() {
             bar.inc(1);
             bar.set_message(format!("{} on one core", subject.name));

@@ -5,8 +5,8 @@ use super::{CommandFailure, generation, input};
 use crate::generate::{Formulation, FunctionKind, Options, TermOrder};
 use crate::model::Model;
 use crate::model::family::{JOINTS, ModelFamily};
-use crate::study::plan::Subject;
-use crate::study::program::Sources;
+use crate::study::plan::StudySubject;
+use crate::study::program::ProgramSources;
 use robovec_ir::Module;
 use robovec_ir::diagnostic::{Report, did_you_mean};
 use std::path::{Path, PathBuf};
@@ -17,8 +17,8 @@ const SEED: u64 = 1;
 /// Programs from files and from built-in models.
 pub(super) struct SubjectFiles;
 
-impl Sources for SubjectFiles {
-    fn equations(&self, subject: &Subject) -> Result<Module, Report> {
+impl ProgramSources for SubjectFiles {
+    fn equations(&self, subject: &StudySubject) -> Result<Module, Report> {
         equations(subject).map_err(|failure| failure.0)
     }
 }
@@ -31,7 +31,7 @@ pub(super) enum SubjectSource {
 }
 
 /// Where a subject comes from.
-pub(super) fn locate(subject: &Subject) -> Result<SubjectSource, CommandFailure> {
+pub(super) fn locate(subject: &StudySubject) -> Result<SubjectSource, CommandFailure> {
     if let Some(model) = built_in(&subject.source) {
         return Ok(SubjectSource::Model(Box::new(model)));
     }
@@ -63,7 +63,9 @@ pub(super) const FOR_PROCESSORS: &str = "composite-base";
 /// The function of a model made for processors: direct dynamics by composite
 /// bodies, as it is and after the passes for straight-line code. `None` for
 /// files of equations and for other functions.
-pub(super) fn for_processors(subject: &Subject) -> Result<Option<[Module; 2]>, CommandFailure> {
+pub(super) fn for_processors(
+    subject: &StudySubject,
+) -> Result<Option<[Module; 2]>, CommandFailure> {
     let model = match locate(subject)? {
         SubjectSource::Model(model) => *model,
         SubjectSource::ModelFile(path) => input::model(&path)?.model,
@@ -83,7 +85,7 @@ pub(super) fn for_processors(subject: &Subject) -> Result<Option<[Module; 2]>, C
     Ok(Some([module, shorter]))
 }
 
-fn equations(subject: &Subject) -> Result<Module, CommandFailure> {
+fn equations(subject: &StudySubject) -> Result<Module, CommandFailure> {
     let model = match locate(subject)? {
         SubjectSource::Model(model) => *model,
         SubjectSource::ModelFile(path) => input::model(&path)?.model,

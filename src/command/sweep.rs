@@ -7,8 +7,8 @@ use super::{CommandFailure, input, output};
 use crate::explore::operators::{Couple, couples};
 use crate::explore::program::{transformed_by, view};
 use crate::present::json::json_text;
-use crate::sweep::design::{Space, interconnect_names};
-use crate::sweep::{Sweep, page, sweep, text};
+use crate::sweep::design::{DesignSpace, interconnect_names};
+use crate::sweep::{FunctionSweep, page, sweep, text};
 use clap::{Args, ValueEnum};
 use robovec_ir::machine::{Interconnect, MemoryStyle};
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ enum MemoryWord {
 pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> {
     let space = space(arguments)?;
     let thesis = input::machine("thesis")?;
-    let mut sweeps: Vec<Sweep> = Vec::new();
+    let mut sweeps: Vec<FunctionSweep> = Vec::new();
     let mut report = String::new();
     for subject in &arguments.subjects {
         let (name, module, _) = programs(subject, &arguments.function)?;
@@ -104,7 +104,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
     Ok(report)
 }
 
-fn space(arguments: &SweepArguments) -> Result<Space, CommandFailure> {
+fn space(arguments: &SweepArguments) -> Result<DesignSpace, CommandFailure> {
     let sorted = |numbers: &[u32]| {
         let mut numbers = numbers.to_vec();
         numbers.sort_unstable();
@@ -157,7 +157,7 @@ fn space(arguments: &SweepArguments) -> Result<Space, CommandFailure> {
         }
     }
     let buffers = sorted(&arguments.buffers);
-    Ok(Space {
+    Ok(DesignSpace {
         adders: sorted(&arguments.adders),
         multipliers: sorted(&arguments.multipliers),
         ratio: arguments.ratio,
@@ -172,7 +172,7 @@ fn space(arguments: &SweepArguments) -> Result<Space, CommandFailure> {
     })
 }
 
-fn write(folder: &Path, sweeps: &[Sweep]) -> Result<(), CommandFailure> {
+fn write(folder: &Path, sweeps: &[FunctionSweep]) -> Result<(), CommandFailure> {
     let table = text::points_table(sweeps);
     let mut files = result_files(&table, json_text(sweeps), &text::figure(sweeps));
     files.push(("sweep.html".to_owned(), page::page(sweeps)));
