@@ -5,7 +5,9 @@ use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::Model;
 use robovec::model::mbs::read_mbs;
 use robovec::simulate::LoadedProgram;
-use robovec::trigonometry::{Effect, Setting, figure, measure, table, text};
+use robovec::trigonometry::{
+    TrigonometryEffect, TrigonometrySetting, figure, measure, table, text,
+};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Machine, Module, View};
@@ -38,9 +40,9 @@ fn run(module: &mut Module, passes: &str) -> Outcome {
     manager::run(module, &pipeline, Config::new(&thesis(), &mut log)).expect("it runs")
 }
 
-fn effect(name: &str, method: Method, orders: &[u32], angles: &[f64]) -> Effect {
+fn effect(name: &str, method: Method, orders: &[u32], angles: &[f64]) -> TrigonometryEffect {
     let (model, module) = example(name);
-    let setting = Setting {
+    let setting = TrigonometrySetting {
         method,
         orders: orders.to_vec(),
         angles: angles.to_vec(),
@@ -54,7 +56,7 @@ fn effect(name: &str, method: Method, orders: &[u32], angles: &[f64]) -> Effect 
 }
 
 /// The median error of the mass matrix.
-fn mass_matrix(effect: &Effect, angle: f64, order: Option<u32>) -> f64 {
+fn mass_matrix(effect: &TrigonometryEffect, angle: f64, order: Option<u32>) -> f64 {
     let array = effect.arrays.iter().position(|array| array == "M");
     let rows = effect.rows.iter();
     let mut rows = rows.filter(|row| row.angle == angle && row.order == order);

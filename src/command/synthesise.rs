@@ -6,7 +6,7 @@ use crate::explore::operators::{ADDERS, MULTIPLIERS, Operator};
 use crate::present::text_table;
 use crate::process::ToolError;
 use crate::synthesis::cores::{self, Mapped};
-use crate::synthesis::{SynthesisError, Tool, machine, page};
+use crate::synthesis::{SynthesisError, Yosys, machine, page};
 use clap::Args;
 use robovec_ir::Format;
 use robovec_passes::codegen::hardware::Shape;
@@ -44,7 +44,7 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
             arguments.number
         )));
     };
-    let tool = Tool::find().map_err(failure)?;
+    let tool = Yosys::find().map_err(failure)?;
     let wanted = (arguments.add.iter().map(|stages| (Core::Add, *stages))).chain(
         arguments
             .multiply
@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
 
 /// A machine mapped part by part, as a page.
 pub(super) fn machine(shape: &Shape, files: &[(String, String)]) -> Result<String, CommandFailure> {
-    let tool = Tool::find().map_err(failure)?;
+    let tool = Yosys::find().map_err(failure)?;
     let mapped = machine::map(&tool, shape, files).map_err(failure)?;
     Ok(format!("\n{}", page::page(&mapped, &tool)))
 }

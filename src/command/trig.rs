@@ -4,7 +4,7 @@ use super::flags::{SEED, real, states, whole};
 use super::output::result_files;
 use super::{CommandFailure, input, output};
 use crate::present::json::json_text;
-use crate::trigonometry::{self, Effect, Setting};
+use crate::trigonometry::{self, TrigonometryEffect, TrigonometrySetting};
 use clap::{Args, ValueEnum};
 use robovec_ir::{Format, Module};
 use robovec_num::trigonometry::{LARGEST_RANGE, MOST_ORDER};
@@ -66,7 +66,7 @@ pub(super) struct TrigArguments {
 /// Runs the command.
 pub(super) fn run(arguments: &TrigArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
-    let setting = Setting {
+    let setting = TrigonometrySetting {
         method: match arguments.method {
             SeriesChoice::Taylor => Method::Taylor,
             SeriesChoice::Minimax => Method::Minimax,
@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &TrigArguments) -> Result<String, CommandFailure> {
         states: arguments.states,
         seed: arguments.seed,
     };
-    let mut effects: Vec<Effect> = Vec::new();
+    let mut effects: Vec<TrigonometryEffect> = Vec::new();
     let mut text = format!(
         "Errors in {} over {} random states, seed {}: the largest of an array over its largest \
          element; those of sin and cos are proved bounds.\n",
