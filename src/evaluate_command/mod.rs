@@ -3,7 +3,7 @@
 //!
 //! The result of 64-bit floats is written without the loss of a bit, one line
 //! for each output element that is assigned: `state 2 dirdyna M[1,1]
-//! 0x1.8p+1`; see [`Format`] for tables.
+//! 0x1.8p+1`; see [`ResultFormat`] for tables.
 
 mod format;
 mod given;

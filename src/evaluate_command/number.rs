@@ -8,7 +8,7 @@ use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::DoubleDouble;
 use robovec_num::field::{Field, PrimeField};
-use robovec_num::format::{Format as NumberFormat, FormatError};
+use robovec_num::format::{Format, FormatError};
 use robovec_num::limits::NumberLimit;
 use robovec_num::soft_float::FormatArithmetic;
 use std::cell::RefCell;
@@ -19,7 +19,7 @@ use std::str::FromStr;
 pub enum NumberSystem {
     /// A number format; values with a format of their own are computed in
     /// that.
-    Format(NumberFormat),
+    Format(Format),
     /// Pairs of binary64, about 106 bits.
     DoubleDouble,
     /// A prime field that the seed chooses, with sines and cosines on a circle.
@@ -41,7 +41,7 @@ pub const BITS: NumberLimit = NumberLimit::whole(
 
 impl Default for NumberSystem {
     fn default() -> NumberSystem {
-        NumberSystem::Format(NumberFormat::BINARY64)
+        NumberSystem::Format(Format::BINARY64)
     }
 }
 
@@ -55,7 +55,7 @@ impl FromStr for NumberSystem {
             _ if text.parse::<f64>().is_ok() => BITS
                 .read_whole(text)
                 .map(|bits| NumberSystem::Bits(bits as usize)),
-            _ => match text.parse::<NumberFormat>() {
+            _ => match text.parse::<Format>() {
                 Ok(format) => Ok(NumberSystem::Format(format)),
                 Err(error @ FormatError::Width) => Err(error.to_string()),
                 Err(FormatError::Unreadable) => Err(format!(
@@ -104,7 +104,7 @@ impl Show for FormatArithmetic {
 
     fn show(&self, number: f64, format: ResultFormat) -> Shown {
         let decimal = match self.format() {
-            NumberFormat::BINARY32 => format!("{:?}", number as f32),
+            Format::BINARY32 => format!("{:?}", number as f32),
             _ => format!("{number:?}"),
         };
         float(number, decimal, format)
