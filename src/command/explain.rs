@@ -10,7 +10,7 @@ use robovec_passes::trail::{self, Account, Change, Entry, Moment, Trail};
 use std::fmt::Write;
 
 /// So many source places are shown with their lines; the others are named.
-const MOST_EXCERPTS: usize = 6;
+const MAX_EXCERPTS: usize = 6;
 
 /// Tells how what the user asked for came to be.
 ///
@@ -97,21 +97,21 @@ fn origin(account: &Account, function: &Function, input: &InputModule) -> String
     let id = text.map(|text| report.add_file(&input.name, text));
     for (number, place) in places.iter().enumerate() {
         match id {
-            Some(id) if number < MOST_EXCERPTS && is_read(place) => {
+            Some(id) if number < MAX_EXCERPTS && is_read(place) => {
                 let range = report.range_of(id, *place);
                 diagnostic.labels.push(match number {
                     0 => Label::primary(id, range),
                     _ => Label::secondary(id, range),
                 });
             }
-            Some(_) | None if number < MOST_EXCERPTS => {
+            Some(_) | None if number < MAX_EXCERPTS => {
                 diagnostic.notes.push(describe(input, *place));
             }
             Some(_) | None => {}
         }
     }
-    if places.len() > MOST_EXCERPTS {
-        let rest = places.len() - MOST_EXCERPTS;
+    if places.len() > MAX_EXCERPTS {
+        let rest = places.len() - MAX_EXCERPTS;
         diagnostic.notes.push(format!("and from {rest} more"));
     }
     report.push(diagnostic);
@@ -177,8 +177,8 @@ fn print_change(change: &Change, input: &InputModule, text: &mut String) {
 
 fn list_places(input: &InputModule, sources: SourceSet) -> String {
     let places = input.module.tables.sources.places(sources);
-    let rest = places.len().saturating_sub(MOST_EXCERPTS);
-    let places = places.take(MOST_EXCERPTS);
+    let rest = places.len().saturating_sub(MAX_EXCERPTS);
+    let places = places.take(MAX_EXCERPTS);
     let places: Vec<String> = places
         .map(|place| format!("{}:{}", place.line, place.column))
         .collect();

@@ -34,12 +34,12 @@ struct ToolArguments {
     /// Time after which a compiler, a simulator of hardware, yosys or a program
     /// they made is stopped, s
     #[arg(long, global = true, value_name = "SECONDS", default_value_t = 1800,
-          add = whole(1, MOST_SECONDS, "a tool that takes longer than a day has gone astray"))]
+          add = whole(1, MAX_SECONDS, "a tool that takes longer than a day has gone astray"))]
     tool_seconds: u64,
 }
 
 /// A week.
-const MOST_SECONDS: u64 = 7 * 24 * 3600;
+const MAX_SECONDS: u64 = 7 * 24 * 3600;
 
 /// The remedy for a tool that was stopped.
 pub(super) const TIME_ADVICE: &str = "'--tool-seconds' gives tools more time or less";

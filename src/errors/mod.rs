@@ -12,7 +12,7 @@ mod table;
 mod value;
 mod view;
 
-pub use heat::{Heat, HotEquation, HotInput, MOST_EQUATIONS, blame};
+pub use heat::{Heat, HotEquation, HotInput, MAX_EQUATIONS, blame};
 pub use table::{ErrorMethod, ErrorSettings, ErrorTable, IntervalRow, OutputRow};
 pub use value::explain;
 pub use view::{csv, json, text};

@@ -19,7 +19,7 @@ pub enum FileWriteError {
 }
 
 /// Symbolic links that are followed, one after the other.
-const MOST_LINKS: usize = 40;
+const MAX_LINKS: usize = 40;
 
 /// Makes a folder, with those above it.
 ///
@@ -85,7 +85,7 @@ fn anew(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io
 /// Where links lead that lead to nothing yet.
 fn end_of_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
-    for _ in 0..MOST_LINKS {
+    for _ in 0..MAX_LINKS {
         if !fs::symlink_metadata(&path).is_ok_and(|there| there.is_symlink()) {
             return Ok(path);
         }

@@ -176,11 +176,11 @@ fn judge(output: &FinishedProcess, doors: usize) -> Result<Vec<String>, CheckFai
         let all = format!("{said}{errors}");
         // A C++ compiler can say a great deal.
         let lines: Vec<&str> = all.lines().collect();
-        let last = lines.len().saturating_sub(MOST_LINES);
+        let last = lines.len().saturating_sub(MAX_LINES);
         return Err(CheckFailure::Build(lines[last..].join("\n")));
     }
     Ok(verdicts)
 }
 
 /// Lines of a tool's messages that are shown.
-const MOST_LINES: usize = 40;
+const MAX_LINES: usize = 40;

@@ -17,7 +17,7 @@ pub(super) type DocumentTable<'t> = DeTable<'t>;
 pub(super) type DocumentValue<'t> = Spanned<DeValue<'t>>;
 
 /// The most messages about one file.
-const MOST_PROBLEMS: usize = 20;
+const MAX_PROBLEMS: usize = 20;
 
 /// Collects what is wrong with a file.
 #[derive(Default)]
@@ -85,7 +85,7 @@ impl DocumentProblems {
     pub(super) fn into_diagnostics(mut self) -> Vec<Diagnostic> {
         self.list
             .sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.range.start));
-        self.list.truncate(MOST_PROBLEMS);
+        self.list.truncate(MAX_PROBLEMS);
         self.list
     }
 }

@@ -61,7 +61,7 @@ pub(super) struct ElementStatements {
 }
 
 /// The most elements a scene can speak of: far more than any system has.
-const MOST_ELEMENTS: usize = 1_000_000;
+const MAX_ELEMENTS: usize = 1_000_000;
 
 impl ElementStatements {
     /// Says something of the elements a pattern means.
@@ -74,8 +74,8 @@ impl ElementStatements {
         problems: &mut DocumentProblems,
     ) {
         let rank = Rank::of(pattern, shape);
-        if shape.len() > MOST_ELEMENTS {
-            let message = format!("'{}' has more than {MOST_ELEMENTS} elements", pattern.array);
+        if shape.len() > MAX_ELEMENTS {
+            let message = format!("'{}' has more than {MAX_ELEMENTS} elements", pattern.array);
             problems.add(span.clone(), message);
             return;
         }

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 /// Most words of all memories, of all buffers, of all instruction images in
 /// limbs of 64 bits, and of all pipelines.
-const MOST_WORDS: u64 = 1 << 24;
+const MAX_WORDS: u64 = 1 << 24;
 
 impl LoadedProgram {
     /// Loads a program from its files, as (file name, text), and checks that
@@ -131,7 +131,7 @@ impl<'a> Loader<'a> {
                     offset: total as u32,
                 });
                 total += u64::from(memory.words);
-                if total > MOST_WORDS {
+                if total > MAX_WORDS {
                     return Err(LoadError::TooLarge(format!("{total} memory words")));
                 }
             }
@@ -221,7 +221,7 @@ impl<'a> Loader<'a> {
             u64::from(cycles) * u64::from(element.instructions.width.div_ceil(64).max(1))
         });
         let total = limbs.fold(0u64, u64::saturating_add);
-        if total > MOST_WORDS {
+        if total > MAX_WORDS {
             return Err(LoadError::TooLarge(format!("{cycles} cycles")));
         }
         let mut images = Vec::new();
@@ -286,7 +286,7 @@ impl<'a> Loader<'a> {
             });
             buffer_offset += u64::from(buffer_words);
             slots += u64::from(stages) + 1;
-            if buffer_offset.max(slots) > MOST_WORDS {
+            if buffer_offset.max(slots) > MAX_WORDS {
                 return Err(LoadError::TooLarge(format!(
                     "{buffer_offset} buffer words and {slots} pipeline stages"
                 )));

@@ -27,9 +27,9 @@ use robovec_passes::place::PlaceOptions;
 use serde::Serialize;
 
 /// The most operations times designs that are placed at once.
-pub const MOST_WORK: u64 = 6_000_000_000;
+pub const MAX_WORK: u64 = 6_000_000_000;
 /// Most designs of a sweep.
-pub const MOST_DESIGNS: u64 = 1_000_000;
+pub const MAX_DESIGNS: u64 = 1_000_000;
 
 /// A design with what came of it.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -112,7 +112,7 @@ pub fn sweep(
     let function = &module.functions[0];
     let operations = robovec_ir::count::Counts::of(function).operations;
     let (designs, instances) = space.count();
-    if designs > MOST_DESIGNS || instances.saturating_mul(operations as u64) > MOST_WORK {
+    if designs > MAX_DESIGNS || instances.saturating_mul(operations as u64) > MAX_WORK {
         return Err(SweepError::TooMuch {
             designs,
             operations,

@@ -10,7 +10,7 @@ use super::netlist::{Bit, Direction, Netlist, NetlistCell, NetlistModule};
 use std::collections::BTreeMap;
 
 /// The most primitives that are taken apart.
-const MOST_CELLS: usize = 8_000_000;
+const MAX_CELLS: usize = 8_000_000;
 
 /// A net of the flat design; `None` is a constant or nothing at all.
 pub(super) type Net = Option<u32>;
@@ -154,9 +154,9 @@ pub(super) fn flatten<'a>(netlist: &'a Netlist, top: &'a str) -> Result<Flat<'a>
                 open.push((&cell.kind, format!("{below}{cell_name}"), inner));
                 continue;
             }
-            if flat.primitives.len() >= MOST_CELLS {
+            if flat.primitives.len() >= MAX_CELLS {
                 return Err(SynthesisError::Netlist(format!(
-                    "it has more than {MOST_CELLS} primitives"
+                    "it has more than {MAX_CELLS} primitives"
                 )));
             }
             let connections = cell.connections.iter();

@@ -1,7 +1,7 @@
 //! The grammar of memory initialisation files.
 
 use super::digits::{decimal, number, radix};
-use super::{Image, MOST_BITS, MOST_LIMBS, MifError, MifProblem, Radix};
+use super::{Image, MAX_BITS, MAX_LIMBS, MifError, MifProblem, Radix};
 
 #[derive(Default)]
 struct MifSettings {
@@ -107,7 +107,7 @@ impl<'t> Parser<'t> {
         };
         let limbs = u64::from(width.div_ceil(64));
         let total = u64::from(depth) * limbs;
-        if width == 0 || depth == 0 || width > MOST_BITS || total > MOST_LIMBS {
+        if width == 0 || depth == 0 || width > MAX_BITS || total > MAX_LIMBS {
             return self.fail(start, MifProblem::BadSize { depth, width });
         }
         Ok(Image {

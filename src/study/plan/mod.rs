@@ -25,12 +25,12 @@ pub const THESIS: &str = include_str!("thesis.toml");
 pub const DEFAULT_MACHINE: &str = "thesis";
 
 /// The most adders or multipliers of a placement.
-pub const MOST_ELEMENTS: u32 = 1024;
+pub const MAX_ELEMENTS: u32 = 1024;
 
 /// Adders or multipliers of a placement.
 pub const ELEMENTS: NumberLimit = NumberLimit::whole(
     1,
-    MOST_ELEMENTS as u64,
+    MAX_ELEMENTS as u64,
     "a program is placed for every number of elements",
 );
 

@@ -15,7 +15,7 @@ use std::path::Path;
 pub(super) const HEADLINE: &str = "headline";
 
 /// The most placements of a study; what lies beyond is a slip of the pen.
-pub(super) const MOST_PLACEMENTS: usize = 1_000_000;
+pub(super) const MAX_PLACEMENTS: usize = 1_000_000;
 
 /// Reads a machine by name or file; messages are the reader's own.
 pub(super) type ReadMachine<'a> = &'a dyn Fn(&str) -> Result<robovec_ir::Machine, Report>;
@@ -90,9 +90,9 @@ impl PlanResolver<'_> {
         if self.foreign.has_errors() {
             return Err(self.foreign);
         }
-        if self.plan.requests.len() > MOST_PLACEMENTS {
+        if self.plan.requests.len() > MAX_PLACEMENTS {
             let diagnostic = Diagnostic::error().with_message(format!(
-                "the plan asks for {} placements; there can be {MOST_PLACEMENTS}",
+                "the plan asks for {} placements; there can be {MAX_PLACEMENTS}",
                 self.plan.requests.len()
             ));
             return Err(Report::of(name, text, vec![diagnostic]));

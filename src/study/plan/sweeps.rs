@@ -1,7 +1,7 @@
 //! Resolving sweeps: names become indices, lists become placements.
 
 use super::file::{ElementsEntry, SweepEntry};
-use super::resolve::{HEADLINE, MOST_PLACEMENTS, PlanResolver, suggestion};
+use super::resolve::{HEADLINE, MAX_PLACEMENTS, PlanResolver, suggestion};
 use super::{ChoiceKey, DEFAULT_MACHINE, ELEMENTS, NamedMachine, PlacementRequest, PriorityKey};
 use crate::explore::axes::Axes;
 use crate::study::couples;
@@ -38,9 +38,9 @@ impl PlanResolver<'_> {
             choices.len(),
         ]);
         let count = axes.count();
-        if count > MOST_PLACEMENTS as u64 {
+        if count > MAX_PLACEMENTS as u64 {
             let message =
-                format!("a sweep asks for {count} placements; there can be {MOST_PLACEMENTS}");
+                format!("a sweep asks for {count} placements; there can be {MAX_PLACEMENTS}");
             self.problem(0..0, message, Vec::new());
             return;
         }
