@@ -97,7 +97,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, CommandFailure> 
 }
 
 /// What a subject is.
-struct Loaded {
+struct LoadedSubject {
     name: String,
     /// The file of equations; a model has none.
     file: Option<PathBuf>,
@@ -105,7 +105,7 @@ struct Loaded {
     model: Option<Model>,
 }
 
-impl Loaded {
+impl LoadedSubject {
     fn view(&self) -> View<'_> {
         View {
             tables: &self.module.tables,
@@ -114,14 +114,14 @@ impl Loaded {
     }
 }
 
-fn load(subject: &str, arguments: &BenchArguments) -> Result<Loaded, CommandFailure> {
+fn load(subject: &str, arguments: &BenchArguments) -> Result<LoadedSubject, CommandFailure> {
     let (name, model) = subjects::named_model(subject)?;
     let path = Path::new(subject);
     if let Some(model) = model {
         let options = Options::default();
         let kinds = [FunctionKind::Dirdyna];
         let module = generation::functions(&model, &kinds, Formulation::default(), &options)?;
-        return Ok(Loaded {
+        return Ok(LoadedSubject {
             name,
             file: None,
             module,
@@ -136,7 +136,7 @@ fn load(subject: &str, arguments: &BenchArguments) -> Result<Loaded, CommandFail
         Some(path) => Some(input::model(path)?.model),
         None => None,
     };
-    Ok(Loaded {
+    Ok(LoadedSubject {
         name,
         file: Some(path.to_owned()),
         module,
@@ -147,7 +147,7 @@ fn load(subject: &str, arguments: &BenchArguments) -> Result<Loaded, CommandFail
 /// Everybody who takes part.
 fn contestants(
     question: &BenchQuestion<'_>,
-    loaded: &Loaded,
+    loaded: &LoadedSubject,
     arguments: &BenchArguments,
 ) -> Result<Vec<Contestant>, CommandFailure> {
     let mut list = Vec::new();

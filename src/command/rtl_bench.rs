@@ -15,10 +15,10 @@ use std::path::Path;
 pub(super) struct RtlBenchArguments {
     /// Build the benches and run them with this simulator
     #[arg(long, value_enum, value_name = "TOOL")]
-    check: Option<Simulator>,
+    check: Option<SimulatorChoice>,
     /// Ways into the machine that are checked; by default all that the simulator can take
     #[arg(long, value_enum, value_name = "WAYS", value_delimiter = ',')]
-    through: Vec<HostDoor>,
+    through: Vec<DoorChoice>,
     /// States the benches run the program on, one after the other
     #[arg(long, value_name = "COUNT", default_value_t = 3, add = whole(1, 1000, "benches hold all states, and run the program on each"))]
     runs: u32,
@@ -38,7 +38,7 @@ pub(super) struct RtlBenchArguments {
 
 /// A simulator of hardware.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum Simulator {
+enum SimulatorChoice {
     /// Icarus Verilog, with the bench in plain Verilog
     Iverilog,
     /// Verilator, with the bench in C++
@@ -49,7 +49,7 @@ enum Simulator {
 
 /// A way into the machine.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum HostDoor {
+enum DoorChoice {
     /// The machine's own host bus
     Bus,
     /// Avalon-MM
@@ -60,23 +60,23 @@ enum HostDoor {
     Configured,
 }
 
-impl From<HostDoor> for Door {
-    fn from(way: HostDoor) -> Door {
+impl From<DoorChoice> for Door {
+    fn from(way: DoorChoice) -> Door {
         match way {
-            HostDoor::Bus => Door::Bus,
-            HostDoor::Avalon => Door::Avalon,
-            HostDoor::Axi4lite => Door::Axi4Lite,
-            HostDoor::Configured => Door::Configured,
+            DoorChoice::Bus => Door::Bus,
+            DoorChoice::Avalon => Door::Avalon,
+            DoorChoice::Axi4lite => Door::Axi4Lite,
+            DoorChoice::Configured => Door::Configured,
         }
     }
 }
 
-impl From<Simulator> for HardwareSimulator {
-    fn from(simulator: Simulator) -> HardwareSimulator {
+impl From<SimulatorChoice> for HardwareSimulator {
+    fn from(simulator: SimulatorChoice) -> HardwareSimulator {
         match simulator {
-            Simulator::Iverilog => HardwareSimulator::Icarus,
-            Simulator::Verilator => HardwareSimulator::Verilator,
-            Simulator::VerilogVerilator => HardwareSimulator::VerilatorVerilog,
+            SimulatorChoice::Iverilog => HardwareSimulator::Icarus,
+            SimulatorChoice::Verilator => HardwareSimulator::Verilator,
+            SimulatorChoice::VerilogVerilator => HardwareSimulator::VerilatorVerilog,
         }
     }
 }

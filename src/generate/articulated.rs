@@ -20,7 +20,7 @@
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
 use super::inertia::{Inertia, SumInertia, SumWrench, Wrench, turn_symmetric};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::reduced::residual_input;
 use super::vector::{
     AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define, sums,
@@ -31,7 +31,7 @@ use crate::model::Nature;
 /// Writes `qdd`; the first joint that moves nothing is an error.
 pub(super) fn accelerations(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
 ) -> Result<(), usize> {
     let offsets = parameters.named_offsets(equations);
@@ -78,7 +78,7 @@ struct Share {
 
 struct Articulated<'e, 'p, 'm> {
     equations: &'e mut Equations,
-    parameters: &'p Parameters<'m>,
+    parameters: &'p ModelParameters<'m>,
     offsets: &'p [Vector],
     children: Vec<Vec<usize>>,
 }
@@ -295,7 +295,7 @@ impl Articulated<'_, '_, '_> {
 
 /// The component of a wrench along the axis of a joint.
 fn component<'w>(
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     joint: usize,
     wrench: &'w mut Wrench,
 ) -> &'w mut Scalar {

@@ -17,7 +17,7 @@
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
 use super::inertia::{Inertia, SumWrench, Wrench};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::{Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define};
 
 /// The motion of a frame without joint accelerations.
@@ -47,7 +47,7 @@ impl BiasMotion {
 
 /// What the recursion reads.
 pub(super) struct Bias<'a, 'm> {
-    parameters: &'a Parameters<'m>,
+    parameters: &'a ModelParameters<'m>,
     offsets: &'a [Vector],
     composites: &'a [Inertia],
     /// Accelerations of the joints; none at all when empty.
@@ -56,7 +56,7 @@ pub(super) struct Bias<'a, 'm> {
 
 impl<'a, 'm> Bias<'a, 'm> {
     pub(super) fn new(
-        parameters: &'a Parameters<'m>,
+        parameters: &'a ModelParameters<'m>,
         offsets: &'a [Vector],
         composites: &'a [Inertia],
     ) -> Self {

@@ -10,7 +10,7 @@
 
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::{
     AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define_as, sums, unit,
 };
@@ -64,7 +64,7 @@ impl Chain {
     /// to a place given in the frame of the last joint (or of the reference).
     pub(super) fn new(
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         (suffix, number): (&'static str, usize),
         path: &[usize],
         place: &Vector,
@@ -140,7 +140,7 @@ impl Chain {
     fn turn(
         &self,
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         joint: usize,
         axes: &Matrix,
         run: Option<RotationRun>,
@@ -218,7 +218,7 @@ impl Chain {
     pub(super) fn jacobian(
         &self,
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
     ) -> Vec<(usize, Vector, Vector)> {
         let arms = self.arms(equations);
         let column = |(step, arm): (&ChainJoint, &Vector)| {
@@ -238,7 +238,7 @@ impl Chain {
     pub(super) fn motion(
         &self,
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         accelerations: &[Scalar],
     ) -> ChainMotion {
         let mut motion = ChainMotion {

@@ -14,7 +14,7 @@ use super::vector::{SumVector, Vector, ZERO, add_cross, add_matrix_product, defi
 
 /// Mass and first moment (about the joint's origin, in its frame) of all that
 /// a joint moves.
-struct Composite {
+struct MassAndMoment {
     mass: Scalar,
     moment: Vector,
 }
@@ -30,7 +30,7 @@ pub(super) fn write(recursion: &mut Recursion<'_, '_, '_>, true_angles: bool) {
 
 struct Columns<'r, 'e, 'p, 'm> {
     recursion: &'r mut Recursion<'e, 'p, 'm>,
-    composites: Option<Vec<Composite>>,
+    composites: Option<Vec<MassAndMoment>>,
 }
 
 impl Columns<'_, '_, '_, '_> {
@@ -78,11 +78,11 @@ impl Columns<'_, '_, '_, '_> {
     }
 
     /// What every joint moves, from the leaves on.
-    fn composites(&mut self) -> Vec<Composite> {
+    fn composites(&mut self) -> Vec<MassAndMoment> {
         let parameters = self.recursion.parameters;
         let equations = &mut *self.recursion.equations;
-        let mut composites: Vec<Composite> = Vec::new();
-        composites.resize_with(parameters.joints(), || Composite {
+        let mut composites: Vec<MassAndMoment> = Vec::new();
+        composites.resize_with(parameters.joints(), || MassAndMoment {
             mass: Scalar::ZERO,
             moment: ZERO,
         });
@@ -102,7 +102,7 @@ impl Columns<'_, '_, '_, '_> {
                     moment[k].add(&[behind.mass, self.recursion.offsets[child][k]]);
                 }
             }
-            composites[joint] = Composite {
+            composites[joint] = MassAndMoment {
                 mass: equations.define(QuantityLabel::new("MS", 0, joint + 1), mass),
                 moment: define(equations, "MD", joint, 0, moment),
             };
@@ -116,7 +116,7 @@ impl Columns<'_, '_, '_, '_> {
         ancestor: usize,
         paths: &[Vec<usize>],
         motions: &[Vec<FrameMotion>],
-        composites: &[Composite],
+        composites: &[MassAndMoment],
     ) {
         let parameters = self.recursion.parameters;
         for joint in ancestor..parameters.joints() {

@@ -13,7 +13,7 @@ use super::bias::Bias;
 use super::equations::{EquationStyle, Equations};
 use super::inertia::{Inertia, Wrench};
 use super::lower::operations;
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::Vector;
 use super::{Options, recursive};
 
@@ -67,7 +67,7 @@ impl MassAndBias {
 /// `M` and `c` in body frames.
 pub(super) fn dynamics(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
 ) -> MassAndBias {
     let offsets = parameters.named_offsets(equations);
@@ -83,7 +83,7 @@ pub(super) fn dynamics(
 /// that takes fewer operations than body by body.
 pub(super) fn inverse(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     accelerations: &[Scalar],
 ) -> Vec<Scalar> {
@@ -102,7 +102,7 @@ pub(super) fn inverse(
 /// inertias and long chains the former.
 pub(super) fn bias(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     offsets: &[Vector],
     composites: &[Inertia],
@@ -116,13 +116,13 @@ pub(super) fn bias(
 
 /// Writes forces both ways to see which takes fewer operations: those for
 /// given accelerations, or the bias beside composites that are needed anyway.
-fn body_by_body(parameters: &Parameters<'_>, options: &Options, accelerated: bool) -> bool {
+fn body_by_body(parameters: &ModelParameters<'_>, options: &Options, accelerated: bool) -> bool {
     let count = |bodies: bool| {
         let mut trial = Equations::new(EquationStyle {
             leading_signs: options.leading_signs,
         });
         let equations = &mut trial;
-        let parameters = &Parameters::new(parameters.model, options, equations);
+        let parameters = &ModelParameters::new(parameters.model, options, equations);
         let offsets = parameters.named_offsets(equations);
         let composites = Inertia::composites(equations, parameters, &offsets);
         let accelerations: Vec<Scalar> = if accelerated {
@@ -157,7 +157,7 @@ fn body_by_body(parameters: &Parameters<'_>, options: &Options, accelerated: boo
 /// The entries of `M` of a joint with the joints on its path to the base.
 fn column(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     offsets: &[Vector],
     composites: &[Inertia],
     joint: usize,
@@ -184,7 +184,7 @@ fn column(
 /// that joint.
 pub(super) fn carry(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     wrench: &Wrench,
     (joint, column): (usize, usize),
     offset: &Vector,

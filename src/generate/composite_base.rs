@@ -14,13 +14,13 @@ use super::composite::{MassAndBias, bias, carry};
 use super::equations::{Equations, QuantityLabel};
 use super::hub::{Pose, Twist, hubs};
 use super::inertia::{Inertia, Wrench};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::{Vector, add_cross, define};
 
 /// `M` and `c`.
 pub(super) fn dynamics(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
 ) -> MassAndBias {
     let offsets = parameters.named_offsets(equations);
@@ -39,7 +39,7 @@ const NEAR: usize = 7;
 
 /// The common frames and where the joints are in them.
 struct Frames<'a, 'm> {
-    parameters: &'a Parameters<'m>,
+    parameters: &'a ModelParameters<'m>,
     offsets: &'a [Vector],
     hubs: Vec<Option<usize>>,
     poses: Vec<Pose>,
@@ -49,7 +49,7 @@ struct Frames<'a, 'm> {
 impl<'a, 'm> Frames<'a, 'm> {
     fn new(
         equations: &mut Equations,
-        parameters: &'a Parameters<'m>,
+        parameters: &'a ModelParameters<'m>,
         offsets: &'a [Vector],
     ) -> Self {
         let hubs = hubs(parameters);

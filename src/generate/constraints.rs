@@ -13,7 +13,7 @@ use super::Options;
 use super::algebra::{Scalar, Sum};
 use super::chain::Chain;
 use super::equations::{Equations, QuantityLabel};
-use super::parameters::{ParameterSource, Parameters};
+use super::parameters::{ModelParameters, ParameterSource};
 use super::vector::{Vector, ZERO, define_as, subtracted};
 use crate::model::{Anchor, Cut, CutKind};
 
@@ -35,7 +35,11 @@ pub(super) enum ConstraintPart {
 }
 
 /// Writes `h` and `Jac`.
-pub(super) fn position(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
+pub(super) fn position(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    options: &Options,
+) {
     let rows = rows(equations, parameters, options, ConstraintPart::Position);
     for (number, row) in rows.iter().enumerate() {
         equations.output("h", &[number + 1], row.h);
@@ -48,7 +52,7 @@ pub(super) fn position(equations: &mut Equations, parameters: &Parameters<'_>, o
 /// Writes `Jdqd`.
 pub(super) fn acceleration(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
 ) {
     let rows = rows(equations, parameters, options, ConstraintPart::Acceleration);
@@ -60,7 +64,7 @@ pub(super) fn acceleration(
 /// The rows that some joint changes.
 pub(super) fn rows(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     part: ConstraintPart,
 ) -> Vec<ConstraintRow> {
@@ -89,7 +93,7 @@ pub(super) fn rows(
 }
 
 /// The number of the rod, from 0, and its length.
-fn rod_length(parameters: &Parameters<'_>, cut: usize) -> (usize, f64) {
+fn rod_length(parameters: &ModelParameters<'_>, cut: usize) -> (usize, f64) {
     let cuts = &parameters.model.cuts;
     let before = cuts[..cut]
         .iter()
@@ -102,7 +106,7 @@ fn rod_length(parameters: &Parameters<'_>, cut: usize) -> (usize, f64) {
 }
 
 /// Splits the paths to two places at the last joint they have in common.
-pub(super) fn split(parameters: &Parameters<'_>, ends: &[Anchor; 2]) -> [Vec<usize>; 2] {
+pub(super) fn split(parameters: &ModelParameters<'_>, ends: &[Anchor; 2]) -> [Vec<usize>; 2] {
     let paths = ends.map(|end| {
         let last = parameters.model.last_joint(end.body);
         last.map_or_else(Vec::new, |joint| parameters.path(joint))
@@ -118,7 +122,7 @@ pub(super) fn split(parameters: &Parameters<'_>, ends: &[Anchor; 2]) -> [Vec<usi
 /// The coordinates of a place in its body's frame.
 pub(super) fn place(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     anchor: &Anchor,
 ) -> Vector {
@@ -130,7 +134,7 @@ pub(super) fn place(
 
 struct ConstraintWriter<'e, 'p, 'm> {
     equations: &'e mut Equations,
-    parameters: &'p Parameters<'m>,
+    parameters: &'p ModelParameters<'m>,
     part: ConstraintPart,
     number: usize,
 }

@@ -8,13 +8,17 @@ use super::Options;
 use super::algebra::Sum;
 use super::equations::{Equations, QuantityLabel};
 use super::loads::{Loads, into_frame};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::sensor::{self, SensorNames};
 use crate::model::Asks;
 use robovec_ir::{Boundary, SourceSet};
 
 /// Writes all external forces.
-pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
+pub(super) fn write(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    options: &Options,
+) {
     let model = parameters.model;
     let mut loads = Loads::new(parameters);
     for (index, force) in model.forces.iter().enumerate() {

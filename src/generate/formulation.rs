@@ -3,7 +3,7 @@
 use super::algebra::Scalar;
 use super::composite::MassAndBias;
 use super::equations::Equations;
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::{
     FunctionKind, GenerateError, GenerationRequest, articulated, composite, composite_base, factor,
     prefix, recursive, reduced,
@@ -230,7 +230,7 @@ pub(super) fn check(model: &Model, request: &GenerationRequest) -> Result<(), Ge
 /// Writes `M` and `c`.
 pub(super) fn direct(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     request: &GenerationRequest,
 ) {
     let options = &request.options;
@@ -253,7 +253,7 @@ pub(super) fn direct(
 /// Writes `Qq`, the joint forces that cause the accelerations `qdd`.
 pub(super) fn inverse(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     request: &GenerationRequest,
 ) {
     let accelerations: Vec<Scalar> = (0..parameters.joints())
@@ -281,7 +281,7 @@ pub(super) fn inverse(
 /// Writes `qdd`.
 pub(super) fn accelerations(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     request: &GenerationRequest,
 ) -> Result<(), GenerateError> {
     if request.formulation == Formulation::Articulated {

@@ -8,13 +8,13 @@
 
 use super::algebra::Scalar;
 use super::equations::{Equations, QuantityLabel};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::{
     AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define, sums,
 };
 
 /// For every joint its hub: itself for a hub, none for joints of a stem.
-pub(super) fn hubs(parameters: &Parameters<'_>) -> Vec<Option<usize>> {
+pub(super) fn hubs(parameters: &ModelParameters<'_>) -> Vec<Option<usize>> {
     let mut hubs: Vec<Option<usize>> = Vec::with_capacity(parameters.joints());
     for (joint, children) in parameters.children().iter().enumerate() {
         let before = parameters.parent(joint).and_then(|parent| hubs[parent]);
@@ -50,7 +50,7 @@ impl Pose {
     pub(super) fn behind(
         &self,
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         joint: usize,
         offset: &Vector,
     ) -> Pose {
@@ -113,7 +113,7 @@ impl Twist {
     /// The twist of a joint whose frame has a pose.
     pub(super) fn new(
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         joint: usize,
         pose: &Pose,
     ) -> Twist {

@@ -8,7 +8,7 @@
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
 use super::hub::Twist;
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::{
     AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, cyclic, define,
     sums, sums_of,
@@ -106,7 +106,7 @@ impl SumInertia {
     pub(super) fn add_own(
         &mut self,
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         joint: usize,
     ) {
         let mass = parameters.masses[joint];
@@ -118,7 +118,7 @@ impl SumInertia {
     pub(super) fn add_child(
         &mut self,
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         child: usize,
         inertia: &Inertia,
         offset: &Vector,
@@ -241,7 +241,7 @@ impl Inertia {
     /// behind them, about the joints' origins and in their frames.
     pub(super) fn composites(
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         offsets: &[Vector],
     ) -> Vec<Inertia> {
         let children = parameters.children();
@@ -322,7 +322,7 @@ impl Wrench {
     }
 
     /// The component along the axis of a joint.
-    pub(super) fn along(&self, parameters: &Parameters<'_>, joint: usize) -> Scalar {
+    pub(super) fn along(&self, parameters: &ModelParameters<'_>, joint: usize) -> Scalar {
         let axis = parameters.axis(joint);
         if parameters.is_revolute(joint) {
             self.torque[axis]

@@ -11,12 +11,16 @@ use super::chain::Chain;
 use super::constraints::{place, split};
 use super::equations::{Equations, QuantityLabel};
 use super::loads::{Loads, into_frame};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::{Vector, define_as, subtracted, unit};
 use robovec_ir::{Boundary, SourceSet};
 
 /// Writes all links.
-pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
+pub(super) fn write(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    options: &Options,
+) {
     let mut loads = Loads::new(parameters);
     for index in 0..parameters.model.links.len() {
         one(equations, parameters, options, index, &mut loads);
@@ -26,7 +30,7 @@ pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, opti
 
 fn one(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     index: usize,
     loads: &mut Loads,

@@ -6,7 +6,7 @@
 
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::{Matrix, SumVector, Vector, add_cross, sums};
 
 /// What is added to the bodies, by joint.
@@ -15,7 +15,7 @@ pub(super) struct Loads {
 }
 
 impl Loads {
-    pub(super) fn new(parameters: &Parameters<'_>) -> Loads {
+    pub(super) fn new(parameters: &ModelParameters<'_>) -> Loads {
         Loads {
             columns: vec![None; parameters.joints()],
         }

@@ -40,7 +40,7 @@ use self::algebra::Scalar;
 use self::equations::{EquationStyle, Equations};
 pub use self::formulation::{Formulation, MomentOrigin, PrefixNetwork, Requirements};
 use self::lower::Extents;
-use self::parameters::Parameters;
+use self::parameters::ModelParameters;
 use crate::model::Model;
 use robovec_ir::{Function, Level, Module};
 use thiserror::Error;
@@ -380,7 +380,7 @@ fn write(
         leading_signs: options.leading_signs,
     });
     let equations = &mut written;
-    let parameters = &Parameters::new(model, options, equations);
+    let parameters = &ModelParameters::new(model, options, equations);
     match request.function {
         FunctionKind::Dirdyna => {
             formulation::direct(equations, parameters, request);

@@ -12,7 +12,7 @@ use super::{Options, ParameterBinding};
 use crate::model::Model;
 
 /// Everything the recursions read, by joint index.
-pub(super) struct Parameters<'m> {
+pub(super) struct ModelParameters<'m> {
     pub(super) model: &'m Model,
     /// Gravity, m/s^2.
     pub(super) gravity: Vector,
@@ -36,7 +36,7 @@ pub(super) struct Parameters<'m> {
     pub(super) turns: Vec<AxisRotation>,
 }
 
-impl<'m> Parameters<'m> {
+impl<'m> ModelParameters<'m> {
     /// Names the symbols of a model and writes its sines and cosines.
     pub(super) fn new(model: &'m Model, options: &Options, equations: &mut Equations) -> Self {
         let joints = 0..model.joints.len();
@@ -120,7 +120,7 @@ impl<'m> Parameters<'m> {
                 }
             })
             .collect();
-        Parameters {
+        ModelParameters {
             model,
             gravity,
             attachments,

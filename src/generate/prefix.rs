@@ -28,14 +28,14 @@ use super::formulation::{MomentOrigin, PrefixNetwork};
 use super::hub::{Pose, Twist, hubs, turned};
 use super::inertia::{Inertia, SumInertia, Wrench};
 use super::network::{PathBlock, paths, subtrees};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::turned_body::{euler, turned_moments};
 use super::vector::{Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, define, sums};
 
 /// `M` and `c`.
 pub(super) fn dynamics(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     network: PrefixNetwork,
     origin: MomentOrigin,
 ) -> MassAndBias {
@@ -52,7 +52,7 @@ pub(super) fn dynamics(
 /// Joint forces for given accelerations of the joints.
 pub(super) fn inverse(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     (network, origin): (PrefixNetwork, MomentOrigin),
     accelerations: &[Scalar],
 ) -> Vec<Scalar> {
@@ -78,7 +78,7 @@ struct Motions {
 
 struct Prefix<'e, 'p, 'm> {
     equations: &'e mut Equations,
-    parameters: &'p Parameters<'m>,
+    parameters: &'p ModelParameters<'m>,
     offsets: &'p [Vector],
     /// Accelerations of the joints; none at all when empty.
     accelerations: &'p [Scalar],
@@ -91,7 +91,7 @@ struct Prefix<'e, 'p, 'm> {
 impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
     fn new(
         equations: &'e mut Equations,
-        parameters: &'p Parameters<'m>,
+        parameters: &'p ModelParameters<'m>,
         (network, origin): (PrefixNetwork, MomentOrigin),
         offsets: &'p [Vector],
         accelerations: &'p [Scalar],

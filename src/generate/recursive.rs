@@ -11,7 +11,7 @@
 
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::{
     Matrix, SumVector, Vector, ZERO, add_cross, add_cross_of_sums, add_matrix_product, cyclic,
     define, sums,
@@ -66,7 +66,11 @@ const INVERSE: RecursionNames = RecursionNames {
 };
 
 /// Writes `M` and `c`.
-pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
+pub(super) fn direct(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    options: &Options,
+) {
     let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
     recursion.forward(&[]);
     let bias = recursion.backward();
@@ -79,7 +83,7 @@ pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, opt
 /// The bias force `c` alone.
 pub(super) fn bias(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
 ) -> Vec<Scalar> {
     let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
@@ -90,7 +94,7 @@ pub(super) fn bias(
 /// Joint forces for given accelerations of the joints.
 pub(super) fn inverse(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     accelerations: &[Scalar],
 ) -> Vec<Scalar> {
@@ -101,7 +105,7 @@ pub(super) fn inverse(
 
 pub(super) struct Recursion<'e, 'p, 'm> {
     pub(super) equations: &'e mut Equations,
-    pub(super) parameters: &'p Parameters<'m>,
+    pub(super) parameters: &'p ModelParameters<'m>,
     names: &'p RecursionNames,
     order: TermOrder,
     /// Products are multiplied out, as Robotran prints them.
@@ -116,7 +120,7 @@ pub(super) struct Recursion<'e, 'p, 'm> {
 impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
     fn new(
         equations: &'e mut Equations,
-        parameters: &'p Parameters<'m>,
+        parameters: &'p ModelParameters<'m>,
         options: &Options,
         names: &'p RecursionNames,
     ) -> Self {

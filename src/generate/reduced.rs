@@ -21,7 +21,7 @@ use super::composite::MassAndBias;
 use super::constraints::{self, ConstraintPart};
 use super::equations::{Equations, QuantityLabel};
 use super::factor::{LIMIT, SparseRow, Stop, entry, solve_square, solve_symmetric};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::{GenerateError, Options};
 use crate::model::{Model, Nature};
 use crate::motion;
@@ -45,7 +45,7 @@ pub(super) fn residual_input(
 /// Writes `qdd`.
 pub(super) fn accelerations(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     dynamics: &MassAndBias,
 ) -> Result<(), GenerateError> {
@@ -152,7 +152,7 @@ struct DependentAccelerations {
 
 struct CoordinateReduction<'e, 'p, 'm> {
     equations: &'e mut Equations,
-    parameters: &'p Parameters<'m>,
+    parameters: &'p ModelParameters<'m>,
     /// Rows of the lower triangle of `M`.
     masses: Vec<SparseRow>,
     /// Accelerations of driven joints, zero for others.

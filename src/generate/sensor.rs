@@ -6,7 +6,7 @@ use super::Options;
 use super::algebra::Scalar;
 use super::chain::{Chain, ChainMotion};
 use super::equations::Equations;
-use super::parameters::{ParameterSource, Parameters};
+use super::parameters::{ModelParameters, ParameterSource};
 use super::vector::{Vector, ZERO};
 use crate::model::{Asks, Model, Sensor};
 
@@ -73,7 +73,7 @@ pub(super) fn accelerations(equations: &mut Equations, model: &Model) -> Vec<Sca
 /// The chain from the base to a sensor's point.
 pub(super) fn chain(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     names: (&'static str, usize),
     sensor: &Sensor,
@@ -89,7 +89,7 @@ pub(super) fn chain(
 /// of external forces follow behind the sensors.
 pub(super) fn sensor(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     number: usize,
 ) {
@@ -103,7 +103,7 @@ pub(super) fn sensor(
 }
 
 /// Writes the motion of the frame of one joint (number from 0).
-pub(super) fn frame(equations: &mut Equations, parameters: &Parameters<'_>, joint: usize) {
+pub(super) fn frame(equations: &mut Equations, parameters: &ModelParameters<'_>, joint: usize) {
     let path = parameters.path(joint);
     let chain = Chain::new(equations, parameters, ("cp", joint + 1), &path, &ZERO);
     outputs(
@@ -118,7 +118,7 @@ pub(super) fn frame(equations: &mut Equations, parameters: &Parameters<'_>, join
 /// Sets the outputs that are asked for.
 pub(super) fn outputs(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     chain: &Chain,
     asks: Asks,
     names: &SensorNames,

@@ -13,7 +13,7 @@ pub(super) use errors::{componentwise, normwise, perturb, worst};
 
 use super::case::{Measured, StressBench, StressSubject};
 use super::linear::{factorise, solve, substitute};
-use super::numbers::{Numbers, Wide, Work, rounded};
+use super::numbers::{Wide, Work, WorkingPrecision, rounded};
 use super::program::{ModelProgram, ProgramRecipe, shared};
 use super::treatment::BALANCED;
 use super::units::Units;
@@ -178,10 +178,10 @@ impl StressSubject for DynamicsSubject {
             let [mass, bias] = if self.articulated {
                 [Vec::new(), Vec::new()]
             } else {
-                bench.masses(state, &plain, Numbers::Reference)?
+                bench.masses(state, &plain, WorkingPrecision::Reference)?
             };
             bench.exact.push(ExactDynamics {
-                forces: bench.forces(state, &plain, Numbers::Reference)?,
+                forces: bench.forces(state, &plain, WorkingPrecision::Reference)?,
                 mass,
                 bias,
             });
@@ -250,7 +250,7 @@ impl DynamicsBench<'_> {
         &self,
         state: &MotionState,
         treatment: &ProgramTreatment,
-        numbers: Numbers,
+        numbers: WorkingPrecision,
     ) -> Result<[Vec<Double>; 2], StressError> {
         let joints = self.joints();
         // Where forces come from elsewhere only M is computed.
@@ -266,7 +266,7 @@ impl DynamicsBench<'_> {
         &self,
         state: &MotionState,
         treatment: &ProgramTreatment,
-        numbers: Numbers,
+        numbers: WorkingPrecision,
     ) -> Result<Vec<Double>, StressError> {
         let program = self.program(FunctionKind::Invdyna, treatment, None)?;
         let flat = program.evaluate(numbers, self.units(treatment), &program.inputs(state));
@@ -280,7 +280,7 @@ impl DynamicsBench<'_> {
         treatment: &ProgramTreatment,
     ) -> Result<Vec<Double>, StressError> {
         let format = treatment.forces.unwrap_or(treatment.format);
-        self.forces(state, treatment, Numbers::In(format))
+        self.forces(state, treatment, WorkingPrecision::In(format))
     }
 
     /// Accelerations for the forces that were computed for those of the state.
@@ -309,7 +309,7 @@ impl DynamicsBench<'_> {
             let missing: Vec<f64> = (0..joints)
                 .map(|i| rounded((forces[i] - reached[i]).high, format))
                 .collect();
-            let solution = Numbers::In(treatment.format).work(Solution {
+            let solution = WorkingPrecision::In(treatment.format).work(Solution {
                 size: joints,
                 mass,
                 right: &missing,
@@ -338,7 +338,7 @@ impl DynamicsBench<'_> {
             let mut state = state.clone();
             state.joint_forces = forces.to_vec();
             let inputs = program.inputs(&state);
-            let numbers = Numbers::In(treatment.format);
+            let numbers = WorkingPrecision::In(treatment.format);
             let flat = program.evaluate(numbers, units, &inputs);
             program.array("qdd", &flat, joints)
         };

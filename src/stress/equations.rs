@@ -2,7 +2,7 @@
 
 use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{componentwise, normwise, perturb, worst};
-use super::numbers::{Evaluation, Numbers};
+use super::numbers::{Evaluation, WorkingPrecision};
 use super::program::{is_normal, run_passes, shared};
 use super::treatment::BALANCED;
 use super::{ProgramTreatment, StressError};
@@ -92,7 +92,7 @@ impl StressSubject for EquationsSubject {
         let exact = self
             .inputs
             .iter()
-            .map(|inputs| evaluate(&module, Numbers::Reference, inputs))
+            .map(|inputs| evaluate(&module, WorkingPrecision::Reference, inputs))
             .collect();
         Ok(Box::new(EquationsBench {
             subject: self,
@@ -102,7 +102,7 @@ impl StressSubject for EquationsSubject {
     }
 }
 
-fn evaluate(module: &Module, numbers: Numbers, inputs: &[f64]) -> Vec<Double> {
+fn evaluate(module: &Module, numbers: WorkingPrecision, inputs: &[f64]) -> Vec<Double> {
     let function = &module.functions[0];
     numbers.work(Evaluation { function, inputs })
 }
@@ -121,7 +121,7 @@ impl StressBench for EquationsBench<'_> {
         let moved = cases.flat_map(|(inputs, exact)| {
             (0..DRAWS).map(move |draw| {
                 let inputs = perturb(inputs, step, draw);
-                let found = evaluate(&self.module, Numbers::Reference, &inputs);
+                let found = evaluate(&self.module, WorkingPrecision::Reference, &inputs);
                 componentwise(&found, exact)
             })
         });
@@ -134,7 +134,7 @@ impl StressBench for EquationsBench<'_> {
         let (mut outside, mut all) = (0u32, 0u32);
         let (mut worst_component, mut worst_norm) = (0.0, 0.0);
         for (inputs, exact) in self.subject.inputs.iter().zip(&self.exact) {
-            let found = evaluate(&module, Numbers::In(treatment.format), inputs);
+            let found = evaluate(&module, WorkingPrecision::In(treatment.format), inputs);
             let errors = [worst_component, componentwise(&found, exact)];
             worst_component = worst(errors.into_iter());
             worst_norm = worst([worst_norm, normwise(&found, exact)].into_iter());

@@ -2,7 +2,7 @@
 
 use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{DynamicsSubject, Metric};
-use super::numbers::{Numbers, Wide, Work};
+use super::numbers::{Wide, Work, WorkingPrecision};
 use super::{ProgramTreatment, StressError};
 use crate::generate::{Formulation, FunctionKind, GenerationRequest, generate};
 use crate::model::Model;
@@ -126,7 +126,7 @@ struct LongBench<'a> {
 /// A run, for whatever arithmetic its slopes are computed in.
 struct Slopes<'a> {
     bench: &'a LongBench<'a>,
-    state: Numbers,
+    state: WorkingPrecision,
     stepping: Stepping,
 }
 
@@ -239,10 +239,10 @@ impl LongBench<'_> {
         };
         let slopes = Slopes {
             bench: self,
-            state: Numbers::In(treatment.state.unwrap_or(treatment.format)),
+            state: WorkingPrecision::In(treatment.state.unwrap_or(treatment.format)),
             stepping,
         };
-        let drift = Numbers::In(treatment.format).work(slopes);
+        let drift = WorkingPrecision::In(treatment.format).work(slopes);
         lock().push((treatment.clone(), drift));
         drift
     }

@@ -3,7 +3,7 @@
 use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{DynamicsSubject, Metric, normwise, perturb, worst};
 use super::linear::eigenvalues;
-use super::numbers::Numbers;
+use super::numbers::WorkingPrecision;
 use super::program::{ModelProgram, ProgramRecipe};
 use super::treatment::BALANCED;
 use super::units::Units;
@@ -57,7 +57,7 @@ impl Closed {
     fn accelerations(
         &self,
         program: &ModelProgram,
-        numbers: Numbers,
+        numbers: WorkingPrecision,
         inputs: &[f64],
     ) -> Vec<Double> {
         let flat = program.evaluate(numbers, Units::SI, inputs);
@@ -147,7 +147,7 @@ impl<'a> PreparedLoop<'a> {
         let plain = subject.program(&ProgramTreatment::default())?;
         let inputs = plain.inputs(&subject.state);
         Ok(PreparedLoop {
-            exact: subject.accelerations(&plain, Numbers::Reference, &inputs),
+            exact: subject.accelerations(&plain, WorkingPrecision::Reference, &inputs),
             equations: MotionEquations::new(&subject.model, &EquationSetting::default())?,
             subject,
             plain,
@@ -185,7 +185,7 @@ impl<'a> PreparedLoop<'a> {
         let moved = (0..DRAWS).map(|draw| {
             let inputs = perturb(&inputs, step, draw);
             let subject = self.subject;
-            let found = subject.accelerations(&self.plain, Numbers::Reference, &inputs);
+            let found = subject.accelerations(&self.plain, WorkingPrecision::Reference, &inputs);
             normwise(&found, &self.exact)
         });
         worst(moved) * amount / step
@@ -195,7 +195,7 @@ impl<'a> PreparedLoop<'a> {
         let program = self.subject.program(treatment)?;
         let state = &self.subject.state;
         let inputs = program.inputs(state);
-        let numbers = Numbers::In(treatment.format);
+        let numbers = WorkingPrecision::In(treatment.format);
         let found = self.subject.accelerations(&program, numbers, &inputs);
         let error = normwise(&found, &self.exact);
         // All rows, those that were left out as redundant included.

@@ -1,7 +1,7 @@
 //! A function of a model, compiled and ready to be evaluated in any numbers.
 
 use super::StressError;
-use super::numbers::{Evaluation, Numbers, rounded};
+use super::numbers::{Evaluation, WorkingPrecision, rounded};
 use super::units::{Dimension, Units};
 use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
 use crate::model::Model;
@@ -103,7 +103,12 @@ impl ModelProgram {
 
     /// The flattened outputs for given inputs, in SI units, computed in units
     /// of choice.
-    pub(super) fn evaluate(&self, numbers: Numbers, units: Units, inputs: &[f64]) -> Vec<Double> {
+    pub(super) fn evaluate(
+        &self,
+        numbers: WorkingPrecision,
+        units: Units,
+        inputs: &[f64],
+    ) -> Vec<Double> {
         if units == Units::SI {
             let function = &self.function;
             return numbers.work(Evaluation { function, inputs });

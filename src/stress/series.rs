@@ -2,7 +2,7 @@
 
 use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{DynamicsSubject, Metric, componentwise, normwise, worst};
-use super::numbers::{Evaluation, Numbers, Wide, Work};
+use super::numbers::{Evaluation, Wide, Work, WorkingPrecision};
 use super::program::{ModelProgram, ProgramRecipe};
 use super::units::Units;
 use super::{ProgramTreatment, StressError};
@@ -165,7 +165,11 @@ impl StressSubject for AnglesSubject {
         };
         let program = ModelProgram::new(&dynamics.model, FunctionKind::Invdyna, recipe)?;
         let forces = |state: &MotionState| {
-            let flat = program.evaluate(Numbers::Reference, Units::SI, &program.inputs(state));
+            let flat = program.evaluate(
+                WorkingPrecision::Reference,
+                Units::SI,
+                &program.inputs(state),
+            );
             program.array("Qq", &flat, dynamics.model.joints.len())
         };
         let exact = dynamics.states.iter().map(forces).collect();
@@ -184,7 +188,7 @@ impl AnglesBench<'_> {
             function: &self.program.function,
             inputs: &inputs,
         };
-        let numbers = Numbers::In(treatment.format);
+        let numbers = WorkingPrecision::In(treatment.format);
         let flat = match treatment.series {
             None => numbers.work(evaluation),
             Some(order) => numbers.work(WithSeries { evaluation, order }),

@@ -6,7 +6,7 @@
 //! of a union-find). Instances are opened from a stack, not by recursion.
 
 use super::SynthesisError;
-use super::netlist::{Bit, Direction, Netlist, NetlistCell, NetlistModule};
+use super::netlist::{Bit, Netlist, NetlistCell, NetlistModule, PortDirection};
 use std::collections::BTreeMap;
 
 /// The most primitives that are taken apart.
@@ -193,9 +193,9 @@ fn ports(
                 _ => format!("{name}[{place}]"),
             };
             match port.direction {
-                Direction::Input => flat.inputs.push((name, net)),
-                Direction::Output => flat.outputs.push((name, net)),
-                Direction::Inout => {}
+                PortDirection::Input => flat.inputs.push((name, net)),
+                PortDirection::Output => flat.outputs.push((name, net)),
+                PortDirection::Inout => {}
             }
         }
     }

@@ -35,7 +35,7 @@ pub struct NetlistModule {
 #[derive(Clone, Debug, Deserialize)]
 pub struct NetlistPort {
     /// Which way signals go.
-    pub direction: Direction,
+    pub direction: PortDirection,
     /// Its bits, lowest first.
     pub bits: Vec<Bit>,
 }
@@ -43,7 +43,7 @@ pub struct NetlistPort {
 /// Which way signals go through a port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Direction {
+pub enum PortDirection {
     /// Into the module.
     Input,
     /// Out of it.

@@ -2,7 +2,7 @@
 
 use super::super::draw::Draw;
 use super::super::linear::{condition, estimated_condition, solve};
-use super::super::numbers::{Numbers, rounded};
+use super::super::numbers::{WorkingPrecision, rounded};
 use super::super::program::{ModelProgram, ProgramRecipe};
 use super::super::units::Units;
 use super::super::{ProgramTreatment, StressError};
@@ -101,7 +101,7 @@ impl DynamicsBench<'_> {
         exact: &ExactDynamics,
         treatment: &ProgramTreatment,
     ) -> Result<DynamicsErrors, StressError> {
-        let numbers = Numbers::In(treatment.format);
+        let numbers = WorkingPrecision::In(treatment.format);
         let forces = self.treated_forces(state, treatment)?;
         let mut errors = DynamicsErrors {
             forces: normwise(&forces, &exact.forces),
@@ -119,12 +119,12 @@ impl DynamicsBench<'_> {
                 errors.bias = normwise(bias, &exact.bias);
             }
             let right = vec![0.0; size];
-            let factor = |numbers: Numbers| {
+            let factor = |numbers: WorkingPrecision| {
                 let right = &right;
                 numbers.work(Solution { size, mass, right })
             };
             errors.no_factor = factor(numbers).is_none();
-            errors.indefinite = errors.no_factor && factor(Numbers::Reference).is_none();
+            errors.indefinite = errors.no_factor && factor(WorkingPrecision::Reference).is_none();
         }
         if self.subject.metric == Metric::Accelerations {
             let found = self.accelerations(state, treatment, &masses)?;
@@ -176,7 +176,7 @@ impl DynamicsBench<'_> {
         for column in 0..size {
             state.qdd = vec![0.0; size];
             state.qdd[column] = 1.0;
-            let numbers = Numbers::In(Format::BINARY64);
+            let numbers = WorkingPrecision::In(Format::BINARY64);
             let flat = program.evaluate(numbers, Units::SI, &program.inputs(&state));
             let forces = program.array("Qq", &flat, size);
             for (row, force) in forces.iter().enumerate() {
@@ -227,7 +227,7 @@ impl DynamicsBench<'_> {
             let program = &program;
             (0..DRAWS).map(move |draw| {
                 let inputs = perturb(&inputs, step, draw);
-                let flat = program.evaluate(Numbers::Reference, Units::SI, &inputs);
+                let flat = program.evaluate(WorkingPrecision::Reference, Units::SI, &inputs);
                 let found = program.array(name, &flat, exact.len());
                 match self.subject.metric {
                     Metric::Masses => normwise(&found, exact),
