@@ -10,7 +10,7 @@ use robovec_ir::{
 };
 
 /// A name and an extent.
-type Signature = Vec<(String, Shape)>;
+type ArrayExtent = Vec<(String, Shape)>;
 
 /// Both functions with the union of their arrays. An output element that only
 /// one of them sets keeps in the other what the caller put there: the input
@@ -43,7 +43,7 @@ pub fn align(
     (one, other)
 }
 
-fn signature(tables: &Tables, arrays: &[Array]) -> Signature {
+fn signature(tables: &Tables, arrays: &[Array]) -> ArrayExtent {
     arrays
         .iter()
         .map(|array| (tables.symbols.text(array.name).to_owned(), array.shape))
@@ -51,8 +51,8 @@ fn signature(tables: &Tables, arrays: &[Array]) -> Signature {
 }
 
 /// Every name once, sorted, with the larger extents.
-fn union(one: &Signature, other: &Signature) -> Signature {
-    let mut union: Signature = one.iter().chain(other).cloned().collect();
+fn union(one: &ArrayExtent, other: &ArrayExtent) -> ArrayExtent {
+    let mut union: ArrayExtent = one.iter().chain(other).cloned().collect();
     union.sort_by(|a, b| a.0.cmp(&b.0));
     union.dedup_by(|next, kept| {
         let same = next.0 == kept.0;
@@ -82,11 +82,11 @@ fn larger(one: Shape, other: Shape) -> Shape {
 fn rebuild(
     function: &Function,
     tables: &mut Tables,
-    inputs: &Signature,
-    outputs: &Signature,
+    inputs: &ArrayExtent,
+    outputs: &ArrayExtent,
 ) -> Function {
     let mut rebuilt = Function::new(&function.name, function.level);
-    let mut declare = |signature: &Signature| -> Vec<(Symbol, Shape)> {
+    let mut declare = |signature: &ArrayExtent| -> Vec<(Symbol, Shape)> {
         let named = signature.iter();
         named
             .map(|(name, shape)| (tables.symbols.intern(name), *shape))

@@ -15,7 +15,7 @@ mod inputs;
 use self::explain::{reasons, superfluous};
 pub(crate) use self::inputs::zero;
 use crate::align::align;
-use crate::generate::{FunctionKind, Options, Request, generate};
+use crate::generate::{FunctionKind, GenerationRequest, Options, generate};
 use crate::model::{CutKind, Model};
 use robovec_analysis::class::NumericClass;
 use robovec_framework::check::check;
@@ -28,7 +28,7 @@ const POINTS: u32 = 2;
 
 /// Something about a file of equations and a model.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Finding {
+pub struct StaleFinding {
     /// True when the file must be generated again; false for a remark.
     pub stale: bool,
     /// What was found, one sentence.
@@ -43,7 +43,7 @@ pub struct Finding {
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Comparison {
     /// What was found.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<StaleFinding>,
     /// The functions that were proved to be those of the model.
     pub equal: Vec<String>,
 }
@@ -55,7 +55,7 @@ impl Comparison {
     }
 
     fn stale(&mut self, message: String, place: Option<Place>, help: &str) {
-        self.findings.push(Finding {
+        self.findings.push(StaleFinding {
             stale: true,
             message,
             place,
@@ -64,7 +64,7 @@ impl Comparison {
     }
 
     fn remark(&mut self, message: String, place: Option<Place>, help: &str) {
-        self.findings.push(Finding {
+        self.findings.push(StaleFinding {
             stale: false,
             message,
             place,
@@ -139,11 +139,11 @@ fn identity(model: &Model, function: &Function, comparison: &mut Comparison) {
 }
 
 /// An element of an array: name and indices from 1, absent ones 0.
-type Element = (String, [u32; 2]);
+type ArrayElement = (String, [u32; 2]);
 
 /// The input elements that a function uses, each with the first place where it
 /// does.
-fn used(tables: &Tables, function: &Function) -> BTreeMap<Element, Option<Place>> {
+fn used(tables: &Tables, function: &Function) -> BTreeMap<ArrayElement, Option<Place>> {
     let mut used = BTreeMap::new();
     let operands = function.nodes().iter().flat_map(|node| {
         let sources = node.sources;
@@ -163,7 +163,7 @@ fn used(tables: &Tables, function: &Function) -> BTreeMap<Element, Option<Place>
     used
 }
 
-fn element(tables: &Tables, function: &Function, input: Input) -> Element {
+fn element(tables: &Tables, function: &Function, input: Input) -> ArrayElement {
     let (array, indices, _) = function.input_element(input);
     (tables.symbols.text(array.name).to_owned(), indices)
 }
@@ -223,12 +223,12 @@ fn body(model: &Model, equations: &Module, function: &Function, comparison: &mut
         // Its calls of the user's functions differ from generator to generator.
         return;
     }
-    let request = Request {
+    let request = GenerationRequest {
         options: Options {
             all_parameters: metadata(function, "all_parameter_symbols").is_some(),
             ..Options::default()
         },
-        ..Request::new(kind)
+        ..GenerationRequest::new(kind)
     };
     let Ok(mut expected) = generate(model, &request) else {
         return;

@@ -5,8 +5,8 @@
 //! states, of the relative or of the normwise error in binary32, grows by
 //! more than 2 % and by more than 3.5 times the noise of that comparison.
 
-use robovec::accuracy::{Options, Subject, measure};
-use robovec::generate::{FunctionKind, Request, generate};
+use robovec::accuracy::{FunctionAccuracy, Options, measure};
+use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
 use robovec_analysis::rounding::Trend;
 use robovec_framework::pass::Gives;
@@ -44,7 +44,7 @@ fn modules() -> Vec<(String, Module)> {
         let file = format!("{name}.mbs");
         let bytes = example(&format!("models/{file}"));
         let model = read_mbs(&file, &bytes).expect("it is well formed").model;
-        let request = Request::new(FunctionKind::Dirdyna);
+        let request = GenerationRequest::new(FunctionKind::Dirdyna);
         let module = generate(&model, &request).expect("it has equations");
         modules.push(((*name).to_owned(), module));
     }
@@ -68,11 +68,11 @@ fn arithmetic_part(preset: &str) -> Pipeline {
     pipeline
 }
 
-fn measured(preset: &str) -> Vec<Subject> {
+fn measured(preset: &str) -> Vec<FunctionAccuracy> {
     measured_on(preset, "thesis")
 }
 
-fn measured_on(preset: &str, machine: &str) -> Vec<Subject> {
+fn measured_on(preset: &str, machine: &str) -> Vec<FunctionAccuracy> {
     let machine = Machine::built_in(machine).expect("it ships");
     let pipeline = arithmetic_part(preset);
     let options = Options { states: 0, seed: 1 };
@@ -157,9 +157,9 @@ fn what_does_worsen_it_is_seen() {
         .expect("it is well formed")
         .model;
     let of = |formulation: Formulation| {
-        let request = Request {
+        let request = GenerationRequest {
             formulation,
-            ..Request::new(FunctionKind::Dirdyna)
+            ..GenerationRequest::new(FunctionKind::Dirdyna)
         };
         let module = generate(&model, &request).expect("it has equations");
         let view = View {

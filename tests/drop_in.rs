@@ -1,7 +1,7 @@
 //! C that takes the place of Robotran's: compiled without a warning, called
 //! as MBsysC calls it, against the evaluator.
 
-use robovec::generate::{FunctionKind, Request, generate};
+use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
 use robovec_codegen::c::{
     Options, Order, Real, Signature, Sines, Trial, files, function_name, minimal_data, trial_main,
@@ -59,7 +59,7 @@ fn generated(model: &str, kind: FunctionKind, passes: &str) -> Module {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
     let bytes = std::fs::read(root.join(model).with_extension("mbs")).expect("it ships");
     let model = read_mbs(model, &bytes).expect("it is a good model").model;
-    let mut module = generate(&model, &Request::new(kind)).expect("it is a good model");
+    let mut module = generate(&model, &GenerationRequest::new(kind)).expect("it is a good model");
     let pipeline = REGISTRY.pipeline(passes).expect("a good pipeline");
     let machine = Machine::built_in("thesis").expect("it ships");
     let mut log = Vec::new();

@@ -6,7 +6,7 @@
 //!     cargo test --features mpfr --test all exact_outputs::
 
 use astro_float::{BigFloat, Consts, RoundingMode};
-use robovec::generate::{FunctionKind, Request, generate};
+use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
 use robovec_analysis::reference::{Effort, Exact, Kind, Reference};
 use robovec_ir::plan::Plan;
@@ -22,7 +22,7 @@ fn module(file: &str) -> Module {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
     let bytes = fs::read(folder.join(file)).expect("it is in the repository");
     let model = read_mbs(file, &bytes).expect("it is well formed").model;
-    let request = Request::new(FunctionKind::Dirdyna);
+    let request = GenerationRequest::new(FunctionKind::Dirdyna);
     generate(&model, &request).expect("it has equations")
 }
 

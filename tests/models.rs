@@ -3,7 +3,7 @@
 
 use crate::support::files::{compare_with_record, each, list, name};
 use crate::support::programs::robovec;
-use robovec::model::family::Family;
+use robovec::model::family::ModelFamily;
 use robovec::model::mbs::{JOINT_LIMIT, read_mbs, write_mbs};
 use std::fs;
 use std::path::Path;
@@ -16,13 +16,13 @@ fn root() -> &'static Path {
 /// The `.mbs` files of a folder, sorted.
 /// `semi-serial-23` is 23 joints of a family; a family of one size is its own
 /// name.
-fn family_of(stem: &str) -> (Family, Option<usize>) {
-    if let Some(family) = Family::from_name(stem) {
+fn family_of(stem: &str) -> (ModelFamily, Option<usize>) {
+    if let Some(family) = ModelFamily::from_name(stem) {
         return (family, None);
     }
     let (family, joints) = stem.rsplit_once('-').expect("a family and a number");
     (
-        Family::from_name(family).expect("a family"),
+        ModelFamily::from_name(family).expect("a family"),
         Some(joints.parse().expect("a number")),
     )
 }
@@ -30,12 +30,16 @@ fn family_of(stem: &str) -> (Family, Option<usize>) {
 /// With INSTA_UPDATE=always the examples are written instead.
 #[test]
 fn the_examples_are_what_the_command_writes() {
-    let mut stems: Vec<String> = Family::ALL
+    let mut stems: Vec<String> = ModelFamily::ALL
         .iter()
         .filter(|family| family.joints().is_some())
         .map(|family| family.name().to_owned())
         .collect();
-    for family in [Family::Serial, Family::SemiSerial, Family::Parallel] {
+    for family in [
+        ModelFamily::Serial,
+        ModelFamily::SemiSerial,
+        ModelFamily::Parallel,
+    ] {
         stems.extend([23, 50, 70, 100, 130].map(|joints| format!("{}-{joints}", family.name())));
     }
     stems.sort();
@@ -242,7 +246,11 @@ fn huge_and_hostile_files_are_refused_in_time() {
 fn equations_that_would_fill_the_memory_are_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let model = folder.path().join("chain.mbs");
-    fs::write(&model, write_mbs(&Family::Serial.build(JOINT_LIMIT, 1))).expect("room for it");
+    fs::write(
+        &model,
+        write_mbs(&ModelFamily::Serial.build(JOINT_LIMIT, 1)),
+    )
+    .expect("room for it");
     let model = model.to_str().expect("a plain name");
     for function in ["dirdyna", "gensensor"] {
         let output = robovec(&["gen", model, "--function", function]);
@@ -256,7 +264,7 @@ fn equations_that_would_fill_the_memory_are_refused() {
 #[test]
 fn encodings_are_told_apart() {
     let text = "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n".to_owned()
-        + &write_mbs(&Family::DoublePendulum.build(2, 1)).replace("Upper", "Père");
+        + &write_mbs(&ModelFamily::DoublePendulum.build(2, 1)).replace("Upper", "Père");
     let text = text.replacen("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n", "", 1);
     let latin: Vec<u8> = text
         .chars()

@@ -6,7 +6,7 @@
 
 use crate::rtl_support::{Loaded, is_there, replace};
 use crate::support::programs::{model, robovec};
-use robovec::rtl::{CheckFailure, Door, Tool, check};
+use robovec::rtl::{CheckFailure, Door, HardwareSimulator, check};
 use std::fs;
 use std::path::Path;
 
@@ -44,7 +44,7 @@ fn build(folder: &Path, input: &Path, machine: &str, more: &[&str]) {
 }
 
 /// What `tb/` says in a tool; it must pass.
-fn verdicts(folder: &Path, tool: Tool, doors: &[Door]) -> Vec<String> {
+fn verdicts(folder: &Path, tool: HardwareSimulator, doors: &[Door]) -> Vec<String> {
     match check(&folder.join("tb"), &folder.join("rtl"), tool, doors) {
         Ok(checked) => checked.verdicts,
         Err(failure) => panic!("{failure}"),
@@ -67,7 +67,7 @@ type Case<'a> = (&'a str, &'a str, u32, &'a [(&'a str, &'a str)]);
 /// both styles of memory, more ports than one, words of other widths.
 #[test]
 fn every_result_is_right_in_icarus_verilog() {
-    if !is_there(Tool::Icarus) {
+    if !is_there(HardwareSimulator::Icarus) {
         return;
     }
     let wide = ("subnormals = true", "subnormals = false");
@@ -96,10 +96,10 @@ fn every_result_is_right_in_icarus_verilog() {
         build(folder.path(), &model(input), &machine, &[]);
         // Every way into the smaller ones.
         let doors = match input {
-            "double-pendulum.mbs" => Tool::Icarus.doors(),
+            "double-pendulum.mbs" => HardwareSimulator::Icarus.doors(),
             _ => &[Door::Bus],
         };
-        for verdict in verdicts(folder.path(), Tool::Icarus, doors) {
+        for verdict in verdicts(folder.path(), HardwareSimulator::Icarus, doors) {
             assert!(count(&verdict, " results compared") >= 3 * 41, "{verdict}");
             assert!(count(&verdict, " words read back") > 20, "{verdict}");
         }
@@ -130,7 +130,7 @@ function dirdyna equations {
 /// and a crossbar of what is used.
 #[test]
 fn every_kind_of_operation_is_right_in_icarus_verilog() {
-    if !is_there(Tool::Icarus) {
+    if !is_there(HardwareSimulator::Icarus) {
         return;
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -155,7 +155,7 @@ fn every_kind_of_operation_is_right_in_icarus_verilog() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let machine = machine(folder.path(), name, 2, edits);
         build(folder.path(), input, &machine, more);
-        for verdict in verdicts(folder.path(), Tool::Icarus, &[Door::Bus]) {
+        for verdict in verdicts(folder.path(), HardwareSimulator::Icarus, &[Door::Bus]) {
             assert!(count(&verdict, " results compared") >= 3 * 18, "{verdict}");
         }
     }
@@ -164,14 +164,18 @@ fn every_kind_of_operation_is_right_in_icarus_verilog() {
 /// The program that ships as Robotran's file, and the bogie of the thesis.
 #[test]
 fn real_programs_are_right_in_icarus_verilog() {
-    if !is_there(Tool::Icarus) {
+    if !is_there(HardwareSimulator::Icarus) {
         return;
     }
     let suspension =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension/mbs_dirdyna_suspension.m");
     let folder = tempfile::tempdir().expect("a temporary folder");
     build(folder.path(), &suspension, "de10-nano", &["--runs", "2"]);
-    verdicts(folder.path(), Tool::Icarus, &[Door::Configured]);
+    verdicts(
+        folder.path(),
+        HardwareSimulator::Icarus,
+        &[Door::Configured],
+    );
     let folder = tempfile::tempdir().expect("a temporary folder");
     build(
         folder.path(),
@@ -179,7 +183,11 @@ fn real_programs_are_right_in_icarus_verilog() {
         "side-split",
         &["--runs", "1"],
     );
-    for verdict in verdicts(folder.path(), Tool::Icarus, &[Door::Configured]) {
+    for verdict in verdicts(
+        folder.path(),
+        HardwareSimulator::Icarus,
+        &[Door::Configured],
+    ) {
         assert!(count(&verdict, " results compared") > 3000, "{verdict}");
     }
 }
@@ -187,7 +195,7 @@ fn real_programs_are_right_in_icarus_verilog() {
 /// Both benches in Verilator, and `--check`.
 #[test]
 fn real_programs_are_right_in_verilator() {
-    if !is_there(Tool::Verilator) {
+    if !is_there(HardwareSimulator::Verilator) {
         return;
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -215,7 +223,7 @@ fn real_programs_are_right_in_verilator() {
 
 #[test]
 fn the_verilog_bench_runs_in_verilator_as_well() {
-    if !is_there(Tool::VerilatorVerilog) {
+    if !is_there(HardwareSimulator::VerilatorVerilog) {
         return;
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -223,13 +231,17 @@ fn the_verilog_bench_runs_in_verilator_as_well() {
     build(folder.path(), &model("double-pendulum.mbs"), &machine, &[]);
     let there = verdicts(
         folder.path(),
-        Tool::VerilatorVerilog,
-        Tool::Verilator.doors(),
+        HardwareSimulator::VerilatorVerilog,
+        HardwareSimulator::Verilator.doors(),
     );
     // Everything is deterministic, so both simulators count the same clocks.
-    if is_there(Tool::Icarus) {
+    if is_there(HardwareSimulator::Icarus) {
         assert_eq!(
-            verdicts(folder.path(), Tool::Icarus, Tool::Verilator.doors()),
+            verdicts(
+                folder.path(),
+                HardwareSimulator::Icarus,
+                HardwareSimulator::Verilator.doors()
+            ),
             there
         );
     }
@@ -240,7 +252,7 @@ fn mismatch(folder: &Path, what: &str) -> String {
     match check(
         &folder.join("tb"),
         &folder.join("rtl"),
-        Tool::Icarus,
+        HardwareSimulator::Icarus,
         &[Door::Bus],
     ) {
         Err(CheckFailure::Mismatch(said)) => said,
@@ -253,7 +265,7 @@ fn mismatch(folder: &Path, what: &str) -> String {
 /// first mismatch must name an operation or an output.
 #[test]
 fn planted_faults_in_images_are_caught() {
-    if !is_there(Tool::Icarus) {
+    if !is_there(HardwareSimulator::Icarus) {
         return;
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -326,7 +338,7 @@ fn planted_faults_in_images_are_caught() {
         );
     }
     right.write(folder.path());
-    verdicts(folder.path(), Tool::Icarus, &[Door::Bus]);
+    verdicts(folder.path(), HardwareSimulator::Icarus, &[Door::Bus]);
 }
 
 /// Faults of a hardware designer, as replacements in the generated Verilog.
@@ -371,7 +383,7 @@ const HARDWARE_FAULTS: &[(&str, &str, &str, &str)] = &[
 
 #[test]
 fn planted_faults_in_the_machine_are_caught() {
-    if !is_there(Tool::Icarus) {
+    if !is_there(HardwareSimulator::Icarus) {
         return;
     }
     for &(what, file, right, wrong) in HARDWARE_FAULTS {

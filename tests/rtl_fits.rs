@@ -2,7 +2,7 @@
 //! writes and runs.
 
 use crate::support::programs::{model, robovec};
-use robovec::rtl::Tool;
+use robovec::rtl::HardwareSimulator;
 use std::process::Output;
 
 const PASSES: &str = "atomise,zero-removal,balance,cse,dce,place";
@@ -38,7 +38,7 @@ fn images_of_another_model_run_on_hardware_that_is_there() {
     assert!(told.contains("fits the hardware with hash"), "{told}");
     assert!(told.contains("cycles: "), "{told}");
     assert!(!folder.path().join("images/rtl").exists());
-    if let Some(program) = Tool::Icarus.missing() {
+    if let Some(program) = HardwareSimulator::Icarus.missing() {
         eprintln!("SKIPPED: {program} is not installed, the images were not run");
         return;
     }

@@ -3,8 +3,8 @@
 
 use crate::support::files::{compare_with_record, each, stem, tree};
 use crate::support::programs::{robovec, stderr};
-use robovec::generate::{Formulation, FunctionKind, Options, Request, generate};
-use robovec::scene::{PIPELINE, SceneFile, Subject, USUAL, read};
+use robovec::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
+use robovec::scene::{PIPELINE, SceneFile, SceneSubject, USUAL, read};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pass::Pass;
 use robovec_framework::pass::{Aside, Context};
@@ -276,10 +276,11 @@ fn locked_joints_are_joints_held_by_their_reaction() {
         PIPELINE,
         Some(&everything),
     );
-    let (Subject::Model(subject), Subject::Model(_)) = (&file.subject, &straight.subject) else {
+    let (SceneSubject::Model(subject), SceneSubject::Model(_)) = (&file.subject, &straight.subject)
+    else {
         panic!("both have models");
     };
-    let inverse = Request {
+    let inverse = GenerationRequest {
         function: FunctionKind::Invdyna,
         formulation: Formulation::Recursive,
         options: Options::default(),

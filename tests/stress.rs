@@ -4,7 +4,7 @@
 //! take long without optimisation are left to optimised builds and to
 //! `robovec stress`, which checks the same.
 
-use robovec::stress::{Class, Verdict, cases, examine, judge};
+use robovec::stress::{CaseClass, StressVerdict, cases, examine, judge};
 use std::collections::BTreeSet;
 
 #[test]
@@ -12,11 +12,11 @@ fn names_are_unique_and_every_class_has_cases() {
     let cases = cases();
     let names: BTreeSet<&str> = cases.iter().map(|case| case.name.as_str()).collect();
     assert_eq!(names.len(), cases.len());
-    for class in Class::ALL {
+    for class in CaseClass::ALL {
         assert!(cases.iter().any(|case| case.class == class), "{class:?}");
-        assert_eq!(Class::from_name(class.name()), Some(class));
+        assert_eq!(CaseClass::from_name(class.name()), Some(class));
     }
-    for verdict in Verdict::ALL {
+    for verdict in StressVerdict::ALL {
         let met = cases.iter().any(|case| case.expected == verdict);
         assert!(met, "no case is {verdict}");
     }
@@ -46,7 +46,7 @@ fn verdicts_are_those_expected() {
 
 #[test]
 fn every_class_is_cured() {
-    for class in Class::ALL {
+    for class in CaseClass::ALL {
         // One case of each class; the hard ones stand behind the easy ones.
         let mut of_class = cases().into_iter().filter(|case| case.class == class);
         let case = of_class.rfind(|case| !case.long);

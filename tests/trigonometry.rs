@@ -1,11 +1,13 @@
 //! What series for sines and cosines do to models, and that programs with
 //! them run.
 
-use robovec::generate::{FunctionKind, Request, generate};
+use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::Model;
 use robovec::model::mbs::read_mbs;
-use robovec::simulate::Program;
-use robovec::trigonometry::{Effect, Setting, figure, measure, table, text};
+use robovec::simulate::LoadedProgram;
+use robovec::trigonometry::{
+    TrigonometryEffect, TrigonometrySetting, figure, measure, table, text,
+};
 use robovec_codegen::write_images;
 use robovec_framework::manager::{self, Config, Outcome};
 use robovec_ir::evaluate::evaluate;
@@ -23,7 +25,8 @@ fn example(name: &str) -> (Model, Module) {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
     let bytes = fs::read(models.join(&file)).expect("it is in the repository");
     let model = read_mbs(&file, &bytes).expect("it is well formed").model;
-    let module = generate(&model, &Request::new(FunctionKind::Dirdyna)).expect("it has equations");
+    let module =
+        generate(&model, &GenerationRequest::new(FunctionKind::Dirdyna)).expect("it has equations");
     (model, module)
 }
 
@@ -37,9 +40,9 @@ fn run(module: &mut Module, passes: &str) -> Outcome {
     manager::run(module, &pipeline, Config::new(&thesis(), &mut log)).expect("it runs")
 }
 
-fn effect(name: &str, method: Method, orders: &[u32], angles: &[f64]) -> Effect {
+fn effect(name: &str, method: Method, orders: &[u32], angles: &[f64]) -> TrigonometryEffect {
     let (model, module) = example(name);
-    let setting = Setting {
+    let setting = TrigonometrySetting {
         method,
         orders: orders.to_vec(),
         angles: angles.to_vec(),
@@ -53,7 +56,7 @@ fn effect(name: &str, method: Method, orders: &[u32], angles: &[f64]) -> Effect 
 }
 
 /// The median error of the mass matrix.
-fn mass_matrix(effect: &Effect, angle: f64, order: Option<u32>) -> f64 {
+fn mass_matrix(effect: &TrigonometryEffect, angle: f64, order: Option<u32>) -> f64 {
     let array = effect.arrays.iter().position(|array| array == "M");
     let rows = effect.rows.iter();
     let mut rows = rows.filter(|row| row.angle == angle && row.order == order);
@@ -154,7 +157,7 @@ fn simulate(module: &Module, unit: Option<&Unit>) {
     };
     let mut files: Vec<(String, String)> = Vec::new();
     write_images(view, &thesis(), None, &mut files).expect("it can be written");
-    let program = Program::load(&files, &thesis()).expect("it can be loaded");
+    let program = LoadedProgram::load(&files, &thesis()).expect("it can be loaded");
     for state in 0..4 {
         let inputs = States::new(5).draw(view, state);
         let found = program.run(&inputs).expect("no hazard").values;

@@ -3,7 +3,7 @@
 
 use crate::compiled::{Outcome, Subject, compare, has_gcc};
 use crate::support::files::{compare_with_record, each};
-use robovec::generate::{FunctionKind, Request, generate};
+use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
 use robovec::robotran::write::{WriteOptions, write};
 use robovec::robotran::{Language, read};
@@ -623,7 +623,8 @@ fn generated_functions_read_back_in_every_language() {
         let bytes = std::fs::read(folder.join(name).with_extension("mbs")).expect("it ships");
         let model = read_mbs(name, &bytes).expect("it is a good model").model;
         for kind in FunctionKind::ALL {
-            let module = generate(&model, &Request::new(kind)).expect("it is a good model");
+            let module =
+                generate(&model, &GenerationRequest::new(kind)).expect("it is a good model");
             // A model without sensors has no function of them.
             if module.functions.is_empty() {
                 continue;

@@ -4,7 +4,8 @@
 use arbitrary::{Result, Unstructured};
 use robovec::align::align;
 use robovec::generate::{
-    Binding, Formulation, FunctionKind, GenerateError, Options, Request, TermOrder, generate,
+    Formulation, FunctionKind, GenerateError, GenerationRequest, Options, ParameterBinding,
+    TermOrder, generate,
 };
 use robovec::model::family::random_tree;
 use robovec::model::{Anchor, Asks, Cut, CutKind, Link, Model, Nature, Sensor};
@@ -31,16 +32,16 @@ pub fn generated_functions_hold(data: &[u8]) {
     }
 }
 
-fn input(bytes: &mut Unstructured<'_>) -> Result<(Model, Request, Language)> {
+fn input(bytes: &mut Unstructured<'_>) -> Result<(Model, GenerationRequest, Language)> {
     let mut model = random_tree(bytes.arbitrary()?, bytes.int_in_range(1..=7)?);
     decorate(&mut model, bytes)?;
-    let request = Request {
+    let request = GenerationRequest {
         function: *bytes.choose(&FunctionKind::ALL)?,
         formulation: *bytes.choose(&Formulation::ALL)?,
         options: Options {
             order: *bytes.choose(&[TermOrder::OwnFirst, TermOrder::ChildFirst])?,
             all_parameters: bytes.arbitrary()?,
-            parameters: *bytes.choose(&[Binding::Symbols, Binding::Numbers])?,
+            parameters: *bytes.choose(&[ParameterBinding::Symbols, ParameterBinding::Numbers])?,
             external_forces: bytes.arbitrary()?,
             leading_signs: bytes.arbitrary()?,
             expanded: bytes.arbitrary()?,
@@ -125,7 +126,7 @@ fn decorate(model: &mut Model, bytes: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
-fn holds(model: &Model, request: &Request, language: Language) {
+fn holds(model: &Model, request: &GenerationRequest, language: Language) {
     assert!(model.check());
     let module = match generate(model, request) {
         Ok(module) => module,
@@ -158,8 +159,8 @@ fn holds(model: &Model, request: &Request, language: Language) {
 }
 
 /// The formulation and the recursive one, on the circle.
-fn same_dynamics(model: &Model, request: &Request, module: &Module) {
-    let plain = Request {
+fn same_dynamics(model: &Model, request: &GenerationRequest, module: &Module) {
+    let plain = GenerationRequest {
         formulation: Formulation::Recursive,
         options: Options {
             true_angles: false,
@@ -168,7 +169,7 @@ fn same_dynamics(model: &Model, request: &Request, module: &Module) {
         ..request.clone()
     };
     // Numbers of a model are rounded, so that only symbols can be compared.
-    if request.options.parameters == Binding::Numbers {
+    if request.options.parameters == ParameterBinding::Numbers {
         return;
     }
     let mut reference = match generate(model, &plain) {

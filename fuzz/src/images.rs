@@ -1,7 +1,7 @@
 //! The simulator must load, refuse or run any images: never panic, never hang.
 
 use arbitrary::{Result, Unstructured};
-use robovec::simulate::Program;
+use robovec::simulate::LoadedProgram;
 use robovec::simulate::mif::Image;
 use robovec_codegen::images;
 use robovec_ir::{
@@ -40,13 +40,13 @@ pub fn damage_and_run(bytes: &mut Unstructured<'_>) -> Result<bool> {
     let machine = Machine::built_in(bytes.choose(&MACHINES)?).expect("it ships");
     let mut files = sound_images(bytes, &machine)?;
     let inputs = [1.5, -0.25, 3.0];
-    let program = Program::load(&files, &machine).expect("sound images can be loaded");
+    let program = LoadedProgram::load(&files, &machine).expect("sound images can be loaded");
     program.run(&inputs).expect("sound images run");
     for _ in 0..bytes.int_in_range(1..=4)? {
         let index = bytes.choose_index(files.len())?;
         damage(bytes, &mut files[index].1)?;
     }
-    let Ok(program) = Program::load_edited(&files, &machine) else {
+    let Ok(program) = LoadedProgram::load_edited(&files, &machine) else {
         return Ok(false);
     };
     let _ = program.occupation();

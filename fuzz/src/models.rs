@@ -1,7 +1,7 @@
 //! The laws of model files.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
-use robovec::model::build::{BASE, Builder, Place};
+use robovec::model::build::{BASE, BodyPlace, ModelBuilder};
 use robovec::model::mbs::{read_mbs, write_mbs};
 use robovec::model::{Asks, CutKind, JointKind, Model, Nature, UserModel};
 
@@ -116,9 +116,9 @@ fn asks(bytes: &mut Unstructured<'_>) -> Result<Asks> {
 
 /// A random model.
 fn model(bytes: &mut Unstructured<'_>) -> Result<Model> {
-    let mut builder = Builder::new(&format!("m{}", u8::arbitrary(bytes)?));
+    let mut builder = ModelBuilder::new(&format!("m{}", u8::arbitrary(bytes)?));
     builder.gravity(triple(bytes)?);
-    let mut places: Vec<Place> = vec![BASE.origin()];
+    let mut places: Vec<BodyPlace> = vec![BASE.origin()];
     let mut points = Vec::new();
     let bodies = bytes.int_in_range(1..=6)?;
     for index in 0..bodies {

@@ -4,7 +4,7 @@
 use crate::generate::{self, Kind};
 use arbitrary::{Result, Unstructured};
 use robovec::robotran::drop_in::{DropInOptions, drop_in};
-use robovec::robotran::write::{WriteError, WriteOptions, write};
+use robovec::robotran::write::{RobotranWriteError, WriteOptions, write};
 use robovec::robotran::{Language, read};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::print::print_output;
@@ -209,7 +209,7 @@ fn map(places: &mut [u32], old: &Array, new: Array) {
 fn check(module: &Module, language: Language) {
     let files = match write(module, language, &WriteOptions::default()) {
         Ok(files) => files,
-        Err(WriteError::CallOrder { .. } | WriteError::Empty) => return,
+        Err(RobotranWriteError::CallOrder { .. } | RobotranWriteError::Empty) => return,
         Err(error) => panic!("{error}"),
     };
     if language == Language::C {

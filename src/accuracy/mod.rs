@@ -22,16 +22,16 @@ use std::sync::Arc;
 
 /// A function with its errors after every pass.
 #[derive(Clone, Debug)]
-pub struct Subject {
+pub struct FunctionAccuracy {
     /// The model, or the file, and the function.
     pub name: String,
     /// As it was read, then after every pass.
-    pub steps: Vec<Step>,
+    pub steps: Vec<PassAccuracy>,
 }
 
 /// The state of a function.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct PassAccuracy {
     /// The pass with its options; empty for the function as it was read.
     pub pass: String,
     /// Everything but sines, cosines and copies.
@@ -69,15 +69,15 @@ pub fn measure(
     machine: &Machine,
     options: Options,
     progress: &mut Progress<'_>,
-) -> Result<Vec<Subject>, RunError> {
-    let mut subjects: Vec<Subject> = Vec::new();
+) -> Result<Vec<FunctionAccuracy>, RunError> {
+    let mut subjects: Vec<FunctionAccuracy> = Vec::new();
     let mut sizes: Vec<(usize, u32)> = Vec::new();
     for function in &module.functions {
         let name = match module.functions.len() {
             1 => name.to_owned(),
             _ => format!("{name} {}", function.name),
         };
-        subjects.push(Subject {
+        subjects.push(FunctionAccuracy {
             name,
             steps: Vec::new(),
         });
@@ -103,7 +103,7 @@ pub fn measure(
         let steps = &mut subjects[index].steps;
         if steps.is_empty() {
             let (operations, path) = sizes[index];
-            steps.push(Step {
+            steps.push(PassAccuracy {
                 pass: String::new(),
                 operations,
                 path,
@@ -111,7 +111,7 @@ pub fn measure(
                 changes: None,
             });
         }
-        steps.push(Step {
+        steps.push(PassAccuracy {
             changes: Some(changes(&before, &after)),
             pass: record.name,
             operations: record.operations as usize,
@@ -127,7 +127,7 @@ fn size(function: &Function, machine: &Machine) -> (usize, u32) {
     (operations, critical_path(function, machine).asap_cycle)
 }
 
-impl Subject {
+impl FunctionAccuracy {
     /// The changes from the function as it was read to the end.
     pub fn overall(&self) -> Option<[Change; 2]> {
         let (first, last) = (self.steps.first()?, self.steps.last()?);

@@ -21,15 +21,15 @@ pub struct OutputLine {
     /// The output element.
     pub output: String,
     /// The distance from the exact value, in its unit.
-    pub absolute: Places,
+    pub absolute: ErrorQuantiles,
     /// Relative to the exact value.
-    pub relative: Places,
+    pub relative: ErrorQuantiles,
     /// In units in the last place of the exact value.
-    pub ulps: Places,
+    pub ulps: ErrorQuantiles,
     /// How many bits are wrong.
-    pub bits: Places,
+    pub bits: ErrorQuantiles,
     /// Relative to the exact value and what it reacts to.
-    pub mixed: Places,
+    pub mixed: ErrorQuantiles,
     /// The estimated condition number for independent errors of the inputs.
     pub sensitivity: f64,
     /// The componentwise condition number in the state of the largest
@@ -49,7 +49,7 @@ pub struct OutputLine {
 
 /// Places in a distribution over the states.
 #[derive(Clone, Copy, PartialEq, Serialize, Debug)]
-pub struct Places {
+pub struct ErrorQuantiles {
     /// Half of the states are at or below it.
     pub median: f64,
     /// 99 of 100 states are at or below it.
@@ -60,9 +60,9 @@ pub struct Places {
     pub state: u32,
 }
 
-impl From<Spread> for Places {
-    fn from(spread: Spread) -> Places {
-        Places {
+impl From<Spread> for ErrorQuantiles {
+    fn from(spread: Spread) -> ErrorQuantiles {
+        ErrorQuantiles {
             median: spread.median,
             percentile_99: spread.percentile_99,
             worst: spread.worst,

@@ -1,6 +1,6 @@
 //! Errors of passes as text, table and figure.
 
-use super::{Step, Subject};
+use super::{FunctionAccuracy, PassAccuracy};
 use crate::present::number::units;
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_lines,
@@ -9,7 +9,7 @@ use robovec_analysis::rounding::{Change, Quantiles, Trend};
 use std::fmt::Write;
 
 /// The errors of one subject, one line for each pass.
-pub fn text(subject: &Subject) -> String {
+pub fn text(subject: &FunctionAccuracy) -> String {
     let Some(first) = subject.steps.first() else {
         return String::new();
     };
@@ -24,7 +24,7 @@ pub fn text(subject: &Subject) -> String {
     text
 }
 
-fn row(step: &Step) -> Vec<String> {
+fn row(step: &PassAccuracy) -> Vec<String> {
     let name = match step.pass.as_str() {
         "" => "(as read)",
         pass => pass,
@@ -49,10 +49,10 @@ fn numbers(quantiles: &Quantiles) -> [f64; 3] {
 }
 
 /// Which passes made the median worse, pass by pass, and the whole pipeline.
-pub fn summary(subjects: &[Subject]) -> String {
+pub fn summary(subjects: &[FunctionAccuracy]) -> String {
     const WHOLE: &str = "(whole pipeline)";
-    let mut tallies: Vec<Tally<'_>> = Vec::new();
-    let mut whole = Tally::new(WHOLE);
+    let mut tallies: Vec<PassTally<'_>> = Vec::new();
+    let mut whole = PassTally::new(WHOLE);
     for subject in subjects {
         if let Some(changes) = subject.overall() {
             whole.count(&subject.name, changes);
@@ -63,14 +63,14 @@ pub fn summary(subjects: &[Subject]) -> String {
             };
             let index = tallies.iter().position(|tally| tally.pass == step.pass);
             let index = index.unwrap_or_else(|| {
-                tallies.push(Tally::new(&step.pass));
+                tallies.push(PassTally::new(&step.pass));
                 tallies.len() - 1
             });
             tallies[index].count(&subject.name, changes);
         }
     }
     tallies.push(whole);
-    let rows: Vec<Vec<String>> = tallies.iter().map(Tally::row).collect();
+    let rows: Vec<Vec<String>> = tallies.iter().map(PassTally::row).collect();
     let head = "pass | >relative: better | >same | >worse | >normwise: better | >same | >worse | \
          worse for";
     let mut text = format!("The medians of {} functions:\n", subjects.len());
@@ -79,15 +79,15 @@ pub fn summary(subjects: &[Subject]) -> String {
 }
 
 /// How many functions a pass made better, left the same and made worse.
-struct Tally<'a> {
+struct PassTally<'a> {
     pass: &'a str,
     counts: [[usize; 3]; 2],
     worse: Vec<String>,
 }
 
-impl Tally<'_> {
-    fn new(pass: &str) -> Tally<'_> {
-        Tally {
+impl PassTally<'_> {
+    fn new(pass: &str) -> PassTally<'_> {
+        PassTally {
             pass,
             counts: [[0; 3]; 2],
             worse: Vec::new(),
@@ -121,8 +121,8 @@ impl Tally<'_> {
 }
 
 /// The same as a table for programs.
-pub fn table(subjects: &[Subject]) -> DataTable {
-    let line = |subject: &Subject, step: &Step| {
+pub fn table(subjects: &[FunctionAccuracy]) -> DataTable {
+    let line = |subject: &FunctionAccuracy, step: &PassAccuracy| {
         let mut row = vec![
             DataCell::text(&subject.name),
             DataCell::text(&step.pass),
@@ -162,7 +162,7 @@ pub fn table(subjects: &[Subject]) -> DataTable {
 }
 
 /// Speed against error: for each subject the way the passes take it.
-pub fn figure(subjects: &[Subject]) -> Figure {
+pub fn figure(subjects: &[FunctionAccuracy]) -> Figure {
     let panels: Vec<Panel> = subjects
         .iter()
         .filter(|subject| !subject.steps.is_empty())
@@ -178,8 +178,8 @@ pub fn figure(subjects: &[Subject]) -> Figure {
     )
 }
 
-fn panel(subject: &Subject) -> Panel {
-    let mark = |step: &Step| Mark::at(f64::from(step.path), step.rounding.relative.median);
+fn panel(subject: &FunctionAccuracy) -> Panel {
+    let mark = |step: &PassAccuracy| Mark::at(f64::from(step.path), step.rounding.relative.median);
     let mut curves = vec![Curve::new(
         "",
         Paint::Distinct(0),

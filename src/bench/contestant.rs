@@ -1,7 +1,7 @@
 //! One program of a bench.
 
-use super::functions::Key;
-use super::tools::{self, Step};
+use super::functions::OutputKey;
+use super::tools::{self, BuildStep};
 use crate::files::{Replace, write_whole};
 use robovec_num::fnv::Fnv;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use std::path::Path;
 /// Where a contestant comes from.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Family {
+pub enum ContestantFamily {
     /// Robotran's file.
     Robotran,
     /// Robovec's, from the same equations.
@@ -27,7 +27,7 @@ pub struct Contestant {
     /// Its name.
     pub name: String,
     /// Where it comes from.
-    pub family: Family,
+    pub family: ContestantFamily,
     /// Compiler and flags, version.
     pub remark: String,
     /// Operations, where known.
@@ -37,11 +37,11 @@ pub struct Contestant {
     /// Files of its folder.
     pub files: Vec<(String, Vec<u8>)>,
     /// How the program `program` is made.
-    pub steps: Vec<Step>,
+    pub steps: Vec<BuildStep>,
     /// Arguments of the program before the milliseconds.
     pub arguments: Vec<String>,
     /// What stands in its file of results, for each state in this order.
-    pub outputs: Vec<Key>,
+    pub outputs: Vec<OutputKey>,
     /// The largest difference that is rounding.
     pub tolerance: f64,
     /// Why it cannot take part.
@@ -65,7 +65,11 @@ const MADE_OF: &str = "program.hash";
 impl Contestant {
     /// One that computes these outputs, a state at a time, and has no program
     /// yet.
-    pub(super) fn named(name: &str, family: Family, outputs: Vec<Key>) -> Contestant {
+    pub(super) fn named(
+        name: &str,
+        family: ContestantFamily,
+        outputs: Vec<OutputKey>,
+    ) -> Contestant {
         Contestant {
             name: name.to_owned(),
             family,

@@ -1,6 +1,6 @@
 //! Inputs and outputs of a function as a bench sees them: by name.
 
-use super::Question;
+use super::BenchQuestion;
 use crate::model::Model;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
@@ -14,14 +14,14 @@ const VARYING: [&str; 3] = ["q", "qd", "qdd"];
 
 /// An output element: array and indices from 1, 0 where there is none.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub struct Key {
+pub struct OutputKey {
     /// The array.
     pub array: String,
     /// Indices.
     pub indices: [u32; 2],
 }
 
-impl fmt::Display for Key {
+impl fmt::Display for OutputKey {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.indices {
             [0, 0] => formatter.write_str(&self.array),
@@ -63,12 +63,12 @@ pub(super) fn inputs(
 }
 
 /// The elements that a function sets, in order of its assignments.
-pub(super) fn outputs(view: View<'_>) -> Vec<Key> {
+pub(super) fn outputs(view: View<'_>) -> Vec<OutputKey> {
     let assignments = view.function.assignments.iter();
     assignments
         .map(|assignment| {
             let (array, indices, rank) = view.function.output_element(assignment.output);
-            let mut key = Key {
+            let mut key = OutputKey {
                 array: view.tables.symbols.text(array.name).to_owned(),
                 indices: [0; 2],
             };
@@ -79,20 +79,20 @@ pub(super) fn outputs(view: View<'_>) -> Vec<Key> {
 }
 
 /// What the results must be.
-pub(super) struct Reference {
-    keys: Vec<Key>,
+pub(super) struct ReferenceResults {
+    keys: Vec<OutputKey>,
     states: Vec<Vec<f64>>,
 }
 
-impl Reference {
+impl ReferenceResults {
     /// Evaluates the function as it came, in binary64.
-    pub(super) fn new(question: &Question<'_>) -> Reference {
+    pub(super) fn new(question: &BenchQuestion<'_>) -> ReferenceResults {
         let view = question.view;
         let states = (0..question.count).map(|state| {
             let inputs = inputs(view, question.model, question.states, state);
             evaluate(view.function, &Binary64, &inputs)
         });
-        Reference {
+        ReferenceResults {
             keys: outputs(view),
             states: states.collect(),
         }
@@ -107,13 +107,13 @@ impl Reference {
     /// does not set is zero, or stands in the other half of a matrix.
     pub(super) fn difference(
         &self,
-        keys: &[Key],
+        keys: &[OutputKey],
         results: &[Vec<f64>],
-    ) -> Result<(f64, Option<Key>), String> {
-        let places: BTreeMap<&Key, usize> = keys.iter().zip(0..).collect();
-        let find = |key: &Key| {
+    ) -> Result<(f64, Option<OutputKey>), String> {
+        let places: BTreeMap<&OutputKey, usize> = keys.iter().zip(0..).collect();
+        let find = |key: &OutputKey| {
             let [row, column] = key.indices;
-            let turned = Key {
+            let turned = OutputKey {
                 array: key.array.clone(),
                 indices: [column, row],
             };

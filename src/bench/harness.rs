@@ -12,7 +12,7 @@ use std::fmt::Write;
 
 /// How a function is called.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) enum Call {
+pub(super) enum CallingConvention {
     /// Arrays one after the other, inputs first.
     Plain,
     /// Runs of so many states, with parameters of these names prepared once.
@@ -21,12 +21,12 @@ pub(super) enum Call {
     Robotran(Vec<Parameter>),
 }
 
-impl Call {
+impl CallingConvention {
     /// States of a call.
     pub(super) fn lanes(&self) -> u32 {
         match self {
-            Call::Batch(lanes, _) => *lanes,
-            Call::Plain | Call::Robotran(_) => 1,
+            CallingConvention::Batch(lanes, _) => *lanes,
+            CallingConvention::Plain | CallingConvention::Robotran(_) => 1,
         }
     }
 }
@@ -66,7 +66,7 @@ pub(super) struct Callee<'a> {
     /// The type it computes in.
     pub(super) real: Real,
     /// How it is called.
-    pub(super) call: &'a Call,
+    pub(super) call: &'a CallingConvention,
     /// What declares it.
     pub(super) header: &'a str,
     /// Its name.
@@ -94,7 +94,7 @@ pub(super) fn main(callee: &Callee<'_>, states: u32) -> String {
         shared: Vec::new(),
     };
     writer.inputs();
-    if let Call::Batch(..) = call {
+    if let CallingConvention::Batch(..) = call {
         writer.arguments.push("prepared".to_owned());
         writer.shared.push("prepared".to_owned());
         writer.storage +=
@@ -103,12 +103,12 @@ pub(super) fn main(callee: &Callee<'_>, states: u32) -> String {
     writer.outputs();
     let mut before = String::new();
     let body = match call {
-        Call::Plain => format!("    {name}({});\n", writer.arguments.join(", ")),
-        Call::Batch(..) => {
+        CallingConvention::Plain => format!("    {name}({});\n", writer.arguments.join(", ")),
+        CallingConvention::Batch(..) => {
             before = format!("    {name}_prepare({});\n", writer.shared.join(", "));
             format!("    {name}_batch({});\n", writer.arguments.join(", "))
         }
-        Call::Robotran(parameters) => writer.robotran(name, parameters),
+        CallingConvention::Robotran(parameters) => writer.robotran(name, parameters),
     };
     let inputs = view.function.input_len();
     let outputs = view.function.assignments.len();
@@ -128,7 +128,7 @@ pub(super) fn main(callee: &Callee<'_>, states: u32) -> String {
 
 struct HarnessWriter<'a> {
     view: View<'a>,
-    call: &'a Call,
+    call: &'a CallingConvention,
     real: &'static str,
     lanes: u32,
     storage: String,
@@ -145,7 +145,7 @@ impl HarnessWriter<'_> {
 
     /// Storage of the inputs, and how a state is put into it.
     fn inputs(&mut self) {
-        let robotran = matches!(self.call, Call::Robotran(_));
+        let robotran = matches!(self.call, CallingConvention::Robotran(_));
         if robotran {
             self.storage += "static MbsData data[STATES];\n";
         }
@@ -158,7 +158,8 @@ impl HarnessWriter<'_> {
                 ("[1]", "[0]")
             };
             let extent = extent(array.shape);
-            let shared = matches!(self.call, Call::Batch(_, shared) if shared.contains(&name));
+            let shared =
+                matches!(self.call, CallingConvention::Batch(_, shared) if shared.contains(&name));
             let lanes = if shared { 1 } else { self.lanes };
             let _ = writeln!(
                 self.storage,
@@ -227,8 +228,8 @@ impl HarnessWriter<'_> {
     fn argument(&self, element: &str, shape: Shape, input: bool) -> String {
         let constant = if input { "const " } else { "" };
         match (self.call, shape, input) {
-            (Call::Plain, Shape::Scalar, true) => format!("{element}[0]"),
-            (Call::Plain, Shape::Matrix(_, columns), _) => {
+            (CallingConvention::Plain, Shape::Scalar, true) => format!("{element}[0]"),
+            (CallingConvention::Plain, Shape::Matrix(_, columns), _) => {
                 format!("({constant}{} (*)[{columns} + 1]){element}", self.real)
             }
             _ => element.to_owned(),
@@ -248,7 +249,7 @@ impl HarnessWriter<'_> {
                 self.real
             );
             bases.push(format!("o{index}"));
-            if !matches!(self.call, Call::Robotran(_)) {
+            if !matches!(self.call, CallingConvention::Robotran(_)) {
                 let argument = self.argument(&format!("o{index}"), array.shape, false);
                 self.arguments.push(argument);
             }

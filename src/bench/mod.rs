@@ -23,8 +23,8 @@ pub mod text;
 mod tools;
 mod tree;
 
-use contestant::{Contestant, Family};
-use functions::{Key, Reference};
+use contestant::{Contestant, ContestantFamily};
+use functions::{OutputKey, ReferenceResults};
 use robovec_ir::View;
 use robovec_ir::states::States;
 use serde::Serialize;
@@ -35,7 +35,7 @@ use crate::files::make_folder;
 use crate::model::Model;
 
 /// What everybody computes, and at which states.
-pub struct Question<'a> {
+pub struct BenchQuestion<'a> {
     /// The name of the folder of its programs.
     pub name: String,
     /// The function as it came: what the results must be.
@@ -50,11 +50,11 @@ pub struct Question<'a> {
 
 /// How one contestant did.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Outcome {
+pub struct BenchOutcome {
     /// Its name.
     pub name: String,
     /// Where it comes from.
-    pub family: Family,
+    pub family: ContestantFamily,
     /// Compiler and flags, version of a library.
     pub remark: String,
     /// Operations of the program, where that is known.
@@ -75,7 +75,7 @@ pub struct Outcome {
 }
 
 /// Told of what happens next.
-pub type Progress<'a> = &'a mut dyn FnMut(&str);
+pub type BenchProgress<'a> = &'a mut dyn FnMut(&str);
 
 /// Builds all contestants, compares their results, and times them in rounds
 /// of `milliseconds` each. `folder` takes the programs; those that read the
@@ -85,14 +85,14 @@ pub type Progress<'a> = &'a mut dyn FnMut(&str);
 ///
 /// When the folder cannot be written.
 pub fn bench(
-    question: &Question<'_>,
+    question: &BenchQuestion<'_>,
     contestants: &[Contestant],
     folder: &Path,
     rounds: u32,
     milliseconds: u32,
-    progress: Progress<'_>,
-) -> std::io::Result<Vec<Outcome>> {
-    let reference = Reference::new(question);
+    progress: BenchProgress<'_>,
+) -> std::io::Result<Vec<BenchOutcome>> {
+    let reference = ReferenceResults::new(question);
     let mut outcomes = Vec::new();
     let mut programs = Vec::new();
     for (number, contestant) in contestants.iter().enumerate() {
@@ -103,7 +103,7 @@ pub fn bench(
         };
         make_folder(&place)?;
         contestant.write(&place)?;
-        let mut outcome = Outcome {
+        let mut outcome = BenchOutcome {
             name: contestant.name.clone(),
             family: contestant.family,
             remark: contestant.remark.clone(),
@@ -149,8 +149,8 @@ pub fn bench(
 fn first_run(
     contestant: &Contestant,
     place: &Path,
-    reference: &Reference,
-    outcome: &mut Outcome,
+    reference: &ReferenceResults,
+    outcome: &mut BenchOutcome,
 ) -> Result<(), String> {
     let built = contestant.build(place)?;
     outcome.compile_seconds = built.seconds;
@@ -164,6 +164,6 @@ fn first_run(
     }
     Err(format!(
         "another result: {} differs by {difference:.1e} of the largest element",
-        key.map_or_else(|| "an output".to_owned(), |key: Key| key.to_string())
+        key.map_or_else(|| "an output".to_owned(), |key: OutputKey| key.to_string())
     ))
 }

@@ -1,10 +1,10 @@
 //! Robovec's C as contestants.
 
-use super::Question;
-use super::contestant::{Contestant, Family};
+use super::BenchQuestion;
+use super::contestant::{Contestant, ContestantFamily};
 use super::functions::{inputs, outputs};
-use super::harness::{self, Call, Callee};
-use super::tools::{Compiler, Step};
+use super::harness::{self, Callee, CallingConvention};
+use super::tools::{BuildStep, Compiler};
 use robovec_codegen::batch;
 use robovec_codegen::c::{self, Real, c_files};
 use robovec_codegen::rolled::rolled_files;
@@ -26,7 +26,7 @@ pub fn operations(view: View<'_>) -> usize {
 }
 
 /// The inputs of all states as a program reads them.
-pub(super) fn input_bytes(question: &Question<'_>, view: View<'_>) -> Vec<u8> {
+pub(super) fn input_bytes(question: &BenchQuestion<'_>, view: View<'_>) -> Vec<u8> {
     let states = 0..question.count;
     states
         .flat_map(|state| inputs(view, question.model, question.states, state))
@@ -35,13 +35,14 @@ pub(super) fn input_bytes(question: &Question<'_>, view: View<'_>) -> Vec<u8> {
 }
 
 /// A way to write a function in C.
-pub type Way = fn(&Question<'_>, &Compiler, Family, &str, View<'_>) -> Contestant;
+pub type ContestantMaker =
+    fn(&BenchQuestion<'_>, &Compiler, ContestantFamily, &str, View<'_>) -> Contestant;
 
 /// Straight-line C in bounded functions.
 pub fn straight(
-    question: &Question<'_>,
+    question: &BenchQuestion<'_>,
     compiler: &Compiler,
-    family: Family,
+    family: ContestantFamily,
     name: &str,
     view: View<'_>,
 ) -> Contestant {
@@ -58,19 +59,25 @@ pub fn straight(
 }
 
 /// Straight-line C with the evaluator's results, bit for bit.
-pub fn exact(question: &Question<'_>, compiler: &Compiler, real: Real) -> Contestant {
+pub fn exact(question: &BenchQuestion<'_>, compiler: &Compiler, real: Real) -> Contestant {
     let generated = Generated {
         real,
         ..Generated::plain(c_files(question.view, real), EXACT)
     };
-    generated.contestant(question, compiler, Family::Equations, "C", question.view)
+    generated.contestant(
+        question,
+        compiler,
+        ContestantFamily::Equations,
+        "C",
+        question.view,
+    )
 }
 
 /// C with loops found from recurrences.
 pub fn rolled(
-    question: &Question<'_>,
+    question: &BenchQuestion<'_>,
     compiler: &Compiler,
-    family: Family,
+    family: ContestantFamily,
     name: &str,
     view: View<'_>,
 ) -> Contestant {
@@ -83,21 +90,26 @@ pub fn rolled(
 
 /// C for eight states at once.
 pub fn batch(
-    question: &Question<'_>,
+    question: &BenchQuestion<'_>,
     compiler: &Compiler,
-    family: Family,
+    family: ContestantFamily,
     name: &str,
     view: View<'_>,
 ) -> Contestant {
     let options = batch::Options::default();
     let generated = Generated {
-        call: Call::Batch(options.lanes, options.shared.clone()),
+        call: CallingConvention::Batch(options.lanes, options.shared.clone()),
         ..Generated::plain(batch::batch_files(view, &options), FLAGS)
     };
     generated.contestant(question, compiler, family, name, view)
 }
 
-pub(super) fn missing(family: Family, name: &str, view: View<'_>, message: String) -> Contestant {
+pub(super) fn missing(
+    family: ContestantFamily,
+    name: &str,
+    view: View<'_>,
+    message: String,
+) -> Contestant {
     Contestant {
         operations: Some(operations(view)),
         missing: Some(message),
@@ -108,7 +120,7 @@ pub(super) fn missing(family: Family, name: &str, view: View<'_>, message: Strin
 /// A source and its header, and how they are used.
 struct Generated<'a> {
     files: [(String, String); 2],
-    call: Call,
+    call: CallingConvention,
     real: Real,
     flags: &'a str,
 }
@@ -119,7 +131,7 @@ impl<'a> Generated<'a> {
     fn plain(files: [(String, String); 2], flags: &'a str) -> Generated<'a> {
         Generated {
             files,
-            call: Call::Plain,
+            call: CallingConvention::Plain,
             real: Real::Double,
             flags,
         }
@@ -128,9 +140,9 @@ impl<'a> Generated<'a> {
     /// The program around the function.
     fn contestant(
         self,
-        question: &Question<'_>,
+        question: &BenchQuestion<'_>,
         compiler: &Compiler,
-        family: Family,
+        family: ContestantFamily,
         name: &str,
         view: View<'_>,
     ) -> Contestant {
@@ -138,12 +150,14 @@ impl<'a> Generated<'a> {
         let [(source, _), (header, _)] = &self.files;
         let stem = source.strip_suffix(".c").expect("the source comes first");
         let object = format!("{stem}.o");
-        let compiled = Step::new(command, flags).with("-c").with(source.clone());
+        let compiled = BuildStep::new(command, flags)
+            .with("-c")
+            .with(source.clone());
         let linked = format!("-O2 -march=native -o program main.c {object} -lm");
-        let steps = vec![compiled.function(&object), Step::new(command, &linked)];
+        let steps = vec![compiled.function(&object), BuildStep::new(command, &linked)];
         let function = match self.call {
-            Call::Batch(..) => stem.trim_end_matches("_batch"),
-            Call::Plain | Call::Robotran(_) => stem,
+            CallingConvention::Batch(..) => stem.trim_end_matches("_batch"),
+            CallingConvention::Plain | CallingConvention::Robotran(_) => stem,
         };
         let callee = Callee {
             view,

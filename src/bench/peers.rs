@@ -5,13 +5,13 @@
 //! user's Python packages (`pin`, `mujoco`, `casadi`), found by asking Python.
 //! What is not installed is named in the table with what to install.
 
-use super::contestant::{Contestant, Family, RESULTS};
-use super::functions::{Key, inputs};
+use super::contestant::{Contestant, ContestantFamily, RESULTS};
+use super::functions::{OutputKey, inputs};
 use super::own::BENCH_H;
-use super::tools::{Compiler, Step};
-use super::{Question, tree};
+use super::tools::{BuildStep, Compiler};
+use super::{BenchQuestion, tree};
 use crate::model::Model;
-use crate::process::Call;
+use crate::process::ProgramCall;
 use robovec_ir::{Input, View};
 use std::path::Path;
 
@@ -36,7 +36,7 @@ pub const NAMES: [&str; 4] = ["loop", "pinocchio", "mujoco", "casadi"];
 /// The peers of some names, for a model; `too_long` says why a peer that prints
 /// one function is not compiled.
 pub fn peers(
-    question: &Question<'_>,
+    question: &BenchQuestion<'_>,
     model: &Model,
     names: &[String],
     too_long: Option<&str>,
@@ -50,13 +50,13 @@ pub fn peers(
         if wanted("loop") {
             let remark = format!("{command} {FLAGS}");
             let source = [("loop.cpp", LOOP)];
-            let step = Step::new(command, FLAGS)
+            let step = BuildStep::new(command, FLAGS)
                 .with("-std=c++17")
                 .with("-c")
                 .with("loop.cpp");
             let steps = vec![
                 step.function("loop.o"),
-                Step::new(&compiler.command, "-o program loop.o -lm"),
+                BuildStep::new(&compiler.command, "-o program loop.o -lm"),
             ];
             list.push(peer(
                 question,
@@ -85,12 +85,12 @@ pub fn peers(
 }
 
 fn peer(
-    question: &Question<'_>,
+    question: &BenchQuestion<'_>,
     model: &Model,
     name: &str,
     remark: String,
     sources: &[(&str, &str)],
-    steps: Vec<Step>,
+    steps: Vec<BuildStep>,
     shared: Option<&str>,
 ) -> Contestant {
     let mut files: Vec<(String, Vec<u8>)> = sources
@@ -111,19 +111,23 @@ fn peer(
         // Other formulas, other roundings; a wrong one is off by far more.
         tolerance: 1e-9,
         shared: shared.map(|name| name.to_owned()),
-        ..Contestant::named(name, Family::Peer, outputs(model.joints.len() as u32))
+        ..Contestant::named(
+            name,
+            ContestantFamily::Peer,
+            outputs(model.joints.len() as u32),
+        )
     }
 }
 
-fn missing(question: &Question<'_>, model: &Model, name: &str, why: &str) -> Contestant {
+fn missing(question: &BenchQuestion<'_>, model: &Model, name: &str, why: &str) -> Contestant {
     let mut peer = peer(question, model, name, String::new(), &[], Vec::new(), None);
     peer.missing = Some(why.to_owned());
     peer
 }
 
 /// Mass matrix in full, then the forces.
-fn outputs(joints: u32) -> Vec<Key> {
-    let key = |array: &str, indices| Key {
+fn outputs(joints: u32) -> Vec<OutputKey> {
+    let key = |array: &str, indices| OutputKey {
         array: array.to_owned(),
         indices,
     };
@@ -135,7 +139,7 @@ fn outputs(joints: u32) -> Vec<Key> {
 }
 
 /// The number of states, then q and qd of each.
-fn state_bytes(question: &Question<'_>, model: &Model) -> Vec<u8> {
+fn state_bytes(question: &BenchQuestion<'_>, model: &Model) -> Vec<u8> {
     let mut numbers = vec![f64::from(question.count)];
     for state in 0..question.count {
         let inputs = inputs(question.view, question.model, question.states, state);
@@ -165,7 +169,9 @@ fn package(name: &str) -> Option<(String, String)> {
     let script = format!(
         "import {name}, os\nprint(os.path.dirname({name}.__file__))\nprint({name}.__version__)"
     );
-    let run = Call::version("python3", "-c").arguments([script]).run();
+    let run = ProgramCall::version("python3", "-c")
+        .arguments([script])
+        .run();
     let run = run.ok().filter(|run| run.status.success())?;
     let text = run.text();
     let mut lines = text.lines().rev();
@@ -173,7 +179,7 @@ fn package(name: &str) -> Option<(String, String)> {
     Some((lines.next()?.to_owned(), version))
 }
 
-fn pinocchio(question: &Question<'_>, model: &Model, command: &str) -> Vec<Contestant> {
+fn pinocchio(question: &BenchQuestion<'_>, model: &Model, command: &str) -> Vec<Contestant> {
     let name = "Pinocchio";
     let Some((folder, version)) = package("pinocchio") else {
         let why = "not installed: pip install pin, and Eigen's headers (libeigen3-dev)";
@@ -188,9 +194,13 @@ fn pinocchio(question: &Question<'_>, model: &Model, command: &str) -> Vec<Conte
             "{version}, {}, {command} {FLAGS}",
             convention.to_lowercase()
         );
-        let step = Step::new(command, FLAGS);
-        let mut step = Step {
-            arguments: [step.arguments, Step::new("", PINOCCHIO_FLAGS).arguments].concat(),
+        let step = BuildStep::new(command, FLAGS);
+        let mut step = BuildStep {
+            arguments: [
+                step.arguments,
+                BuildStep::new("", PINOCCHIO_FLAGS).arguments,
+            ]
+            .concat(),
             ..step
         };
         step = step
@@ -215,13 +225,13 @@ fn pinocchio(question: &Question<'_>, model: &Model, command: &str) -> Vec<Conte
     ["WORLD", "LOCAL"].map(convention).into()
 }
 
-fn mujoco(question: &Question<'_>, model: &Model) -> Contestant {
+fn mujoco(question: &BenchQuestion<'_>, model: &Model) -> Contestant {
     let name = "MuJoCo";
     let Some((folder, version)) = package("mujoco") else {
         return missing(question, model, name, "not installed: pip install mujoco");
     };
     let library = format!("{folder}/libmujoco.so.{version}");
-    let step = Step::new("cc", FLAGS)
+    let step = BuildStep::new("cc", FLAGS)
         .with(format!("-I{folder}/include"))
         .with("-o")
         .with("program")
@@ -241,17 +251,17 @@ fn mujoco(question: &Question<'_>, model: &Model) -> Contestant {
     )
 }
 
-fn casadi(question: &Question<'_>, model: &Model) -> Contestant {
+fn casadi(question: &BenchQuestion<'_>, model: &Model) -> Contestant {
     let name = "CasADi";
     let Some((_, version)) = package("casadi") else {
         return missing(question, model, name, "not installed: pip install casadi");
     };
     let sources = [("casadi_functions.py", CASADI), ("main.c", CASADI_MAIN)];
-    let step = Step::new("cc", FLAGS).with("-c").with("function.c");
+    let step = BuildStep::new("cc", FLAGS).with("-c").with("function.c");
     let steps = vec![
-        Step::new("python3", "casadi_functions.py model.txt function.c"),
+        BuildStep::new("python3", "casadi_functions.py model.txt function.c"),
         step.function("function.o"),
-        Step::new("cc", "-O2 -o program main.c function.o -lm"),
+        BuildStep::new("cc", "-O2 -o program main.c function.o -lm"),
     ];
     let remark = format!("{version}, cc {FLAGS}");
     peer(question, model, name, remark, &sources, steps, None)

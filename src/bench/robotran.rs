@@ -5,12 +5,12 @@
 //! Python, or the equations of a model, are written as one C function first,
 //! the way Robotran prints them.
 
-use super::Question;
-use super::contestant::{Contestant, Family};
+use super::BenchQuestion;
+use super::contestant::{Contestant, ContestantFamily};
 use super::functions::outputs;
-use super::harness::{self, Call, Callee, Parameter};
+use super::harness::{self, Callee, CallingConvention, Parameter};
 use super::own::{self, BENCH_H, input_bytes};
-use super::tools::{Compiler, Step};
+use super::tools::{BuildStep, Compiler};
 use crate::robotran::Language;
 use crate::robotran::write::{WriteOptions, write};
 use robovec_codegen::c::{self, Real};
@@ -22,15 +22,15 @@ use std::path::Path;
 pub const FLAGS: &str = "-O3 -march=native";
 
 /// Robotran's C file, with what stands beside it.
-pub fn file(question: &Question<'_>, compiler: &Compiler, path: &Path) -> Contestant {
+pub fn file(question: &BenchQuestion<'_>, compiler: &Compiler, path: &Path) -> Contestant {
     let text = match std::fs::read(path) {
         Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
         Err(error) => return missing(question, error.to_string()),
     };
     let folder = path.parent().unwrap_or(Path::new("."));
     let beside = |name: &str| std::fs::read(folder.join(name)).ok();
-    let program = Text {
-        family: Family::Robotran,
+    let program = RobotranSource {
+        family: ContestantFamily::Robotran,
         name: "Robotran's file",
         view: question.view,
         flags: FLAGS,
@@ -40,7 +40,7 @@ pub fn file(question: &Question<'_>, compiler: &Compiler, path: &Path) -> Contes
 }
 
 /// Equations written as one C function, as Robotran prints them.
-pub fn printed(question: &Question<'_>, compiler: &Compiler, module: &Module) -> Contestant {
+pub fn printed(question: &BenchQuestion<'_>, compiler: &Compiler, module: &Module) -> Contestant {
     let files = match write(module, Language::C, &WriteOptions::default()) {
         Ok(files) => files,
         Err(error) => return missing(question, error.to_string()),
@@ -52,8 +52,8 @@ pub fn printed(question: &Question<'_>, compiler: &Compiler, module: &Module) ->
         let found = files.iter().find(|(name, _)| name == wanted);
         found.map(|(_, text)| text.clone().into_bytes())
     };
-    let program = Text {
-        family: Family::Robotran,
+    let program = RobotranSource {
+        family: ContestantFamily::Robotran,
         name: "as Robotran prints it",
         view: question.view,
         flags: FLAGS,
@@ -64,9 +64,9 @@ pub fn printed(question: &Question<'_>, compiler: &Compiler, module: &Module) ->
 
 /// Robovec's C with Robotran's signature, in its place.
 pub fn drop_in(
-    question: &Question<'_>,
+    question: &BenchQuestion<'_>,
     compiler: &Compiler,
-    family: Family,
+    family: ContestantFamily,
     name: &str,
     view: View<'_>,
 ) -> Contestant {
@@ -74,7 +74,7 @@ pub fn drop_in(
         Ok(files) => files,
         Err(error) => return own::missing(family, name, view, error.to_string()),
     };
-    let program = Text {
+    let program = RobotranSource {
         family,
         name,
         view,
@@ -86,16 +86,20 @@ pub fn drop_in(
 }
 
 /// Robotran's file that cannot take part, and why.
-pub fn missing(question: &Question<'_>, message: String) -> Contestant {
+pub fn missing(question: &BenchQuestion<'_>, message: String) -> Contestant {
     Contestant {
         missing: Some(message),
-        ..Contestant::named("Robotran's file", Family::Robotran, outputs(question.view))
+        ..Contestant::named(
+            "Robotran's file",
+            ContestantFamily::Robotran,
+            outputs(question.view),
+        )
     }
 }
 
 /// A C file with a signature of Robotran's.
-struct Text<'a> {
-    family: Family,
+struct RobotranSource<'a> {
+    family: ContestantFamily,
     name: &'a str,
     /// The function it computes.
     view: View<'a>,
@@ -103,14 +107,14 @@ struct Text<'a> {
     text: &'a str,
 }
 
-impl Text<'_> {
+impl RobotranSource<'_> {
     fn contestant(
         &self,
-        question: &Question<'_>,
+        question: &BenchQuestion<'_>,
         compiler: &Compiler,
         beside: &dyn Fn(&str) -> Option<Vec<u8>>,
     ) -> Contestant {
-        let Text {
+        let RobotranSource {
             family,
             name,
             view,
@@ -147,7 +151,7 @@ impl Text<'_> {
             return missing(question, "it includes no header of data".to_owned());
         };
         let header = format!("#include \"{data}\"\n{declaration};");
-        let call = Call::Robotran(parameters);
+        let call = CallingConvention::Robotran(parameters);
         let callee = Callee {
             view,
             real: Real::Double,
@@ -163,12 +167,12 @@ impl Text<'_> {
             operations: Some(own::operations(view)),
             files,
             steps: vec![
-                Step::new(command, flags)
+                BuildStep::new(command, flags)
                     .with("-w")
                     .with("-c")
                     .with("function.c")
                     .function("function.o"),
-                Step::new(command, "-O2 -o program main.c function.o -lm"),
+                BuildStep::new(command, "-O2 -o program main.c function.o -lm"),
             ],
             ..Contestant::named(name, family, outputs(view))
         }

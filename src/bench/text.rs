@@ -1,13 +1,13 @@
 //! The table of a bench.
 
-use super::Outcome;
-use super::contestant::Family;
+use super::BenchOutcome;
+use super::contestant::ContestantFamily;
 use std::fmt::Write;
 
 /// The outcomes as an aligned table, the fastest of a group last.
 ///
 /// The ratio is against Robotran's file, or the first contestant that ran.
-pub fn text(title: &str, outcomes: &[Outcome]) -> String {
+pub fn text(title: &str, outcomes: &[BenchOutcome]) -> String {
     let base = outcomes.iter().find_map(|outcome| outcome.nanoseconds);
     let width = outcomes.iter().map(|outcome| outcome.name.chars().count());
     let width = width.max().unwrap_or(0).max(12);
@@ -57,11 +57,11 @@ pub fn text(title: &str, outcomes: &[Outcome]) -> String {
     text
 }
 
-fn heading(family: Family) -> &'static str {
+fn heading(family: ContestantFamily) -> &'static str {
     match family {
-        Family::Robotran => "Robotran",
-        Family::Equations => "robovec, from the equations",
-        Family::Model => "robovec, from the model",
-        Family::Peer => "others, from the model",
+        ContestantFamily::Robotran => "Robotran",
+        ContestantFamily::Equations => "robovec, from the equations",
+        ContestantFamily::Model => "robovec, from the model",
+        ContestantFamily::Peer => "others, from the model",
     }
 }

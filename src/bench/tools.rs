@@ -1,6 +1,6 @@
 //! Compilers and other programs of the user's.
 
-use crate::process::{Call, Finished};
+use crate::process::{FinishedProcess, ProgramCall};
 use std::path::Path;
 
 /// A C or C++ compiler that is installed.
@@ -19,7 +19,7 @@ impl Compiler {
     ///
     /// What it says, or why it does not.
     pub fn find(command: &str) -> Result<Compiler, String> {
-        let run = Call::version(command, "--version").run();
+        let run = ProgramCall::version(command, "--version").run();
         let text = told(command, &run.map_err(|error| error.to_string())?)?;
         Ok(Compiler {
             command: command.to_owned(),
@@ -36,7 +36,7 @@ impl Compiler {
 
 /// A command that makes a part of a program.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Step {
+pub struct BuildStep {
     /// The program.
     pub command: String,
     /// Its arguments.
@@ -47,10 +47,10 @@ pub struct Step {
     pub object: Option<String>,
 }
 
-impl Step {
+impl BuildStep {
     /// A command with arguments separated by blanks.
-    pub fn new(command: &str, arguments: &str) -> Step {
-        Step {
+    pub fn new(command: &str, arguments: &str) -> BuildStep {
+        BuildStep {
             command: command.to_owned(),
             arguments: arguments.split_whitespace().map(str::to_owned).collect(),
             timed: false,
@@ -59,13 +59,13 @@ impl Step {
     }
 
     /// One more argument, blanks and all.
-    pub fn with(mut self, argument: impl Into<String>) -> Step {
+    pub fn with(mut self, argument: impl Into<String>) -> BuildStep {
         self.arguments.push(argument.into());
         self
     }
 
     /// Marks the step that compiles the function into an object file.
-    pub fn function(mut self, object: &str) -> Step {
+    pub fn function(mut self, object: &str) -> BuildStep {
         self.timed = true;
         self.object = Some(object.to_owned());
         self
@@ -81,7 +81,7 @@ impl Step {
             self.command.clone(),
         ];
         arguments.extend(self.arguments.iter().cloned());
-        let call = Call::new("sh").called(&self.command).folder(place);
+        let call = ProgramCall::new("sh").called(&self.command).folder(place);
         let run = call.arguments(arguments).run();
         let text = told("sh", &run.map_err(|error| error.to_string())?)?;
         let last = text.lines().next_back().unwrap_or_default();
@@ -102,13 +102,13 @@ fn seconds(text: &str) -> Option<f64> {
 ///
 /// That it does not run, or what it says when it fails.
 pub(super) fn output(place: &Path, command: &str, arguments: &[String]) -> Result<String, String> {
-    let call = Call::new(command).folder(place).arguments(arguments);
+    let call = ProgramCall::new(command).folder(place).arguments(arguments);
     told(command, &call.run().map_err(|error| error.to_string())?)
 }
 
 /// What a program printed that succeeded; the line that says why, of one that
 /// failed.
-fn told(command: &str, run: &Finished) -> Result<String, String> {
+fn told(command: &str, run: &FinishedProcess) -> Result<String, String> {
     let text = run.text();
     if run.status.success() {
         return Ok(text);
@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn a_failing_step_tells_what_it_said() {
-        let step = Step::new("sh", "-c").with("echo 'error: no such thing' >&2; exit 3");
+        let step = BuildStep::new("sh", "-c").with("echo 'error: no such thing' >&2; exit 3");
         let message = step.run(Path::new(".")).expect_err("it exits with 3");
         assert!(message.contains("error: no such thing"), "{message}");
     }

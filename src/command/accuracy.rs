@@ -3,8 +3,8 @@
 use super::flags::{SEED, states};
 use super::output::result_files;
 use super::output_errors::{self, OutputArguments};
-use super::{Failure, input, output, progress};
-use crate::accuracy::{self, Options, Subject};
+use super::{CommandFailure, input, output, progress};
+use crate::accuracy::{self, FunctionAccuracy, Options};
 use crate::present::json::json_text;
 use clap::Args;
 use std::path::PathBuf;
@@ -41,7 +41,7 @@ pub(super) struct AccuracyArguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, CommandFailure> {
     if arguments.of_outputs.outputs {
         return output_errors::run(arguments);
     }
@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
         seed: arguments.seed,
     };
     let bar = progress::bar(arguments.files.len(), "{pos}/{len} files, {msg}");
-    let mut subjects: Vec<Subject> = Vec::new();
+    let mut subjects: Vec<FunctionAccuracy> = Vec::new();
     let mut text = String::new();
     for path in &arguments.files {
         let function = arguments.function.as_deref();
@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
         let module = &mut read.module;
         let measured =
             accuracy::measure(&name, module, &pipeline, &machine, options, &mut progress)
-                .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+                .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
         for subject in &measured {
             text += &accuracy::text(subject);
             text.push('\n');

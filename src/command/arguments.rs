@@ -21,7 +21,7 @@ use std::path::PathBuf;
                   Long options may be written with one dash. '--list-passes' shows the passes, \
                   '--help-pass NAME' the manual page of one."
 )]
-pub(crate) struct Arguments {
+pub(crate) struct OptimiserArguments {
     /// File to read, or - for the standard input
     #[arg(required_unless_present_any = ["list_passes", "help_pass", "list_machines", "completion"])]
     pub(crate) input: Option<PathBuf>,
@@ -174,7 +174,7 @@ pub(crate) struct Arguments {
 
 /// The command line, with the limits of its numbers.
 pub(crate) fn command() -> clap::Command {
-    super::flags::enforce(Arguments::command())
+    super::flags::enforce(OptimiserArguments::command())
 }
 
 /// The machine compiled for when nobody says.

@@ -1,9 +1,9 @@
 //! `robovec bench`: how fast the same function is in the hands of others.
 
 use super::flags::{SEED, states, whole};
-use super::{Failure, generation, input, output, progress, subjects};
-use crate::bench::contestant::{Contestant, Family};
-use crate::bench::{self, Compiler, Question, own, peers, robotran, text};
+use super::{CommandFailure, generation, input, output, progress, subjects};
+use crate::bench::contestant::{Contestant, ContestantFamily};
+use crate::bench::{self, BenchQuestion, Compiler, own, peers, robotran, text};
 use crate::files::TemporaryFolder;
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::model::Model;
@@ -54,9 +54,9 @@ pub(super) struct BenchArguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &BenchArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &BenchArguments) -> Result<String, CommandFailure> {
     let temporary = TemporaryFolder::new()
-        .map_err(|error| Failure::plain(format!("no temporary folder: {error}")))?;
+        .map_err(|error| CommandFailure::plain(format!("no temporary folder: {error}")))?;
     let folder = arguments.output.as_deref().unwrap_or(temporary.path());
     let bar = progress::spinner();
     let mut text = String::new();
@@ -65,7 +65,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, Failure> {
         let loaded = load(subject, arguments)?;
         let view = loaded.view();
         let states = States::new(arguments.seed);
-        let question = Question {
+        let question = BenchQuestion {
             name: loaded.name.clone(),
             view,
             model: loaded.model.as_ref(),
@@ -81,7 +81,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, Failure> {
             arguments.milliseconds,
             &mut |what| bar.set_message(format!("{}: {what}", loaded.name)),
         )
-        .map_err(|error| Failure::plain(format!("{}: {error}", folder.display())))?;
+        .map_err(|error| CommandFailure::plain(format!("{}: {error}", folder.display())))?;
         text += &text::text(&loaded.name, &outcomes);
         text.push('\n');
         results.push((loaded.name, outcomes));
@@ -97,7 +97,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, Failure> {
 }
 
 /// What a subject is.
-struct Loaded {
+struct LoadedSubject {
     name: String,
     /// The file of equations; a model has none.
     file: Option<PathBuf>,
@@ -105,7 +105,7 @@ struct Loaded {
     model: Option<Model>,
 }
 
-impl Loaded {
+impl LoadedSubject {
     fn view(&self) -> View<'_> {
         View {
             tables: &self.module.tables,
@@ -114,14 +114,14 @@ impl Loaded {
     }
 }
 
-fn load(subject: &str, arguments: &BenchArguments) -> Result<Loaded, Failure> {
+fn load(subject: &str, arguments: &BenchArguments) -> Result<LoadedSubject, CommandFailure> {
     let (name, model) = subjects::named_model(subject)?;
     let path = Path::new(subject);
     if let Some(model) = model {
         let options = Options::default();
         let kinds = [FunctionKind::Dirdyna];
         let module = generation::functions(&model, &kinds, Formulation::default(), &options)?;
-        return Ok(Loaded {
+        return Ok(LoadedSubject {
             name,
             file: None,
             module,
@@ -136,7 +136,7 @@ fn load(subject: &str, arguments: &BenchArguments) -> Result<Loaded, Failure> {
         Some(path) => Some(input::model(path)?.model),
         None => None,
     };
-    Ok(Loaded {
+    Ok(LoadedSubject {
         name,
         file: Some(path.to_owned()),
         module,
@@ -146,10 +146,10 @@ fn load(subject: &str, arguments: &BenchArguments) -> Result<Loaded, Failure> {
 
 /// Everybody who takes part.
 fn contestants(
-    question: &Question<'_>,
-    loaded: &Loaded,
+    question: &BenchQuestion<'_>,
+    loaded: &LoadedSubject,
     arguments: &BenchArguments,
-) -> Result<Vec<Contestant>, Failure> {
+) -> Result<Vec<Contestant>, CommandFailure> {
     let mut list = Vec::new();
     let compilers = arguments.compilers.iter();
     let (found, missing): (Vec<_>, Vec<_>) = compilers
@@ -157,7 +157,7 @@ fn contestants(
         .partition(Result::is_ok);
     let found: Vec<Compiler> = found.into_iter().flatten().collect();
     if found.is_empty() {
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             format!(
                 "none of the compilers is installed: {}",
                 arguments.compilers.join(", ")
@@ -177,8 +177,8 @@ fn contestants(
             None => robotran::printed(question, compiler, &loaded.module),
         });
     }
-    let equations = Program {
-        family: Family::Equations,
+    let equations = BenchProgram {
+        family: ContestantFamily::Equations,
         name: String::new(),
         module: loaded.module.clone(),
         passes: EQUATIONS,
@@ -194,8 +194,8 @@ fn contestants(
     for name in ["composite", "composite-base"] {
         let formulation = Formulation::from_name(name).unwrap_or_default();
         let kinds = [FunctionKind::Dirdyna];
-        let program = Program {
-            family: Family::Model,
+        let program = BenchProgram {
+            family: ContestantFamily::Model,
             name: format!("{name}, "),
             module: generation::functions(model, &kinds, formulation, &options)?,
             passes: MODEL,
@@ -218,8 +218,8 @@ fn in_one_piece(operations: usize) -> String {
 }
 
 /// Equations that robovec writes as C in several ways.
-struct Program {
-    family: Family,
+struct BenchProgram {
+    family: ContestantFamily,
     /// What stands before the name of the way.
     name: String,
     module: Module,
@@ -228,15 +228,15 @@ struct Program {
     passes: &'static str,
 }
 
-impl Program {
+impl BenchProgram {
     fn enter(
         &self,
-        question: &Question<'_>,
+        question: &BenchQuestion<'_>,
         compilers: &[Compiler],
         list: &mut Vec<Contestant>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), CommandFailure> {
         let shorter = transformed(&self.module, self.passes)?;
-        let ways: [(&str, own::Way, &Module); 4] = [
+        let ways: [(&str, own::ContestantMaker, &Module); 4] = [
             ("drop-in", robotran::drop_in, &shorter),
             ("straight-line", own::straight, &shorter),
             ("rolled", own::rolled, &self.module),
@@ -261,7 +261,7 @@ const EQUATIONS: &str = "$cpu";
 /// From the model.
 const MODEL: &str = "$cpu";
 
-fn transformed(module: &Module, passes: &str) -> Result<Module, Failure> {
+fn transformed(module: &Module, passes: &str) -> Result<Module, CommandFailure> {
     let pipeline = input::passes(passes)?;
     let mut module = module.clone();
     generation::transform(&mut module, &pipeline)?;

@@ -7,7 +7,7 @@
 //! the results apart.
 
 use super::flags::{SEED, real, whole};
-use super::{Failure, input};
+use super::{CommandFailure, input};
 use crate::align;
 use crate::model::Model;
 use crate::motion::parameter;
@@ -69,7 +69,7 @@ impl CheckArguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &CheckArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &CheckArguments) -> Result<String, CommandFailure> {
     let (mut before, mut after) = (
         input::equations(&arguments.before, None)?,
         input::equations(&arguments.after, None)?,
@@ -92,7 +92,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<String, Failure> {
     let mut text = String::new();
     for function in &before.module.functions {
         let Some(other) = after.module.function(&function.name) else {
-            return Err(Failure::plain(format!(
+            return Err(CommandFailure::plain(format!(
                 "{} has no function '{}'",
                 after.name, function.name
             )));
@@ -115,7 +115,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<String, Failure> {
 fn proof(
     (before, after): (View<'_>, View<'_>),
     arguments: &CheckArguments,
-) -> Result<String, Failure> {
+) -> Result<String, CommandFailure> {
     let verdict = check(
         before,
         after,
@@ -127,7 +127,9 @@ fn proof(
         return Ok(verdict.to_string());
     }
     let name = &before.function.name;
-    Err(Failure::plain(format!("'{name}' differs: {verdict}")))
+    Err(CommandFailure::plain(format!(
+        "'{name}' differs: {verdict}"
+    )))
 }
 
 /// The largest difference over all states, relative to the largest element of
@@ -136,7 +138,7 @@ fn distance(
     (before, after): (View<'_>, View<'_>),
     model: &Model,
     arguments: &CheckArguments,
-) -> Result<String, Failure> {
+) -> Result<String, CommandFailure> {
     let states = States::new(arguments.seed);
     let mut worst = (0.0, String::new());
     for state in 0..arguments.points {
@@ -156,7 +158,7 @@ fn distance(
         let states = arguments.points;
         return Ok(format!("within {difference:.1e} at {states} states"));
     }
-    Err(Failure::plain(format!(
+    Err(CommandFailure::plain(format!(
         "'{name}' differs: {place} by {difference:.1e} of the largest element"
     )))
 }

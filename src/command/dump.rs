@@ -1,6 +1,6 @@
 //! `--dump-dir`: every state of every function in a numbered file.
 
-use super::Failure;
+use super::CommandFailure;
 use super::output::{make_folder, write_file};
 use robovec_framework::manager::{Dump, DumpState};
 use serde::Serialize;
@@ -10,12 +10,12 @@ use std::path::{Path, PathBuf};
 /// Writes states as they come and an index at the end.
 pub(crate) struct DumpFolder {
     folder: PathBuf,
-    entries: Vec<Entry>,
+    entries: Vec<DumpEntry>,
 }
 
 /// One line of the index.
 #[derive(Serialize)]
-struct Entry {
+struct DumpEntry {
     /// Number of the state, from 0.
     number: usize,
     function: String,
@@ -32,7 +32,7 @@ struct Entry {
 }
 
 impl DumpFolder {
-    pub(crate) fn create(folder: &Path) -> Result<DumpFolder, Failure> {
+    pub(crate) fn create(folder: &Path) -> Result<DumpFolder, CommandFailure> {
         make_folder(folder)?;
         Ok(DumpFolder {
             folder: folder.to_owned(),
@@ -41,7 +41,7 @@ impl DumpFolder {
     }
 
     /// Writes the index.
-    pub(crate) fn finish(self) -> Result<(), Failure> {
+    pub(crate) fn finish(self) -> Result<(), CommandFailure> {
         write_file(&self.folder.join("index.json"), |writer| {
             serde_json::to_writer_pretty(&mut *writer, &self.entries)?;
             writer.write_all(b"\n")
@@ -64,7 +64,7 @@ impl Dump for DumpFolder {
                 name
             }
         };
-        self.entries.push(Entry {
+        self.entries.push(DumpEntry {
             number,
             function: state.function.to_owned(),
             pass: state.pass.to_owned(),

@@ -2,8 +2,8 @@
 
 use super::arguments::InputLanguage;
 use super::flags::{SEED, states, whole};
-use super::{Failure, input};
-use crate::errors::{self, ErrorTable, Method, Settings};
+use super::{CommandFailure, input};
+use crate::errors::{self, ErrorMethod, ErrorSettings, ErrorTable};
 use clap::Args;
 use robovec_framework::manager::{self, Config};
 use robovec_ir::diagnostic::{clip, did_you_mean};
@@ -46,7 +46,7 @@ pub(super) struct ErrorsArguments {
         value_enum,
         default_value = "bound,predict,stochastic"
     )]
-    method: Vec<Method>,
+    method: Vec<ErrorMethod>,
     /// Seed of the states
     #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
@@ -86,9 +86,9 @@ pub(super) struct ErrorsArguments {
 const WORK: usize = 1 << 31;
 
 /// Runs the command: the text for the standard output.
-pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, CommandFailure> {
     let format: Format = arguments.format.parse().map_err(|error| {
-        Failure::plain(format!("--format {}: {error}", clip(&arguments.format)))
+        CommandFailure::plain(format!("--format {}: {error}", clip(&arguments.format)))
     })?;
     let states = match &arguments.scene {
         Some(path) => {
@@ -107,7 +107,7 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, Failure> {
             tables: &module.tables,
             function,
         };
-        let settings = Settings {
+        let settings = ErrorSettings {
             format,
             states: states.clone(),
             state: arguments.state,
@@ -120,7 +120,7 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, Failure> {
         };
         let table = ErrorTable::measure(view, &settings).map_err(|error| {
             let help = "leave it out: --method bound,predict".to_owned();
-            Failure::advised(format!("method stochastic: {error}"), vec![help])
+            CommandFailure::advised(format!("method stochastic: {error}"), vec![help])
         })?;
         tables.push(table);
     }
@@ -135,7 +135,7 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, Failure> {
             None => Vec::new(),
         };
         let message = format!("there is no function '{}'", clip(name));
-        return Err(Failure::advised(message, note));
+        return Err(CommandFailure::advised(message, note));
     }
     if arguments.json {
         return Ok(errors::json(&tables));
@@ -158,7 +158,7 @@ fn asked(arguments: &ErrorsArguments, function: &Function) -> bool {
 }
 
 /// Reads the file and runs the pipeline.
-fn read(arguments: &ErrorsArguments) -> Result<Module, Failure> {
+fn read(arguments: &ErrorsArguments) -> Result<Module, CommandFailure> {
     let function = arguments.function.as_deref();
     let read = input::equations_or_model(&arguments.file, arguments.language, function)?;
     let mut module = read.module;
@@ -170,13 +170,13 @@ fn read(arguments: &ErrorsArguments) -> Result<Module, Failure> {
             &pipeline,
             Config::new(&machine, &mut io::sink()),
         )
-        .map_err(|error| Failure::plain(error.to_string()))?;
+        .map_err(|error| CommandFailure::plain(error.to_string()))?;
     }
     Ok(module)
 }
 
 /// The assignments that a list of arrays and elements means.
-fn chosen(view: View<'_>, list: Option<&str>) -> Result<Vec<usize>, Failure> {
+fn chosen(view: View<'_>, list: Option<&str>) -> Result<Vec<usize>, CommandFailure> {
     let function = view.function;
     let all = 0..function.assignments.len();
     let Some(list) = list else {
@@ -236,7 +236,7 @@ fn split(list: &str) -> Vec<String> {
     parts
 }
 
-fn unknown(view: View<'_>, function: &Function, name: &str) -> Failure {
+fn unknown(view: View<'_>, function: &Function, name: &str) -> CommandFailure {
     let arrays = function.outputs().iter();
     let arrays: Vec<&str> = arrays
         .map(|array| view.tables.symbols.text(array.name))
@@ -246,7 +246,7 @@ fn unknown(view: View<'_>, function: &Function, name: &str) -> Failure {
         None => format!("outputs: {}", clip(&arrays.join(", "))),
     };
     let message = format!("'{}' has no output '{}'", function.name, clip(name));
-    Failure::advised(message, vec![note])
+    CommandFailure::advised(message, vec![note])
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use super::arguments::InputLanguage;
 use super::flags::{SEED, states};
-use super::{Failure, generation, input};
-use crate::evaluate_command::{self, Format, Number, evaluate_at_states};
+use super::{CommandFailure, generation, input};
+use crate::evaluate_command::{self, NumberSystem, ResultFormat, evaluate_at_states};
 use crate::files::limited;
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::model::Model;
@@ -53,7 +53,7 @@ pub(super) struct EvalArguments {
     /// Numbers: a format (f16, bf16, f32, f64, float(8,17), float(8,17,flush),
     /// fixed(12,19)), double-double, field (a prime field), or a number of bits
     #[arg(long, value_name = "KIND", default_value = "f64")]
-    number: Number,
+    number: NumberSystem,
     /// How the result is written
     #[arg(long, value_enum, default_value_t = FormatName::Text)]
     format: FormatName,
@@ -63,7 +63,7 @@ pub(super) struct EvalArguments {
 }
 
 /// Runs the command: the text for the standard output.
-pub(super) fn run(arguments: &EvalArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
     let own = is_model(&arguments.file);
     let model_path = arguments.model.as_deref();
     let model_path = model_path.or(own.then_some(arguments.file.as_path()));
@@ -77,27 +77,27 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, Failure> {
         .map(|path| input::text(path, &limited::STATES))
         .transpose()?;
     let states = match (&text, arguments.random) {
-        (Some(text), _) => evaluate_command::Source::Text(text),
-        (None, count) => evaluate_command::Source::Random {
+        (Some(text), _) => evaluate_command::StateSource::Text(text),
+        (None, count) => evaluate_command::StateSource::Random {
             count: count.unwrap_or(1),
             seed: arguments.seed,
         },
     };
-    let request = evaluate_command::Request {
+    let request = evaluate_command::EvaluationRequest {
         module: &module,
         model: model.as_ref(),
         states,
         number: arguments.number,
         format: match arguments.format {
-            FormatName::Text => Format::Text,
-            FormatName::Csv => Format::Csv,
-            FormatName::Json => Format::Json,
+            FormatName::Text => ResultFormat::Text,
+            FormatName::Csv => ResultFormat::Csv,
+            FormatName::Json => ResultFormat::Json,
         },
     };
     evaluate_at_states(&request).map_err(|diagnostics| {
         let name = arguments.states.as_deref().unwrap_or(Path::new(""));
         let text = text.clone().unwrap_or_default();
-        Failure(Report::of(&name.display().to_string(), text, diagnostics))
+        CommandFailure(Report::of(&name.display().to_string(), text, diagnostics))
     })
 }
 
@@ -106,13 +106,13 @@ fn is_model(path: &Path) -> bool {
         .is_some_and(|extension| extension.eq_ignore_ascii_case("mbs"))
 }
 
-fn read_model(path: &Path) -> Result<Model, Failure> {
+fn read_model(path: &Path) -> Result<Model, CommandFailure> {
     let read = input::model(path)?;
     Ok(read.model)
 }
 
 /// The functions of a model.
-fn generated(arguments: &EvalArguments, model: &Model) -> Result<Module, Failure> {
+fn generated(arguments: &EvalArguments, model: &Model) -> Result<Module, CommandFailure> {
     let kind = |name: &String| {
         FunctionKind::from_name(name).ok_or_else(|| {
             let known = FunctionKind::ALL.map(FunctionKind::name);
@@ -132,7 +132,7 @@ fn generated(arguments: &EvalArguments, model: &Model) -> Result<Module, Failure
 }
 
 /// The functions of a file of equations.
-fn read(arguments: &EvalArguments) -> Result<Module, Failure> {
+fn read(arguments: &EvalArguments) -> Result<Module, CommandFailure> {
     let input = input::equations(&arguments.file, arguments.language)?;
     let mut module = input.module;
     let asked = &arguments.function;
@@ -151,8 +151,8 @@ fn read(arguments: &EvalArguments) -> Result<Module, Failure> {
     Ok(module)
 }
 
-fn unknown(name: &str, known: &[&str]) -> Failure {
-    Failure::advised(
+fn unknown(name: &str, known: &[&str]) -> CommandFailure {
+    CommandFailure::advised(
         format!("there is no function '{}'", clip(name)),
         vec![format!("functions: {}", known.join(", "))],
     )

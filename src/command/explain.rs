@@ -1,7 +1,7 @@
 //! `robovec-opt --explain`: the story of one value.
 
-use super::Failure;
-use super::input::Input;
+use super::CommandFailure;
+use super::input::InputModule;
 use crate::errors;
 use robovec_framework::trail::{self, Account, Change, Entry, Moment, Trail};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
@@ -10,7 +10,7 @@ use robovec_ir::{Function, Machine, Place, SourceSet, Step, View, print};
 use std::fmt::Write;
 
 /// So many source places are shown with their lines; the others are named.
-const MOST_EXCERPTS: usize = 6;
+const MAX_EXCERPTS: usize = 6;
 
 /// Tells how what the user asked for came to be.
 ///
@@ -19,14 +19,14 @@ const MOST_EXCERPTS: usize = 6;
 /// When there is no such value or output.
 pub(crate) fn explain(
     asked: &str,
-    input: &Input,
+    input: &InputModule,
     trail: &Trail,
     machine: &Machine,
     states: &States,
-) -> Result<String, Failure> {
+) -> Result<String, CommandFailure> {
     let module = &input.module;
     let (index, item) = trail::find(module, trail, asked)
-        .map_err(|error| Failure::advised(error.to_string(), vec![error.help]))?;
+        .map_err(|error| CommandFailure::advised(error.to_string(), vec![error.help]))?;
     let function = &module.functions[index];
     let account = trail::explain(&module.tables, function, trail, machine, item);
     let mut text = origin(&account, function, input);
@@ -73,7 +73,7 @@ pub(crate) fn explain(
 }
 
 /// The source equations, with their lines where the file is at hand.
-fn origin(account: &Account, function: &Function, input: &Input) -> String {
+fn origin(account: &Account, function: &Function, input: &InputModule) -> String {
     let sources = &input.module.tables.sources;
     let mut places: Vec<Place> = Vec::new();
     for place in account.sources.iter().flat_map(|&set| sources.places(set)) {
@@ -97,33 +97,33 @@ fn origin(account: &Account, function: &Function, input: &Input) -> String {
     let id = text.map(|text| report.add_file(&input.name, text));
     for (number, place) in places.iter().enumerate() {
         match id {
-            Some(id) if number < MOST_EXCERPTS && is_read(place) => {
+            Some(id) if number < MAX_EXCERPTS && is_read(place) => {
                 let range = report.range_of(id, *place);
                 diagnostic.labels.push(match number {
                     0 => Label::primary(id, range),
                     _ => Label::secondary(id, range),
                 });
             }
-            Some(_) | None if number < MOST_EXCERPTS => {
+            Some(_) | None if number < MAX_EXCERPTS => {
                 diagnostic.notes.push(describe(input, *place));
             }
             Some(_) | None => {}
         }
     }
-    if places.len() > MOST_EXCERPTS {
-        let rest = places.len() - MOST_EXCERPTS;
+    if places.len() > MAX_EXCERPTS {
+        let rest = places.len() - MAX_EXCERPTS;
         diagnostic.notes.push(format!("and from {rest} more"));
     }
     report.push(diagnostic);
     report.render_plain()
 }
 
-fn describe(input: &Input, place: Place) -> String {
+fn describe(input: &InputModule, place: Place) -> String {
     let file = &input.module.tables.sources.files[place.file as usize];
     format!("{file}, line {}, column {}", place.line, place.column)
 }
 
-fn print_entry(entry: &Entry, input: &Input, text: &mut String) {
+fn print_entry(entry: &Entry, input: &InputModule, text: &mut String) {
     let mut rules: Vec<String> = Vec::new();
     for rule in entry.changes.iter().flat_map(|change| &change.rules) {
         if !rules.contains(rule) {
@@ -147,7 +147,7 @@ fn describe_step(step: &Step) -> String {
     }
 }
 
-fn print_change(change: &Change, input: &Input, text: &mut String) {
+fn print_change(change: &Change, input: &InputModule, text: &mut String) {
     let Change {
         before,
         after,
@@ -175,10 +175,10 @@ fn print_change(change: &Change, input: &Input, text: &mut String) {
     }
 }
 
-fn list_places(input: &Input, sources: SourceSet) -> String {
+fn list_places(input: &InputModule, sources: SourceSet) -> String {
     let places = input.module.tables.sources.places(sources);
-    let rest = places.len().saturating_sub(MOST_EXCERPTS);
-    let places = places.take(MOST_EXCERPTS);
+    let rest = places.len().saturating_sub(MAX_EXCERPTS);
+    let places = places.take(MAX_EXCERPTS);
     let places: Vec<String> = places
         .map(|place| format!("{}:{}", place.line, place.column))
         .collect();

@@ -2,12 +2,12 @@
 
 use super::flags::{SEED, states};
 use super::output::result_files;
-use super::{Failure, input, output, progress};
+use super::{CommandFailure, input, output, progress};
 use crate::fit::confirm::{self, Confirmation};
-use crate::fit::{self, FitOutcome, Place, Task};
+use crate::fit::{self, FitOutcome, FitTask, SinePlace};
 use crate::generate::Formulation;
 use crate::present::json::json_text;
-use crate::scene::{SceneFile, Subject};
+use crate::scene::{SceneFile, SceneSubject};
 use clap::{Args, ValueEnum};
 use robovec_analysis::rounding::usual_states;
 use robovec_ir::{Machine, Module, print};
@@ -50,9 +50,10 @@ enum Where {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     let file = input::scene(&arguments.scene)?;
-    let fail = |error: String| Failure::plain(format!("{}: {error}", arguments.scene.display()));
+    let fail =
+        |error: String| CommandFailure::plain(format!("{}: {error}", arguments.scene.display()));
     let general = file.module().map_err(|error| fail(error.to_string()))?;
     let machine = machine(arguments, &file)?;
     let operations = robovec_ir::count::Counts::of(&general.functions[0]).operations;
@@ -60,7 +61,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
         0 => usual_states(operations),
         count => count,
     };
-    let task = Task {
+    let task = FitTask {
         scene: &file.scene,
         general: &general,
         formulations: formulations(arguments, &file, &general),
@@ -97,20 +98,20 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, Failure> {
         Some(_) => "the choice did not hold at fresh states or cycle by cycle",
     };
     let advice = "allow a larger error, a later deadline, or a machine with more to offer";
-    Err(Failure::advised(message, vec![advice.to_owned()]))
+    Err(CommandFailure::advised(message, vec![advice.to_owned()]))
 }
 
-fn place(arguments: &FitArguments, file: &SceneFile) -> Place {
+fn place(arguments: &FitArguments, file: &SceneFile) -> SinePlace {
     match arguments.trigonometry {
-        Some(Where::Host) => Place::Host,
-        Some(Where::Elements) => Place::Elements,
-        None if file.scene.series => Place::Elements,
-        None => Place::Host,
+        Some(Where::Host) => SinePlace::Host,
+        Some(Where::Elements) => SinePlace::Elements,
+        None if file.scene.series => SinePlace::Elements,
+        None => SinePlace::Host,
     }
 }
 
 /// The machine asked for, else that of the scene, else the thesis'.
-fn machine(arguments: &FitArguments, file: &SceneFile) -> Result<Machine, Failure> {
+fn machine(arguments: &FitArguments, file: &SceneFile) -> Result<Machine, CommandFailure> {
     let asked = arguments.machine.as_ref().or(file.scene.machine.as_ref());
     input::machine(asked.map_or("thesis", String::as_str))
 }
@@ -124,7 +125,7 @@ fn formulations(
     general: &Module,
 ) -> Vec<(Formulation, Module)> {
     let own = (file.formulation(), general.clone());
-    let Subject::Model(subject) = &file.subject else {
+    let SceneSubject::Model(subject) = &file.subject else {
         return vec![own];
     };
     let asked = arguments.formulation.iter();
@@ -148,18 +149,18 @@ const TRIED: [Formulation; 5] = [
     Formulation::Composite,
     Formulation::CompositeBase,
     Formulation::Prefix {
-        network: crate::generate::Network::Sklansky,
-        origin: crate::generate::Origin::Body,
+        network: crate::generate::PrefixNetwork::Sklansky,
+        origin: crate::generate::MomentOrigin::Body,
     },
     Formulation::Articulated,
 ];
 
 fn write(
     folder: &Path,
-    task: &Task<'_>,
+    task: &FitTask<'_>,
     outcome: &FitOutcome,
     confirmation: Option<&Confirmation>,
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     let json = json!({
         "scene": task.scene.name,
         "machine": task.machine.name,
@@ -186,7 +187,7 @@ fn write(
         let candidate = &outcome.candidates[chosen];
         let program = &outcome.programs[candidate.program];
         let ready = confirm::ready(task, program, candidate)
-            .map_err(|error| Failure::plain(error.to_string()))?;
+            .map_err(|error| CommandFailure::plain(error.to_string()))?;
         let machine = toml::to_string(&ready.machine)
             .expect("a machine that was read is one that can be written");
         files.push((

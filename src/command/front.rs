@@ -2,8 +2,8 @@
 
 use super::flags::{SEED, real, states, whole};
 use super::output::result_files;
-use super::{Failure, generation, input, output, progress, subjects};
-use crate::front::{self, Front, Question};
+use super::{CommandFailure, generation, input, output, progress, subjects};
+use crate::front::{self, Front, FrontQuestion};
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::model::Model;
 use crate::present::json::json_text;
@@ -49,9 +49,9 @@ pub(super) struct FrontArguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &FrontArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &FrontArguments) -> Result<String, CommandFailure> {
     if !(arguments.angle > 0.0 && arguments.angle.is_finite()) {
-        return Err(Failure::plain("'--angle' must be a positive number"));
+        return Err(CommandFailure::plain("'--angle' must be a positive number"));
     }
     let machine = input::machine(&arguments.machine)?;
     let bar = progress::spinner();
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, Failure> {
             count => count,
         };
         let states = States::new(arguments.seed).within(Arc::new(angles(&module, arguments.angle)));
-        let question = Question {
+        let question = FrontQuestion {
             machine: &machine,
             elements: &arguments.elements,
             states: &states,
@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, Failure> {
         };
         let progress = |choice: &str| bar.set_message(format!("{name}: {choice}"));
         let front = front::front(&name, &module, others, &question, &progress)
-            .map_err(|error| Failure::plain(format!("{name}: {error}")))?;
+            .map_err(|error| CommandFailure::plain(format!("{name}: {error}")))?;
         text += &front::text::text(&front);
         text.push('\n');
         fronts.push(front);
@@ -104,7 +104,7 @@ fn angles(module: &Module, bound: f64) -> Ranges {
 /// A function alone in a module, and the same in other formulations.
 pub(super) type Programs = (String, Module, Vec<(Formulation, Module)>);
 
-pub(super) fn programs(subject: &str, function: &str) -> Result<Programs, Failure> {
+pub(super) fn programs(subject: &str, function: &str) -> Result<Programs, CommandFailure> {
     let (name, model) = subjects::named_model(subject)?;
     let path = Path::new(subject);
     let Some(model) = model else {
@@ -117,7 +117,7 @@ pub(super) fn programs(subject: &str, function: &str) -> Result<Programs, Failur
     let kind = FunctionKind::from_name(function).ok_or_else(|| {
         let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
         let message = format!("no function '{function}' is generated");
-        Failure::advised(message, vec![format!("functions of a model: {names}")])
+        CommandFailure::advised(message, vec![format!("functions of a model: {names}")])
     })?;
     let module = equations(&model, kind, Formulation::Recursive)?;
     let mut others = Vec::new();
@@ -135,8 +135,8 @@ const FORMULATIONS: [Formulation; 3] = [
     Formulation::Composite,
     Formulation::CompositeBase,
     Formulation::Prefix {
-        network: crate::generate::Network::Sklansky,
-        origin: crate::generate::Origin::Body,
+        network: crate::generate::PrefixNetwork::Sklansky,
+        origin: crate::generate::MomentOrigin::Body,
     },
 ];
 
@@ -144,11 +144,15 @@ fn equations(
     model: &Model,
     kind: FunctionKind,
     formulation: Formulation,
-) -> Result<Module, Failure> {
+) -> Result<Module, CommandFailure> {
     generation::functions(model, &[kind], formulation, &Options::default())
 }
 
-fn write(folder: &Path, fronts: &[Front], machine: &robovec_ir::Machine) -> Result<(), Failure> {
+fn write(
+    folder: &Path,
+    fronts: &[Front],
+    machine: &robovec_ir::Machine,
+) -> Result<(), CommandFailure> {
     let table = front::text::points_table(fronts);
     let figure = front::text::figure(fronts);
     let mut files = result_files(&table, json_text(fronts), &figure);

@@ -1,10 +1,11 @@
 //! `robovec gen`: equations from a model.
 
 use super::write::{OutputLanguage, write_files};
-use super::{Failure, input, names, output};
+use super::{CommandFailure, input, names, output};
 use crate::files::Replace;
 use crate::generate::{
-    Binding, Formulation, FunctionKind, Options, Request, TermOrder, generate_into,
+    Formulation, FunctionKind, GenerationRequest, Options, ParameterBinding, TermOrder,
+    generate_into,
 };
 use crate::model::Model;
 use crate::robotran::write::WriteOptions;
@@ -77,9 +78,9 @@ impl GenArguments {
             },
             all_parameters: self.all_parameters,
             parameters: if self.numbers {
-                Binding::Numbers
+                ParameterBinding::Numbers
             } else {
-                Binding::Symbols
+                ParameterBinding::Symbols
             },
             external_forces: !self.no_forces,
             leading_signs: self.leading_signs,
@@ -119,22 +120,22 @@ pub(super) fn functions(
     kinds: &[FunctionKind],
     formulation: Formulation,
     options: &Options,
-) -> Result<Module, Failure> {
+) -> Result<Module, CommandFailure> {
     let mut module = Module::new();
     for &function in kinds {
-        let request = Request {
+        let request = GenerationRequest {
             function,
             formulation,
             options: options.clone(),
         };
         generate_into(&mut module, model, &request)
-            .map_err(|error| Failure::plain(format!("{}: {error}", function.name())))?;
+            .map_err(|error| CommandFailure::plain(format!("{}: {error}", function.name())))?;
     }
     Ok(module)
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &GenArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     if let (None, Some(path)) = (arguments.language, &arguments.output) {
         names::refuse_wrong(path, true)?;
@@ -166,7 +167,7 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, Failure> {
 
 /// Runs a pipeline that needs no machine in particular.
 /// Runs a pipeline over a module, for the machine of the thesis.
-pub(super) fn transform(module: &mut Module, pipeline: &Pipeline) -> Result<(), Failure> {
+pub(super) fn transform(module: &mut Module, pipeline: &Pipeline) -> Result<(), CommandFailure> {
     let machine = input::machine("thesis")?;
     manager::run(
         module,
@@ -174,5 +175,5 @@ pub(super) fn transform(module: &mut Module, pipeline: &Pipeline) -> Result<(), 
         Config::new(&machine, &mut std::io::stderr().lock()),
     )
     .map(drop)
-    .map_err(|error| Failure::plain(error.to_string()))
+    .map_err(|error| CommandFailure::plain(error.to_string()))
 }

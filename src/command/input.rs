@@ -3,10 +3,10 @@
 //! What a reader remarked is told here, when the file is read, so that no command
 //! can forget to.
 
-use super::Failure;
+use super::CommandFailure;
 use super::arguments::InputLanguage;
 use crate::files::limited::{self, FileLimit};
-use crate::generate::{FunctionKind, Request, generate};
+use crate::generate::{FunctionKind, GenerationRequest, generate};
 use crate::model::mbs::ReadModel;
 use crate::robotran::Language;
 use crate::scene::SceneFile;
@@ -18,7 +18,7 @@ use robovec_passes::registry::REGISTRY;
 use std::path::{Path, PathBuf};
 
 /// Equations as read, with the text messages point into.
-pub(crate) struct Input {
+pub(crate) struct InputModule {
     /// The functions.
     pub(crate) module: Module,
     /// Name of the file.
@@ -27,7 +27,7 @@ pub(crate) struct Input {
     pub(crate) path: PathBuf,
 }
 
-impl Input {
+impl InputModule {
     /// The text of the file once more, for a message that points into it;
     /// keeping it from the start would double the memory of a large file.
     /// `None` when it cannot be had again.
@@ -46,7 +46,7 @@ pub(crate) fn equations_or_model(
     path: &Path,
     language: Option<InputLanguage>,
     function: Option<&str>,
-) -> Result<Input, Failure> {
+) -> Result<InputModule, CommandFailure> {
     let is_model = path.extension().is_some_and(|extension| extension == "mbs");
     if !is_model || language.is_some() {
         return equations(path, language);
@@ -54,7 +54,7 @@ pub(crate) fn equations_or_model(
     let kind = function.map_or(Some(FunctionKind::Dirdyna), FunctionKind::with_name);
     let Some(kind) = kind else {
         let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             format!(
                 "no function '{}' is generated",
                 function.unwrap_or_default()
@@ -63,9 +63,9 @@ pub(crate) fn equations_or_model(
         ));
     };
     let read = model_for(path, Some(kind))?;
-    let module = generate(&read.model, &Request::new(kind))
-        .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
-    Ok(Input {
+    let module = generate(&read.model, &GenerationRequest::new(kind))
+        .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
+    Ok(InputModule {
         module,
         name: display_name(path),
         path: path.to_owned(),
@@ -73,16 +73,19 @@ pub(crate) fn equations_or_model(
 }
 
 /// Reads equations in any language.
-pub(crate) fn equations(path: &Path, language: Option<InputLanguage>) -> Result<Input, Failure> {
+pub(crate) fn equations(
+    path: &Path,
+    language: Option<InputLanguage>,
+) -> Result<InputModule, CommandFailure> {
     let language = language.map(|language| match language {
         InputLanguage::C => EquationLanguage::Robotran(Language::C),
         InputLanguage::Matlab => EquationLanguage::Robotran(Language::Matlab),
         InputLanguage::Python => EquationLanguage::Robotran(Language::Python),
         InputLanguage::Rvir => EquationLanguage::Rvir,
     });
-    let read = sources::equations(path, language).map_err(Failure)?;
+    let read = sources::equations(path, language).map_err(CommandFailure)?;
     tell(&read.warnings);
-    Ok(Input {
+    Ok(InputModule {
         module: read.module,
         name: read.name,
         path: path.to_owned(),
@@ -90,14 +93,17 @@ pub(crate) fn equations(path: &Path, language: Option<InputLanguage>) -> Result<
 }
 
 /// Reads a model.
-pub(crate) fn model(path: &Path) -> Result<ReadModel, Failure> {
+pub(crate) fn model(path: &Path) -> Result<ReadModel, CommandFailure> {
     model_for(path, None)
 }
 
 /// Reads a model to make a function of it; tells what the function leaves out,
 /// too.
-pub(crate) fn model_for(path: &Path, kind: Option<FunctionKind>) -> Result<ReadModel, Failure> {
-    let read = sources::model(path).map_err(Failure)?;
+pub(crate) fn model_for(
+    path: &Path,
+    kind: Option<FunctionKind>,
+) -> Result<ReadModel, CommandFailure> {
+    let read = sources::model(path).map_err(CommandFailure)?;
     match kind {
         Some(kind) => tell(&read.warnings_for(kind)),
         None => tell(&read.warnings),
@@ -106,8 +112,8 @@ pub(crate) fn model_for(path: &Path, kind: Option<FunctionKind>) -> Result<ReadM
 }
 
 /// Reads a scene, and what it names.
-pub(crate) fn scene(path: &Path) -> Result<SceneFile, Failure> {
-    let file = SceneFile::load(path).map_err(Failure)?;
+pub(crate) fn scene(path: &Path) -> Result<SceneFile, CommandFailure> {
+    let file = SceneFile::load(path).map_err(CommandFailure)?;
     tell(&file.warnings);
     Ok(file)
 }
@@ -121,8 +127,8 @@ fn tell(warnings: &Report) {
 }
 
 /// Reads a text of a kind.
-pub(crate) fn text(path: &Path, limit: &FileLimit) -> Result<String, Failure> {
-    sources::text(path, limit).map_err(Failure)
+pub(crate) fn text(path: &Path, limit: &FileLimit) -> Result<String, CommandFailure> {
+    sources::text(path, limit).map_err(CommandFailure)
 }
 
 /// The name of a file without folder and extension.
@@ -132,26 +138,26 @@ pub(crate) fn stem(path: &Path) -> String {
 }
 
 /// Reads a pipeline, from a file when it starts with `@`.
-pub(crate) fn passes(text: &str) -> Result<Pipeline, Failure> {
+pub(crate) fn passes(text: &str) -> Result<Pipeline, CommandFailure> {
     let content = match text.strip_prefix('@') {
         None => text.to_owned(),
         Some(file) => String::from_utf8_lossy(
-            &limited::read(Path::new(file), &limited::PIPELINE).map_err(Failure)?,
+            &limited::read(Path::new(file), &limited::PIPELINE).map_err(CommandFailure)?,
         )
         .into_owned(),
     };
     REGISTRY
         .pipeline(&content)
-        .map_err(|error| Failure(error.0))
+        .map_err(|error| CommandFailure(error.0))
 }
 
 /// The machine of a name, or of a file.
-pub(crate) fn machine(name: &str) -> Result<Machine, Failure> {
-    sources::machine(name).map_err(Failure)
+pub(crate) fn machine(name: &str) -> Result<Machine, CommandFailure> {
+    sources::machine(name).map_err(CommandFailure)
 }
 
 /// The pipeline of an option that may be absent.
-pub(crate) fn passes_or_empty(text: Option<&str>) -> Result<Pipeline, Failure> {
+pub(crate) fn passes_or_empty(text: Option<&str>) -> Result<Pipeline, CommandFailure> {
     match text {
         None => Ok(Pipeline::default()),
         Some(text) => passes(text),

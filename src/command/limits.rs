@@ -17,7 +17,7 @@ use std::fmt::Write;
 
 /// A part of the table: what it is about, a remark, and its lines.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Section {
+pub struct LimitSection {
     /// The title.
     pub title: &'static str,
     /// What is to be known of all its lines.
@@ -27,8 +27,8 @@ pub struct Section {
 }
 
 /// The table.
-pub fn sections() -> Vec<Section> {
-    let section = |title, remark, rows| Section {
+pub fn sections() -> Vec<LimitSection> {
+    let section = |title, remark, rows| LimitSection {
         title,
         remark,
         rows,

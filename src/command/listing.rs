@@ -1,7 +1,7 @@
 //! `--list-passes`, `--help-pass`, `--list-machines`: the registry for
 //! people.
 
-use super::Failure;
+use super::CommandFailure;
 use robovec_framework::pass::{Gives, PassInfo, Property};
 use robovec_ir::diagnostic::did_you_mean;
 use robovec_ir::{Machine, machine};
@@ -37,7 +37,7 @@ pub(crate) fn passes() -> String {
 }
 
 /// The manual page of a pass.
-pub(crate) fn pass(name: &str) -> Result<String, Failure> {
+pub(crate) fn pass(name: &str) -> Result<String, CommandFailure> {
     let Some(info) = REGISTRY.find(name) else {
         let names: Vec<&str> = REGISTRY.passes.iter().map(|info| info.name).collect();
         let mut notes: Vec<String> = did_you_mean(name, names.iter().copied())
@@ -45,7 +45,7 @@ pub(crate) fn pass(name: &str) -> Result<String, Failure> {
             .into_iter()
             .collect();
         notes.push(format!("passes: {}", names.join(", ")));
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             format!("there is no pass '{name}'"),
             notes,
         ));

@@ -54,17 +54,17 @@ pub(crate) fn commands() -> [clap::Command; 2] {
 
 /// Why a program stops, already as messages for the user.
 #[derive(Debug)]
-pub(crate) struct Failure(pub(crate) Report);
+pub(crate) struct CommandFailure(pub(crate) Report);
 
-impl Failure {
+impl CommandFailure {
     /// A failure that is about no text.
-    pub(crate) fn plain(message: impl Into<String>) -> Failure {
-        Failure::advised(message, Vec::new())
+    pub(crate) fn plain(message: impl Into<String>) -> CommandFailure {
+        CommandFailure::advised(message, Vec::new())
     }
 
     /// A failure about no text, with advice.
-    pub(crate) fn advised(message: impl Into<String>, notes: Vec<String>) -> Failure {
-        Failure(Report::error(message, notes))
+    pub(crate) fn advised(message: impl Into<String>, notes: Vec<String>) -> CommandFailure {
+        CommandFailure(Report::error(message, notes))
     }
 
     /// Tells the user.

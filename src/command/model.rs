@@ -1,10 +1,10 @@
 //! `robovec model`: models to look at and to start from.
 
 use super::flags::{FlagLimit, SEED};
-use super::{Failure, input, output};
+use super::{CommandFailure, input, output};
 use crate::files::Replace;
 use crate::model::Model;
-use crate::model::family::{self, Family};
+use crate::model::family::{self, ModelFamily};
 use crate::model::mbs::write_mbs;
 use crate::model::summary::summarise;
 use crate::stale;
@@ -45,9 +45,9 @@ pub(super) struct ModelArguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &ModelArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &ModelArguments) -> Result<String, CommandFailure> {
     let name = arguments.subject.to_string_lossy();
-    if let Some(family) = Family::from_name(&name) {
+    if let Some(family) = ModelFamily::from_name(&name) {
         let model = member(family, arguments)?;
         return write(&model, arguments);
     }
@@ -55,7 +55,7 @@ pub(super) fn run(arguments: &ModelArguments) -> Result<String, Failure> {
         return Err(unknown(&name));
     }
     if arguments.joints.is_some() || arguments.seed.is_some() {
-        return Err(Failure::plain(
+        return Err(CommandFailure::plain(
             "--joints and --seed are for families; this is a file",
         ));
     }
@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &ModelArguments) -> Result<String, Failure> {
 }
 
 /// One line for each file of equations; a failure when one is stale.
-fn freshness(model: &Model, files: &[PathBuf]) -> Result<String, Failure> {
+fn freshness(model: &Model, files: &[PathBuf]) -> Result<String, CommandFailure> {
     let mut lines = String::new();
     let mut report = Report::new();
     let mut unreadable = 0;
@@ -119,24 +119,27 @@ fn freshness(model: &Model, files: &[PathBuf]) -> Result<String, Failure> {
         return Ok(lines);
     }
     output::write_stdout(|stdout| stdout.write_all(lines.as_bytes()))?;
-    Err(Failure(report))
+    Err(CommandFailure(report))
 }
 
-fn unknown(name: &str) -> Failure {
-    let names: Vec<&str> = Family::ALL.iter().map(|family| family.name()).collect();
+fn unknown(name: &str) -> CommandFailure {
+    let names: Vec<&str> = ModelFamily::ALL
+        .iter()
+        .map(|family| family.name())
+        .collect();
     let mut notes = Vec::new();
     if let Some(near) = did_you_mean(name, names.iter().copied()) {
         notes.push(format!("did you mean '{near}'?"));
     }
     notes.push(format!("families: {}; or a .mbs file", names.join(", ")));
-    Failure::advised(format!("there is no file or family '{name}'"), notes)
+    CommandFailure::advised(format!("there is no file or family '{name}'"), notes)
 }
 
 /// The model of a family that the options ask for.
-fn member(family: Family, arguments: &ModelArguments) -> Result<Model, Failure> {
+fn member(family: ModelFamily, arguments: &ModelArguments) -> Result<Model, CommandFailure> {
     let joints = match (family.joints(), arguments.joints) {
         (Some(only), Some(asked)) if asked != only => {
-            return Err(Failure::plain(format!(
+            return Err(CommandFailure::plain(format!(
                 "a {} always has {only} joints, not {asked}",
                 family.name()
             )));
@@ -145,7 +148,7 @@ fn member(family: Family, arguments: &ModelArguments) -> Result<Model, Failure> 
         (None, asked) => asked.unwrap_or(DEFAULT_JOINTS),
     };
     if arguments.seed.is_some() && !family.is_seeded() {
-        return Err(Failure::plain(format!(
+        return Err(CommandFailure::plain(format!(
             "the parameters of a {} are fixed: --seed has no effect",
             family.name()
         )));
@@ -153,7 +156,7 @@ fn member(family: Family, arguments: &ModelArguments) -> Result<Model, Failure> 
     Ok(family.build(joints, arguments.seed.unwrap_or(1)))
 }
 
-fn write(model: &Model, arguments: &ModelArguments) -> Result<String, Failure> {
+fn write(model: &Model, arguments: &ModelArguments) -> Result<String, CommandFailure> {
     let text = write_mbs(model);
     let Some(path) = &arguments.output else {
         return Ok(text);

@@ -1,6 +1,6 @@
 //! Names of files that promise another content than they would get.
 
-use super::Failure;
+use super::CommandFailure;
 use std::path::Path;
 
 /// Ends of names of files that robovec's own text is not.
@@ -10,7 +10,7 @@ const OTHER_LANGUAGES: [&str; 11] = [
 
 /// Refuses to put a result into a file whose name promises another language:
 /// robovec's text into `x.c`, or C into `x.rvir`.
-pub(super) fn refuse_wrong(path: &Path, is_text: bool) -> Result<(), Failure> {
+pub(super) fn refuse_wrong(path: &Path, is_text: bool) -> Result<(), CommandFailure> {
     let end = path.extension().and_then(|end| end.to_str()).unwrap_or("");
     let path = path.display();
     if is_text && OTHER_LANGUAGES.contains(&end) {
@@ -26,10 +26,10 @@ pub(super) fn refuse_wrong(path: &Path, is_text: bool) -> Result<(), Failure> {
             advice.to_owned(),
         ];
         let message = format!("the result is robovec's text, and {path} is no name for it");
-        return Err(Failure::advised(message, notes));
+        return Err(CommandFailure::advised(message, notes));
     }
     if !is_text && end == "rvir" {
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             format!("the result is generated code, and {path} is a name for robovec's text"),
             vec!["name it for its language, for example x.c, or leave 'codegen' out".to_owned()],
         ));
@@ -39,13 +39,13 @@ pub(super) fn refuse_wrong(path: &Path, is_text: bool) -> Result<(), Failure> {
 
 /// Refuses to make a folder with the name of a file: C is a source and a
 /// header, images are many files.
-pub(super) fn refuse_for_several(folder: &Path, count: usize) -> Result<(), Failure> {
+pub(super) fn refuse_for_several(folder: &Path, count: usize) -> Result<(), CommandFailure> {
     let end = folder.extension().and_then(|end| end.to_str());
     let is_file = end.is_some_and(|end| end == "rvir" || OTHER_LANGUAGES.contains(&end));
     if !is_file || folder.is_dir() {
         return Ok(());
     }
-    Err(Failure::advised(
+    Err(CommandFailure::advised(
         format!(
             "the pipeline made {count} files, and {} is a name for one",
             folder.display()

@@ -1,11 +1,12 @@
 //! `robovec-opt`.
 
-use super::arguments::{self, Arguments, USUAL_MACHINE};
+use super::arguments::{self, OptimiserArguments, USUAL_MACHINE};
 use super::dump::DumpFolder;
-use super::input::{self, Input};
-use super::tables::{self, Stage};
+use super::input::{self, InputModule};
+use super::tables::{self, MeasuredStage};
 use super::{
-    Failure, explain, listing, names, output, placed, reduction, reproducer, rules, simulation,
+    CommandFailure, explain, listing, names, output, placed, reduction, reproducer, rules,
+    simulation,
 };
 use crate::files::{Replace, limited};
 use crate::report;
@@ -33,7 +34,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     CompleteEnv::with_factory(arguments::command).complete();
     let words = arguments::normalise(arguments);
     let matches = arguments::command().get_matches_from(&words);
-    let arguments = match Arguments::from_arg_matches(&matches) {
+    let arguments = match OptimiserArguments::from_arg_matches(&matches) {
         Ok(arguments) => arguments,
         Err(error) => error.exit(),
     };
@@ -52,9 +53,12 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
 
 /// The arguments of the command in a reproducer; those given here add to
 /// them, and are preferred.
-fn reproduced(arguments: &Arguments, words: &[OsString]) -> Result<Arguments, Failure> {
+fn reproduced(
+    arguments: &OptimiserArguments,
+    words: &[OsString],
+) -> Result<OptimiserArguments, CommandFailure> {
     let Some(path) = &arguments.input else {
-        return Err(Failure::plain("no reproducer to run"));
+        return Err(CommandFailure::plain("no reproducer to run"));
     };
     let command = reproducer::command(path, &input::text(path, &limited::EQUATIONS)?)?;
     let program = words.iter().take(1).cloned();
@@ -68,16 +72,16 @@ fn reproduced(arguments: &Arguments, words: &[OsString]) -> Result<Arguments, Fa
     let parsed = arguments::command()
         .args_override_self(true)
         .try_get_matches_from(all)
-        .and_then(|matches| Arguments::from_arg_matches(&matches));
+        .and_then(|matches| OptimiserArguments::from_arg_matches(&matches));
     parsed.map_err(|error| {
-        Failure::plain(format!(
+        CommandFailure::plain(format!(
             "{}: the command in its header: {error}",
             path.display()
         ))
     })
 }
 
-fn run(arguments: &Arguments) -> Result<(), Failure> {
+fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
     if let Some(text) = information(arguments)? {
         return output::write_stdout(|stdout| stdout.write_all(text.as_bytes()));
     }
@@ -92,7 +96,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let asked = asked.map(input::machine).transpose()?;
     let rules = rules::sound(&arguments.rules, !arguments.no_default_rules)?;
     let Some(path) = &arguments.input else {
-        return Err(Failure::plain("no input file"));
+        return Err(CommandFailure::plain("no input file"));
     };
     if arguments.print_pipeline {
         // The standard error may be closed; the pipeline still runs.
@@ -109,7 +113,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     let (now, peak_mb) = usage();
-    let mut stages = vec![Stage {
+    let mut stages = vec![MeasuredStage {
         name: "(read)",
         cpu_s: now - start,
         peak_mb,
@@ -156,7 +160,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         write_result(path, arguments.force, &input.module, &outcome)?;
     }
     let (now, peak_mb) = usage();
-    stages.push(Stage {
+    stages.push(MeasuredStage {
         name: "(write)",
         cpu_s: now - start,
         peak_mb,
@@ -175,13 +179,16 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// The scene, if there is one, and the equations: those that the scene is
 /// about when it is itself the input.
-fn scene_and_input(arguments: &Arguments, path: &Path) -> Result<(Option<Scene>, Input), Failure> {
+fn scene_and_input(
+    arguments: &OptimiserArguments,
+    path: &Path,
+) -> Result<(Option<Scene>, InputModule), CommandFailure> {
     if path.to_string_lossy().ends_with(".scene.toml") && arguments.scene.is_none() {
         let file = input::scene(path)?;
         let module = file
             .module()
-            .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
-        let input = Input {
+            .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
+        let input = InputModule {
             module,
             name: path
                 .file_name()
@@ -203,7 +210,7 @@ fn scene_and_input(arguments: &Arguments, path: &Path) -> Result<(Option<Scene>,
 }
 
 /// Where random states come from.
-fn states(arguments: &Arguments, scene: Option<&Scene>) -> States {
+fn states(arguments: &OptimiserArguments, scene: Option<&Scene>) -> States {
     match scene {
         Some(scene) => scene.states(arguments.seed),
         None => States::new(arguments.seed),
@@ -211,7 +218,7 @@ fn states(arguments: &Arguments, scene: Option<&Scene>) -> States {
 }
 
 /// What can be told without an input.
-fn information(arguments: &Arguments) -> Result<Option<String>, Failure> {
+fn information(arguments: &OptimiserArguments) -> Result<Option<String>, CommandFailure> {
     if arguments.list_passes {
         return Ok(Some(listing::passes()));
     }
@@ -227,10 +234,10 @@ fn information(arguments: &Arguments) -> Result<Option<String>, Failure> {
     Ok(None)
 }
 
-fn completion(shell: &str) -> Result<String, Failure> {
+fn completion(shell: &str) -> Result<String, CommandFailure> {
     let shells = Shells::builtins();
     let Some(completer) = shells.completer(shell) else {
-        return Err(Failure::plain(format!(
+        return Err(CommandFailure::plain(format!(
             "no completion for the shell '{shell}'"
         )));
     };
@@ -243,11 +250,11 @@ fn completion(shell: &str) -> Result<String, Failure> {
             "robovec-opt",
             &mut script,
         )
-        .map_err(|error| Failure::plain(format!("cannot write the completion: {error}")))?;
+        .map_err(|error| CommandFailure::plain(format!("cannot write the completion: {error}")))?;
     Ok(String::from_utf8_lossy(&script).into_owned())
 }
 
-pub(super) fn select(module: &mut Module, name: &str) -> Result<(), Failure> {
+pub(super) fn select(module: &mut Module, name: &str) -> Result<(), CommandFailure> {
     let names: Vec<String> = module.functions.iter().map(|f| f.name.clone()).collect();
     // The name of a kind stands for all its cases: `sensor` for `sensor_1` ….
     let case = |function: &Function| {
@@ -259,7 +266,7 @@ pub(super) fn select(module: &mut Module, name: &str) -> Result<(), Failure> {
         .retain(|function| function.name == name || case(function).is_some());
     if module.functions.is_empty() {
         let notes = vec![format!("functions: {}", names.join(", "))];
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             format!("there is no function '{name}'"),
             notes,
         ));
@@ -276,12 +283,12 @@ fn filter(names: Option<&str>) -> PassFilter {
 }
 
 fn transform(
-    arguments: &Arguments,
+    arguments: &OptimiserArguments,
     pipeline: &Pipeline,
     (machine, rules, scene): (&Machine, &RuleSet, Option<&Scene>),
-    input: &mut Input,
+    input: &mut InputModule,
     trail: Option<&mut Trail>,
-) -> Result<Outcome, Failure> {
+) -> Result<Outcome, CommandFailure> {
     let mut dump = arguments
         .dump_dir
         .as_deref()
@@ -337,7 +344,12 @@ fn transform(
 }
 
 /// Turns the manager's error into messages that point into the user's texts.
-fn describe(error: RunError, arguments: &Arguments, input: &Input, machine: &Machine) -> Failure {
+fn describe(
+    error: RunError,
+    arguments: &OptimiserArguments,
+    input: &InputModule,
+    machine: &Machine,
+) -> CommandFailure {
     match error {
         RunError::Plan(error) => {
             let text = match &arguments.passes {
@@ -353,7 +365,7 @@ fn describe(error: RunError, arguments: &Arguments, input: &Input, machine: &Mac
             } else {
                 diagnostic.with_labels(vec![label])
             };
-            Failure(Report::of("<-passes>", text, vec![diagnostic]))
+            CommandFailure(Report::of("<-passes>", text, vec![diagnostic]))
         }
         RunError::Pass {
             pass,
@@ -374,15 +386,20 @@ fn describe(error: RunError, arguments: &Arguments, input: &Input, machine: &Mac
                         .to_owned(),
                 );
             }
-            Failure::advised(error.to_string(), notes)
+            CommandFailure::advised(error.to_string(), notes)
         }
-        RunError::Io(_) => Failure::plain(error.to_string()),
+        RunError::Io(_) => CommandFailure::plain(error.to_string()),
     }
 }
 
 /// A message about equations: in the text read if they stand there, else with
 /// their place named.
-fn located(message: String, sources: SourceSet, help: Option<String>, input: &Input) -> Failure {
+fn located(
+    message: String,
+    sources: SourceSet,
+    help: Option<String>,
+    input: &InputModule,
+) -> CommandFailure {
     let mut report = Report::new();
     let mut diagnostic = Diagnostic::error().with_message(message);
     diagnostic.notes.extend(help);
@@ -402,7 +419,7 @@ fn located(message: String, sources: SourceSet, help: Option<String>, input: &In
         }
     }
     report.push(diagnostic);
-    Failure(report)
+    CommandFailure(report)
 }
 
 /// What a report says of a function as it was read: passes take equations
@@ -430,11 +447,11 @@ fn write_report(
     read: &[ReadCounts],
     machine: &Machine,
     options: &report::ReportOptions,
-) -> Result<String, Failure> {
-    let records: Vec<report::PassRecord> = outcome
+) -> Result<String, CommandFailure> {
+    let records: Vec<report::PassRunRecord> = outcome
         .records
         .iter()
-        .map(|record| report::PassRecord {
+        .map(|record| report::PassRunRecord {
             function: record.function.clone(),
             name: record.name.clone(),
             cpu_s: record.cpu_s,
@@ -445,7 +462,7 @@ fn write_report(
             rounding: record.rounding.clone(),
         })
         .collect();
-    let mut report = report::Report::collect(module, machine, &records, options);
+    let mut report = report::ModuleReport::collect(module, machine, &records, options);
     for (function, read) in report.functions.iter_mut().zip(read) {
         function.equations = read.equations;
         function.vectors = read.vectors;
@@ -470,7 +487,7 @@ fn write_result(
     force: bool,
     module: &Module,
     outcome: &Outcome,
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     let text = |writer: &mut dyn Write| match &outcome.artifacts[..] {
         [] => print::write_module(module, writer),
         files => files
@@ -500,7 +517,7 @@ fn write_result(
             };
             output::write_folder(folder, &files, output::forced(force, usual))
         }
-        (None, count) => Err(Failure::advised(
+        (None, count) => Err(CommandFailure::advised(
             format!("the pipeline made {count} files"),
             vec!["name a folder for them: -o FOLDER".to_owned()],
         )),

@@ -1,7 +1,7 @@
 //! Results to files and to the standard output, mistakes as messages.
 
-use super::Failure;
-use crate::files::{self, Replace, WriteError};
+use super::CommandFailure;
+use crate::files::{self, FileWriteError, Replace};
 use crate::present::{DataTable, Figure, plot};
 use std::io::{self, Write};
 use std::path::Path;
@@ -11,7 +11,7 @@ use std::path::Path;
 pub(crate) fn write_file(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     write_over(path, Replace::Results, write)
 }
 
@@ -20,7 +20,7 @@ pub(crate) fn write_over(
     path: &Path,
     replace: Replace,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     files::write_whole(path, replace, write).map_err(|error| failure(&error, replace))
 }
 
@@ -29,7 +29,7 @@ pub(crate) fn write_folder(
     folder: &Path,
     files: &[(&str, &str)],
     replace: Replace,
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     files::sealed::write_folder(folder, files, replace).map_err(|error| failure(&error, replace))
 }
 
@@ -37,7 +37,7 @@ pub(crate) fn write_folder(
 pub(crate) fn write_files<N: AsRef<str>>(
     folder: &Path,
     files: &[(N, String)],
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     make_folder(folder)?;
     for (name, text) in files {
         write_file(&folder.join(name.as_ref()), |writer| {
@@ -70,23 +70,23 @@ pub(crate) fn forced(force: bool, usual: Replace) -> Replace {
     }
 }
 
-fn failure(error: &WriteError, replace: Replace) -> Failure {
+fn failure(error: &FileWriteError, replace: Replace) -> CommandFailure {
     let notes = match (error, replace) {
-        (WriteError::System(..), _) => Vec::new(),
-        (WriteError::Foreign(_), Replace::Own | Replace::Nothing) => {
+        (FileWriteError::System(..), _) => Vec::new(),
+        (FileWriteError::Foreign(_), Replace::Own | Replace::Nothing) => {
             vec!["name another place, or replace it with --force".to_owned()]
         }
-        (WriteError::Foreign(_), Replace::Results | Replace::Anything) => {
+        (FileWriteError::Foreign(_), Replace::Results | Replace::Anything) => {
             vec!["name another place, or remove the file first".to_owned()]
         }
     };
-    Failure::advised(error.to_string(), notes)
+    CommandFailure::advised(error.to_string(), notes)
 }
 
 /// Makes a folder, with those above it.
-pub(crate) fn make_folder(path: &Path) -> Result<(), Failure> {
+pub(crate) fn make_folder(path: &Path) -> Result<(), CommandFailure> {
     files::make_folder(path).map_err(|error| {
-        Failure::plain(format!(
+        CommandFailure::plain(format!(
             "cannot make the folder {}: {error}",
             path.display()
         ))
@@ -96,12 +96,12 @@ pub(crate) fn make_folder(path: &Path) -> Result<(), Failure> {
 /// Writes to the standard output; a reader that has gone away is no error.
 pub(crate) fn write_stdout(
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     let mut stdout = io::stdout().lock();
     match write(&mut stdout).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::plain(format!(
-            "cannot write to the standard output: {error}"
-        ))),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(CommandFailure::plain(
+            format!("cannot write to the standard output: {error}"),
+        )),
         Ok(()) | Err(_) => Ok(()),
     }
 }

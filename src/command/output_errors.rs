@@ -2,7 +2,7 @@
 
 use super::accuracy::AccuracyArguments;
 use super::flags::whole;
-use super::{Failure, input, output};
+use super::{CommandFailure, input, output};
 use crate::accuracy::outputs;
 use crate::hexadecimal;
 use crate::present::json::json_text;
@@ -26,7 +26,7 @@ pub(super) struct OutputArguments {
     /// Number formats to measure
     #[arg(long, value_name = "FORMATS", requires = "outputs",
           default_value = "f32,f64", value_parser = formats)]
-    formats: Formats,
+    formats: FormatList,
     /// What the outputs are compared with: double-double, certified (proved to
     /// the last bit of binary64), audit (all in arbitrary precision)
     #[arg(long, value_name = "EFFORT", requires = "outputs",
@@ -47,11 +47,11 @@ pub(super) struct OutputArguments {
 
 /// Formats in the order they were asked for.
 #[derive(Clone, Debug)]
-struct Formats(Vec<Format>);
+struct FormatList(Vec<Format>);
 
 /// Reads formats separated by commas; those inside parentheses belong to a
 /// format.
-fn formats(text: &str) -> Result<Formats, String> {
+fn formats(text: &str) -> Result<FormatList, String> {
     let mut depth = 0u32;
     let separates = |character: char| {
         match character {
@@ -65,14 +65,14 @@ fn formats(text: &str) -> Result<Formats, String> {
         let format = name.parse::<Format>();
         format.map_err(|error| format!("'{}': {error}", name.trim()))
     });
-    parsed.collect::<Result<_, _>>().map(Formats)
+    parsed.collect::<Result<_, _>>().map(FormatList)
 }
 
 /// Steps of reverse sweeps for condition numbers: a few seconds.
 const CONDITION_WORK: u64 = 2_000_000_000;
 
 /// Runs the command.
-pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, CommandFailure> {
     let options = &arguments.of_outputs;
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let machine = input::machine(&arguments.machine)?;
@@ -93,7 +93,7 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, Failure> {
         let module = &mut read.module;
         let mut log = io::sink();
         manager::run(module, &pipeline, Config::new(&machine, &mut log))
-            .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+            .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
         if let Some(state) = options.print_state {
             text += &state_text(module, &states, state);
             continue;
@@ -169,7 +169,8 @@ mod tests {
 
     #[test]
     fn formats_with_commas_of_their_own_are_read() {
-        let Formats(found) = formats("f32, float(8,17) ,fixed(12,19)").expect("they are formats");
+        let FormatList(found) =
+            formats("f32, float(8,17) ,fixed(12,19)").expect("they are formats");
         let names: Vec<String> = found.iter().map(ToString::to_string).collect();
         assert_eq!(names, ["f32", "float(8,17)", "fixed(12,19)"]);
         for text in ["", "f32,,f64", "float(8", "f32)"] {

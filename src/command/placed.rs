@@ -1,7 +1,7 @@
 //! Placed text that is wrong: the file is told of, not a pass.
 
-use super::Failure;
-use super::input::Input;
+use super::CommandFailure;
+use super::input::InputModule;
 use robovec_framework::manager::{RunError, check_schedules};
 use robovec_ir::Machine;
 use robovec_ir::diagnostic::{Diagnostic, Report};
@@ -9,16 +9,21 @@ use robovec_ir::parse::{Target, parse_placed};
 
 /// Refuses input with a schedule of another machine, or a placement that is
 /// wrong on its own.
-pub(super) fn check(input: &Input, machine: &Machine) -> Result<(), Failure> {
+pub(super) fn check(input: &InputModule, machine: &Machine) -> Result<(), CommandFailure> {
     check_schedules(&input.module, machine).map_err(|error| match &error {
         RunError::Given { help, .. } => refusal(&error.to_string(), help, input, machine),
-        _ => Failure::plain(error.to_string()),
+        _ => CommandFailure::plain(error.to_string()),
     })
 }
 
 /// The message of [`RunError::Given`]: in the text where it can be read
 /// again, else as the verifier says it.
-pub(super) fn refusal(message: &str, help: &str, input: &Input, machine: &Machine) -> Failure {
+pub(super) fn refusal(
+    message: &str,
+    help: &str,
+    input: &InputModule,
+    machine: &Machine,
+) -> CommandFailure {
     let functions = &input.module.functions;
     let wanted = |name: &str| functions.iter().any(|function| function.name == name);
     let target = Target {
@@ -32,10 +37,10 @@ pub(super) fn refusal(message: &str, help: &str, input: &Input, machine: &Machin
         if let Some(last) = found.last_mut() {
             last.notes.push(advice);
         }
-        return Failure(Report::of(&input.name, text, found));
+        return CommandFailure(Report::of(&input.name, text, found));
     }
     let mut report = Report::new();
     let diagnostic = Diagnostic::error().with_message(format!("{}: {message}", input.name));
     report.push(diagnostic.with_notes(vec![advice]));
-    Failure(report)
+    CommandFailure(report)
 }

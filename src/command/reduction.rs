@@ -1,8 +1,8 @@
 //! `--auto-reduce` and `--reproducer`: what is made of a pass that goes
 //! wrong.
 
-use super::arguments::Arguments;
-use super::{Failure, output, reproducer};
+use super::arguments::OptimiserArguments;
+use super::{CommandFailure, output, reproducer};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::reduce::{self, Broken, Reduction, Setting};
 use robovec_framework::scene::Scene;
@@ -14,7 +14,7 @@ use std::panic;
 use std::path::Path;
 
 /// The module as it was read, when something may have to be made of it.
-pub(super) fn keep(arguments: &Arguments, module: &Module) -> Option<Module> {
+pub(super) fn keep(arguments: &OptimiserArguments, module: &Module) -> Option<Module> {
     let wanted = arguments.auto_reduce.is_some() || arguments.reproducer.is_some();
     wanted.then(|| module.clone())
 }
@@ -22,12 +22,12 @@ pub(super) fn keep(arguments: &Arguments, module: &Module) -> Option<Module> {
 /// Adds to a failure of the pipeline what was asked for: a small program, a
 /// reproducer. Failures that are no fault of a pass stay as they are.
 pub(super) fn follow_up(
-    mut failure: Failure,
+    mut failure: CommandFailure,
     kept: Option<&Module>,
     pipeline: &Pipeline,
     (machine, rules, scene): (&Machine, &RuleSet, Option<&Scene>),
-    arguments: &Arguments,
-) -> Failure {
+    arguments: &OptimiserArguments,
+) -> CommandFailure {
     let Some(module) = kept else {
         return failure;
     };
@@ -61,8 +61,8 @@ fn write_files(
     module: &Module,
     pipeline: &Pipeline,
     setting: Setting<'_>,
-    arguments: &Arguments,
-) -> Result<Vec<String>, Failure> {
+    arguments: &OptimiserArguments,
+) -> Result<Vec<String>, CommandFailure> {
     let mut notes = Vec::new();
     if let Some(path) = &arguments.reproducer
         && let Some(broken) = reduce::broken_pass(module, pipeline, setting)
@@ -86,7 +86,11 @@ fn again(path: &Path, what: &str) -> String {
     format!("{what} {path}; run it again with: robovec-opt {path} --run-reproducer")
 }
 
-fn write_broken(path: &Path, broken: &Broken, arguments: &Arguments) -> Result<(), Failure> {
+fn write_broken(
+    path: &Path,
+    broken: &Broken,
+    arguments: &OptimiserArguments,
+) -> Result<(), CommandFailure> {
     let about = &broken.problem.message;
     let text = reproducer::text(&broken.program, &broken.pipeline, arguments, about);
     output::write_file(path, |writer| writer.write_all(text.as_bytes()))
@@ -95,8 +99,8 @@ fn write_broken(path: &Path, broken: &Broken, arguments: &Arguments) -> Result<(
 fn write_reduction(
     path: &Path,
     reduction: &Reduction,
-    arguments: &Arguments,
-) -> Result<(), Failure> {
+    arguments: &OptimiserArguments,
+) -> Result<(), CommandFailure> {
     let about = reduction.small_summary();
     let text = reproducer::text(&reduction.program, &reduction.pipeline, arguments, &about);
     output::write_file(path, |writer| writer.write_all(text.as_bytes()))

@@ -5,8 +5,8 @@
 //! one, and `// reproduce:` with the whole command, which `--run-reproducer`
 //! obeys.
 
-use super::Failure;
-use super::arguments::{Arguments, USUAL_MACHINE};
+use super::CommandFailure;
+use super::arguments::{OptimiserArguments, USUAL_MACHINE};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::{Machine, Module, print};
 use std::fmt::Write;
@@ -22,7 +22,7 @@ pub(super) const POINTS: u32 = 4;
 pub(super) fn text(
     program: &Module,
     pipeline: &Pipeline,
-    arguments: &Arguments,
+    arguments: &OptimiserArguments,
     about: &str,
 ) -> String {
     let machine = arguments.machine.as_deref().unwrap_or(USUAL_MACHINE);
@@ -70,11 +70,11 @@ fn quoted(word: &str) -> String {
 
 /// The command in a reproducer, as words; without the program's name and the
 /// file.
-pub(super) fn command(path: &Path, text: &str) -> Result<Vec<String>, Failure> {
+pub(super) fn command(path: &Path, text: &str) -> Result<Vec<String>, CommandFailure> {
     let line = text.lines().find_map(|line| line.strip_prefix(COMMAND));
     let words = line.and_then(words);
     words.ok_or_else(|| {
-        Failure::advised(
+        CommandFailure::advised(
             format!("{} is no reproducer", path.display()),
             vec![format!(
                 "it needs a line '{COMMAND} OPTIONS'; '--reproducer FILE' and '--auto-reduce' \

@@ -1,8 +1,8 @@
 //! `robovec rtl`: hardware for a placed program, and programs for hardware.
 
 use super::opt::select;
-use super::rtl_bench::{self, BenchArguments};
-use super::{Failure, input, output, placed};
+use super::rtl_bench::{self, RtlBenchArguments};
+use super::{CommandFailure, input, output, placed};
 use crate::files::sealed::check_folder;
 use crate::files::{Replace, limited};
 use clap::{Args, ValueEnum};
@@ -28,8 +28,8 @@ pub(super) struct RtlArguments {
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// How much of the crossbar is built
-    #[arg(long, value_enum, default_value_t = Extent::Full)]
-    crossbar: Extent,
+    #[arg(long, value_enum, default_value_t = CrossbarExtent::Full)]
+    crossbar: CrossbarExtent,
     /// Only this function of the input
     #[arg(long, value_name = "NAME")]
     function: Option<String>,
@@ -41,7 +41,7 @@ pub(super) struct RtlArguments {
     #[arg(long, value_name = "HARDWARE", conflicts_with_all = ["machine", "crossbar"])]
     fits: Option<PathBuf>,
     #[command(flatten)]
-    bench: BenchArguments,
+    bench: RtlBenchArguments,
     /// Map the hardware to a Cyclone V with yosys: what it takes beside the formulas and the
     /// thesis, and how fast it is
     #[arg(long, conflicts_with = "fits")]
@@ -50,7 +50,7 @@ pub(super) struct RtlArguments {
 
 /// How much of the crossbar is built.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum Extent {
+enum CrossbarExtent {
     /// Every pair of source and write port: any program fits
     Full,
     /// The pairs that the program uses
@@ -58,16 +58,18 @@ enum Extent {
 }
 
 /// Runs the command: the text for the standard output.
-pub(super) fn run(arguments: &RtlArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &RtlArguments) -> Result<String, CommandFailure> {
     match &arguments.fits {
         Some(path) => fits(arguments, &hardware(path)?),
         None => build(arguments),
     }
 }
 
-fn build(arguments: &RtlArguments) -> Result<String, Failure> {
+fn build(arguments: &RtlArguments) -> Result<String, CommandFailure> {
     let Some(folder) = &arguments.output else {
-        return Err(Failure::plain("name a folder for the hardware: -o FOLDER"));
+        return Err(CommandFailure::plain(
+            "name a folder for the hardware: -o FOLDER",
+        ));
     };
     let asked = arguments.machine.as_deref();
     let (module, machine) = program(arguments, asked.map(input::machine).transpose()?)?;
@@ -77,10 +79,10 @@ fn build(arguments: &RtlArguments) -> Result<String, Failure> {
         function,
     };
     let choice = match arguments.crossbar {
-        Extent::Full => CrossbarChoice::Full,
-        Extent::Pruned => CrossbarChoice::Pruned,
+        CrossbarExtent::Full => CrossbarChoice::Full,
+        CrossbarExtent::Pruned => CrossbarChoice::Pruned,
     };
-    let mut files = Files::default();
+    let mut files = CollectedFiles::default();
     let hardware =
         rtl::write_rtl(view, &machine, choice, &mut files).map_err(|error| failure(&error))?;
     let shape = Shape::built(&hardware);
@@ -97,7 +99,7 @@ fn build(arguments: &RtlArguments) -> Result<String, Failure> {
     Ok(text)
 }
 
-fn fits(arguments: &RtlArguments, hardware: &Hardware) -> Result<String, Failure> {
+fn fits(arguments: &RtlArguments, hardware: &Hardware) -> Result<String, CommandFailure> {
     let (module, _) = program(arguments, Some(hardware.machine.clone()))?;
     let function = only_function(&module)?;
     let view = View {
@@ -106,7 +108,7 @@ fn fits(arguments: &RtlArguments, hardware: &Hardware) -> Result<String, Failure
     };
     let fit = rtl::fits(view, hardware).map_err(|error| failure(&error))?;
     if !fit.reasons.is_empty() {
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             format!(
                 "'{}' does not fit the hardware with hash {}",
                 function.name,
@@ -125,7 +127,7 @@ fn fits(arguments: &RtlArguments, hardware: &Hardware) -> Result<String, Failure
         let _ = writeln!(text, "  {demand}");
     }
     if let Some(folder) = &arguments.output {
-        let mut files = Files::default();
+        let mut files = CollectedFiles::default();
         rtl::write_program(view, hardware, &mut files).map_err(|error| failure(&error))?;
         let machine = &hardware.machine;
         let benches = rtl_bench::benches(&arguments.bench, view, machine, &files.0)?;
@@ -147,11 +149,11 @@ fn notes(fit: &Fit) -> Vec<String> {
 }
 
 /// Reads the description of hardware.
-fn hardware(path: &Path) -> Result<Hardware, Failure> {
+fn hardware(path: &Path) -> Result<Hardware, CommandFailure> {
     let candidates = [path.join("rtl").join(DESCRIPTION), path.join(DESCRIPTION)];
     let found = candidates.into_iter().find(|file| file.is_file());
     if found.is_none() && path.is_dir() {
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             format!(
                 "{} has no complete hardware: there is no {DESCRIPTION}, which is written last",
                 path.display()
@@ -166,14 +168,14 @@ fn hardware(path: &Path) -> Result<Hardware, Failure> {
         let notes = vec![format!(
             "'robovec rtl' writes one: FOLDER/rtl/{DESCRIPTION}"
         )];
-        Failure::advised(format!("{}: {error}", file.display()), notes)
+        CommandFailure::advised(format!("{}: {error}", file.display()), notes)
     })?;
     let beside = file.parent().unwrap_or(Path::new(""));
     let is_there = |one: &FileHash| beside.join(&one.file).exists();
     // A description may be kept alone; with any of its files it is hardware.
     if is_folder || hardware.files.iter().any(is_there) {
         check_folder(beside, &hardware.files).map_err(|error| {
-            Failure::advised(
+            CommandFailure::advised(
                 format!(
                     "{} does not have the hardware that {DESCRIPTION} describes: {error}",
                     beside.display()
@@ -189,7 +191,7 @@ fn hardware(path: &Path) -> Result<Hardware, Failure> {
 fn program(
     arguments: &RtlArguments,
     machine: Option<Machine>,
-) -> Result<(Module, Machine), Failure> {
+) -> Result<(Module, Machine), CommandFailure> {
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let function = arguments.function.as_deref();
     let input = input::equations_or_model(&arguments.input, None, function)?;
@@ -200,7 +202,7 @@ fn program(
     let module = &input.module;
     let equations = |function: &Function| function.placement.is_none();
     if arguments.passes.is_none() && module.functions.iter().any(equations) {
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             format!(
                 "{}: hardware runs placed programs",
                 arguments.input.display()
@@ -224,7 +226,7 @@ fn program(
                 &pipeline,
                 Config::new(&machine, &mut log),
             )
-            .map_err(|error| Failure::plain(error.to_string()))?;
+            .map_err(|error| CommandFailure::plain(error.to_string()))?;
         }
     }
     Ok((input.module, machine))
@@ -232,7 +234,7 @@ fn program(
 
 /// The machine that a placed program names; that of the thesis for one that
 /// is not placed yet.
-fn own_machine(module: &Module) -> Result<Machine, Failure> {
+fn own_machine(module: &Module) -> Result<Machine, CommandFailure> {
     let schedules = module.functions.iter().filter_map(|f| f.schedule.as_ref());
     let mut names: Vec<&str> = schedules
         .map(|schedule| schedule.machine.as_str())
@@ -241,24 +243,24 @@ fn own_machine(module: &Module) -> Result<Machine, Failure> {
     match names[..] {
         [] => input::machine("thesis"),
         [name] => Machine::built_in(name).ok_or_else(|| {
-            Failure::advised(
+            CommandFailure::advised(
                 format!("the program is placed on '{name}', a machine that does not ship"),
                 vec!["name its file: --machine FILE.toml".to_owned()],
             )
         }),
-        _ => Err(Failure::advised(
+        _ => Err(CommandFailure::advised(
             "the functions are placed on different machines",
             vec!["choose one of them: --function NAME".to_owned()],
         )),
     }
 }
 
-fn only_function(module: &Module) -> Result<&Function, Failure> {
+fn only_function(module: &Module) -> Result<&Function, CommandFailure> {
     match &module.functions[..] {
         [function] => Ok(function),
         functions => {
             let names: Vec<&str> = functions.iter().map(|f| f.name.as_str()).collect();
-            Err(Failure::advised(
+            Err(CommandFailure::advised(
                 format!(
                     "hardware is built for one function, and there are {}",
                     functions.len()
@@ -272,22 +274,22 @@ fn only_function(module: &Module) -> Result<&Function, Failure> {
     }
 }
 
-fn failure(error: &RtlError) -> Failure {
+fn failure(error: &RtlError) -> CommandFailure {
     let notes = match error {
         RtlError::Misfit { reasons, function } => {
             let message = format!("'{function}' does not fit");
-            return Failure::advised(message, reasons.clone());
+            return CommandFailure::advised(message, reasons.clone());
         }
         other => rtl::advice(other).into_iter().collect(),
     };
-    Failure::advised(error.to_string(), notes)
+    CommandFailure::advised(error.to_string(), notes)
 }
 
 /// Files that are written when all of them are there.
 #[derive(Default)]
-struct Files(Vec<(String, String)>);
+struct CollectedFiles(Vec<(String, String)>);
 
-impl Artifacts for Files {
+impl Artifacts for CollectedFiles {
     fn file(
         &mut self,
         name: &str,
@@ -297,7 +299,7 @@ impl Artifacts for Files {
     }
 }
 
-impl Files {
+impl CollectedFiles {
     /// The Verilog files of the machine: name and text.
     fn verilog(&self) -> Vec<(String, String)> {
         let files = self.0.iter();
@@ -308,7 +310,7 @@ impl Files {
     }
 
     /// Adds the project for Quartus.
-    fn add_project(&mut self, hardware: &Hardware, shape: &Shape) -> Result<(), Failure> {
+    fn add_project(&mut self, hardware: &Hardware, shape: &Shape) -> Result<(), CommandFailure> {
         let in_folder = |folder: &str, ending: &str| -> Vec<String> {
             let names = self
                 .0
@@ -325,8 +327,9 @@ impl Files {
             .iter()
             .find(|(name, _)| name.ends_with(".manifest.json"));
         let manifest = manifest.map_or("", |(_, text)| text);
-        let manifest = serde_json::from_str(manifest)
-            .map_err(|error| Failure::plain(format!("the manifest cannot be read: {error}")))?;
+        let manifest = serde_json::from_str(manifest).map_err(|error| {
+            CommandFailure::plain(format!("the manifest cannot be read: {error}"))
+        })?;
         let project = quartus::project(&hardware.machine, shape, &manifest, &sources, &images);
         let project = project.into_iter();
         self.0
@@ -334,7 +337,7 @@ impl Files {
         Ok(())
     }
 
-    fn write(&self, folder: &Path) -> Result<(), Failure> {
+    fn write(&self, folder: &Path) -> Result<(), CommandFailure> {
         let files: Vec<(&str, &str)> = self
             .0
             .iter()

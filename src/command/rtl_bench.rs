@@ -1,9 +1,9 @@
 //! `robovec rtl`: the benches beside the hardware, and `--check`.
 
-use super::Failure;
+use super::CommandFailure;
 use super::flags::{NUMBER, SEED, whole};
 use crate::process::ToolError;
-use crate::rtl::{CheckFailure, Checked, Door, Tool, bench_files, check};
+use crate::rtl::{CheckFailure, Checked, Door, HardwareSimulator, bench_files, check};
 use clap::{Args, ValueEnum};
 use robovec_ir::states::States;
 use robovec_ir::{Machine, View};
@@ -12,13 +12,13 @@ use std::path::Path;
 
 /// What the benches run, and with what.
 #[derive(Args, Debug)]
-pub(super) struct BenchArguments {
+pub(super) struct RtlBenchArguments {
     /// Build the benches and run them with this simulator
     #[arg(long, value_enum, value_name = "TOOL")]
-    check: Option<Simulator>,
+    check: Option<SimulatorChoice>,
     /// Ways into the machine that are checked; by default all that the simulator can take
     #[arg(long, value_enum, value_name = "WAYS", value_delimiter = ',')]
-    through: Vec<Way>,
+    through: Vec<DoorChoice>,
     /// States the benches run the program on, one after the other
     #[arg(long, value_name = "COUNT", default_value_t = 3, add = whole(1, 1000, "benches hold all states, and run the program on each"))]
     runs: u32,
@@ -38,7 +38,7 @@ pub(super) struct BenchArguments {
 
 /// A simulator of hardware.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum Simulator {
+enum SimulatorChoice {
     /// Icarus Verilog, with the bench in plain Verilog
     Iverilog,
     /// Verilator, with the bench in C++
@@ -49,7 +49,7 @@ enum Simulator {
 
 /// A way into the machine.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum Way {
+enum DoorChoice {
     /// The machine's own host bus
     Bus,
     /// Avalon-MM
@@ -60,34 +60,34 @@ enum Way {
     Configured,
 }
 
-impl From<Way> for Door {
-    fn from(way: Way) -> Door {
+impl From<DoorChoice> for Door {
+    fn from(way: DoorChoice) -> Door {
         match way {
-            Way::Bus => Door::Bus,
-            Way::Avalon => Door::Avalon,
-            Way::Axi4lite => Door::Axi4Lite,
-            Way::Configured => Door::Configured,
+            DoorChoice::Bus => Door::Bus,
+            DoorChoice::Avalon => Door::Avalon,
+            DoorChoice::Axi4lite => Door::Axi4Lite,
+            DoorChoice::Configured => Door::Configured,
         }
     }
 }
 
-impl From<Simulator> for Tool {
-    fn from(simulator: Simulator) -> Tool {
+impl From<SimulatorChoice> for HardwareSimulator {
+    fn from(simulator: SimulatorChoice) -> HardwareSimulator {
         match simulator {
-            Simulator::Iverilog => Tool::Icarus,
-            Simulator::Verilator => Tool::Verilator,
-            Simulator::VerilogVerilator => Tool::VerilatorVerilog,
+            SimulatorChoice::Iverilog => HardwareSimulator::Icarus,
+            SimulatorChoice::Verilator => HardwareSimulator::Verilator,
+            SimulatorChoice::VerilogVerilator => HardwareSimulator::VerilatorVerilog,
         }
     }
 }
 
 /// The files of `tb/` for the images of a program, each with its folder.
 pub(super) fn benches(
-    arguments: &BenchArguments,
+    arguments: &RtlBenchArguments,
     view: View<'_>,
     machine: &Machine,
     files: &[(String, String)],
-) -> Result<Vec<(String, String)>, Failure> {
+) -> Result<Vec<(String, String)>, CommandFailure> {
     let images: Vec<(String, String)> = files
         .iter()
         .filter(|(name, _)| name.starts_with("img/"))
@@ -102,7 +102,7 @@ pub(super) fn benches(
     }
     let benches = bench_files(view, machine, &images, &inputs);
     let benches = benches.map_err(|error| {
-        Failure::plain(format!("no bench for '{}': {error}", view.function.name))
+        CommandFailure::plain(format!("no bench for '{}': {error}", view.function.name))
     })?;
     Ok(benches
         .into_iter()
@@ -114,10 +114,10 @@ pub(super) fn benches(
 ///
 /// The hardware is in `rtl/` of the folder `hardware`, or is that folder.
 pub(super) fn checked(
-    arguments: &BenchArguments,
+    arguments: &RtlBenchArguments,
     folder: &Path,
     hardware: &Path,
-) -> Result<String, Failure> {
+) -> Result<String, CommandFailure> {
     let Some(simulator) = arguments.check else {
         return Ok(String::new());
     };
@@ -128,7 +128,7 @@ pub(super) fn checked(
         (false, true) => hardware.to_owned(),
         (false, false) => hardware.parent().unwrap_or(hardware).to_owned(),
     };
-    let tool = Tool::from(simulator);
+    let tool = HardwareSimulator::from(simulator);
     let mut doors: Vec<Door> = arguments.through.iter().map(|&way| way.into()).collect();
     // The configuration of hardware that was there has its own images.
     let is_configured = folder.join("rtl").is_dir();
@@ -137,13 +137,13 @@ pub(super) fn checked(
         doors.retain(|&door| is_configured || door != Door::Configured);
     }
     if doors.contains(&Door::Configured) && !is_configured {
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             "hardware that is there was not configured with these images",
             vec!["check how they are loaded: --through bus,avalon,axi4lite".to_owned()],
         ));
     }
     if let Some(door) = doors.iter().find(|door| !tool.doors().contains(door)) {
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             format!("this simulator has no bench through '{}'", door.name()),
             vec!["'--check iverilog' has".to_owned()],
         ));
@@ -159,7 +159,7 @@ pub(super) fn checked(
     Ok(text)
 }
 
-fn failure(error: &CheckFailure) -> Failure {
+fn failure(error: &CheckFailure) -> CommandFailure {
     let notes = match error {
         CheckFailure::Missing(program) => vec![format!(
             "install it (Debian: apt install {}), or leave out '--check' and run the benches \
@@ -177,5 +177,5 @@ fn failure(error: &CheckFailure) -> Failure {
         CheckFailure::Tool(ToolError::Time { .. }) => vec![super::tool::TIME_ADVICE.to_owned()],
         CheckFailure::Tool(_) | CheckFailure::Hardware(..) | CheckFailure::Build(_) => Vec::new(),
     };
-    Failure::advised(error.to_string(), notes)
+    CommandFailure::advised(error.to_string(), notes)
 }

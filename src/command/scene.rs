@@ -1,8 +1,8 @@
 //! `robovec scene`: what a scene means.
 
-use super::{Failure, input};
+use super::{CommandFailure, input};
 use crate::present::text_table;
-use crate::scene::{Effect, SceneFile, Subject, effects};
+use crate::scene::{SceneEffect, SceneFile, SceneSubject, effects};
 use clap::Args;
 use robovec_framework::scene::{Hold, Scene};
 use robovec_ir::{Input, Machine, Module, View};
@@ -20,11 +20,12 @@ pub(super) struct SceneArguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &SceneArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &SceneArguments) -> Result<String, CommandFailure> {
     let file = input::scene(&arguments.scene)?;
     let named = arguments.machine.as_ref().or(file.scene.machine.as_ref());
     let machine = input::machine(named.map_or("thesis", String::as_str))?;
-    let fail = |error: String| Failure::plain(format!("{}: {error}", arguments.scene.display()));
+    let fail =
+        |error: String| CommandFailure::plain(format!("{}: {error}", arguments.scene.display()));
     let module = file.module().map_err(|error| fail(error.to_string()))?;
     let effects = effects(&file, &machine).map_err(|error| fail(error.to_string()))?;
     let mut text = format!("{}\n", file.scene.name);
@@ -41,11 +42,11 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<String, Failure> {
 
 fn about(file: &SceneFile) -> String {
     match &file.subject {
-        Subject::Equations(module) => {
+        SceneSubject::Equations(module) => {
             let names: Vec<&str> = module.functions.iter().map(|f| f.name.as_str()).collect();
             format!("\nfunction {}, as it was read\n", names.join(", "))
         }
-        Subject::Model(subject) => format!(
+        SceneSubject::Model(subject) => format!(
             "\nfunction {} of the model {}, formulation {}\n",
             subject.name,
             subject.model.name,
@@ -108,7 +109,7 @@ fn outputs(scene: &Scene, module: &Module) -> String {
 
 /// How many elements of an input array are read, and what is known of them.
 #[derive(Default)]
-struct Known {
+struct InputCoverage {
     name: String,
     read: usize,
     bound: usize,
@@ -116,7 +117,7 @@ struct Known {
 }
 
 fn inputs(scene: &Scene, module: &Module) -> String {
-    let mut arrays: Vec<Known> = Vec::new();
+    let mut arrays: Vec<InputCoverage> = Vec::new();
     for function in &module.functions {
         let mut read = vec![false; function.input_len()];
         let operands = function.nodes().iter().flat_map(|node| node.operands());
@@ -129,9 +130,9 @@ fn inputs(scene: &Scene, module: &Module) -> String {
             let name = module.tables.symbols.text(array.name);
             let place = arrays.iter().position(|known| known.name == name);
             let place = place.unwrap_or_else(|| {
-                arrays.push(Known {
+                arrays.push(InputCoverage {
                     name: name.to_owned(),
-                    ..Known::default()
+                    ..InputCoverage::default()
                 });
                 arrays.len() - 1
             });
@@ -162,7 +163,7 @@ fn inputs(scene: &Scene, module: &Module) -> String {
     format!("\n{}\n", text_table(head, &rows))
 }
 
-fn worth(effects: &[Effect], machine: &Machine, scene: &Scene) -> String {
+fn worth(effects: &[SceneEffect], machine: &Machine, scene: &Scene) -> String {
     let general = effects.first().map_or(1, |first| first.operations.max(1));
     let rows: Vec<Vec<String>> = effects
         .iter()

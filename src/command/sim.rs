@@ -1,12 +1,15 @@
 //! `robovec sim`: a model in motion.
 
 use super::flags::{real, whole};
-use super::{Failure, input, output, progress};
+use super::{CommandFailure, input, output, progress};
 use crate::files::limited;
 use crate::generate::Formulation;
 use crate::model::mbs::ReadModel;
 use crate::model::{Model, Nature};
-use crate::motion::{Laws, Method, MotionError, Plan, Run, Setting, System, plot, simulate};
+use crate::motion::{
+    EquationSetting, IntegrationMethod, Laws, MotionError, MultibodySystem, SimulationPlan,
+    SimulationRun, plot, simulate,
+};
 use crate::present;
 use clap::{Args, ValueEnum};
 use robovec_ir::Format;
@@ -24,7 +27,7 @@ const LINK3D_ADVICE: &str = "help: make it a `link` with a law if it only pulls 
 
 /// Which integrator.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
-enum Integrator {
+enum IntegratorChoice {
     /// Runge-Kutta of fourth order with a fixed step
     Rk4,
     /// Dormand-Prince 5(4) with steps that meet a tolerance
@@ -45,8 +48,8 @@ pub(super) struct SimArguments {
           add = whole(1, 100_000, "every one is a row of the result"))]
     samples: u32,
     /// Integrator
-    #[arg(long, value_enum, default_value_t = Integrator::Dopri)]
-    method: Integrator,
+    #[arg(long, value_enum, default_value_t = IntegratorChoice::Dopri)]
+    method: IntegratorChoice,
     /// Step of rk4, s
     #[arg(long, value_name = "SECONDS", default_value_t = 1e-3,
           add = real(1e-9, 1e3, "the run is given up after --max-steps"))]
@@ -92,7 +95,7 @@ pub(super) struct SimArguments {
 }
 
 /// Runs the command: the text for the standard output.
-pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
     // Everything the user wrote is read before any work is done.
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let machine = input::machine(&arguments.machine)?;
@@ -104,13 +107,13 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
         None => Laws::none(model),
         Some(path) => laws(model, path)?,
     };
-    let setting = Setting {
+    let setting = EquationSetting {
         formulation: Formulation::from_name(&arguments.formulation).unwrap_or_default(),
         passes: arguments.passes.is_some().then_some((&pipeline, &machine)),
         format: arguments.number,
         accelerations: arguments.accelred,
     };
-    let (mut system, initial) = System::new(model, laws, &setting).map_err(failure)?;
+    let (mut system, initial) = MultibodySystem::new(model, laws, &setting).map_err(failure)?;
     let remark = roles(model, &system);
     let bar = progress::bar(BAR_LENGTH as usize, "{percent}% {elapsed}, {eta} left");
     let run = simulate(&mut system, &initial, &plan(arguments), &mut |time| {
@@ -137,7 +140,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, Failure> {
 
 /// Refuses a model with forces that are in no equation: its motion would be
 /// that of another model.
-fn refuse_left_out(read: &ReadModel) -> Result<(), Failure> {
+fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
     let (false, Some(file)) = (read.left_out.is_empty(), read.left_out.files().first()) else {
         return Ok(());
     };
@@ -150,38 +153,43 @@ fn refuse_left_out(read: &ReadModel) -> Result<(), Failure> {
         diagnostic
     });
     let refused = refused.collect();
-    Err(Failure(Report::of(file.name(), file.text(), refused)))
+    Err(CommandFailure(Report::of(
+        file.name(),
+        file.text(),
+        refused,
+    )))
 }
 
 /// Makes joints driven, which holds them unless a law moves them.
-fn hold(model: &mut Model, names: &[String]) -> Result<(), Failure> {
+fn hold(model: &mut Model, names: &[String]) -> Result<(), CommandFailure> {
     for name in names {
         let Some(joint) = model.joints.iter_mut().find(|joint| joint.name == *name) else {
             let known = model.joints.iter().map(|joint| joint.name.as_str());
             let near = did_you_mean(name, known).map(|near| format!("did you mean '{near}'?"));
             let message = format!("the model has no joint '{}'", clip(name));
-            return Err(Failure::advised(message, near.into_iter().collect()));
+            return Err(CommandFailure::advised(message, near.into_iter().collect()));
         };
         joint.nature = Nature::Driven;
     }
     Ok(())
 }
 
-fn laws(model: &Model, path: &Path) -> Result<Laws, Failure> {
+fn laws(model: &Model, path: &Path) -> Result<Laws, CommandFailure> {
     let text = input::text(path, &limited::LAWS)?;
-    Laws::parse(model, &text)
-        .map_err(|diagnostics| Failure(Report::of(&path.display().to_string(), text, diagnostics)))
+    Laws::parse(model, &text).map_err(|diagnostics| {
+        CommandFailure(Report::of(&path.display().to_string(), text, diagnostics))
+    })
 }
 
-fn plan(arguments: &SimArguments) -> Plan {
-    Plan {
+fn plan(arguments: &SimArguments) -> SimulationPlan {
+    SimulationPlan {
         duration: arguments.time,
         samples: arguments.samples,
         method: match arguments.method {
-            Integrator::Rk4 => Method::RungeKutta {
+            IntegratorChoice::Rk4 => IntegrationMethod::RungeKutta {
                 step: arguments.step,
             },
-            Integrator::Dopri => Method::DormandPrince {
+            IntegratorChoice::Dopri => IntegrationMethod::DormandPrince {
                 relative: arguments.tolerance,
                 absolute: arguments.tolerance,
             },
@@ -190,13 +198,13 @@ fn plan(arguments: &SimArguments) -> Plan {
     }
 }
 
-fn failure(error: MotionError) -> Failure {
+fn failure(error: MotionError) -> CommandFailure {
     let notes = error.advice().map(str::to_owned).into_iter().collect();
-    Failure::advised(error.to_string(), notes)
+    CommandFailure::advised(error.to_string(), notes)
 }
 
 /// What moves freely, and what follows.
-fn roles(model: &Model, system: &System<'_>) -> String {
+fn roles(model: &Model, system: &MultibodySystem<'_>) -> String {
     let partition = system.partition();
     let mut text = format!(
         "{}: {} independent, {} dependent, {} driven joints\n",
@@ -226,7 +234,7 @@ fn roles(model: &Model, system: &System<'_>) -> String {
     text
 }
 
-fn summary(arguments: &SimArguments, run: &Run) -> String {
+fn summary(arguments: &SimArguments, run: &SimulationRun) -> String {
     let rejected = match run.rejected {
         0 => String::new(),
         count => format!(", {count} repeated"),
@@ -244,7 +252,7 @@ fn summary(arguments: &SimArguments, run: &Run) -> String {
 }
 
 /// One line per sample.
-fn csv(model: &Model, run: &Run) -> String {
+fn csv(model: &Model, run: &SimulationRun) -> String {
     let mut text = String::from("time");
     for kind in ["q", "qd"] {
         for joint in &model.joints {

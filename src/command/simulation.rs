@@ -1,7 +1,7 @@
 //! `--simulate`: the placed program against the equations.
 
-use super::Failure;
-use crate::simulate::Program;
+use super::CommandFailure;
+use crate::simulate::LoadedProgram;
 use robovec_codegen::write_images;
 use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::print::print_output;
@@ -18,11 +18,11 @@ pub(crate) fn simulate(
     machine: &Machine,
     states: u32,
     draws: &States,
-) -> Result<String, Failure> {
+) -> Result<String, CommandFailure> {
     let mut text = String::new();
     for function in &module.functions {
         if function.level != Level::Placed {
-            return Err(Failure::advised(
+            return Err(CommandFailure::advised(
                 format!(
                     "'{}' is at the level {}, not placed",
                     function.name, function.level
@@ -35,7 +35,7 @@ pub(crate) fn simulate(
             function,
         };
         let cycles = compare(view, machine, states, draws).map_err(|reason| {
-            Failure::plain(format!("simulating '{}': {reason}", function.name))
+            CommandFailure::plain(format!("simulating '{}': {reason}", function.name))
         })?;
         // Writing to a string cannot fail.
         let _ = writeln!(
@@ -52,7 +52,7 @@ pub(crate) fn simulate(
 fn compare(view: View<'_>, machine: &Machine, states: u32, draws: &States) -> Result<u32, String> {
     let mut files: Vec<(String, String)> = Vec::new();
     write_images(view, machine, None, &mut files).map_err(|error| error.to_string())?;
-    let program = Program::load(&files, machine).map_err(|error| error.to_string())?;
+    let program = LoadedProgram::load(&files, machine).map_err(|error| error.to_string())?;
     let places: Vec<u32> = program.outputs().map(|(_, place)| place).collect();
     let arithmetic = FormatArithmetic::new(machine.number);
     for index in 0..states {

@@ -1,9 +1,9 @@
 //! `robovec stress`: hard cases, verdicts and cures.
 
 use super::output::result_files;
-use super::{Failure, output, progress};
+use super::{CommandFailure, output, progress};
 use crate::present::json::json_text;
-use crate::stress::{self, Case, Class, Findings, StressError};
+use crate::stress::{self, CaseClass, Findings, StressCase, StressError};
 use clap::Args;
 use rayon::prelude::*;
 use robovec_ir::diagnostic::{clip, did_you_mean};
@@ -31,11 +31,11 @@ pub(super) struct StressArguments {
 }
 
 fn classes() -> clap::builder::PossibleValuesParser {
-    Class::ALL.map(Class::name).into()
+    CaseClass::ALL.map(CaseClass::name).into()
 }
 
 /// Runs the command: the text for the standard output.
-pub(super) fn run(arguments: &StressArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &StressArguments) -> Result<String, CommandFailure> {
     let cases = chosen(arguments)?;
     if arguments.list {
         return Ok(list(&cases));
@@ -65,8 +65,8 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, Failure> {
     let mut findings = Vec::new();
     for (index, result) in found {
         let case = &cases[index];
-        let result =
-            result.map_err(|error| Failure::plain(format!("case '{}': {error}", case.name)))?;
+        let result = result
+            .map_err(|error| CommandFailure::plain(format!("case '{}': {error}", case.name)))?;
         findings.push((case, result));
     }
     if let Some(folder) = &arguments.output {
@@ -87,13 +87,13 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, Failure> {
         return Ok(text);
     }
     output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))?;
-    Err(Failure::advised(
+    Err(CommandFailure::advised(
         "the hard cases are not what they were".to_owned(),
         complaints,
     ))
 }
 
-fn chosen(arguments: &StressArguments) -> Result<Vec<Case>, Failure> {
+fn chosen(arguments: &StressArguments) -> Result<Vec<StressCase>, CommandFailure> {
     let mut cases = stress::cases();
     for name in &arguments.case {
         if !cases.iter().any(|case| case.name == *name) {
@@ -102,7 +102,7 @@ fn chosen(arguments: &StressArguments) -> Result<Vec<Case>, Failure> {
             let mut notes: Vec<String> = near.into_iter().collect();
             notes.push("'robovec stress --list' tells all cases".to_owned());
             let message = format!("there is no case '{}'", clip(name));
-            return Err(Failure::advised(message, notes));
+            return Err(CommandFailure::advised(message, notes));
         }
     }
     if !arguments.case.is_empty() {
@@ -113,14 +113,14 @@ fn chosen(arguments: &StressArguments) -> Result<Vec<Case>, Failure> {
     }
     if cases.is_empty() {
         let message = "no case has these names and is of this class".to_owned();
-        return Err(Failure::plain(message));
+        return Err(CommandFailure::plain(message));
     }
     Ok(cases)
 }
 
-fn list(cases: &[Case]) -> String {
+fn list(cases: &[StressCase]) -> String {
     let mut text = String::new();
-    for class in Class::ALL {
+    for class in CaseClass::ALL {
         let of_class = || cases.iter().filter(|case| case.class == class);
         if of_class().next().is_none() {
             continue;
@@ -139,7 +139,10 @@ fn list(cases: &[Case]) -> String {
     text
 }
 
-fn write_files(folder: &std::path::Path, findings: &[(&Case, Findings)]) -> Result<(), Failure> {
+fn write_files(
+    folder: &std::path::Path,
+    findings: &[(&StressCase, Findings)],
+) -> Result<(), CommandFailure> {
     let table = stress::table(findings);
     let mut files = result_files(&table, json_text(&table), &stress::figure(findings));
     files.push(("stress.html".to_owned(), stress::page(findings)));
@@ -147,7 +150,7 @@ fn write_files(folder: &std::path::Path, findings: &[(&Case, Findings)]) -> Resu
 }
 
 /// What is not as it should be: verdicts, and classes without a cure.
-fn complaints(arguments: &StressArguments, findings: &[(&Case, Findings)]) -> Vec<String> {
+fn complaints(arguments: &StressArguments, findings: &[(&StressCase, Findings)]) -> Vec<String> {
     let mut complaints = Vec::new();
     for (case, found) in findings {
         if found.verdict != case.expected {
@@ -160,7 +163,7 @@ fn complaints(arguments: &StressArguments, findings: &[(&Case, Findings)]) -> Ve
     if arguments.verdicts {
         return complaints;
     }
-    for class in Class::ALL {
+    for class in CaseClass::ALL {
         let mut of_class = findings.iter().filter(|(case, _)| case.class == class);
         let cured = of_class.clone().any(|(_, found)| found.cure.is_some());
         if of_class.next().is_some() && !cured {

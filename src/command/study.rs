@@ -1,8 +1,8 @@
 //! `robovec study`.
 
 use super::flags::{FlagLimit, whole};
-use super::subjects::{self, Files, locate};
-use super::{Failure, input, output, progress};
+use super::subjects::{self, SubjectFiles, locate};
+use super::{CommandFailure, input, output, progress};
 use crate::explore::processor::{Computer, LARGEST};
 use crate::explore::program::view;
 use crate::explore::store::PointStore;
@@ -10,8 +10,8 @@ use crate::files::limited;
 use crate::present::json::json_text;
 use crate::present::plot;
 use crate::study::cpu::{self, CpuTime, Job};
-use crate::study::plan::{self, Plan, Selection};
-use crate::study::program::Equations;
+use crate::study::plan::{self, Selection, StudyPlan};
+use crate::study::program::StudyEquations;
 use crate::study::results::Results;
 use crate::study::{figures, page, run, tables};
 use robovec_ir::Module;
@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// Place sets of models on sets of machines, and write tables, figures and a
 /// report for the browser.
 #[derive(clap::Args, Debug)]
-pub(super) struct Arguments {
+pub(super) struct StudyArguments {
     /// What to place: a .toml file, or `thesis`, which redoes the thesis
     #[arg(long, value_name = "FILE", default_value = "thesis")]
     plan: String,
@@ -62,15 +62,17 @@ pub(super) struct Arguments {
 const PROGRESS: &str = "{pos}/{len} placements, {eta} left, {msg}";
 
 /// Runs the study; the text is for the standard output.
-pub(super) fn study(arguments: &Arguments) -> Result<String, Failure> {
+pub(super) fn study(arguments: &StudyArguments) -> Result<String, CommandFailure> {
     let plan = read_plan(arguments)?;
     // A slip in a name is told before hours of work, not after them.
     for subject in &plan.models {
         locate(subject)?;
     }
     output::make_folder(&arguments.output)?;
-    let store = PointStore::open(&arguments.output.join("points"), arguments.resume)
-        .map_err(|error| Failure::plain(format!("cannot make the folder for points: {error}")))?;
+    let store =
+        PointStore::open(&arguments.output.join("points"), arguments.resume).map_err(|error| {
+            CommandFailure::plain(format!("cannot make the folder for points: {error}"))
+        })?;
     let results = compute(arguments, plan, &store)?;
     let times = if arguments.cpu {
         time(arguments, &results)?
@@ -81,7 +83,7 @@ pub(super) fn study(arguments: &Arguments) -> Result<String, Failure> {
     Ok(summary(&results, &arguments.output))
 }
 
-fn read_plan(arguments: &Arguments) -> Result<Plan, Failure> {
+fn read_plan(arguments: &StudyArguments) -> Result<StudyPlan, CommandFailure> {
     let (name, text) = if arguments.plan == "thesis" {
         ("thesis.toml".to_owned(), plan::THESIS.to_owned())
     } else {
@@ -105,33 +107,37 @@ fn read_plan(arguments: &Arguments) -> Result<Plan, Failure> {
         let name = file.map_or(name.into(), |file| file.to_string_lossy().into_owned());
         input::machine(&name).map_err(|failure| failure.0)
     };
-    plan::resolve(&name, &text, &selection, &read_machine).map_err(Failure)
+    plan::resolve(&name, &text, &selection, &read_machine).map_err(CommandFailure)
 }
 
-fn compute(arguments: &Arguments, plan: Plan, store: &PointStore) -> Result<Results, Failure> {
+fn compute(
+    arguments: &StudyArguments,
+    plan: StudyPlan,
+    store: &PointStore,
+) -> Result<Results, CommandFailure> {
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(jobs) = arguments.jobs {
         pool = pool.num_threads(jobs as usize);
     }
     let pool = pool
         .build()
-        .map_err(|error| Failure::plain(format!("cannot start threads: {error}")))?;
+        .map_err(|error| CommandFailure::plain(format!("cannot start threads: {error}")))?;
     let bar = progress::bar(plan.requests.len(), PROGRESS);
     let progress = |model: &str| {
         bar.inc(1);
         bar.set_message(model.to_owned());
     };
-    let outcome = pool.install(|| run::run(&plan, &Files, store, &progress));
+    let outcome = pool.install(|| run::run(&plan, &SubjectFiles, store, &progress));
     bar.finish_and_clear();
     Ok(Results {
-        outcome: outcome.map_err(Failure)?,
+        outcome: outcome.map_err(CommandFailure)?,
         plan,
     })
 }
 
 /// Times every program on one core, one after the other; times of an earlier
 /// run are used when it goes on.
-fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failure> {
+fn time(arguments: &StudyArguments, results: &Results) -> Result<Vec<CpuTime>, CommandFailure> {
     let path = arguments.output.join("cpu.json");
     let earlier: Vec<CpuTime> = match fs::read_to_string(&path) {
         Ok(text) if arguments.resume => serde_json::from_str(&text).unwrap_or_default(),
@@ -166,7 +172,7 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
         })
     };
     for (index, subject) in plan.models.iter().enumerate() {
-        let equations = Equations::load(subject, &Files).map_err(Failure)?;
+        let equations = StudyEquations::load(subject, &SubjectFiles).map_err(CommandFailure)?;
         for (pipeline, named) in plan.pipelines.iter().enumerate() {
             bar.inc(1);
             bar.set_message(format!("{} on one core", subject.name));
@@ -174,7 +180,7 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
                 continue;
             }
             let program = equations.optimise(subject, named, &plan.machines[machine]);
-            let program = program.map_err(Failure::plain)?;
+            let program = program.map_err(CommandFailure::plain)?;
             measure(&subject.name, &named.name, [&program.module; 2])?;
         }
         if let Some([module, shorter]) = subjects::for_processors(subject)? {
@@ -186,7 +192,7 @@ fn time(arguments: &Arguments, results: &Results) -> Result<Vec<CpuTime>, Failur
 }
 
 /// Writes all results, each file whole.
-fn write(folder: &Path, results: &Results, times: &[CpuTime]) -> Result<(), Failure> {
+fn write(folder: &Path, results: &Results, times: &[CpuTime]) -> Result<(), CommandFailure> {
     let tables = tables::all(results);
     let figures = figures::all(results);
     let mut files = Vec::new();

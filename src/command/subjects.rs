@@ -1,12 +1,12 @@
 //! Where the programs of a study come from: files, model files, built-in
 //! models.
 
-use super::{Failure, generation, input};
+use super::{CommandFailure, generation, input};
 use crate::generate::{Formulation, FunctionKind, Options, TermOrder};
 use crate::model::Model;
-use crate::model::family::{Family, JOINTS};
-use crate::study::plan::Subject;
-use crate::study::program::Sources;
+use crate::model::family::{JOINTS, ModelFamily};
+use crate::study::plan::StudySubject;
+use crate::study::program::ProgramSources;
 use robovec_ir::Module;
 use robovec_ir::diagnostic::{Report, did_you_mean};
 use std::path::{Path, PathBuf};
@@ -15,25 +15,25 @@ use std::path::{Path, PathBuf};
 const SEED: u64 = 1;
 
 /// Programs from files and from built-in models.
-pub(super) struct Files;
+pub(super) struct SubjectFiles;
 
-impl Sources for Files {
-    fn equations(&self, subject: &Subject) -> Result<Module, Report> {
+impl ProgramSources for SubjectFiles {
+    fn equations(&self, subject: &StudySubject) -> Result<Module, Report> {
         equations(subject).map_err(|failure| failure.0)
     }
 }
 
 /// A model, or a file of equations.
-pub(super) enum Source {
+pub(super) enum SubjectSource {
     Model(Box<Model>),
     ModelFile(PathBuf),
     Equations(PathBuf),
 }
 
 /// Where a subject comes from.
-pub(super) fn locate(subject: &Subject) -> Result<Source, Failure> {
+pub(super) fn locate(subject: &StudySubject) -> Result<SubjectSource, CommandFailure> {
     if let Some(model) = built_in(&subject.source) {
-        return Ok(Source::Model(Box::new(model)));
+        return Ok(SubjectSource::Model(Box::new(model)));
     }
     check_number(&subject.source)?;
     let near = subject.folder.as_ref();
@@ -45,16 +45,16 @@ pub(super) fn locate(subject: &Subject) -> Result<Source, Failure> {
         return Err(unknown(&subject.source));
     }
     if !path.is_file() {
-        return Err(Failure::plain(format!(
+        return Err(CommandFailure::plain(format!(
             "model '{}': there is no file {}",
             subject.name,
             path.display()
         )));
     }
     if extension.is_some_and(|extension| extension == "mbs") {
-        return Ok(Source::ModelFile(path));
+        return Ok(SubjectSource::ModelFile(path));
     }
-    Ok(Source::Equations(path))
+    Ok(SubjectSource::Equations(path))
 }
 
 /// The formulation that needs the least time on a processor.
@@ -63,11 +63,13 @@ pub(super) const FOR_PROCESSORS: &str = "composite-base";
 /// The function of a model made for processors: direct dynamics by composite
 /// bodies, as it is and after the passes for straight-line code. `None` for
 /// files of equations and for other functions.
-pub(super) fn for_processors(subject: &Subject) -> Result<Option<[Module; 2]>, Failure> {
+pub(super) fn for_processors(
+    subject: &StudySubject,
+) -> Result<Option<[Module; 2]>, CommandFailure> {
     let model = match locate(subject)? {
-        Source::Model(model) => *model,
-        Source::ModelFile(path) => input::model(&path)?.model,
-        Source::Equations(_) => return Ok(None),
+        SubjectSource::Model(model) => *model,
+        SubjectSource::ModelFile(path) => input::model(&path)?.model,
+        SubjectSource::Equations(_) => return Ok(None),
     };
     if subject.function.as_deref().unwrap_or("dirdyna") != "dirdyna" {
         return Ok(None);
@@ -83,11 +85,11 @@ pub(super) fn for_processors(subject: &Subject) -> Result<Option<[Module; 2]>, F
     Ok(Some([module, shorter]))
 }
 
-fn equations(subject: &Subject) -> Result<Module, Failure> {
+fn equations(subject: &StudySubject) -> Result<Module, CommandFailure> {
     let model = match locate(subject)? {
-        Source::Model(model) => *model,
-        Source::ModelFile(path) => input::model(&path)?.model,
-        Source::Equations(path) => return Ok(input::equations(&path, None)?.module),
+        SubjectSource::Model(model) => *model,
+        SubjectSource::ModelFile(path) => input::model(&path)?.model,
+        SubjectSource::Equations(path) => return Ok(input::equations(&path, None)?.module),
     };
     let wanted = subject.function.as_deref().unwrap_or("dirdyna");
     // Sensors are functions with numbers: sensor_1.
@@ -100,7 +102,7 @@ fn equations(subject: &Subject) -> Result<Module, Failure> {
             Some(near) => format!("did you mean '{near}'?"),
             None => format!("functions: {}", names.join(", ")),
         };
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             format!(
                 "model '{}': there is no function '{wanted}' to generate",
                 subject.name
@@ -129,7 +131,7 @@ fn equations(subject: &Subject) -> Result<Module, Failure> {
 
 /// The name of a subject of the command line, and its model, built-in or read;
 /// `None` for a file of equations.
-pub(super) fn named_model(subject: &str) -> Result<(String, Option<Model>), Failure> {
+pub(super) fn named_model(subject: &str) -> Result<(String, Option<Model>), CommandFailure> {
     check_number(subject)?;
     let path = Path::new(subject);
     let is_model = path.extension().is_some_and(|extension| extension == "mbs");
@@ -143,32 +145,34 @@ pub(super) fn named_model(subject: &str) -> Result<(String, Option<Model>), Fail
 
 /// The built-in model of a name like `bogie` or `serial-23`.
 pub(super) fn built_in(name: &str) -> Option<Model> {
-    if let Some(family) = Family::from_name(name) {
+    if let Some(family) = ModelFamily::from_name(name) {
         return family.joints().map(|joints| family.build(joints, SEED));
     }
     let (family, joints) = name.rsplit_once('-')?;
-    let family = Family::from_name(family).filter(|family| family.joints().is_none())?;
+    let family = ModelFamily::from_name(family).filter(|family| family.joints().is_none())?;
     let joints = JOINTS.read_whole(joints).ok()?;
     Some(family.build(joints as usize, SEED))
 }
 
 /// Refuses a name like `serial-1000000`, which is none of a file.
-pub(super) fn check_number(name: &str) -> Result<(), Failure> {
+pub(super) fn check_number(name: &str) -> Result<(), CommandFailure> {
     let Some((family, joints)) = name.rsplit_once('-') else {
         return Ok(());
     };
-    let is_family = Family::from_name(family).is_some_and(|family| family.joints().is_none());
+    let is_family = ModelFamily::from_name(family).is_some_and(|family| family.joints().is_none());
     if !is_family || !joints.bytes().all(|byte| byte.is_ascii_digit()) {
         return Ok(());
     }
     match JOINTS.read_whole(joints) {
         Ok(_) => Ok(()),
-        Err(reason) => Err(Failure::plain(format!("the joints of '{name}': {reason}"))),
+        Err(reason) => Err(CommandFailure::plain(format!(
+            "the joints of '{name}': {reason}"
+        ))),
     }
 }
 
-fn unknown(name: &str) -> Failure {
-    let names: Vec<String> = Family::ALL
+fn unknown(name: &str) -> CommandFailure {
+    let names: Vec<String> = ModelFamily::ALL
         .iter()
         .map(|family| match family.joints() {
             Some(_) => family.name().to_owned(),
@@ -179,7 +183,7 @@ fn unknown(name: &str) -> Failure {
         Some(near) => format!("did you mean '{near}'?"),
         None => format!("models: {} with N joints, or a file", names.join(", ")),
     };
-    Failure::advised(
+    CommandFailure::advised(
         format!("there is no file or built-in model '{name}'"),
         vec![note],
     )

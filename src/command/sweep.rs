@@ -3,12 +3,12 @@
 use super::flags::whole;
 use super::front::programs;
 use super::output::result_files;
-use super::{Failure, input, output};
+use super::{CommandFailure, input, output};
 use crate::explore::operators::{Couple, couples};
 use crate::explore::program::{transformed_by, view};
 use crate::present::json::json_text;
-use crate::sweep::design::{Space, interconnect_names};
-use crate::sweep::{Sweep, page, sweep, text};
+use crate::sweep::design::{DesignSpace, interconnect_names};
+use crate::sweep::{FunctionSweep, page, sweep, text};
 use clap::{Args, ValueEnum};
 use robovec_ir::machine::{Interconnect, MemoryStyle};
 use std::path::{Path, PathBuf};
@@ -75,14 +75,14 @@ enum MemoryWord {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &SweepArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> {
     let space = space(arguments)?;
     let thesis = input::machine("thesis")?;
-    let mut sweeps: Vec<Sweep> = Vec::new();
+    let mut sweeps: Vec<FunctionSweep> = Vec::new();
     let mut report = String::new();
     for subject in &arguments.subjects {
         let (name, module, _) = programs(subject, &arguments.function)?;
-        let failure = |error: String| Failure::plain(format!("{name}: {error}"));
+        let failure = |error: String| CommandFailure::plain(format!("{name}: {error}"));
         let made = |passes: &str| {
             let made = transformed_by(&module, passes, &thesis, None);
             made.map_err(|error| failure(error.to_string()))
@@ -104,7 +104,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, Failure> {
     Ok(report)
 }
 
-fn space(arguments: &SweepArguments) -> Result<Space, Failure> {
+fn space(arguments: &SweepArguments) -> Result<DesignSpace, CommandFailure> {
     let sorted = |numbers: &[u32]| {
         let mut numbers = numbers.to_vec();
         numbers.sort_unstable();
@@ -125,7 +125,7 @@ fn space(arguments: &SweepArguments) -> Result<Space, Failure> {
             let names: Vec<String> = names.collect();
             let message = format!("there is no couple '{wanted}'");
             let help = format!("couples of Table 1.3: {}", names.join(", "));
-            return Err(Failure::advised(message, vec![help]));
+            return Err(CommandFailure::advised(message, vec![help]));
         }
     }
     if !arguments.couples.is_empty() {
@@ -139,7 +139,7 @@ fn space(arguments: &SweepArguments) -> Result<Space, Failure> {
         let Some(interconnect) = Interconnect::named(name) else {
             let message = format!("there is no interconnect '{name}'");
             let help = format!("interconnects: {}", interconnect_names().join(", "));
-            return Err(Failure::advised(message, vec![help]));
+            return Err(CommandFailure::advised(message, vec![help]));
         };
         if !interconnects.contains(&interconnect) {
             interconnects.push(interconnect);
@@ -157,7 +157,7 @@ fn space(arguments: &SweepArguments) -> Result<Space, Failure> {
         }
     }
     let buffers = sorted(&arguments.buffers);
-    Ok(Space {
+    Ok(DesignSpace {
         adders: sorted(&arguments.adders),
         multipliers: sorted(&arguments.multipliers),
         ratio: arguments.ratio,
@@ -172,7 +172,7 @@ fn space(arguments: &SweepArguments) -> Result<Space, Failure> {
     })
 }
 
-fn write(folder: &Path, sweeps: &[Sweep]) -> Result<(), Failure> {
+fn write(folder: &Path, sweeps: &[FunctionSweep]) -> Result<(), CommandFailure> {
     let table = text::points_table(sweeps);
     let mut files = result_files(&table, json_text(sweeps), &text::figure(sweeps));
     files.push(("sweep.html".to_owned(), page::page(sweeps)));

@@ -1,12 +1,12 @@
 //! `robovec synthesise`: hardware mapped to the cells of a Cyclone V.
 
-use super::Failure;
+use super::CommandFailure;
 use super::flags::whole;
 use crate::explore::operators::{ADDERS, MULTIPLIERS, Operator};
 use crate::present::text_table;
 use crate::process::ToolError;
 use crate::synthesis::cores::{self, Mapped};
-use crate::synthesis::{SynthesisError, Tool, machine, page};
+use crate::synthesis::{SynthesisError, Yosys, machine, page};
 use clap::Args;
 use robovec_codegen::hardware::Shape;
 use robovec_codegen::rtl::cores::Core;
@@ -37,14 +37,14 @@ pub(super) struct SynthesiseArguments {
     delays: bool,
 }
 
-pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFailure> {
     let Format::Float(format) = arguments.number else {
-        return Err(Failure::plain(format!(
+        return Err(CommandFailure::plain(format!(
             "there are no operators of {} in hardware; choose a format such as f32",
             arguments.number
         )));
     };
-    let tool = Tool::find().map_err(failure)?;
+    let tool = Yosys::find().map_err(failure)?;
     let wanted = (arguments.add.iter().map(|stages| (Core::Add, *stages))).chain(
         arguments
             .multiply
@@ -75,19 +75,19 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, Failure> {
 }
 
 /// A machine mapped part by part, as a page.
-pub(super) fn machine(shape: &Shape, files: &[(String, String)]) -> Result<String, Failure> {
-    let tool = Tool::find().map_err(failure)?;
+pub(super) fn machine(shape: &Shape, files: &[(String, String)]) -> Result<String, CommandFailure> {
+    let tool = Yosys::find().map_err(failure)?;
     let mapped = machine::map(&tool, shape, files).map_err(failure)?;
     Ok(format!("\n{}", page::page(&mapped, &tool)))
 }
 
 /// An error of the mapping, told to the user.
-pub(super) fn failure(error: SynthesisError) -> Failure {
+pub(super) fn failure(error: SynthesisError) -> CommandFailure {
     let notes = match &error {
         SynthesisError::Tool(ToolError::Time { .. }) => vec![super::tool::TIME_ADVICE.to_owned()],
         _ => Vec::new(),
     };
-    Failure::advised(error.to_string(), notes)
+    CommandFailure::advised(error.to_string(), notes)
 }
 
 /// One row per operator and latency.

@@ -6,7 +6,7 @@ use robovec_framework::manager::PassRecord;
 use serde_json::{Value, json};
 
 /// A step that is not a pass: reading, writing.
-pub(crate) struct Stage {
+pub(crate) struct MeasuredStage {
     /// What it did.
     pub(crate) name: &'static str,
     /// CPU seconds.
@@ -16,7 +16,11 @@ pub(crate) struct Stage {
 }
 
 /// Time and memory of reading, every pass and writing.
-pub(crate) fn times(records: &[PassRecord], stages: &[Stage], format: TableFormat) -> String {
+pub(crate) fn times(
+    records: &[PassRecord],
+    stages: &[MeasuredStage],
+    format: TableFormat,
+) -> String {
     let total: f64 = records.iter().map(|record| record.cpu_s).sum::<f64>()
         + stages.iter().map(|stage| stage.cpu_s).sum::<f64>();
     if format == TableFormat::Json {

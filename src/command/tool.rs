@@ -13,10 +13,10 @@ use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
 use super::scene::{self, SceneArguments};
 use super::sim::{self, SimArguments};
-use super::{Failure, flags, input, output, write};
+use super::{CommandFailure, flags, input, output, write};
 use crate::files::limited;
-use crate::process::{Limits, set_limits};
-use crate::simulate::Program;
+use crate::process::{ProcessLimits, set_limits};
+use crate::simulate::LoadedProgram;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::fmt::Write;
@@ -28,24 +28,24 @@ use std::time::Duration;
 /// Evaluates, simulates and compares equations of multibody systems.
 #[derive(Parser, Debug)]
 #[command(name = "robovec", version)]
-struct Arguments {
+struct ToolArguments {
     #[command(subcommand)]
-    command: Command,
+    command: ToolCommand,
     /// Time after which a compiler, a simulator of hardware, yosys or a program
     /// they made is stopped, s
     #[arg(long, global = true, value_name = "SECONDS", default_value_t = 1800,
-          add = whole(1, MOST_SECONDS, "a tool that takes longer than a day has gone astray"))]
+          add = whole(1, MAX_SECONDS, "a tool that takes longer than a day has gone astray"))]
     tool_seconds: u64,
 }
 
 /// A week.
-const MOST_SECONDS: u64 = 7 * 24 * 3600;
+const MAX_SECONDS: u64 = 7 * 24 * 3600;
 
 /// The remedy for a tool that was stopped.
 pub(super) const TIME_ADVICE: &str = "'--tool-seconds' gives tools more time or less";
 
 #[derive(Subcommand, Debug)]
-enum Command {
+enum ToolCommand {
     /// Measure what every pass of a pipeline does to the rounding errors
     Accuracy(AccuracyArguments),
     Bench(BenchArguments),
@@ -84,7 +84,7 @@ enum Command {
     Rtl(super::rtl::RtlArguments),
     Rules(super::rules::RulesArguments),
     Stress(super::stress::StressArguments),
-    Study(super::study::Arguments),
+    Study(super::study::StudyArguments),
     Sweep(super::sweep::SweepArguments),
     Synthesise(super::synthesise::SynthesiseArguments),
     /// Measure what series for sines and cosines do to the outputs
@@ -95,45 +95,45 @@ enum Command {
 
 /// The command line, with the limits of its numbers.
 pub(crate) fn command() -> clap::Command {
-    flags::enforce(Arguments::command())
+    flags::enforce(ToolArguments::command())
 }
 
 /// Runs the program.
 pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let matches = command().get_matches_from(arguments);
-    let arguments = match Arguments::from_arg_matches(&matches) {
+    let arguments = match ToolArguments::from_arg_matches(&matches) {
         Ok(arguments) => arguments,
         Err(error) => error.exit(),
     };
-    set_limits(Limits {
+    set_limits(ProcessLimits {
         time: Duration::from_secs(arguments.tool_seconds),
-        ..Limits::USUAL
+        ..ProcessLimits::USUAL
     });
     let result = match &arguments.command {
-        Command::Accuracy(arguments) => accuracy::run(arguments),
-        Command::Bench(arguments) => bench::run(arguments),
-        Command::Errors(arguments) => errors::run(arguments),
-        Command::Eval(arguments) => eval::run(arguments),
-        Command::Fit(arguments) => fit::run(arguments),
-        Command::Front(arguments) => front::run(arguments),
-        Command::Gen(arguments) => generation::run(arguments),
-        Command::Model(arguments) => model::run(arguments),
-        Command::Scene(arguments) => scene::run(arguments),
-        Command::Sim(arguments) => sim::run(arguments),
-        Command::Simulate {
+        ToolCommand::Accuracy(arguments) => accuracy::run(arguments),
+        ToolCommand::Bench(arguments) => bench::run(arguments),
+        ToolCommand::Errors(arguments) => errors::run(arguments),
+        ToolCommand::Eval(arguments) => eval::run(arguments),
+        ToolCommand::Fit(arguments) => fit::run(arguments),
+        ToolCommand::Front(arguments) => front::run(arguments),
+        ToolCommand::Gen(arguments) => generation::run(arguments),
+        ToolCommand::Model(arguments) => model::run(arguments),
+        ToolCommand::Scene(arguments) => scene::run(arguments),
+        ToolCommand::Sim(arguments) => sim::run(arguments),
+        ToolCommand::Simulate {
             folder,
             machine,
             inputs,
         } => simulate(folder, machine, inputs),
-        Command::Check(arguments) => compare::run(arguments),
-        Command::Rtl(arguments) => super::rtl::run(arguments),
-        Command::Rules(arguments) => super::rules::run(arguments),
-        Command::Stress(arguments) => super::stress::run(arguments),
-        Command::Study(arguments) => super::study::study(arguments),
-        Command::Sweep(arguments) => super::sweep::run(arguments),
-        Command::Synthesise(arguments) => super::synthesise::run(arguments),
-        Command::Trig(arguments) => super::trig::run(arguments),
-        Command::Write(arguments) => write::run(arguments),
+        ToolCommand::Check(arguments) => compare::run(arguments),
+        ToolCommand::Rtl(arguments) => super::rtl::run(arguments),
+        ToolCommand::Rules(arguments) => super::rules::run(arguments),
+        ToolCommand::Stress(arguments) => super::stress::run(arguments),
+        ToolCommand::Study(arguments) => super::study::study(arguments),
+        ToolCommand::Sweep(arguments) => super::sweep::run(arguments),
+        ToolCommand::Synthesise(arguments) => super::synthesise::run(arguments),
+        ToolCommand::Trig(arguments) => super::trig::run(arguments),
+        ToolCommand::Write(arguments) => write::run(arguments),
     };
     match result.and_then(|text| output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))) {
         Ok(()) => ExitCode::SUCCESS,
@@ -144,10 +144,11 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     }
 }
 
-fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, Failure> {
+fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, CommandFailure> {
     let machine = input::machine(machine)?;
-    let listing = fs::read_dir(folder)
-        .map_err(|error| Failure::plain(format!("cannot read {}: {error}", folder.display())))?;
+    let listing = fs::read_dir(folder).map_err(|error| {
+        CommandFailure::plain(format!("cannot read {}: {error}", folder.display()))
+    })?;
     let mut files = Vec::new();
     for entry in listing.filter_map(Result::ok) {
         let path = entry.path();
@@ -159,8 +160,8 @@ fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, Fail
         }
     }
     files.sort();
-    let fail = |error: String| Failure::plain(format!("{}: {error}", folder.display()));
-    let program = Program::load(&files, &machine).map_err(|error| fail(error.to_string()))?;
+    let fail = |error: String| CommandFailure::plain(format!("{}: {error}", folder.display()));
+    let program = LoadedProgram::load(&files, &machine).map_err(|error| fail(error.to_string()))?;
     let outputs = program
         .run(inputs)
         .map_err(|hazard| fail(hazard.to_string()))?;

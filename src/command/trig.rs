@@ -2,9 +2,9 @@
 
 use super::flags::{SEED, real, states, whole};
 use super::output::result_files;
-use super::{Failure, input, output};
+use super::{CommandFailure, input, output};
 use crate::present::json::json_text;
-use crate::trigonometry::{self, Effect, Setting};
+use crate::trigonometry::{self, TrigonometryEffect, TrigonometrySetting};
 use clap::{Args, ValueEnum};
 use robovec_ir::{Format, Module};
 use robovec_num::trigonometry::{LARGEST_RANGE, MOST_ORDER};
@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 /// Which polynomials.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
-enum Series {
+enum SeriesChoice {
     /// The series of Taylor, cut off
     Taylor,
     /// Fitted to the range
@@ -36,8 +36,8 @@ pub(super) struct TrigArguments {
           add = real(1e-12, LARGEST_RANGE, "no series reaches larger angles"))]
     angles: Vec<f64>,
     /// Polynomials
-    #[arg(long, value_enum, default_value_t = Series::Taylor)]
-    method: Series,
+    #[arg(long, value_enum, default_value_t = SeriesChoice::Taylor)]
+    method: SeriesChoice,
     /// How often angles are halved before the polynomials
     #[arg(long, value_name = "N", default_value_t = 0,
           add = whole(0, 16, "every halving doubles the rounding error and adds operations"))]
@@ -64,12 +64,12 @@ pub(super) struct TrigArguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &TrigArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &TrigArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
-    let setting = Setting {
+    let setting = TrigonometrySetting {
         method: match arguments.method {
-            Series::Taylor => Method::Taylor,
-            Series::Minimax => Method::Minimax,
+            SeriesChoice::Taylor => Method::Taylor,
+            SeriesChoice::Minimax => Method::Minimax,
         },
         orders: arguments.orders.clone(),
         angles: arguments.angles.clone(),
@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &TrigArguments) -> Result<String, Failure> {
         states: arguments.states,
         seed: arguments.seed,
     };
-    let mut effects: Vec<Effect> = Vec::new();
+    let mut effects: Vec<TrigonometryEffect> = Vec::new();
     let mut text = format!(
         "Errors in {} over {} random states, seed {}: the largest of an array over its largest \
          element; those of sin and cos are proved bounds.\n",
@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &TrigArguments) -> Result<String, Failure> {
             &machine,
             &setting,
         )
-        .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+        .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
         for effect in &measured {
             text.push('\n');
             text += &trigonometry::text(effect);

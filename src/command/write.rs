@@ -1,7 +1,7 @@
 //! `robovec write`: equations as Robotran's files.
 
 use super::arguments::InputLanguage;
-use super::{Failure, input, output};
+use super::{CommandFailure, input, output};
 use crate::files::Replace;
 use crate::robotran::Language;
 use crate::robotran::drop_in::{DropInOptions, drop_in};
@@ -55,7 +55,7 @@ pub(crate) struct WriteArguments {
     rivals: Vec<String>,
     /// With --bounded: compute in this type
     #[arg(long, value_enum, default_value = "double", requires = "bounded")]
-    number: Number,
+    number: CFloat,
     /// Language of the input; by default told by its name and content
     #[arg(long, value_enum)]
     input_language: Option<InputLanguage>,
@@ -66,7 +66,7 @@ pub(crate) struct WriteArguments {
 
 /// The type that C computes in.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum Number {
+enum CFloat {
     /// IEEE binary64
     Double,
     /// IEEE binary32; MBsysC's arrays stay binary64
@@ -95,7 +95,7 @@ impl From<OutputLanguage> for Language {
 }
 
 /// Writes the files; gives their names, one per line.
-pub(crate) fn run(arguments: &WriteArguments) -> Result<String, Failure> {
+pub(crate) fn run(arguments: &WriteArguments) -> Result<String, CommandFailure> {
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let options = WriteOptions {
         model: arguments.model.clone(),
@@ -108,8 +108,8 @@ pub(crate) fn run(arguments: &WriteArguments) -> Result<String, Failure> {
             true => drop_in(&module, &bounded(arguments, &options)?),
             false => write(&module, arguments.language.into(), &options),
         };
-        let written =
-            written.map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+        let written = written
+            .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
         files.extend(written);
     }
     refuse_losses(&arguments.files, &files, &arguments.output)?;
@@ -117,16 +117,19 @@ pub(crate) fn run(arguments: &WriteArguments) -> Result<String, Failure> {
 }
 
 /// How bounded C is written.
-fn bounded(arguments: &WriteArguments, write: &WriteOptions) -> Result<DropInOptions, Failure> {
+fn bounded(
+    arguments: &WriteArguments,
+    write: &WriteOptions,
+) -> Result<DropInOptions, CommandFailure> {
     if arguments.language != OutputLanguage::C {
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             "only C is written in functions of bounded length".to_owned(),
             vec!["leave --bounded out: Matlab and Python are not compiled".to_owned()],
         ));
     }
     let real = match arguments.number {
-        Number::Double => Real::Double,
-        Number::Float => Real::Float,
+        CFloat::Double => Real::Double,
+        CFloat::Float => Real::Float,
     };
     Ok(DropInOptions {
         c: Options {
@@ -144,12 +147,12 @@ fn equations(
     path: &Path,
     language: Option<InputLanguage>,
     pipeline: &Pipeline,
-) -> Result<Module, Failure> {
+) -> Result<Module, CommandFailure> {
     let mut input = input::equations(path, language)?;
     let machine = input::machine("thesis")?;
     let mut log = std::io::stderr().lock();
     manager::run(&mut input.module, pipeline, Config::new(&machine, &mut log))
-        .map_err(|error| Failure::plain(format!("{}: {error}", path.display())))?;
+        .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
     Ok(input.module)
 }
 
@@ -158,7 +161,7 @@ fn refuse_losses(
     inputs: &[PathBuf],
     files: &[(String, String)],
     folder: &Path,
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     let inputs: Vec<PathBuf> = inputs
         .iter()
         .filter_map(|path| path.canonicalize().ok())
@@ -166,14 +169,14 @@ fn refuse_losses(
     let mut known = HashSet::new();
     for (name, _) in files {
         if !known.insert(name.as_str()) {
-            return Err(Failure::advised(
+            return Err(CommandFailure::advised(
                 format!("two of the files give a {name}"),
                 vec!["write them one by one, into folders of their own".to_owned()],
             ));
         }
         let path = folder.join(name);
         if path.canonicalize().is_ok_and(|path| inputs.contains(&path)) {
-            return Err(Failure::advised(
+            return Err(CommandFailure::advised(
                 format!("{} is the input and would be overwritten", path.display()),
                 vec!["name another folder: -o FOLDER".to_owned()],
             ));
@@ -190,13 +193,13 @@ pub(super) fn write_files(
     options: &WriteOptions,
     folder: &Path,
     force: bool,
-) -> Result<String, Failure> {
+) -> Result<String, CommandFailure> {
     let files = write(module, language.into(), options)
-        .map_err(|error| Failure::plain(error.to_string()))?;
+        .map_err(|error| CommandFailure::plain(error.to_string()))?;
     save(&files, folder, force)
 }
 
-fn save(files: &[(String, String)], folder: &Path, force: bool) -> Result<String, Failure> {
+fn save(files: &[(String, String)], folder: &Path, force: bool) -> Result<String, CommandFailure> {
     let texts: Vec<(&str, &str)> = files
         .iter()
         .map(|(name, text)| (&**name, &**text))

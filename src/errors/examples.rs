@@ -1,7 +1,7 @@
 //! Bounds, predictions and sampled deviations against the errors of all
 //! models that ship.
 
-use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
+use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
 use crate::model::mbs::read_mbs;
 use robovec_analysis::adjoint::{OutputError, Run, Tape};
 use robovec_analysis::stochastic::stochastic;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// What was found over functions and states.
 #[derive(Default)]
-struct Found {
+struct ErrorsFound {
     /// Bound over actual error, where there is one.
     overestimates: Vec<f64>,
     /// How far the prediction was off, relative to the bound.
@@ -34,16 +34,16 @@ fn models() -> Vec<PathBuf> {
 
 /// Measures a model's functions that are not larger than asked for; `most`
 /// outputs of a state are differentiated.
-fn measure(path: &Path, largest: usize, states: u32, most: usize, found: &mut Found) {
+fn measure(path: &Path, largest: usize, states: u32, most: usize, found: &mut ErrorsFound) {
     let bytes = std::fs::read(path).expect("it can be read");
     let name = path.to_string_lossy();
     let model = read_mbs(&name, &bytes).expect("it is a model").model;
     for kind in [FunctionKind::Dirdyna, FunctionKind::Invdyna] {
         for formulation in [Formulation::Recursive, Formulation::Composite] {
-            let request = Request {
+            let request = GenerationRequest {
                 formulation,
                 options: Options::default(),
-                ..Request::new(kind)
+                ..GenerationRequest::new(kind)
             };
             let Ok(module) = generate(&model, &request) else {
                 continue;
@@ -61,7 +61,7 @@ fn measure(path: &Path, largest: usize, states: u32, most: usize, found: &mut Fo
     }
 }
 
-fn measure_function(view: View<'_>, states: u32, most: usize, found: &mut Found) {
+fn measure_function(view: View<'_>, states: u32, most: usize, found: &mut ErrorsFound) {
     let tape = Tape::new(view.function);
     let source = States::new(11);
     for state in 0..states {
@@ -81,7 +81,7 @@ fn measure_function(view: View<'_>, states: u32, most: usize, found: &mut Found)
     }
 }
 
-fn judge(function: &Function, error: &OutputError, output: usize, found: &mut Found) {
+fn judge(function: &Function, error: &OutputError, output: usize, found: &mut ErrorsFound) {
     let actual = error.actual.abs();
     assert!(
         actual <= error.bound,
@@ -102,7 +102,7 @@ fn median(numbers: &mut [f64]) -> f64 {
 }
 
 /// What the acceptance asks for.
-fn accept(mut found: Found) {
+fn accept(mut found: ErrorsFound) {
     let overestimate = median(&mut found.overestimates);
     let worst_miss = found.misses.iter().copied().fold(0.0, f64::max);
     let share = found.beyond as f64 / found.sampled as f64;
@@ -121,7 +121,7 @@ fn accept(mut found: Found) {
 
 #[test]
 fn small_models_stay_within_bounds_and_three_sigma() {
-    let mut found = Found::default();
+    let mut found = ErrorsFound::default();
     let is_small = |path: &PathBuf| {
         let bytes = std::fs::metadata(path).expect("it is a file").len();
         bytes < 16_000
@@ -138,7 +138,7 @@ fn small_models_stay_within_bounds_and_three_sigma() {
 #[test]
 #[ignore = "takes half a minute"]
 fn all_models_stay_within_bounds_and_three_sigma() {
-    let mut found = Found::default();
+    let mut found = ErrorsFound::default();
     for path in models() {
         measure(&path, usize::MAX, 3, 64, &mut found);
     }

@@ -7,10 +7,10 @@ use robovec_ir::{Format, View};
 use serde::Serialize;
 
 /// How many equations are named as the hottest.
-pub const MOST_EQUATIONS: usize = 12;
+pub const MAX_EQUATIONS: usize = 12;
 
 /// How many inputs are named.
-const MOST_INPUTS: usize = 4;
+const MAX_INPUTS: usize = 4;
 
 /// What a report spends on heat at most, in values times outputs times
 /// states: a fraction of a second.
@@ -116,7 +116,7 @@ impl Heat {
             format,
             &found,
             (states.seed(), count, outputs),
-            MOST_EQUATIONS,
+            MAX_EQUATIONS,
         )
     }
 
@@ -142,7 +142,7 @@ impl Heat {
                 operations: equation.operations,
             }
         });
-        let inputs = blame.inputs(tape, MOST_INPUTS).into_iter();
+        let inputs = blame.inputs(tape, MAX_INPUTS).into_iter();
         Heat {
             format: format.to_string(),
             states,

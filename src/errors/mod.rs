@@ -12,8 +12,8 @@ mod table;
 mod value;
 mod view;
 
-pub use heat::{Heat, HotEquation, HotInput, MOST_EQUATIONS, blame};
-pub use table::{ErrorTable, IntervalRow, Method, OutputRow, Settings};
+pub use heat::{Heat, HotEquation, HotInput, MAX_EQUATIONS, blame};
+pub use table::{ErrorMethod, ErrorSettings, ErrorTable, IntervalRow, OutputRow};
 pub use value::explain;
 pub use view::{csv, json, text};
 pub(crate) use view::{heat_text, heat_title};

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// A way to say something of an error.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, clap::ValueEnum)]
-pub enum Method {
+pub enum ErrorMethod {
     /// The sum of what every operation can lose, weighted by adjoints
     Bound,
     /// The sum of what every operation lost, with signs
@@ -24,7 +24,7 @@ pub enum Method {
 
 /// What is asked.
 #[derive(Clone, Debug)]
-pub struct Settings {
+pub struct ErrorSettings {
     /// The number format of the run.
     pub format: Format,
     /// Where states come from.
@@ -34,7 +34,7 @@ pub struct Settings {
     /// States from that one on which blame is averaged over.
     pub blamed: u32,
     /// How.
-    pub methods: Vec<Method>,
+    pub methods: Vec<ErrorMethod>,
     /// The outputs asked for, by their places among the assignments.
     pub outputs: Vec<usize>,
     /// Equations named as the hottest.
@@ -109,7 +109,7 @@ impl ErrorTable {
     /// # Errors
     ///
     /// When roundings of the format cannot be sampled.
-    pub fn measure(view: View<'_>, settings: &Settings) -> Result<ErrorTable, Unsupported> {
+    pub fn measure(view: View<'_>, settings: &ErrorSettings) -> Result<ErrorTable, Unsupported> {
         let tape = Tape::new(view.function);
         let inputs = settings.states.draw(view, settings.state);
         let run = Run::of(view.function, &tape, settings.format, &inputs);
@@ -119,11 +119,11 @@ impl ErrorTable {
             .map(|&output| row(view, &run, output))
             .collect();
         let asked = |method| settings.methods.contains(&method);
-        if asked(Method::Bound) || asked(Method::Predict) {
+        if asked(ErrorMethod::Bound) || asked(ErrorMethod::Predict) {
             let errors = run.outputs(&settings.outputs);
             for (row, error) in rows.iter_mut().zip(errors) {
-                row.predicted = asked(Method::Predict).then_some(error.predicted);
-                row.bound = asked(Method::Bound).then_some(error.bound);
+                row.predicted = asked(ErrorMethod::Predict).then_some(error.predicted);
+                row.bound = asked(ErrorMethod::Bound).then_some(error.bound);
             }
         }
         let slots = settings
@@ -131,14 +131,14 @@ impl ErrorTable {
             .iter()
             .map(|&output| tape.output_slot(output));
         let slots: Vec<usize> = slots.collect();
-        if asked(Method::Stochastic) {
+        if asked(ErrorMethod::Stochastic) {
             let seed = settings.states.seed();
             let sampled = stochastic_slots(&tape, settings.format, &inputs, seed, &slots)?;
             for (row, sampled) in rows.iter_mut().zip(sampled) {
                 row.sigma = Some(sampled.sigma);
             }
         }
-        if asked(Method::Interval) {
+        if asked(ErrorMethod::Interval) {
             let leaves = Leaves::new(view, &tape, &settings.states, settings.samples);
             for (row, &slot) in rows.iter_mut().zip(&slots) {
                 let window = Window::new(&tape, slot, settings.window);

@@ -18,8 +18,8 @@ function f equations {
     parse_module("sample", text).expect("it is well formed")
 }
 
-fn settings(methods: &[Method], format: &str) -> Settings {
-    Settings {
+fn settings(methods: &[ErrorMethod], format: &str) -> ErrorSettings {
+    ErrorSettings {
         format: format.parse().expect("it is one"),
         states: States::new(1),
         state: 0,
@@ -40,10 +40,10 @@ fn all_methods_agree_with_the_error() {
         function: &module.functions[0],
     };
     let all = [
-        Method::Bound,
-        Method::Predict,
-        Method::Stochastic,
-        Method::Interval,
+        ErrorMethod::Bound,
+        ErrorMethod::Predict,
+        ErrorMethod::Stochastic,
+        ErrorMethod::Interval,
     ];
     let table = ErrorTable::measure(view, &settings(&all, "f32")).expect("f32 can be sampled");
     assert_eq!(table.outputs.len(), 2);
@@ -86,7 +86,7 @@ fn a_narrow_format_blames_inputs_and_a_wide_one_cannot_be_sampled() {
     let table = ErrorTable::measure(view, &settings(&[], "f16")).expect("nothing is sampled");
     assert!(!table.heat.inputs.is_empty() && table.heat.literals > 0.0);
     assert!(text(&table).contains("which it cannot hold"));
-    let sampled = ErrorTable::measure(view, &settings(&[Method::Stochastic], "f64"));
+    let sampled = ErrorTable::measure(view, &settings(&[ErrorMethod::Stochastic], "f64"));
     assert!(sampled.is_err());
     let heat = Heat::measure(view, Format::BINARY32, &States::new(1));
     assert_eq!((heat.states, heat.outputs), (4, 2));

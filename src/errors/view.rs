@@ -9,7 +9,7 @@ use crate::present::text_lines;
 use std::fmt::Write;
 
 /// The rows of a table for a person; the others are counted.
-const MOST_ROWS: usize = 40;
+const MAX_ROWS: usize = 40;
 
 /// Characters of a full bar.
 const BAR: f64 = 24.0;
@@ -64,7 +64,7 @@ fn worst(outputs: &[OutputRow]) -> Vec<usize> {
     };
     let mut places: Vec<usize> = (0..outputs.len()).collect();
     places.sort_by(|&a, &b| relative(&outputs[b]).total_cmp(&relative(&outputs[a])));
-    places.truncate(MOST_ROWS);
+    places.truncate(MAX_ROWS);
     places.sort_unstable();
     places
 }

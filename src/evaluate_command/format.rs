@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 /// How results are written.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub enum Format {
+pub enum ResultFormat {
     /// Lines `state 2 dirdyna M[1,1] 0x1.8p+1`; floats in hexadecimal, so
     /// that no bit is lost.
     #[default]
@@ -25,22 +25,22 @@ pub(super) struct Shown {
 }
 
 /// Writes results in order.
-pub(super) struct Writer {
-    format: Format,
+pub(super) struct ResultWriter {
+    format: ResultFormat,
     text: String,
     head: (usize, String),
     first_element: bool,
     first_group: bool,
 }
 
-impl Writer {
-    pub(super) fn new(format: Format) -> Writer {
+impl ResultWriter {
+    pub(super) fn new(format: ResultFormat) -> ResultWriter {
         let text = match format {
-            Format::Text => String::new(),
-            Format::Csv => "state,function,output,value\n".to_owned(),
-            Format::Json => "[".to_owned(),
+            ResultFormat::Text => String::new(),
+            ResultFormat::Csv => "state,function,output,value\n".to_owned(),
+            ResultFormat::Json => "[".to_owned(),
         };
-        Writer {
+        ResultWriter {
             format,
             text,
             head: (0, String::new()),
@@ -52,7 +52,7 @@ impl Writer {
     /// Starts the outputs of a function at a state.
     pub(super) fn start(&mut self, state: usize, function: &str) {
         self.head = (state, function.to_owned());
-        if self.format == Format::Json {
+        if self.format == ResultFormat::Json {
             let separator = if self.first_group { "\n" } else { ",\n" };
             // Writing to a string cannot fail, here and below.
             let _ = write!(
@@ -69,9 +69,9 @@ impl Writer {
         let (state, function) = &self.head;
         let value = &shown.text;
         let _ = match self.format {
-            Format::Text => writeln!(self.text, "state {state} {function} {element} {value}"),
-            Format::Csv => writeln!(self.text, "{state},{function},\"{element}\",{value}"),
-            Format::Json => {
+            ResultFormat::Text => writeln!(self.text, "state {state} {function} {element} {value}"),
+            ResultFormat::Csv => writeln!(self.text, "{state},{function},\"{element}\",{value}"),
+            ResultFormat::Json => {
                 let separator = if self.first_element { "\n" } else { ",\n" };
                 let quote = if shown.quoted { "\"" } else { "" };
                 let name = json(element);
@@ -82,14 +82,14 @@ impl Writer {
     }
 
     pub(super) fn end(&mut self) {
-        if self.format == Format::Json {
+        if self.format == ResultFormat::Json {
             let end = if self.first_element { "}}" } else { "\n  }}" };
             self.text.push_str(end);
         }
     }
 
     pub(super) fn finish(mut self) -> String {
-        if self.format == Format::Json {
+        if self.format == ResultFormat::Json {
             self.text.push_str("\n]\n");
         }
         self.text

@@ -10,13 +10,13 @@ use robovec_ir::{Function, Input, Tables, View};
 use std::ops::Range;
 
 /// One state: the numbers of the elements by name, and where it stands.
-pub(super) struct State<'t> {
+pub(super) struct GivenState<'t> {
     numbers: HashMap<&'t str, f64>,
     range: Range<usize>,
 }
 
-pub(super) fn read_states(text: &str) -> Result<Vec<State<'_>>, Vec<Diagnostic>> {
-    let mut states: Vec<State<'_>> = Vec::new();
+pub(super) fn read_states(text: &str) -> Result<Vec<GivenState<'_>>, Vec<Diagnostic>> {
+    let mut states: Vec<GivenState<'_>> = Vec::new();
     let mut errors = Vec::new();
     let mut start = 0;
     for line in text.split_inclusive('\n') {
@@ -27,7 +27,7 @@ pub(super) fn read_states(text: &str) -> Result<Vec<State<'_>>, Vec<Diagnostic>>
             continue;
         }
         if content == "state" {
-            states.push(State {
+            states.push(GivenState {
                 numbers: HashMap::new(),
                 range,
             });
@@ -78,14 +78,14 @@ fn wrong(range: Range<usize>, message: &str, note: &str) -> Diagnostic {
         .with_note(note)
 }
 
-pub(super) fn missing(name: &str, function: &Function, state: &State<'_>) -> Diagnostic {
+pub(super) fn missing(name: &str, function: &Function, state: &GivenState<'_>) -> Diagnostic {
     Diagnostic::error()
         .with_message(format!("this state gives no number to `{}`", clip(name)))
         .with_labels(vec![Label::primary(0, state.range.clone())])
         .with_note(format!("the function `{}` reads it", clip(&function.name)))
 }
 
-impl State<'_> {
+impl GivenState<'_> {
     /// The numbers of a function's flattened inputs; the model gives the
     /// parameters that the state does not. Elements that no equation reads
     /// may be absent. The error is the name of an absent one that is read.

@@ -3,20 +3,20 @@
 //!
 //! The result of 64-bit floats is written without the loss of a bit, one line
 //! for each output element that is assigned: `state 2 dirdyna M[1,1]
-//! 0x1.8p+1`; see [`Format`] for tables.
+//! 0x1.8p+1`; see [`ResultFormat`] for tables.
 
 mod format;
 mod given;
 mod number;
 
-pub use format::Format;
-pub use number::{BITS, Number};
+pub use format::ResultFormat;
+pub use number::{BITS, NumberSystem};
 
 use crate::model::Model;
 use crate::motion::{element_name, parameter};
-use format::Writer;
+use format::ResultWriter;
 use given::{missing, read_states};
-use number::{Bits, Show};
+use number::{BigFloatArithmetic, Show};
 use robovec_ir::diagnostic::{Diagnostic, clip};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
@@ -27,7 +27,7 @@ use robovec_num::soft_float::FormatArithmetic;
 
 /// Where states come from.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Source<'t> {
+pub enum StateSource<'t> {
     /// Lines `name[indices] number`; a line `state` starts the next state.
     /// Numbers are decimal, or hexadecimal as C's `%a` writes them; `#` starts
     /// a comment. A state may hold more than a function reads.
@@ -43,17 +43,17 @@ pub enum Source<'t> {
 
 /// What is evaluated, and how.
 #[derive(Clone, Copy, Debug)]
-pub struct Request<'a> {
+pub struct EvaluationRequest<'a> {
     /// The functions.
     pub module: &'a Module,
     /// The model that parameters are taken from, unless a state gives them.
     pub model: Option<&'a Model>,
     /// The states.
-    pub states: Source<'a>,
+    pub states: StateSource<'a>,
     /// What is computed with.
-    pub number: Number,
+    pub number: NumberSystem,
     /// How the result is written.
-    pub format: Format,
+    pub format: ResultFormat,
 }
 
 /// Evaluates every function of a module at every state.
@@ -63,35 +63,38 @@ pub struct Request<'a> {
 /// Messages that point into the text of states (file 0): a line that is not
 /// understood, no state at all, an input element to which a state gives no
 /// number; or a parameter that the model does not have.
-pub fn evaluate_at_states(request: &Request<'_>) -> Result<String, Vec<Diagnostic>> {
+pub fn evaluate_at_states(request: &EvaluationRequest<'_>) -> Result<String, Vec<Diagnostic>> {
     let states = inputs(request)?;
     let text = match request.number {
-        Number::Format(format) => write(request, &FormatArithmetic::new(format), &states),
-        Number::DoubleDouble => write(request, &DoubleDouble, &states),
-        Number::Field => {
+        NumberSystem::Format(format) => write(request, &FormatArithmetic::new(format), &states),
+        NumberSystem::DoubleDouble => write(request, &DoubleDouble, &states),
+        NumberSystem::Field => {
             let seed = match request.states {
-                Source::Text(_) => 1,
-                Source::Random { seed, .. } => seed,
+                StateSource::Text(_) => 1,
+                StateSource::Random { seed, .. } => seed,
             };
             let [field, _] = PrimeField::pair(seed, true);
             write(request, &field, &states)
         }
-        Number::Bits(bits) => write(request, &Bits::new(bits), &states),
+        NumberSystem::Bits(bits) => write(request, &BigFloatArithmetic::new(bits), &states),
     };
     Ok(text)
 }
 
 /// The flattened inputs of every function, for every state.
-type Inputs = Vec<Vec<Vec<f64>>>;
+type FlattenedInputs = Vec<Vec<Vec<f64>>>;
 
-fn inputs(request: &Request<'_>) -> Result<Inputs, Vec<Diagnostic>> {
+fn inputs(request: &EvaluationRequest<'_>) -> Result<FlattenedInputs, Vec<Diagnostic>> {
     match request.states {
-        Source::Text(text) => given_inputs(request, text),
-        Source::Random { count, seed } => random_inputs(request, count, seed),
+        StateSource::Text(text) => given_inputs(request, text),
+        StateSource::Random { count, seed } => random_inputs(request, count, seed),
     }
 }
 
-fn given_inputs(request: &Request<'_>, text: &str) -> Result<Inputs, Vec<Diagnostic>> {
+fn given_inputs(
+    request: &EvaluationRequest<'_>,
+    text: &str,
+) -> Result<FlattenedInputs, Vec<Diagnostic>> {
     let tables = &request.module.tables;
     let mut inputs = Vec::new();
     let mut errors = Vec::new();
@@ -115,7 +118,11 @@ fn given_inputs(request: &Request<'_>, text: &str) -> Result<Inputs, Vec<Diagnos
     }
 }
 
-fn random_inputs(request: &Request<'_>, count: u32, seed: u64) -> Result<Inputs, Vec<Diagnostic>> {
+fn random_inputs(
+    request: &EvaluationRequest<'_>,
+    count: u32,
+    seed: u64,
+) -> Result<FlattenedInputs, Vec<Diagnostic>> {
     let states = States::new(seed);
     let mut inputs = Vec::new();
     for index in 0..count {
@@ -176,8 +183,12 @@ fn input_name(view: View<'_>, input: Input) -> String {
     element_name(view.tables.symbols.text(array.name), &indices[..rank])
 }
 
-fn write<A: Show>(request: &Request<'_>, arithmetic: &A, states: &Inputs) -> String {
-    let mut writer = Writer::new(request.format);
+fn write<A: Show>(
+    request: &EvaluationRequest<'_>,
+    arithmetic: &A,
+    states: &FlattenedInputs,
+) -> String {
+    let mut writer = ResultWriter::new(request.format);
     for (state, functions) in states.iter().enumerate() {
         for (function, inputs) in request.module.functions.iter().zip(functions) {
             let view = View {

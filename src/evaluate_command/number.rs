@@ -1,6 +1,6 @@
 //! The kinds of numbers, and how each is written.
 
-use super::format::{Format, Shown};
+use super::format::{ResultFormat, Shown};
 use crate::hexadecimal;
 use astro_float::{BigFloat, Consts, Radix, RoundingMode};
 use robovec_ir::Function;
@@ -8,7 +8,7 @@ use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::DoubleDouble;
 use robovec_num::field::{Field, PrimeField};
-use robovec_num::format::{Format as NumberFormat, FormatError};
+use robovec_num::format::{Format, FormatError};
 use robovec_num::limits::NumberLimit;
 use robovec_num::soft_float::FormatArithmetic;
 use std::cell::RefCell;
@@ -16,10 +16,10 @@ use std::str::FromStr;
 
 /// What is computed with.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Number {
+pub enum NumberSystem {
     /// A number format; values with a format of their own are computed in
     /// that.
-    Format(NumberFormat),
+    Format(Format),
     /// Pairs of binary64, about 106 bits.
     DoubleDouble,
     /// A prime field that the seed chooses, with sines and cosines on a circle.
@@ -39,24 +39,24 @@ pub const BITS: NumberLimit = NumberLimit::whole(
     "the time of an operation grows with the square of its bits",
 );
 
-impl Default for Number {
-    fn default() -> Number {
-        Number::Format(NumberFormat::BINARY64)
+impl Default for NumberSystem {
+    fn default() -> NumberSystem {
+        NumberSystem::Format(Format::BINARY64)
     }
 }
 
-impl FromStr for Number {
+impl FromStr for NumberSystem {
     type Err = String;
 
-    fn from_str(text: &str) -> Result<Number, String> {
+    fn from_str(text: &str) -> Result<NumberSystem, String> {
         match text {
-            "double-double" => Ok(Number::DoubleDouble),
-            "field" => Ok(Number::Field),
+            "double-double" => Ok(NumberSystem::DoubleDouble),
+            "field" => Ok(NumberSystem::Field),
             _ if text.parse::<f64>().is_ok() => BITS
                 .read_whole(text)
-                .map(|bits| Number::Bits(bits as usize)),
-            _ => match text.parse::<NumberFormat>() {
-                Ok(format) => Ok(Number::Format(format)),
+                .map(|bits| NumberSystem::Bits(bits as usize)),
+            _ => match text.parse::<Format>() {
+                Ok(format) => Ok(NumberSystem::Format(format)),
                 Err(error @ FormatError::Width) => Err(error.to_string()),
                 Err(FormatError::Unreadable) => Err(format!(
                     "expected f16, bf16, f32, f64, float(EXPONENT,MANTISSA), \
@@ -80,18 +80,18 @@ pub(super) trait Show: Arithmetic {
     }
 
     /// A number as it is to be written.
-    fn show(&self, number: Self::Number, format: Format) -> Shown;
+    fn show(&self, number: Self::Number, format: ResultFormat) -> Shown;
 
     /// Forgets all numbers made so far.
     fn clear(&self) {}
 }
 
 /// A float: hexadecimal in lines, the shortest decimal elsewhere.
-fn float(number: f64, decimal: String, format: Format) -> Shown {
+fn float(number: f64, decimal: String, format: ResultFormat) -> Shown {
     Shown {
         text: match format {
-            Format::Text => hexadecimal::format(number),
-            Format::Csv | Format::Json => decimal,
+            ResultFormat::Text => hexadecimal::format(number),
+            ResultFormat::Csv | ResultFormat::Json => decimal,
         },
         quoted: !number.is_finite(),
     }
@@ -102,9 +102,9 @@ impl Show for FormatArithmetic {
         evaluate_mixed(function, self.format(), inputs)
     }
 
-    fn show(&self, number: f64, format: Format) -> Shown {
+    fn show(&self, number: f64, format: ResultFormat) -> Shown {
         let decimal = match self.format() {
-            NumberFormat::BINARY32 => format!("{:?}", number as f32),
+            Format::BINARY32 => format!("{:?}", number as f32),
             _ => format!("{number:?}"),
         };
         float(number, decimal, format)
@@ -112,7 +112,7 @@ impl Show for FormatArithmetic {
 }
 
 impl Show for PrimeField {
-    fn show(&self, number: u64, _: Format) -> Shown {
+    fn show(&self, number: u64, _: ResultFormat) -> Shown {
         let residue = self.residue(number);
         Shown {
             text: residue.map_or_else(|| "undefined".to_owned(), |residue| residue.to_string()),
@@ -126,17 +126,17 @@ const PAIR: usize = 128;
 const ROUNDING: RoundingMode = RoundingMode::ToEven;
 
 impl Show for DoubleDouble {
-    fn show(&self, number: Self::Number, _: Format) -> Shown {
-        let bits = Bits::new(PAIR);
+    fn show(&self, number: Self::Number, _: ResultFormat) -> Shown {
+        let bits = BigFloatArithmetic::new(PAIR);
         let [high, low] = [number.high, number.low].map(|half| bits.literal(half));
         let sum = bits.add(high, low);
-        bits.show(sum, Format::Csv)
+        bits.show(sum, ResultFormat::Csv)
     }
 }
 
 /// Floats of a precision. Numbers are places in a list, as the evaluator
 /// copies them.
-pub(super) struct Bits {
+pub(super) struct BigFloatArithmetic {
     precision: usize,
     numbers: RefCell<Vec<BigFloat>>,
     /// Digits of pi and the like, computed when first needed; `None` when
@@ -144,9 +144,9 @@ pub(super) struct Bits {
     constants: RefCell<Option<Consts>>,
 }
 
-impl Bits {
-    pub(super) fn new(precision: usize) -> Bits {
-        Bits {
+impl BigFloatArithmetic {
+    pub(super) fn new(precision: usize) -> BigFloatArithmetic {
+        BigFloatArithmetic {
             precision,
             numbers: RefCell::default(),
             constants: RefCell::new(Consts::new().ok()),
@@ -195,7 +195,7 @@ impl Bits {
     }
 }
 
-impl Arithmetic for Bits {
+impl Arithmetic for BigFloatArithmetic {
     type Number = usize;
 
     fn literal(&self, number: f64) -> usize {
@@ -232,8 +232,8 @@ impl Arithmetic for Bits {
     }
 }
 
-impl Show for Bits {
-    fn show(&self, number: usize, _: Format) -> Shown {
+impl Show for BigFloatArithmetic {
+    fn show(&self, number: usize, _: ResultFormat) -> Shown {
         let numbers = self.numbers.borrow();
         let text = match self.constants.borrow_mut().as_mut() {
             Some(constants) => numbers[number].format(Radix::Dec, ROUNDING, constants),

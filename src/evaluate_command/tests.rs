@@ -19,16 +19,16 @@ fn module() -> Module {
     parse_module("f", TEXT).unwrap_or_else(|errors| panic!("{errors:?}"))
 }
 
-fn format(name: &str) -> Number {
+fn format(name: &str) -> NumberSystem {
     name.parse().expect("a format")
 }
 
-fn evaluated(number: Number, format: Format) -> String {
+fn evaluated(number: NumberSystem, format: ResultFormat) -> String {
     let states = "state\nq[1] 1\nq[2] 2\nm[1] 0x1p+1\n";
-    let request = Request {
+    let request = EvaluationRequest {
         module: &module(),
         model: None,
-        states: Source::Text(states),
+        states: StateSource::Text(states),
         number,
         format,
     };
@@ -36,8 +36,8 @@ fn evaluated(number: Number, format: Format) -> String {
 }
 
 /// The first output, from the table.
-fn first(number: Number) -> String {
-    let table = evaluated(number, Format::Csv);
+fn first(number: NumberSystem) -> String {
+    let table = evaluated(number, ResultFormat::Csv);
     let line = table.lines().nth(1).expect("a line");
     line.rsplit(',').next().expect("a value").to_owned()
 }
@@ -46,7 +46,7 @@ fn first(number: Number) -> String {
 fn every_kind_of_number_has_its_digits() {
     // 2 sin 1 + 2/3.
     let exact = "2.349608636282459679971671309927264665911792788263";
-    let close = |number: Number, digits: usize| {
+    let close = |number: NumberSystem, digits: usize| {
         let found = first(number);
         assert!(found.starts_with(&exact[..digits]), "{number:?}: {found}");
     };
@@ -56,29 +56,31 @@ fn every_kind_of_number_has_its_digits() {
     close(format("fixed(3,45)"), 14);
     assert_eq!(first(format("f16")), "2.349609375");
     assert_eq!(first(format("bf16")), "2.34375");
-    close(Number::DoubleDouble, 31);
-    close(Number::Bits(53), 18);
-    close(Number::Bits(150), 46);
-    let field: u64 = first(Number::Field).parse().expect("a natural number");
+    close(NumberSystem::DoubleDouble, 31);
+    close(NumberSystem::Bits(53), 18);
+    close(NumberSystem::Bits(150), 46);
+    let field: u64 = first(NumberSystem::Field)
+        .parse()
+        .expect("a natural number");
     assert!(field < PrimeField::pair(1, true)[0].prime.modulus());
 }
 
 #[test]
 fn formats_hold_the_same() {
-    let text = evaluated(format("f64"), Format::Text);
+    let text = evaluated(format("f64"), ResultFormat::Text);
     assert_eq!(
         text,
         "state 1 f y[1] 0x1.2cbff9cd9dbccp+1\nstate 1 f y[2] 0x1.6a09e667f3bcdp+0\n"
     );
-    let table = evaluated(format("f64"), Format::Csv);
+    let table = evaluated(format("f64"), ResultFormat::Csv);
     assert_eq!(
         table,
         "state,function,output,value\n1,f,\"y[1]\",2.3496086362824595\n\
          1,f,\"y[2]\",1.4142135623730951\n"
     );
-    for number in [format("f32"), Number::Bits(100)] {
+    for number in [format("f32"), NumberSystem::Bits(100)] {
         let json: serde_json::Value =
-            serde_json::from_str(&evaluated(number, Format::Json)).expect("JSON");
+            serde_json::from_str(&evaluated(number, ResultFormat::Json)).expect("JSON");
         let value = &json[0]["outputs"]["y[2]"];
         let value = value.as_f64().or_else(|| value.as_str()?.parse().ok());
         let error = value.expect("a number") - 2f64.sqrt();
@@ -93,11 +95,11 @@ fn formats_hold_the_same() {
 #[test]
 fn numbers_are_named() {
     assert_eq!("f32".parse(), Ok(format("f32")));
-    assert_eq!("double-double".parse(), Ok(Number::DoubleDouble));
-    assert_eq!("200".parse(), Ok(Number::Bits(200)));
+    assert_eq!("double-double".parse(), Ok(NumberSystem::DoubleDouble));
+    assert_eq!("200".parse(), Ok(NumberSystem::Bits(200)));
     assert_eq!("float(8,17)".parse(), Ok(format("float(8,17)")));
     for wrong in ["f15", "float(8,60)", "0", "-3", "1e3", "99999999"] {
-        assert!(wrong.parse::<Number>().is_err(), "{wrong}");
+        assert!(wrong.parse::<NumberSystem>().is_err(), "{wrong}");
     }
 }
 
@@ -113,15 +115,15 @@ fn a_model_gives_the_parameters() {
     let model = read_mbs("one.mbs", MODEL).expect("a model").model;
     let module = module();
     let evaluate = |states, model| {
-        evaluate_at_states(&Request {
+        evaluate_at_states(&EvaluationRequest {
             module: &module,
             model,
             states,
             number: format("f64"),
-            format: Format::Csv,
+            format: ResultFormat::Csv,
         })
     };
-    let partial = Source::Text("state\nq[1] 0.5\nq[2] 0\n");
+    let partial = StateSource::Text("state\nq[1] 0.5\nq[2] 0\n");
     let with = evaluate(partial, Some(&model)).expect("the mass is the model's");
     assert!(
         with.contains(&format!("\"y[1]\",{:?}", 7.0 * 0.5f64.sin())),
@@ -129,24 +131,24 @@ fn a_model_gives_the_parameters() {
     );
     let errors = evaluate(partial, None).expect_err("there is no mass");
     assert!(errors[0].message.contains("m[1]"), "{errors:?}");
-    let own = Source::Text("state\nq[1] 0.5\nq[2] 0\nm[1] 1\n");
+    let own = StateSource::Text("state\nq[1] 0.5\nq[2] 0\nm[1] 1\n");
     let own = evaluate(own, Some(&model)).expect("all is given");
     assert!(
         own.contains(&format!("\"y[1]\",{:?}", 0.5f64.sin())),
         "{own}"
     );
-    let drawn = |seed, model| evaluate(Source::Random { count: 3, seed }, model);
+    let drawn = |seed, model| evaluate(StateSource::Random { count: 3, seed }, model);
     assert_eq!(drawn(1, Some(&model)), drawn(1, Some(&model)));
     assert_ne!(drawn(1, Some(&model)), drawn(2, Some(&model)));
     assert_ne!(drawn(1, Some(&model)), drawn(1, None));
     let mut larger = parse_module("f", &TEXT.replace("m[1..1]", "m[1..9]")).expect("a module");
     larger.functions[0].name = "larger".to_owned();
-    let errors = evaluate_at_states(&Request {
+    let errors = evaluate_at_states(&EvaluationRequest {
         module: &larger,
         model: Some(&model),
-        states: Source::Random { count: 1, seed: 1 },
+        states: StateSource::Random { count: 1, seed: 1 },
         number: format("f64"),
-        format: Format::Csv,
+        format: ResultFormat::Csv,
     })
     .expect_err("the model has one joint");
     assert!(errors[0].message.contains("m[2]"), "{errors:?}");

@@ -16,7 +16,7 @@ fn covers<const N: usize>(first: &[f64; N], second: &[f64; N]) -> bool {
 
 /// Which of several equal points are kept.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Ties {
+pub enum EqualPoints {
     /// All of them.
     All,
     /// The first.
@@ -30,7 +30,7 @@ pub enum Ties {
 /// comes later dominates it, and what dominated it and was dropped was
 /// dominated by a kept one. The work is n log n, and at most n times the
 /// points that are kept.
-pub fn front<const N: usize>(points: &[[f64; N]], ties: Ties) -> Vec<usize> {
+pub fn front<const N: usize>(points: &[[f64; N]], ties: EqualPoints) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {
         // Both zeros are one number.
@@ -41,8 +41,8 @@ pub fn front<const N: usize>(points: &[[f64; N]], ties: Ties) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     for index in order {
         let beaten = |&known: &usize| match ties {
-            Ties::All => dominates(&points[known], &points[index]),
-            Ties::First => covers(&points[known], &points[index]),
+            EqualPoints::All => dominates(&points[known], &points[index]),
+            EqualPoints::First => covers(&points[known], &points[index]),
         };
         // The last one kept is the likeliest to beat its neighbour.
         if !kept.iter().rev().any(beaten) {
@@ -65,7 +65,7 @@ mod tests {
         let mut expected: Vec<usize> = (0..points.len())
             .filter(|&index| !points.iter().any(|other| dominates(other, &points[index])))
             .collect();
-        let mut found = front(&points, Ties::All);
+        let mut found = front(&points, EqualPoints::All);
         assert!(found.is_sorted_by(|&a, &b| points[a] <= points[b]));
         found.sort_unstable();
         expected.sort_unstable();
@@ -75,9 +75,12 @@ mod tests {
     #[test]
     fn equal_points_are_kept_as_asked_and_zeros_are_equal() {
         let points = [[1.0, 2.0], [1.0, 2.0], [2.0, 1.0], [2.0, 2.0]];
-        assert_eq!(front(&points, Ties::All), [0, 1, 2]);
-        assert_eq!(front(&points, Ties::First), [0, 2]);
-        assert_eq!(front(&[[-0.0, 5.0], [0.0, 4.0]], Ties::All), [1]);
-        assert_eq!(front(&[[f64::NAN, 0.0], [1.0, 1.0]], Ties::All), [1, 0]);
+        assert_eq!(front(&points, EqualPoints::All), [0, 1, 2]);
+        assert_eq!(front(&points, EqualPoints::First), [0, 2]);
+        assert_eq!(front(&[[-0.0, 5.0], [0.0, 4.0]], EqualPoints::All), [1]);
+        assert_eq!(
+            front(&[[f64::NAN, 0.0], [1.0, 1.0]], EqualPoints::All),
+            [1, 0]
+        );
     }
 }

@@ -7,8 +7,8 @@
 //! results are compared; [`compile_and_run`] times one function in one format,
 //! which need not be the bench's.
 
-use crate::bench::contestant::Family;
-use crate::bench::{Compiler, Question, bench, own};
+use crate::bench::contestant::ContestantFamily;
+use crate::bench::{BenchQuestion, Compiler, bench, own};
 use crate::files::TemporaryFolder;
 use robovec_codegen::c::Real;
 use robovec_ir::View;
@@ -84,19 +84,19 @@ impl ProcessorTimes {
 pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, String> {
     let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
     let compiler = Compiler::find("cc")?;
-    let question = Question {
+    let question = BenchQuestion {
         name: "function".to_owned(),
         view: regular,
         model: None,
         states: &States::new(SEED),
         count: STATES,
     };
-    let ways: [(own::Way, View<'_>); 3] = [
+    let ways: [(own::ContestantMaker, View<'_>); 3] = [
         (own::straight, shorter),
         (own::rolled, regular),
         (own::batch, shorter),
     ];
-    let family = Family::Equations;
+    let family = ContestantFamily::Equations;
     let contestants = ways.map(|(way, view)| way(&question, &compiler, family, "C", view));
     let (rounds, milliseconds) = ROUNDS;
     let quiet = &mut |_: &str| {};
@@ -129,7 +129,7 @@ pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, S
 pub fn compile_and_run(view: View<'_>, real: Real) -> Result<f64, String> {
     let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
     let compiler = Compiler::find("cc")?;
-    let question = Question {
+    let question = BenchQuestion {
         name: "function".to_owned(),
         view,
         model: None,

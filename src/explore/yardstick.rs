@@ -191,7 +191,7 @@ impl Yardstick {
             })
             .collect();
         let rows = rows?;
-        let mut tally = Tally {
+        let mut tally = ErrorTally {
             relative: Vec::new(),
             normwise: Vec::new(),
             arrays: vec![Vec::new(); self.array_count],
@@ -212,14 +212,14 @@ impl Yardstick {
 }
 
 /// Errors, state after state.
-struct Tally {
+struct ErrorTally {
     relative: Vec<f64>,
     normwise: Vec<f64>,
     arrays: Vec<Vec<f64>>,
     outputs: Vec<LargestErrors>,
 }
 
-impl Tally {
+impl ErrorTally {
     fn add(
         &mut self,
         state: usize,

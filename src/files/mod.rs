@@ -24,4 +24,4 @@ mod write;
 
 pub use own::Replace;
 pub use temporary::TemporaryFolder;
-pub use write::{WriteError, make_folder, write_whole};
+pub use write::{FileWriteError, make_folder, write_whole};

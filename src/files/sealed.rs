@@ -6,7 +6,7 @@
 //! has it was once complete, and its hashes tell whether it still is.
 
 use super::own::{self, Replace};
-use super::write::{WriteError, make_folder, write_whole};
+use super::write::{FileWriteError, make_folder, write_whole};
 use robovec_codegen::manifest::FileHash;
 use robovec_codegen::rtl::DESCRIPTION;
 use robovec_num::fnv::Fnv;
@@ -39,16 +39,16 @@ pub fn write_folder(
     folder: &Path,
     files: &[(&str, &str)],
     replace: Replace,
-) -> Result<(), WriteError> {
+) -> Result<(), FileWriteError> {
     let system = |path: &Path| {
         let path = path.to_owned();
-        move |error: io::Error| WriteError::System(path, error)
+        move |error: io::Error| FileWriteError::System(path, error)
     };
     for (name, _) in files {
         let path = folder.join(name);
         let there = fs::metadata(&path).is_ok_and(|there| there.is_file());
         if there && !own::may_replace(&path, replace).map_err(system(&path))? {
-            return Err(WriteError::Foreign(path));
+            return Err(FileWriteError::Foreign(path));
         }
     }
     for (name, _) in files.iter().filter(|(name, _)| turn(name) > 0) {

@@ -9,7 +9,7 @@ use tempfile::NamedTempFile;
 
 /// Why a file was not written. What was there is then as it was.
 #[derive(Debug, thiserror::Error)]
-pub enum WriteError {
+pub enum FileWriteError {
     /// There is a file that robovec did not write.
     #[error("{0} is there already, and robovec did not write it")]
     Foreign(PathBuf),
@@ -19,7 +19,7 @@ pub enum WriteError {
 }
 
 /// Symbolic links that are followed, one after the other.
-const MOST_LINKS: usize = 40;
+const MAX_LINKS: usize = 40;
 
 /// Makes a folder, with those above it.
 ///
@@ -44,8 +44,8 @@ pub fn write_whole(
     path: &Path,
     replace: Replace,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), WriteError> {
-    let fail = |error: io::Error| WriteError::System(path.to_owned(), error);
+) -> Result<(), FileWriteError> {
+    let fail = |error: io::Error| FileWriteError::System(path.to_owned(), error);
     // What these folders hold are the system's own doors.
     let is_door = path.starts_with("/dev") || path.starts_with("/proc");
     match fs::metadata(path) {
@@ -63,7 +63,7 @@ pub fn write_whole(
         Ok(there) => {
             let target = fs::canonicalize(path).map_err(fail)?;
             if !own::may_replace(&target, replace).map_err(fail)? {
-                return Err(WriteError::Foreign(path.to_owned()));
+                return Err(FileWriteError::Foreign(path.to_owned()));
             }
             over(&target, &there, write).map_err(fail)
         }
@@ -85,7 +85,7 @@ fn anew(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io
 /// Where links lead that lead to nothing yet.
 fn end_of_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
-    for _ in 0..MOST_LINKS {
+    for _ in 0..MAX_LINKS {
         if !fs::symlink_metadata(&path).is_ok_and(|there| there.is_symlink()) {
             return Ok(path);
         }
@@ -164,7 +164,7 @@ fn takes_identity(file: &NamedTempFile, there: &Metadata) -> io::Result<bool> {
 mod tests {
     use super::*;
 
-    fn text(path: &Path, replace: Replace, text: &str) -> Result<(), WriteError> {
+    fn text(path: &Path, replace: Replace, text: &str) -> Result<(), FileWriteError> {
         write_whole(path, replace, |writer| writer.write_all(text.as_bytes()))
     }
 
@@ -181,7 +181,7 @@ mod tests {
             writer.write_all(b"half")?;
             Err(io::Error::other("no more"))
         });
-        assert!(matches!(failed, Err(WriteError::System(..))));
+        assert!(matches!(failed, Err(FileWriteError::System(..))));
         assert_eq!(read(&path), "before");
         let left = fs::read_dir(folder.path()).expect("it is there").count();
         assert_eq!(left, 1, "nothing but the file");

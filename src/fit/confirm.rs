@@ -6,7 +6,7 @@
 //! nothing of the placer: its results must be the evaluator's bit for bit,
 //! and within the tolerances.
 
-use super::{Candidate, FitError, FitProgram, MORE, Task, size, used, yardstick};
+use super::{FitCandidate, FitError, FitProgram, FitTask, MORE, size, used, yardstick};
 use crate::explore::placing::placed;
 use crate::explore::program::{ExplorationError, view};
 use crate::explore::yardstick::{ErrorSpread, results};
@@ -64,9 +64,9 @@ pub struct Ready {
 ///
 /// When it cannot be placed any more, which would be a mistake of the search.
 pub fn ready(
-    task: &Task<'_>,
+    task: &FitTask<'_>,
     program: &FitProgram,
-    candidate: &Candidate,
+    candidate: &FitCandidate,
 ) -> Result<Ready, FitError> {
     let mut machine = size::sized(task.machine, candidate.elements);
     if let Ok(number) = candidate.format.parse() {
@@ -85,9 +85,9 @@ pub fn ready(
 ///
 /// See [`FitError`]; that it does not hold is no error.
 pub fn confirm(
-    task: &Task<'_>,
+    task: &FitTask<'_>,
     program: &FitProgram,
-    candidate: &Candidate,
+    candidate: &FitCandidate,
 ) -> Result<Confirmation, FitError> {
     let ready = ready(task, program, candidate)?;
     let format = ready.machine.number;
@@ -138,7 +138,7 @@ fn run(ready: &Ready, states: &[Vec<f64>]) -> Result<(u32, Vec<Vec<f64>>), Strin
     let mut files: Vec<(String, String)> = Vec::new();
     write_images(placed, &ready.machine, None, &mut files).map_err(|error| error.to_string())?;
     let program =
-        simulate::Program::load(&files, &ready.machine).map_err(|error| error.to_string())?;
+        simulate::LoadedProgram::load(&files, &ready.machine).map_err(|error| error.to_string())?;
     let places: Vec<u32> = program.outputs().map(|(_, place)| place).collect();
     let mut rows = Vec::with_capacity(states.len());
     for state in states {

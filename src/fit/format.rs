@@ -1,7 +1,7 @@
 //! The narrowest format that meets the tolerances.
 
 use super::ranges::{exponent_bits, largest_exponent};
-use super::{FitError, FitProgram, Task, used};
+use super::{FitError, FitProgram, FitTask, used};
 use crate::explore::program::{ExplorationError, view};
 use crate::explore::yardstick::{MeasuredErrors, Yardstick};
 use robovec_ir::Format;
@@ -22,7 +22,7 @@ const PART: f64 = 0.7;
 /// The mantissa is halved down at the few states of the search and then
 /// widened until it also holds at the many of the validation.
 pub(super) fn formats(
-    task: &Task<'_>,
+    task: &FitTask<'_>,
     program: &FitProgram,
     search: &Yardstick,
     validation: &Yardstick,

@@ -29,11 +29,11 @@ mod size;
 pub mod text;
 mod variants;
 
-pub use series::{Place, Treatment};
+pub use series::{SinePlace, SineTreatment};
 
 use crate::explore::ExplorationProgress;
 use crate::explore::device::{self, DeviceShare};
-use crate::explore::pareto::{self, Ties};
+use crate::explore::pareto::{self, EqualPoints};
 use crate::explore::program::{ExplorationError, view};
 use crate::explore::yardstick::{ErrorSpread, MeasuredErrors, Yardstick};
 use crate::generate::Formulation;
@@ -45,7 +45,7 @@ use serde::Serialize;
 use std::sync::Arc;
 
 /// What is searched for, and where.
-pub struct Task<'a> {
+pub struct FitTask<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// The general function of the scene, alone in its module, by which
@@ -56,7 +56,7 @@ pub struct Task<'a> {
     /// The machine whose elements, memories and clock are used.
     pub machine: &'a Machine,
     /// Where sines and cosines are computed.
-    pub trigonometry: Place,
+    pub trigonometry: SinePlace,
     /// Random states of the search; four times as many validate what it finds,
     /// and as many others try what is chosen again.
     pub states: u32,
@@ -74,7 +74,7 @@ pub struct FitProgram {
     /// The formulation it starts from.
     pub formulation: Formulation,
     /// How its sines and cosines are computed.
-    pub treatment: Treatment,
+    pub treatment: SineTreatment,
     /// One function, at the atomic level.
     pub module: Arc<Module>,
     /// The largest error in binary64, as a share of the tolerance it uses up:
@@ -84,7 +84,7 @@ pub struct FitProgram {
 
 /// A program in a format on a number of elements.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Candidate {
+pub struct FitCandidate {
     /// Index of its program.
     pub program: usize,
     /// The number format.
@@ -119,7 +119,7 @@ pub struct FitOutcome {
     /// The programs.
     pub programs: Vec<FitProgram>,
     /// Everything that was placed and measured.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<FitCandidate>,
     /// Index of the cheapest that meets everything; `None` when none does.
     pub chosen: Option<usize>,
 }
@@ -141,7 +141,7 @@ pub enum FitError {
 ///
 /// See [`FitError`]. That nothing meets the scene is no error: the outcome
 /// then has no chosen candidate, and its front shows what is possible.
-pub fn fit(task: &Task<'_>, progress: ExplorationProgress<'_>) -> Result<FitOutcome, FitError> {
+pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitOutcome, FitError> {
     let search = yardstick(task, task.states, task.seed);
     let validation = yardstick(task, task.states * MORE, task.seed.wrapping_add(1));
     let mut programs = variants::programs(task, &search, progress)?;
@@ -184,18 +184,18 @@ pub fn fit(task: &Task<'_>, progress: ExplorationProgress<'_>) -> Result<FitOutc
 const MORE: u32 = 4;
 
 /// The general function at random states of the scene.
-fn yardstick(task: &Task<'_>, states: u32, seed: u64) -> Yardstick {
+fn yardstick(task: &FitTask<'_>, states: u32, seed: u64) -> Yardstick {
     let source = task.scene.states(seed);
     Yardstick::new(view(task.general), &source, states)
 }
 
 fn candidate(
-    task: &Task<'_>,
+    task: &FitTask<'_>,
     (index, program): (usize, &FitProgram),
     format: Format,
     errors: &MeasuredErrors,
-    size: &size::Size,
-) -> Candidate {
+    size: &size::SizedMachine,
+) -> FitCandidate {
     let machine = size.machine(task.machine);
     let resources = device::taken(&machine, format, size.cycles, size.words);
     let function = &program.module.functions[0];
@@ -205,7 +205,7 @@ fn candidate(
         .scene
         .deadline
         .is_none_or(|deadline| microseconds <= deadline);
-    Candidate {
+    FitCandidate {
         program: index,
         format: format.to_string(),
         elements: size.elements,
@@ -259,7 +259,7 @@ impl FitOutcome {
             ]
         };
         let points: Vec<[f64; 3]> = counted.iter().map(measures).collect();
-        let front = pareto::front(&points, Ties::All).into_iter();
+        let front = pareto::front(&points, EqualPoints::All).into_iter();
         let mut front: Vec<usize> = front.map(|place| counted[place]).collect();
         let time = |index: usize| self.candidates[index].microseconds;
         front.sort_by(|&a, &b| time(a).total_cmp(&time(b)).then(a.cmp(&b)));

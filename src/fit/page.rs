@@ -2,13 +2,17 @@
 
 use super::confirm::Confirmation;
 use super::text::{candidates_table, figure, text};
-use super::{FitOutcome, Task};
+use super::{FitOutcome, FitTask};
 use crate::present::escape::Escaped;
 use crate::present::json::json_script;
 use crate::present::page::{self, PointsPage};
 
 /// The page of a search.
-pub fn page(task: &Task<'_>, outcome: &FitOutcome, confirmation: Option<&Confirmation>) -> String {
+pub fn page(
+    task: &FitTask<'_>,
+    outcome: &FitOutcome,
+    confirmation: Option<&Confirmation>,
+) -> String {
     let told = text(task, outcome, confirmation);
     // Escaping is for one line at a time.
     let lines: Vec<String> = told.lines().map(|line| Escaped(line).to_string()).collect();

@@ -1,7 +1,7 @@
 //! Sines and cosines on the elements: of each method the least order whose
 //! error leaves room for rounding.
 
-use super::{FitError, FitProgram, Task, used};
+use super::{FitError, FitProgram, FitTask, used};
 use crate::explore::ExplorationProgress;
 use crate::explore::program::{ExplorationError, transformed_by, view};
 use crate::explore::yardstick::Yardstick;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// Where sines and cosines are computed.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Place {
+pub enum SinePlace {
     /// Before the run, exactly but for one rounding.
     #[default]
     Host,
@@ -24,7 +24,7 @@ pub enum Place {
 /// How the sines and cosines of a program are computed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Treatment {
+pub enum SineTreatment {
     /// As they are, before the run.
     True,
     /// By a Taylor polynomial of an order.
@@ -33,27 +33,27 @@ pub enum Treatment {
     Minimax(u32),
 }
 
-impl Treatment {
-    /// The pass that writes it; `None` for [`Treatment::True`].
+impl SineTreatment {
+    /// The pass that writes it; `None` for [`SineTreatment::True`].
     fn pass(self) -> Option<String> {
         match self {
-            Treatment::True => None,
-            Treatment::Taylor(order) => {
+            SineTreatment::True => None,
+            SineTreatment::Taylor(order) => {
                 Some(format!("trigonometry{{method=taylor order={order}}}"))
             }
-            Treatment::Minimax(order) => {
+            SineTreatment::Minimax(order) => {
                 Some(format!("trigonometry{{method=minimax order={order}}}"))
             }
         }
     }
 }
 
-impl fmt::Display for Treatment {
+impl fmt::Display for SineTreatment {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Treatment::True => formatter.write_str("true sin and cos"),
-            Treatment::Taylor(order) => write!(formatter, "Taylor order {order}"),
-            Treatment::Minimax(order) => write!(formatter, "minimax order {order}"),
+            SineTreatment::True => formatter.write_str("true sin and cos"),
+            SineTreatment::Taylor(order) => write!(formatter, "Taylor order {order}"),
+            SineTreatment::Minimax(order) => write!(formatter, "minimax order {order}"),
         }
     }
 }
@@ -73,12 +73,12 @@ const BEHIND: &str = "fold,zero-removal,balance,cse,dce";
 /// program becomes one per method and order, up to the first order that is
 /// exact enough. Programs without sines and cosines stay as they are.
 pub(super) fn write(
-    task: &Task<'_>,
+    task: &FitTask<'_>,
     yardstick: &Yardstick,
     programs: &mut Vec<FitProgram>,
     progress: ExplorationProgress<'_>,
 ) -> Result<(), FitError> {
-    if task.trigonometry == Place::Host {
+    if task.trigonometry == SinePlace::Host {
         return Ok(());
     }
     let mut written = Vec::new();
@@ -89,7 +89,7 @@ pub(super) fn write(
             continue;
         }
         progress(&format!("{}: series", program.name));
-        for method in [Treatment::Taylor, Treatment::Minimax] {
+        for method in [SineTreatment::Taylor, SineTreatment::Minimax] {
             for treatment in ORDERS.map(method) {
                 let new = with_series(task, yardstick, &program, treatment)?;
                 let enough = new.model_share <= MODEL_PART;
@@ -105,10 +105,10 @@ pub(super) fn write(
 }
 
 fn with_series(
-    task: &Task<'_>,
+    task: &FitTask<'_>,
     yardstick: &Yardstick,
     program: &FitProgram,
-    treatment: Treatment,
+    treatment: SineTreatment,
 ) -> Result<FitProgram, FitError> {
     let Some(pass) = treatment.pass() else {
         return Ok(program.clone());

@@ -1,6 +1,6 @@
 //! How many elements: the fewest that meet the deadline, and more.
 
-use super::{FitProgram, Task};
+use super::{FitProgram, FitTask};
 use crate::explore::placing::{placed, with_counts};
 use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Operation};
@@ -10,7 +10,7 @@ use robovec_schedule::{PlaceOptions, schedule_bound};
 const MOST: u32 = 64;
 
 /// A machine with its schedule.
-pub(super) struct Size {
+pub(super) struct SizedMachine {
     /// Elements that add, and that multiply.
     pub(super) elements: [u32; 2],
     /// Length of the schedule.
@@ -19,7 +19,7 @@ pub(super) struct Size {
     pub(super) words: u32,
 }
 
-impl Size {
+impl SizedMachine {
     /// The machine with these numbers of elements.
     pub(super) fn machine(&self, machine: &Machine) -> Machine {
         sized(machine, self.elements)
@@ -39,8 +39,8 @@ pub(super) fn sized(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
 
 /// The sizes a program is placed on: equal numbers by powers of two up to the
 /// longest chain, and the fewest adders and multipliers within the deadline.
-pub(super) fn sizes(task: &Task<'_>, program: &FitProgram) -> Vec<Size> {
-    let mut sizes: Vec<Size> = Vec::new();
+pub(super) fn sizes(task: &FitTask<'_>, program: &FitProgram) -> Vec<SizedMachine> {
+    let mut sizes: Vec<SizedMachine> = Vec::new();
     let mut count = 1;
     while count <= MOST {
         let size = attempt(task, program, [count, count]);
@@ -60,10 +60,10 @@ pub(super) fn sizes(task: &Task<'_>, program: &FitProgram) -> Vec<Size> {
     sizes
 }
 
-fn attempt(task: &Task<'_>, program: &FitProgram, elements: [u32; 2]) -> Option<Size> {
+fn attempt(task: &FitTask<'_>, program: &FitProgram, elements: [u32; 2]) -> Option<SizedMachine> {
     let machine = sized(task.machine, elements);
     let placed = placed(&program.module, &machine, PlaceOptions::default()).ok()?;
-    Some(Size {
+    Some(SizedMachine {
         elements,
         cycles: placed.summary.cycles,
         words: placed.most_words(&machine),
@@ -73,7 +73,7 @@ fn attempt(task: &Task<'_>, program: &FitProgram, elements: [u32; 2]) -> Option<
 /// The fewest elements within the deadline: from as many as the work needs,
 /// one more of the kind that the work bound calls for until the schedule is
 /// short enough; then fewer again, as long as it stays so.
-fn fewest(task: &Task<'_>, program: &FitProgram) -> Option<Size> {
+fn fewest(task: &FitTask<'_>, program: &FitProgram) -> Option<SizedMachine> {
     let deadline = (task.scene.deadline? * task.machine.clock_mhz).floor();
     if deadline < 1.0 {
         return None;
@@ -104,7 +104,12 @@ fn fewest(task: &Task<'_>, program: &FitProgram) -> Option<Size> {
     }
 }
 
-fn fewer(task: &Task<'_>, program: &FitProgram, mut size: Size, deadline: u32) -> Size {
+fn fewer(
+    task: &FitTask<'_>,
+    program: &FitProgram,
+    mut size: SizedMachine,
+    deadline: u32,
+) -> SizedMachine {
     for kind in [1, 0] {
         while size.elements[kind] > 1 {
             let mut elements = size.elements;

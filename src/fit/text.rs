@@ -1,7 +1,7 @@
 //! What a search found, as text, table and figure.
 
 use super::confirm::Confirmation;
-use super::{Candidate, FitOutcome, Task};
+use super::{FitCandidate, FitOutcome, FitTask};
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Panel, PlotAxis, text_table,
 };
@@ -11,7 +11,11 @@ use std::fmt::Write;
 const SHOWN: usize = 24;
 
 /// The choice, why, and the front.
-pub fn text(task: &Task<'_>, outcome: &FitOutcome, confirmation: Option<&Confirmation>) -> String {
+pub fn text(
+    task: &FitTask<'_>,
+    outcome: &FitOutcome,
+    confirmation: Option<&Confirmation>,
+) -> String {
     let mut text = format!("scene {}", task.scene.name);
     // Writing to a string cannot fail, here and below.
     let _ = match task.scene.deadline {
@@ -119,12 +123,12 @@ fn choice(outcome: &FitOutcome, chosen: usize) -> String {
 }
 
 /// Why nothing meets the scene: what comes nearest.
-fn refusal(task: &Task<'_>, outcome: &FitOutcome) -> String {
+fn refusal(task: &FitTask<'_>, outcome: &FitOutcome) -> String {
     let fastest = outcome
         .candidates
         .iter()
         .min_by_key(|candidate| candidate.cycles);
-    let exact = |candidate: &&Candidate| candidate.used.is_finite();
+    let exact = |candidate: &&FitCandidate| candidate.used.is_finite();
     let exact = outcome.candidates.iter().filter(exact);
     let exact = exact.min_by(|a, b| a.used.total_cmp(&b.used));
     let mut text = "Nothing meets this scene.\n".to_owned();
@@ -227,8 +231,8 @@ pub fn candidates_table(outcome: &FitOutcome) -> DataTable {
 }
 
 /// Time against error, and time against the share of the device.
-pub fn figure(task: &Task<'_>, outcome: &FitOutcome) -> Figure {
-    type Measure = fn(&Candidate) -> f64;
+pub fn figure(task: &FitTask<'_>, outcome: &FitOutcome) -> Figure {
+    type Measure = fn(&FitCandidate) -> f64;
     let panel = |title: &str, axis: &str, measure: Measure| {
         let mark = |index: usize| {
             let candidate = &outcome.candidates[index];

@@ -1,7 +1,7 @@
 //! The programs: every formulation specialised, with the equations as short
 //! or as few as the passes make them.
 
-use super::{FitError, FitProgram, Task, Treatment, used};
+use super::{FitError, FitProgram, FitTask, SineTreatment, used};
 use crate::explore::ExplorationProgress;
 use crate::explore::program::{ExplorationError, transformed_by, view};
 use crate::explore::yardstick::Yardstick;
@@ -30,7 +30,7 @@ const LARGE: usize = 60_000;
 /// Every formulation in every variant. Formulations that a pass gives up on,
 /// or that compute something else for this scene, are left out.
 pub(super) fn programs(
-    task: &Task<'_>,
+    task: &FitTask<'_>,
     yardstick: &Yardstick,
     progress: ExplorationProgress<'_>,
 ) -> Result<Vec<FitProgram>, FitError> {
@@ -63,7 +63,7 @@ pub(super) fn programs(
                     name,
                     pipeline: format!("specialise,{stages}"),
                     formulation: *formulation,
-                    treatment: Treatment::True,
+                    treatment: SineTreatment::True,
                     module: Arc::new(module),
                     model_share: 0.0,
                 }),

@@ -12,7 +12,7 @@ pub mod measure;
 pub mod page;
 pub mod text;
 
-use crate::explore::pareto::{self, Ties};
+use crate::explore::pareto::{self, EqualPoints};
 use crate::explore::program::{ExplorationError, ProgramWorkshop, view};
 use crate::explore::yardstick::Yardstick;
 use crate::explore::{ExplorationProgress, processor};
@@ -25,7 +25,7 @@ use serde::Serialize;
 
 /// What is asked.
 #[derive(Clone, Debug)]
-pub struct Question<'a> {
+pub struct FrontQuestion<'a> {
     /// The machine.
     pub machine: &'a Machine,
     /// Numbers of elements per kind.
@@ -83,7 +83,7 @@ pub fn front(
     name: &str,
     module: &Module,
     others: Vec<(Formulation, Module)>,
-    question: &Question<'_>,
+    question: &FrontQuestion<'_>,
     progress: ExplorationProgress<'_>,
 ) -> Result<Front, ExplorationError> {
     let view = view(module);
@@ -141,7 +141,7 @@ impl Front {
             .iter()
             .map(|point| measures(point, elements))
             .collect();
-        let mut front = pareto::front(&points, Ties::All);
+        let mut front = pareto::front(&points, EqualPoints::All);
         front.retain(|&index| self.points[index].cycles[elements].is_some());
         front.sort_by_key(|&index| (self.points[index].cycles[elements], index));
         front

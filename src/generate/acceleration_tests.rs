@@ -4,8 +4,8 @@ use super::formulation_tests::{at_point, make, point_field, tree};
 use super::tests::serial;
 use super::*;
 use crate::model::{JointKind, Nature, systems};
-use crate::motion::linear::{Matrix, solve_square};
-use crate::motion::{self, Inputs, Setting, State};
+use crate::motion::linear::{DenseMatrix, solve_square};
+use crate::motion::{self, EquationSetting, InputSources, MotionState};
 use robovec_ir::View;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
@@ -81,8 +81,8 @@ fn accelerations_solve_the_equations_of_motion_exactly() {
 }
 
 /// `qdd` and `Lambda` in a state, in binary64.
-fn accelerations(model: &Model, formulation: Formulation, state: &State) -> Vec<f64> {
-    let mut request = Request::new(FunctionKind::Accelred);
+fn accelerations(model: &Model, formulation: Formulation, state: &MotionState) -> Vec<f64> {
+    let mut request = GenerationRequest::new(FunctionKind::Accelred);
     request.formulation = formulation;
     request.options.multipliers = true;
     let module = generate(model, &request).expect("the loops close");
@@ -90,17 +90,17 @@ fn accelerations(model: &Model, formulation: Formulation, state: &State) -> Vec<
         tables: &module.tables,
         function: &module.functions[0],
     };
-    let inputs = Inputs::new(model, view).expect("the function belongs to the model");
+    let inputs = InputSources::new(model, view).expect("the function belongs to the model");
     evaluate(view.function, &Binary64, &inputs.gather(state))
 }
 
 /// The state after closing the loops, with joint forces and velocities that
 /// are nothing special: no velocity needs to satisfy the loops for the
 /// equations between `M`, `c`, `Jac` and `Jdqd` to hold.
-fn some_state(model: &Model) -> State {
-    let setting = Setting::default();
+fn some_state(model: &Model) -> MotionState {
+    let setting = EquationSetting::default();
     let laws = motion::Laws::none(model);
-    let (_, mut state) = motion::System::new(model, laws, &setting).expect("loops close");
+    let (_, mut state) = motion::MultibodySystem::new(model, laws, &setting).expect("loops close");
     for joint in 0..model.joints.len() {
         state.qd[joint] = 0.3 + joint as f64;
         state.joint_forces[joint] = 2.0 - 3.0 * joint as f64;
@@ -112,13 +112,14 @@ fn some_state(model: &Model) -> State {
 fn accelerations_satisfy_loops() {
     for model in [systems::four_bar(), systems::slider_crank()] {
         let state = some_state(&model);
-        let equations = motion::Equations::new(&model, &Setting::default()).expect("it generates");
+        let equations = motion::MotionEquations::new(&model, &EquationSetting::default())
+            .expect("it generates");
         let (mass, bias) = equations.dynamics(&state);
         let (_, jacobian) = equations.constraints(&state);
         let (n, rows) = (model.joints.len(), jacobian.rows());
         assert!(rows > 0);
-        let mut matrix = Matrix::zeros(n + rows, n + rows);
-        let mut right = Matrix::zeros(n + rows, 1);
+        let mut matrix = DenseMatrix::zeros(n + rows, n + rows);
+        let mut right = DenseMatrix::zeros(n + rows, 1);
         for i in 0..n {
             for j in 0..n {
                 matrix[(i, j)] = mass[(i, j)];
@@ -153,7 +154,7 @@ fn accelerations_satisfy_loops() {
 }
 
 /// What is said instead of giving a function.
-fn refusal(model: &Model, request: &Request) -> String {
+fn refusal(model: &Model, request: &GenerationRequest) -> String {
     match generate(model, request) {
         Ok(_) => panic!("{request:?} is given"),
         Err(error) => error.to_string(),
@@ -162,7 +163,7 @@ fn refusal(model: &Model, request: &Request) -> String {
 
 #[test]
 fn what_cannot_be_given_says_what_can() {
-    let mut request = Request::new(FunctionKind::Dirdyna);
+    let mut request = GenerationRequest::new(FunctionKind::Dirdyna);
     request.formulation = Formulation::Articulated;
     let refused = refusal(&serial(3), &request);
     assert!(
@@ -189,7 +190,7 @@ fn what_cannot_be_given_says_what_can() {
 
 #[test]
 fn a_long_chain_is_not_eliminated() {
-    let mut request = Request::new(FunctionKind::Accelred);
+    let mut request = GenerationRequest::new(FunctionKind::Accelred);
     request.formulation = Formulation::CompositeBase;
     let refused = refusal(&serial(360), &request);
     assert!(refused.contains("'articulated'"), "{refused}");
@@ -200,7 +201,7 @@ fn a_long_chain_is_not_eliminated() {
 #[test]
 fn operations_for_accelerations_stay_low() {
     let operations = |joints, formulation| {
-        let mut request = Request::new(FunctionKind::Accelred);
+        let mut request = GenerationRequest::new(FunctionKind::Accelred);
         request.formulation = formulation;
         request.options.external_forces = false;
         let module = generate(&serial(joints), &request).expect("the chain is regular");

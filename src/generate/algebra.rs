@@ -59,7 +59,7 @@ impl Neg for Scalar {
 
 /// A factor of a product: an atom, or a sum in parentheses.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
-pub(super) enum Factor {
+pub(super) enum ProductFactor {
     /// A quantity without its sign.
     Atom(u32),
     /// A group of the arena of equations.
@@ -68,15 +68,15 @@ pub(super) enum Factor {
 
 /// A product of factors with a sign.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Term {
+pub(super) struct SignedProduct {
     pub(super) negative: bool,
-    pub(super) factors: SmallVec<[Factor; 4]>,
+    pub(super) factors: SmallVec<[ProductFactor; 4]>,
 }
 
-impl Term {
+impl SignedProduct {
     /// The product of scalars; `None` when it is zero.
-    pub(super) fn product(scalars: &[Scalar]) -> Option<Term> {
-        let mut term = Term {
+    pub(super) fn product(scalars: &[Scalar]) -> Option<SignedProduct> {
+        let mut term = SignedProduct {
             negative: false,
             factors: SmallVec::new(),
         };
@@ -86,15 +86,15 @@ impl Term {
             }
             term.negative ^= scalar.is_negative();
             if scalar.magnitude() != Scalar::ONE {
-                term.factors.push(Factor::Atom(scalar.atom()));
+                term.factors.push(ProductFactor::Atom(scalar.atom()));
             }
         }
         Some(term)
     }
 
     /// The product of the term and scalars; `None` when it is zero.
-    pub(super) fn times(&self, scalars: &[Scalar]) -> Option<Term> {
-        let mut product = Term::product(scalars)?;
+    pub(super) fn times(&self, scalars: &[Scalar]) -> Option<SignedProduct> {
+        let mut product = SignedProduct::product(scalars)?;
         product.negative ^= self.negative;
         product.factors.extend_from_slice(&self.factors);
         Some(product)
@@ -104,7 +104,7 @@ impl Term {
 /// A sum of products, in the order in which it will be written.
 #[derive(Clone, Default, PartialEq, Eq, Debug)]
 pub(super) struct Sum {
-    pub(super) terms: SmallVec<[Term; 8]>,
+    pub(super) terms: SmallVec<[SignedProduct; 8]>,
 }
 
 impl Sum {
@@ -121,13 +121,13 @@ impl Sum {
 
     /// Adds the product of scalars.
     pub(super) fn add(&mut self, scalars: &[Scalar]) -> &mut Sum {
-        self.terms.extend(Term::product(scalars));
+        self.terms.extend(SignedProduct::product(scalars));
         self
     }
 
     /// Subtracts the product of scalars.
     pub(super) fn subtract(&mut self, scalars: &[Scalar]) -> &mut Sum {
-        if let Some(mut term) = Term::product(scalars) {
+        if let Some(mut term) = SignedProduct::product(scalars) {
             term.negative ^= true;
             self.terms.push(term);
         }
@@ -135,7 +135,7 @@ impl Sum {
     }
 
     /// Adds a term.
-    pub(super) fn add_term(&mut self, term: Option<Term>) -> &mut Sum {
+    pub(super) fn add_term(&mut self, term: Option<SignedProduct>) -> &mut Sum {
         self.terms.extend(term);
         self
     }

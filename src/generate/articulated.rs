@@ -18,18 +18,20 @@
 //! Needs one division for each joint, and `sin^2 + cos^2 = 1`.
 
 use super::algebra::{Scalar, Sum};
-use super::equations::{Equations, Label};
+use super::equations::{Equations, QuantityLabel};
 use super::inertia::{Inertia, SumInertia, SumWrench, Wrench, turn_symmetric};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::reduced::residual_input;
-use super::vector::{Matrix, SumVector, Turn, Vector, ZERO, add_cross, cyclic, define, sums};
+use super::vector::{
+    AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define, sums,
+};
 use super::{Options, recursive};
 use crate::model::Nature;
 
 /// Writes `qdd`; the first joint that moves nothing is an error.
 pub(super) fn accelerations(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
 ) -> Result<(), usize> {
     let offsets = parameters.named_offsets(equations);
@@ -76,7 +78,7 @@ struct Share {
 
 struct Articulated<'e, 'p, 'm> {
     equations: &'e mut Equations,
-    parameters: &'p Parameters<'m>,
+    parameters: &'p ModelParameters<'m>,
     offsets: &'p [Vector],
     children: Vec<Vec<usize>>,
 }
@@ -116,7 +118,7 @@ impl Articulated<'_, '_, '_> {
             let residual = residual_input(self.equations, joint, bias[joint], &[]);
             let mut rest = Sum::of(residual);
             rest.subtract(&[wrench.along(parameters, joint)]);
-            let label = |name| Label::new(name, 0, joint + 1);
+            let label = |name| QuantityLabel::new(name, 0, joint + 1);
             let rest = self.equations.define(label("QU"), rest);
             let inverse = self.equations.quotient(label("DI"), Scalar::ONE, pivot);
             let share = self.share(joint, &unit, inverse);
@@ -271,7 +273,9 @@ impl Articulated<'_, '_, '_> {
                     }
                 }
             }
-            let total = self.equations.define(Label::new("QT", 0, joint + 1), total);
+            let total = self
+                .equations
+                .define(QuantityLabel::new("QT", 0, joint + 1), total);
             if !self.is_driven(joint) {
                 own.add(&[total]).subtract(&[before]);
             }
@@ -281,7 +285,9 @@ impl Articulated<'_, '_, '_> {
                 linear[axis] = total;
             }
             accelerations.push((angular, linear));
-            let own = self.equations.define(Label::new("qpp", 0, joint + 1), own);
+            let own = self
+                .equations
+                .define(QuantityLabel::new("qpp", 0, joint + 1), own);
             self.equations.output("qdd", &[joint + 1], own);
         }
     }
@@ -289,7 +295,7 @@ impl Articulated<'_, '_, '_> {
 
 /// The component of a wrench along the axis of a joint.
 fn component<'w>(
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     joint: usize,
     wrench: &'w mut Wrench,
 ) -> &'w mut Scalar {
@@ -324,7 +330,7 @@ impl Blocks {
     }
 
     /// The blocks in the axes of the frame before a joint.
-    fn turned(&self, equations: &mut Equations, joint: usize, turn: &Turn) -> Blocks {
+    fn turned(&self, equations: &mut Equations, joint: usize, turn: &AxisRotation) -> Blocks {
         let names = ["XD", "XW", "XV"];
         let angular = turn_symmetric(equations, names, joint, turn, &self.angular);
         let names = ["ZD", "ZW", "ZV"];
@@ -344,7 +350,7 @@ impl Blocks {
 fn turn_general(
     equations: &mut Equations,
     joint: usize,
-    turn: &Turn,
+    turn: &AxisRotation,
     matrix: &Matrix,
 ) -> [SumVector; 3] {
     let a = turn.axis;
@@ -360,7 +366,7 @@ fn turn_general(
         turned[a][k] = row[k].clone();
         turned[k][a] = column[k].clone();
     }
-    let mut name = |name, sum| equations.define(Label::new(name, 0, joint + 1), sum);
+    let mut name = |name, sum| equations.define(QuantityLabel::new(name, 0, joint + 1), sum);
     let mut difference = Sum::of(matrix[b][b]);
     difference.subtract(&[matrix[c][c]]);
     let mut total = Sum::of(matrix[b][c]);
@@ -425,7 +431,7 @@ impl SumBlocks {
             let mut column = 0;
             sums.map(|sum| {
                 column += 1;
-                let label = Label::new("TC", 3 * (row - 1) + column, joint + 1);
+                let label = QuantityLabel::new("TC", 3 * (row - 1) + column, joint + 1);
                 equations.define(label, sum)
             })
         });
@@ -456,7 +462,7 @@ impl SumBlocks {
             for (row, sums) in block.into_iter().enumerate() {
                 let first = if triangle { row } else { 0 };
                 for (column, sum) in sums.into_iter().enumerate().skip(first) {
-                    let label = Label::new(name, 3 * row + column + 1, joint + 1);
+                    let label = QuantityLabel::new(name, 3 * row + column + 1, joint + 1);
                     named[row][column] = equations.define(label, sum);
                     if triangle {
                         named[column][row] = named[row][column];

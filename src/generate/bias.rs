@@ -15,14 +15,14 @@
 //! such; fictitious bodies are no special case.
 
 use super::algebra::{Scalar, Sum};
-use super::equations::{Equations, Label};
+use super::equations::{Equations, QuantityLabel};
 use super::inertia::{Inertia, SumWrench, Wrench};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::{Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define};
 
 /// The motion of a frame without joint accelerations.
 #[derive(Clone, Copy)]
-pub(super) struct Motion {
+pub(super) struct BiasMotion {
     /// Angular velocity.
     pub(super) velocity: Vector,
     /// Angular acceleration.
@@ -35,8 +35,8 @@ pub(super) struct Motion {
     pub(super) squares: Vector,
 }
 
-impl Motion {
-    pub(super) const REST: Motion = Motion {
+impl BiasMotion {
+    pub(super) const REST: BiasMotion = BiasMotion {
         velocity: ZERO,
         angular: ZERO,
         linear: ZERO,
@@ -47,7 +47,7 @@ impl Motion {
 
 /// What the recursion reads.
 pub(super) struct Bias<'a, 'm> {
-    parameters: &'a Parameters<'m>,
+    parameters: &'a ModelParameters<'m>,
     offsets: &'a [Vector],
     composites: &'a [Inertia],
     /// Accelerations of the joints; none at all when empty.
@@ -56,7 +56,7 @@ pub(super) struct Bias<'a, 'm> {
 
 impl<'a, 'm> Bias<'a, 'm> {
     pub(super) fn new(
-        parameters: &'a Parameters<'m>,
+        parameters: &'a ModelParameters<'m>,
         offsets: &'a [Vector],
         composites: &'a [Inertia],
     ) -> Self {
@@ -87,7 +87,7 @@ impl<'a, 'm> Bias<'a, 'm> {
     /// `c` of every joint.
     pub(super) fn forces(&self, equations: &mut Equations) -> Vec<Scalar> {
         let joints = self.parameters.joints();
-        let mut motions: Vec<Motion> = Vec::with_capacity(joints);
+        let mut motions: Vec<BiasMotion> = Vec::with_capacity(joints);
         for joint in 0..joints {
             let parent = self.parameters.parent(joint);
             let before = parent.map_or_else(|| self.base(), |parent| motions[parent]);
@@ -114,10 +114,10 @@ impl<'a, 'm> Bias<'a, 'm> {
     }
 
     /// The base stands still, and what it does not fall with is gravity.
-    pub(super) fn base(&self) -> Motion {
-        Motion {
+    pub(super) fn base(&self) -> BiasMotion {
+        BiasMotion {
             linear: self.parameters.gravity.map(|component| -component),
-            ..Motion::REST
+            ..BiasMotion::REST
         }
     }
 
@@ -125,8 +125,8 @@ impl<'a, 'm> Bias<'a, 'm> {
         &self,
         equations: &mut Equations,
         joint: usize,
-        before: &Motion,
-    ) -> Motion {
+        before: &BiasMotion,
+    ) -> BiasMotion {
         let parameters = self.parameters;
         let turn = &parameters.turns[joint];
         let rate = parameters.qd[joint];
@@ -141,7 +141,7 @@ impl<'a, 'm> Bias<'a, 'm> {
             linear[a].add(&[self.acceleration(joint)]);
             linear[b].add(&[slide_b]);
             linear[c].add(&[slide_c]);
-            return Motion {
+            return BiasMotion {
                 linear: define(equations, "AF", joint, 0, linear),
                 ..*before
             };
@@ -156,7 +156,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         let linear = define(equations, "AH", joint, 0, linear);
         let linear = define(equations, "AF", joint, 0, turn.down(&linear));
         let (tilde, squares) = tilde(equations, joint, &velocity, &angular);
-        Motion {
+        BiasMotion {
             velocity,
             angular,
             linear,
@@ -166,7 +166,7 @@ impl<'a, 'm> Bias<'a, 'm> {
     }
 
     /// `AF + BE d` of the frame before a joint.
-    fn attachment(&self, joint: usize, before: &Motion) -> SumVector {
+    fn attachment(&self, joint: usize, before: &BiasMotion) -> SumVector {
         let mut linear = before.linear.map(Sum::of);
         for (component, row) in linear.iter_mut().zip(&before.tilde) {
             for (entry, length) in row.iter().zip(&self.offsets[joint]) {
@@ -182,7 +182,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         let mut rate = |component: usize, axis: usize| {
             let mut sum = Sum::new();
             sum.add(&[velocity[axis], self.parameters.qd[joint]]);
-            equations.define(Label::new("OQ", component, joint + 1), sum)
+            equations.define(QuantityLabel::new("OQ", component, joint + 1), sum)
         };
         [Scalar::ZERO, rate(b + 1, b), rate(c + 1, c)]
     }
@@ -193,7 +193,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         let mut double = |component: usize, rate: Scalar| {
             let mut sum = Sum::of(rate);
             sum.add(&[rate]);
-            equations.define(Label::new("PQ", component, joint + 1), sum)
+            equations.define(QuantityLabel::new("PQ", component, joint + 1), sum)
         };
         [
             Scalar::ZERO,
@@ -228,13 +228,13 @@ impl<'a, 'm> Bias<'a, 'm> {
         &self,
         equations: &mut Equations,
         joint: usize,
-        motion: &Motion,
+        motion: &BiasMotion,
         carried: &SumWrench,
     ) -> Scalar {
         let composite = &self.composites[joint];
         let a = self.parameters.axis(joint);
         let (b, c) = cyclic(a);
-        let label = Label::new("c", 0, joint + 1);
+        let label = QuantityLabel::new("c", 0, joint + 1);
         if !self.parameters.is_revolute(joint) {
             let mut sum = Sum::new();
             sum.add(&[composite.mass, motion.linear[a]]);
@@ -250,10 +250,13 @@ impl<'a, 'm> Bias<'a, 'm> {
         let mut product = Sum::new();
         product.add(&[velocity[b], velocity[c]]);
         let (low, high) = (b.min(c), b.max(c));
-        let product = equations.define(Label::new("BS", 3 * low + high + 1, joint + 1), product);
+        let product = equations.define(
+            QuantityLabel::new("BS", 3 * low + high + 1, joint + 1),
+            product,
+        );
         let mut squares = Sum::of(motion.squares[b]);
         squares.subtract(&[motion.squares[c]]);
-        let squares = equations.define(Label::new("BD", 0, joint + 1), squares);
+        let squares = equations.define(QuantityLabel::new("BD", 0, joint + 1), squares);
         let mut sum = Sum::new();
         sum.add(&[composite.first[b], motion.linear[c]])
             .subtract(&[composite.first[c], motion.linear[b]])
@@ -272,7 +275,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         let (b, c) = cyclic(self.parameters.axis(joint));
         let mut sum = Sum::of(moments[c][c]);
         sum.subtract(&[moments[b][b]]);
-        equations.define(Label::new("JE", 0, joint + 1), sum)
+        equations.define(QuantityLabel::new("JE", 0, joint + 1), sum)
     }
 
     /// The wrench that a joint's velocity and acceleration add to the rigid
@@ -282,7 +285,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         &self,
         equations: &mut Equations,
         joint: usize,
-        motion: &Motion,
+        motion: &BiasMotion,
         before: &Vector,
     ) -> SumWrench {
         let composite = &self.composites[joint];
@@ -316,7 +319,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         let mut with = |component: usize, negative: bool| {
             let mut sum = Sum::of(moments[a][a]);
             sum.add(&[difference.negated_if(negative)]);
-            equations.define(Label::new("JS", component + 1, joint + 1), sum)
+            equations.define(QuantityLabel::new("JS", component + 1, joint + 1), sum)
         };
         let (minus, plus) = (with(b, true), with(c, false));
         wrench.torque[b]
@@ -335,7 +338,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         &self,
         equations: &mut Equations,
         joint: usize,
-        motion: &Motion,
+        motion: &BiasMotion,
         before: &Vector,
     ) -> Scalar {
         let a = self.parameters.axis(joint);
@@ -344,7 +347,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         let group = equations.group(both);
         let mut sum = Sum::new();
         sum.add_term(group.and_then(|group| group.times(&[self.parameters.qd[joint]])));
-        equations.define(Label::new("QQ", 0, joint + 1), sum)
+        equations.define(QuantityLabel::new("QQ", 0, joint + 1), sum)
     }
 }
 
@@ -361,7 +364,7 @@ pub(super) fn tilde(
         component += 1;
         let mut square = Sum::new();
         square.add(&[value, value]);
-        equations.define(Label::new("OO", component, joint + 1), square)
+        equations.define(QuantityLabel::new("OO", component, joint + 1), square)
     });
     for row in 0..3 {
         let (next, last) = cyclic(row);
@@ -370,16 +373,19 @@ pub(super) fn tilde(
         diagonal
             .subtract(&[squares[next]])
             .subtract(&[squares[last]]);
-        let label = Label::new("BS", entry(row, row), joint + 1);
+        let label = QuantityLabel::new("BS", entry(row, row), joint + 1);
         tilde[row][row] = equations.define(label, diagonal);
         let mut product = Sum::new();
         product.add(&[velocity[next], velocity[last]]);
         let (low, high) = (next.min(last), next.max(last));
-        let product = equations.define(Label::new("BS", entry(low, high), joint + 1), product);
+        let product = equations.define(
+            QuantityLabel::new("BS", entry(low, high), joint + 1),
+            product,
+        );
         for (r, c, negative) in [(next, last, true), (last, next, false)] {
             let mut sum = Sum::of(product);
             sum.add(&[angular[row].negated_if(negative)]);
-            let label = Label::new("BEF", entry(r, c), joint + 1);
+            let label = QuantityLabel::new("BEF", entry(r, c), joint + 1);
             tilde[r][c] = equations.define(label, sum);
         }
     }

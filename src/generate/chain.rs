@@ -9,15 +9,15 @@
 //! by the sum of their angles.
 
 use super::algebra::{Scalar, Sum};
-use super::equations::{Equations, Label};
-use super::parameters::Parameters;
+use super::equations::{Equations, QuantityLabel};
+use super::parameters::ModelParameters;
 use super::vector::{
-    Matrix, SumVector, Turn, Vector, ZERO, add_cross, cyclic, define_as, sums, unit,
+    AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define_as, sums, unit,
 };
 
 /// One joint of a chain.
 #[derive(Clone, Copy)]
-pub(super) struct Step {
+pub(super) struct ChainJoint {
     pub(super) joint: usize,
     /// The joint's axis.
     pub(super) axis: Vector,
@@ -29,9 +29,9 @@ pub(super) struct Step {
 
 /// A run of rotations about one axis.
 #[derive(Clone, Copy)]
-struct Run {
+struct RotationRun {
     first: usize,
-    turn: Turn,
+    turn: AxisRotation,
     /// The axes before the run.
     before: Matrix,
 }
@@ -42,7 +42,7 @@ pub(super) struct Chain {
     /// The number of the chain, behind its names.
     number: u32,
     suffix: &'static str,
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<ChainJoint>,
     /// From the origin of the reference to that of the first joint, or to the
     /// place where there is none.
     start: SumVector,
@@ -52,7 +52,7 @@ pub(super) struct Chain {
 
 /// Velocities and accelerations at the end of a chain.
 #[derive(Clone, Copy)]
-pub(super) struct Motion {
+pub(super) struct ChainMotion {
     pub(super) velocity: Vector,
     pub(super) angular_velocity: Vector,
     pub(super) acceleration: Vector,
@@ -64,7 +64,7 @@ impl Chain {
     /// to a place given in the frame of the last joint (or of the reference).
     pub(super) fn new(
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         (suffix, number): (&'static str, usize),
         path: &[usize],
         place: &Vector,
@@ -80,7 +80,7 @@ impl Chain {
             end: ZERO,
         };
         let mut axes = [unit(0), unit(1), unit(2)];
-        let mut run: Option<Run> = None;
+        let mut run: Option<RotationRun> = None;
         for &joint in path {
             let offset = parameters.offset(joint);
             let lever = chain.lever(equations, &axes, offset, joint + 1);
@@ -88,7 +88,7 @@ impl Chain {
             if parameters.is_revolute(joint) {
                 (axes, run) = chain.turn(equations, parameters, joint, &axes, run);
             }
-            chain.steps.push(Step {
+            chain.steps.push(ChainJoint {
                 joint,
                 axis,
                 lever,
@@ -99,10 +99,10 @@ impl Chain {
         chain
     }
 
-    fn label(&self, prefix: &'static str, component: usize, joint: usize) -> Label {
-        Label {
+    fn label(&self, prefix: &'static str, component: usize, joint: usize) -> QuantityLabel {
+        QuantityLabel {
             group: Some((self.suffix, self.number)),
-            ..Label::new(prefix, component, joint)
+            ..QuantityLabel::new(prefix, component, joint)
         }
     }
 
@@ -126,7 +126,7 @@ impl Chain {
         offset: SumVector,
         joint: usize,
     ) -> Vector {
-        let label = |component| Label::new("Dz", 0, 10 * joint + component);
+        let label = |component| QuantityLabel::new("Dz", 0, 10 * joint + component);
         let offset = define_as(equations, label, offset);
         let mut lever = sums();
         for (component, sum) in lever.iter_mut().enumerate() {
@@ -140,18 +140,18 @@ impl Chain {
     fn turn(
         &self,
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         joint: usize,
         axes: &Matrix,
-        run: Option<Run>,
-    ) -> (Matrix, Option<Run>) {
+        run: Option<RotationRun>,
+    ) -> (Matrix, Option<RotationRun>) {
         let turn = parameters.turns[joint];
         let run = match run {
-            Some(run) if run.turn.axis == turn.axis => Run {
+            Some(run) if run.turn.axis == turn.axis => RotationRun {
                 turn: sum_of_angles(equations, &run.turn, &turn, joint, run.first),
                 ..run
             },
-            _ => Run {
+            _ => RotationRun {
                 first: joint,
                 turn,
                 before: *axes,
@@ -218,10 +218,10 @@ impl Chain {
     pub(super) fn jacobian(
         &self,
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
     ) -> Vec<(usize, Vector, Vector)> {
         let arms = self.arms(equations);
-        let column = |(step, arm): (&Step, &Vector)| {
+        let column = |(step, arm): (&ChainJoint, &Vector)| {
             if !parameters.is_revolute(step.joint) {
                 return (step.joint, step.axis, ZERO);
             }
@@ -238,10 +238,10 @@ impl Chain {
     pub(super) fn motion(
         &self,
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         accelerations: &[Scalar],
-    ) -> Motion {
-        let mut motion = Motion {
+    ) -> ChainMotion {
+        let mut motion = ChainMotion {
             velocity: ZERO,
             angular_velocity: ZERO,
             acceleration: ZERO,
@@ -300,7 +300,7 @@ impl Chain {
     fn carry(
         &self,
         equations: &mut Equations,
-        motion: &mut Motion,
+        motion: &mut ChainMotion,
         lever: &Vector,
         joint: usize,
         own: impl FnOnce([&mut SumVector; 2]),
@@ -339,17 +339,23 @@ impl Chain {
 /// The rotation by the sum of the angles of two rotations about one axis.
 fn sum_of_angles(
     equations: &mut Equations,
-    run: &Turn,
-    turn: &Turn,
+    run: &AxisRotation,
+    turn: &AxisRotation,
     joint: usize,
     first: usize,
-) -> Turn {
+) -> AxisRotation {
     let (mut cos, mut sin) = (Sum::new(), Sum::new());
     cos.add(&[run.cos, turn.cos]).subtract(&[run.sin, turn.sin]);
     sin.add(&[run.cos, turn.sin]).add(&[run.sin, turn.cos]);
-    Turn {
+    AxisRotation {
         axis: turn.axis,
-        cos: equations.define(Label::new("Cp", 0, joint + 1).column(first + 1), cos),
-        sin: equations.define(Label::new("Sp", 0, joint + 1).column(first + 1), sin),
+        cos: equations.define(
+            QuantityLabel::new("Cp", 0, joint + 1).column(first + 1),
+            cos,
+        ),
+        sin: equations.define(
+            QuantityLabel::new("Sp", 0, joint + 1).column(first + 1),
+            sin,
+        ),
     }
 }

@@ -8,13 +8,13 @@
 //! sines and cosines only (`sin^2 + cos^2 = 1`).
 
 use super::algebra::{Scalar, Sum};
-use super::equations::Label;
-use super::recursive::{Load, Motion, Recursion};
+use super::equations::QuantityLabel;
+use super::recursive::{FrameMotion, JointLoad, Recursion};
 use super::vector::{SumVector, Vector, ZERO, add_cross, add_matrix_product, define, sums, unit};
 
 /// Mass and first moment (about the joint's origin, in its frame) of all that
 /// a joint moves.
-struct Composite {
+struct MassAndMoment {
     mass: Scalar,
     moment: Vector,
 }
@@ -30,7 +30,7 @@ pub(super) fn write(recursion: &mut Recursion<'_, '_, '_>, true_angles: bool) {
 
 struct Columns<'r, 'e, 'p, 'm> {
     recursion: &'r mut Recursion<'e, 'p, 'm>,
-    composites: Option<Vec<Composite>>,
+    composites: Option<Vec<MassAndMoment>>,
 }
 
 impl Columns<'_, '_, '_, '_> {
@@ -40,7 +40,7 @@ impl Columns<'_, '_, '_, '_> {
         // Forward: the derivatives with respect to every ancestor, the joint
         // itself last.
         let mut paths: Vec<Vec<usize>> = Vec::with_capacity(count);
-        let mut motions: Vec<Vec<Motion>> = Vec::with_capacity(count);
+        let mut motions: Vec<Vec<FrameMotion>> = Vec::with_capacity(count);
         for joint in 0..count {
             let (path, own) = match self.recursion.parameters.parent(joint) {
                 None => (Vec::new(), Vec::new()),
@@ -52,7 +52,7 @@ impl Columns<'_, '_, '_, '_> {
                     (path, turned)
                 }
             };
-            let (mut path, mut own): (Vec<usize>, Vec<Motion>) = (path, own);
+            let (mut path, mut own): (Vec<usize>, Vec<FrameMotion>) = (path, own);
             path.push(joint);
             own.push(self.own_derivative(joint));
             paths.push(path);
@@ -78,11 +78,11 @@ impl Columns<'_, '_, '_, '_> {
     }
 
     /// What every joint moves, from the leaves on.
-    fn composites(&mut self) -> Vec<Composite> {
+    fn composites(&mut self) -> Vec<MassAndMoment> {
         let parameters = self.recursion.parameters;
         let equations = &mut *self.recursion.equations;
-        let mut composites: Vec<Composite> = Vec::new();
-        composites.resize_with(parameters.joints(), || Composite {
+        let mut composites: Vec<MassAndMoment> = Vec::new();
+        composites.resize_with(parameters.joints(), || MassAndMoment {
             mass: Scalar::ZERO,
             moment: ZERO,
         });
@@ -102,8 +102,8 @@ impl Columns<'_, '_, '_, '_> {
                     moment[k].add(&[behind.mass, self.recursion.offsets[child][k]]);
                 }
             }
-            composites[joint] = Composite {
-                mass: equations.define(Label::new("MS", 0, joint + 1), mass),
+            composites[joint] = MassAndMoment {
+                mass: equations.define(QuantityLabel::new("MS", 0, joint + 1), mass),
                 moment: define(equations, "MD", joint, 0, moment),
             };
         }
@@ -115,8 +115,8 @@ impl Columns<'_, '_, '_, '_> {
         &mut self,
         ancestor: usize,
         paths: &[Vec<usize>],
-        motions: &[Vec<Motion>],
-        composites: &[Composite],
+        motions: &[Vec<FrameMotion>],
+        composites: &[MassAndMoment],
     ) {
         let parameters = self.recursion.parameters;
         for joint in ancestor..parameters.joints() {
@@ -135,7 +135,7 @@ impl Columns<'_, '_, '_, '_> {
                 force.add(&[composite.mass, acceleration[axis]]);
                 ("FM", force)
             };
-            let label = Label::new(name, axis + 1, joint + 1).column(ancestor + 1);
+            let label = QuantityLabel::new(name, axis + 1, joint + 1).column(ancestor + 1);
             let entry = self.recursion.equations.define(label, sum);
             self.entry(joint, ancestor, entry);
         }
@@ -153,18 +153,18 @@ impl Columns<'_, '_, '_, '_> {
     }
 
     /// `OB_i,i = phi`, `AM_i,i = psi`.
-    fn own_derivative(&self, joint: usize) -> Motion {
+    fn own_derivative(&self, joint: usize) -> FrameMotion {
         let axis = unit(self.recursion.parameters.axis(joint));
         let (angular, linear) = if self.recursion.parameters.is_revolute(joint) {
             (axis, ZERO)
         } else {
             (ZERO, axis)
         };
-        Motion { angular, linear }
+        FrameMotion { angular, linear }
     }
 
     /// `OB_i,k = R OB_h,k` and `AM_i,k = R (AM_h,k + OB_h,k x d_i)`.
-    fn derivative(&mut self, joint: usize, ancestor: usize, before: &Motion) -> Motion {
+    fn derivative(&mut self, joint: usize, ancestor: usize, before: &FrameMotion) -> FrameMotion {
         let turn = &self.recursion.parameters.turns[joint];
         let angular = define(
             self.recursion.equations,
@@ -182,7 +182,7 @@ impl Columns<'_, '_, '_, '_> {
         );
         if !self.recursion.parameters.is_revolute(joint) {
             let linear = define(self.recursion.equations, "AM", joint, ancestor + 1, moved);
-            return Motion { angular, linear };
+            return FrameMotion { angular, linear };
         }
         let moved = define(self.recursion.equations, "AMH", joint, ancestor + 1, moved);
         let linear = define(
@@ -192,13 +192,13 @@ impl Columns<'_, '_, '_, '_> {
             ancestor + 1,
             turn.down(&moved),
         );
-        Motion { angular, linear }
+        FrameMotion { angular, linear }
     }
 
     /// The column of any joint: `FM` and `CM` from the leaves to the base.
-    fn column(&mut self, ancestor: usize, paths: &[Vec<usize>], motions: &[Vec<Motion>]) {
+    fn column(&mut self, ancestor: usize, paths: &[Vec<usize>], motions: &[Vec<FrameMotion>]) {
         let count = self.recursion.parameters.joints();
-        let nothing = Load {
+        let nothing = JointLoad {
             force: ZERO,
             torque: ZERO,
         };
@@ -221,7 +221,7 @@ impl Columns<'_, '_, '_, '_> {
         &mut self,
         joint: usize,
         ancestor: usize,
-        motion: &Motion,
+        motion: &FrameMotion,
     ) -> (Vector, SumVector) {
         let parameters = self.recursion.parameters;
         let center = &parameters.centers[joint];

@@ -10,25 +10,25 @@
 
 use super::algebra::Scalar;
 use super::bias::Bias;
-use super::equations::{Equations, Style};
+use super::equations::{EquationStyle, Equations};
 use super::inertia::{Inertia, Wrench};
 use super::lower::operations;
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::Vector;
 use super::{Options, recursive};
 
 /// `M`, its lower triangle by rows, and `c`.
-pub(super) struct Dynamics {
+pub(super) struct MassAndBias {
     /// For every joint, its entries with the joints on its path to the base,
     /// the joint itself first.
     pub(super) mass: Vec<Vec<(usize, Scalar)>>,
     pub(super) bias: Vec<Scalar>,
 }
 
-impl Dynamics {
+impl MassAndBias {
     /// Takes back what was set as outputs `M` and `c`.
-    pub(super) fn take(equations: &mut Equations, joints: usize) -> Dynamics {
-        let mut dynamics = Dynamics {
+    pub(super) fn take(equations: &mut Equations, joints: usize) -> MassAndBias {
+        let mut dynamics = MassAndBias {
             mass: vec![Vec::new(); joints],
             bias: vec![Scalar::ZERO; joints],
         };
@@ -67,23 +67,23 @@ impl Dynamics {
 /// `M` and `c` in body frames.
 pub(super) fn dynamics(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
-) -> Dynamics {
+) -> MassAndBias {
     let offsets = parameters.named_offsets(equations);
     let composites = Inertia::composites(equations, parameters, &offsets);
     let bias = bias(equations, parameters, options, &offsets, &composites);
     let mass = (0..parameters.joints())
         .map(|joint| column(equations, parameters, &offsets, &composites, joint))
         .collect();
-    Dynamics { mass, bias }
+    MassAndBias { mass, bias }
 }
 
 /// Joint forces for given accelerations of the joints, with composites where
 /// that takes fewer operations than body by body.
 pub(super) fn inverse(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     accelerations: &[Scalar],
 ) -> Vec<Scalar> {
@@ -102,7 +102,7 @@ pub(super) fn inverse(
 /// inertias and long chains the former.
 pub(super) fn bias(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     offsets: &[Vector],
     composites: &[Inertia],
@@ -116,13 +116,13 @@ pub(super) fn bias(
 
 /// Writes forces both ways to see which takes fewer operations: those for
 /// given accelerations, or the bias beside composites that are needed anyway.
-fn body_by_body(parameters: &Parameters<'_>, options: &Options, accelerated: bool) -> bool {
+fn body_by_body(parameters: &ModelParameters<'_>, options: &Options, accelerated: bool) -> bool {
     let count = |bodies: bool| {
-        let mut trial = Equations::new(Style {
+        let mut trial = Equations::new(EquationStyle {
             leading_signs: options.leading_signs,
         });
         let equations = &mut trial;
-        let parameters = &Parameters::new(parameters.model, options, equations);
+        let parameters = &ModelParameters::new(parameters.model, options, equations);
         let offsets = parameters.named_offsets(equations);
         let composites = Inertia::composites(equations, parameters, &offsets);
         let accelerations: Vec<Scalar> = if accelerated {
@@ -157,7 +157,7 @@ fn body_by_body(parameters: &Parameters<'_>, options: &Options, accelerated: boo
 /// The entries of `M` of a joint with the joints on its path to the base.
 fn column(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     offsets: &[Vector],
     composites: &[Inertia],
     joint: usize,
@@ -184,7 +184,7 @@ fn column(
 /// that joint.
 pub(super) fn carry(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     wrench: &Wrench,
     (joint, column): (usize, usize),
     offset: &Vector,

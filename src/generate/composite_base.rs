@@ -10,19 +10,19 @@
 
 use super::Options;
 use super::algebra::{Scalar, Sum};
-use super::composite::{Dynamics, bias, carry};
-use super::equations::{Equations, Label};
+use super::composite::{MassAndBias, bias, carry};
+use super::equations::{Equations, QuantityLabel};
 use super::hub::{Pose, Twist, hubs};
 use super::inertia::{Inertia, Wrench};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::{Vector, add_cross, define};
 
 /// `M` and `c`.
 pub(super) fn dynamics(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
-) -> Dynamics {
+) -> MassAndBias {
     let offsets = parameters.named_offsets(equations);
     let composites = Inertia::composites(equations, parameters, &offsets);
     let bias = bias(equations, parameters, options, &offsets, &composites);
@@ -30,7 +30,7 @@ pub(super) fn dynamics(
     let mass = (0..parameters.joints())
         .map(|joint| frames.column(equations, joint, &composites[joint]))
         .collect();
-    Dynamics { mass, bias }
+    MassAndBias { mass, bias }
 }
 
 /// Joints at most this far behind their hub are carried in body frames: the
@@ -39,7 +39,7 @@ const NEAR: usize = 7;
 
 /// The common frames and where the joints are in them.
 struct Frames<'a, 'm> {
-    parameters: &'a Parameters<'m>,
+    parameters: &'a ModelParameters<'m>,
     offsets: &'a [Vector],
     hubs: Vec<Option<usize>>,
     poses: Vec<Pose>,
@@ -49,7 +49,7 @@ struct Frames<'a, 'm> {
 impl<'a, 'm> Frames<'a, 'm> {
     fn new(
         equations: &mut Equations,
-        parameters: &'a Parameters<'m>,
+        parameters: &'a ModelParameters<'m>,
         offsets: &'a [Vector],
     ) -> Self {
         let hubs = hubs(parameters);
@@ -155,7 +155,7 @@ impl<'a, 'm> Frames<'a, 'm> {
         for (linear, force) in twist.linear.iter().zip(&wrench.force) {
             sum.add(&[*linear, *force]);
         }
-        let label = Label::new("MO", 0, column + 1).column(joint + 1);
+        let label = QuantityLabel::new("MO", 0, column + 1).column(joint + 1);
         equations.define(label, sum)
     }
 }

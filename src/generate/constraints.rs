@@ -12,13 +12,13 @@
 use super::Options;
 use super::algebra::{Scalar, Sum};
 use super::chain::Chain;
-use super::equations::{Equations, Label};
-use super::parameters::{Parameters, Source};
+use super::equations::{Equations, QuantityLabel};
+use super::parameters::{ModelParameters, ParameterSource};
 use super::vector::{Vector, ZERO, define_as, subtracted};
 use crate::model::{Anchor, Cut, CutKind};
 
 /// One row.
-pub(super) struct Row {
+pub(super) struct ConstraintRow {
     pub(super) h: Scalar,
     /// Entries of the Jacobian by joint; joints that are missing are zero.
     pub(super) jacobian: Vec<(usize, Scalar)>,
@@ -27,7 +27,7 @@ pub(super) struct Row {
 
 /// What of the rows is needed; the rest costs time to write and drop.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Part {
+pub(super) enum ConstraintPart {
     /// `h` and `Jac`.
     Position,
     /// `Jdqd` as well.
@@ -35,8 +35,12 @@ pub(super) enum Part {
 }
 
 /// Writes `h` and `Jac`.
-pub(super) fn position(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
-    let rows = rows(equations, parameters, options, Part::Position);
+pub(super) fn position(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    options: &Options,
+) {
+    let rows = rows(equations, parameters, options, ConstraintPart::Position);
     for (number, row) in rows.iter().enumerate() {
         equations.output("h", &[number + 1], row.h);
         for &(joint, entry) in &row.jacobian {
@@ -48,10 +52,10 @@ pub(super) fn position(equations: &mut Equations, parameters: &Parameters<'_>, o
 /// Writes `Jdqd`.
 pub(super) fn acceleration(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
 ) {
-    let rows = rows(equations, parameters, options, Part::Acceleration);
+    let rows = rows(equations, parameters, options, ConstraintPart::Acceleration);
     for (number, row) in rows.iter().enumerate() {
         equations.output("Jdqd", &[number + 1], row.jdqd);
     }
@@ -60,13 +64,13 @@ pub(super) fn acceleration(
 /// The rows that some joint changes.
 pub(super) fn rows(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
-    part: Part,
-) -> Vec<Row> {
+    part: ConstraintPart,
+) -> Vec<ConstraintRow> {
     let mut rows = Vec::new();
     for (number, cut) in parameters.model.cuts.iter().enumerate() {
-        let mut writer = Writer {
+        let mut writer = ConstraintWriter {
             equations,
             parameters,
             part,
@@ -89,7 +93,7 @@ pub(super) fn rows(
 }
 
 /// The number of the rod, from 0, and its length.
-fn rod_length(parameters: &Parameters<'_>, cut: usize) -> (usize, f64) {
+fn rod_length(parameters: &ModelParameters<'_>, cut: usize) -> (usize, f64) {
     let cuts = &parameters.model.cuts;
     let before = cuts[..cut]
         .iter()
@@ -102,7 +106,7 @@ fn rod_length(parameters: &Parameters<'_>, cut: usize) -> (usize, f64) {
 }
 
 /// Splits the paths to two places at the last joint they have in common.
-pub(super) fn split(parameters: &Parameters<'_>, ends: &[Anchor; 2]) -> [Vec<usize>; 2] {
+pub(super) fn split(parameters: &ModelParameters<'_>, ends: &[Anchor; 2]) -> [Vec<usize>; 2] {
     let paths = ends.map(|end| {
         let last = parameters.model.last_joint(end.body);
         last.map_or_else(Vec::new, |joint| parameters.path(joint))
@@ -118,24 +122,24 @@ pub(super) fn split(parameters: &Parameters<'_>, ends: &[Anchor; 2]) -> [Vec<usi
 /// The coordinates of a place in its body's frame.
 pub(super) fn place(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     anchor: &Anchor,
 ) -> Vector {
-    let mut source = Source { options, equations };
+    let mut source = ParameterSource { options, equations };
     anchor
         .point
         .map_or(ZERO, |point| source.point(parameters.model, point))
 }
 
-struct Writer<'e, 'p, 'm> {
+struct ConstraintWriter<'e, 'p, 'm> {
     equations: &'e mut Equations,
-    parameters: &'p Parameters<'m>,
-    part: Part,
+    parameters: &'p ModelParameters<'m>,
+    part: ConstraintPart,
     number: usize,
 }
 
-impl Writer<'_, '_, '_> {
+impl ConstraintWriter<'_, '_, '_> {
     fn ends(&mut self, cut: &Cut, options: &Options) -> [Chain; 2] {
         let [first, second] = split(self.parameters, &cut.ends);
         let mut end = |side: usize, path: &[usize]| {
@@ -152,14 +156,14 @@ impl Writer<'_, '_, '_> {
         [end(0, &first), end(1, &second)]
     }
 
-    fn label(&self, prefix: &'static str, row: usize) -> Label {
-        Label::new(prefix, row + 1, self.number + 1)
+    fn label(&self, prefix: &'static str, row: usize) -> QuantityLabel {
+        QuantityLabel::new(prefix, row + 1, self.number + 1)
     }
 
     /// From the second end to the first.
     fn span(&mut self, prefix: &'static str, ends: &[Chain; 2]) -> Vector {
         let [one, other] = [0, 1].map(|side| ends[side].position_terms(self.equations));
-        let label = |component| Label::new(prefix, component, self.number + 1);
+        let label = |component| QuantityLabel::new(prefix, component, self.number + 1);
         define_as(self.equations, label, subtracted(one, &other))
     }
 
@@ -187,13 +191,13 @@ impl Writer<'_, '_, '_> {
         entries
     }
 
-    fn ball(&mut self, cut: &Cut, ends: &[Chain; 2], rows: &mut Vec<Row>) {
+    fn ball(&mut self, cut: &Cut, ends: &[Chain; 2], rows: &mut Vec<ConstraintRow>) {
         let jacobians = [0, 1].map(|side| ends[side].jacobian(self.equations, self.parameters));
         let span = self.span("h", ends);
         let seconds = self.accelerations(ends);
         for k in (0..3).filter(|&k| !cut.ignore[k]) {
             let jdqd = self.difference("jdqd", k, seconds[0].0[k], seconds[1].0[k]);
-            rows.push(Row {
+            rows.push(ConstraintRow {
                 h: span[k],
                 jacobian: Self::entries(&jacobians, |column| column.1[k]),
                 jdqd,
@@ -203,7 +207,7 @@ impl Writer<'_, '_, '_> {
 
     /// Linear and angular acceleration of both ends without joint accelerations.
     fn accelerations(&mut self, ends: &[Chain; 2]) -> [(Vector, Vector); 2] {
-        if self.part == Part::Position {
+        if self.part == ConstraintPart::Position {
             return [(ZERO, ZERO); 2];
         }
         [0, 1].map(|side| {
@@ -212,7 +216,7 @@ impl Writer<'_, '_, '_> {
         })
     }
 
-    fn rotation(&mut self, ends: &[Chain; 2], rows: &mut Vec<Row>) {
+    fn rotation(&mut self, ends: &[Chain; 2], rows: &mut Vec<ConstraintRow>) {
         let axes = [ends[0].axes(), ends[1].axes()];
         let jacobians = [0, 1].map(|side| ends[side].jacobian(self.equations, self.parameters));
         let seconds = self.accelerations(ends);
@@ -223,7 +227,7 @@ impl Writer<'_, '_, '_> {
             }
             let h = self.equations.define(self.label("h", 3 + k), sum);
             let jdqd = self.difference("jdqd", 3 + k, seconds[0].1[k], seconds[1].1[k]);
-            rows.push(Row {
+            rows.push(ConstraintRow {
                 h,
                 jacobian: Self::entries(&jacobians, |column| column.2[k]),
                 jdqd,
@@ -236,10 +240,10 @@ impl Writer<'_, '_, '_> {
         ends: &[Chain; 2],
         (rod, length): (usize, f64),
         options: &Options,
-        rows: &mut Vec<Row>,
+        rows: &mut Vec<ConstraintRow>,
     ) {
         let span = self.span("Plp", ends);
-        let length = Source {
+        let length = ParameterSource {
             options,
             equations: self.equations,
         }
@@ -270,7 +274,7 @@ impl Writer<'_, '_, '_> {
             }
         }
         jacobian.sort_unstable_by_key(|&(joint, _)| joint);
-        rows.push(Row {
+        rows.push(ConstraintRow {
             h,
             jacobian,
             jdqd: self.rod_acceleration(ends, &span),
@@ -279,7 +283,7 @@ impl Writer<'_, '_, '_> {
 
     /// `P.(a_A - a_B) + |v_A - v_B|^2`.
     fn rod_acceleration(&mut self, ends: &[Chain; 2], span: &Vector) -> Scalar {
-        if self.part == Part::Position {
+        if self.part == ConstraintPart::Position {
             return Scalar::ZERO;
         }
         let [a, b] = [0, 1].map(|side| ends[side].motion(self.equations, self.parameters, &[]));

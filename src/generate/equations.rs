@@ -6,7 +6,7 @@
 //! structural zeros of a model, like a centre of mass on the joint's axis,
 //! cost nothing.
 
-use super::algebra::{Factor, Scalar, Sum, Term};
+use super::algebra::{ProductFactor, Scalar, SignedProduct, Sum};
 use hashbrown::HashTable;
 use robovec_ir::Boundary;
 use rustc_hash::FxBuildHasher;
@@ -16,7 +16,7 @@ use std::hash::BuildHasher;
 /// The name of a quantity in Robotran's manner: prefix, component, joint and
 /// column (`CM213_1`). It becomes text only for equations that are needed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Label {
+pub(super) struct QuantityLabel {
     pub(super) prefix: &'static str,
     /// Kind and number of the sensor, link or chain the quantity belongs to
     /// (`ROcp1_53`).
@@ -29,9 +29,9 @@ pub(super) struct Label {
     pub(super) column: u32,
 }
 
-impl Label {
-    pub(super) fn new(prefix: &'static str, component: usize, joint: usize) -> Label {
-        Label {
+impl QuantityLabel {
+    pub(super) fn new(prefix: &'static str, component: usize, joint: usize) -> QuantityLabel {
+        QuantityLabel {
             prefix,
             group: None,
             component: component as u8,
@@ -40,8 +40,8 @@ impl Label {
         }
     }
 
-    pub(super) fn column(self, column: usize) -> Label {
-        Label {
+    pub(super) fn column(self, column: usize) -> QuantityLabel {
+        QuantityLabel {
             column: column as u32,
             ..self
         }
@@ -49,7 +49,7 @@ impl Label {
 
     /// The name as text.
     pub(super) fn text(self) -> String {
-        let Label {
+        let QuantityLabel {
             prefix,
             group,
             component,
@@ -87,7 +87,7 @@ pub(super) enum Atom {
 
 /// A right-hand side.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) enum Body {
+pub(super) enum RightHandSide {
     Sum(Box<Sum>),
     /// The scalar itself, with its sign.
     Copy(Scalar),
@@ -101,13 +101,13 @@ pub(super) enum Body {
 /// An equation.
 #[derive(Clone, Debug)]
 pub(super) struct Equation {
-    pub(super) label: Label,
-    pub(super) body: Body,
+    pub(super) label: QuantityLabel,
+    pub(super) body: RightHandSide,
 }
 
 /// How signs and equal equations are treated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Style {
+pub(super) struct EquationStyle {
     /// Keep the terms in the order of the recursion even when the first is
     /// negative, and print that minus, as generator 8.1 does. Otherwise a
     /// positive term goes first, and an equation of negative terms is kept as
@@ -118,7 +118,7 @@ pub(super) struct Style {
 /// All equations of a function, in an order in which they can be evaluated.
 #[derive(Debug)]
 pub(super) struct Equations {
-    pub(super) style: Style,
+    pub(super) style: EquationStyle,
     pub(super) atoms: Vec<Atom>,
     pub(super) equations: Vec<Equation>,
     pub(super) groups: Vec<Sum>,
@@ -145,7 +145,7 @@ pub(super) struct Equations {
 const SUM: u32 = 0;
 
 impl Equations {
-    pub(super) fn new(style: Style) -> Equations {
+    pub(super) fn new(style: EquationStyle) -> Equations {
         Equations {
             style,
             atoms: vec![Atom::Zero, Atom::One],
@@ -229,7 +229,7 @@ impl Equations {
     }
 
     /// The value of a sum: a new equation, an earlier one or a scalar.
-    pub(super) fn define(&mut self, label: Label, mut sum: Sum) -> Scalar {
+    pub(super) fn define(&mut self, label: QuantityLabel, mut sum: Sum) -> Scalar {
         cancel(&mut sum);
         if let Some(scalar) = trivial(&sum) {
             return scalar;
@@ -245,7 +245,7 @@ impl Equations {
         self.key_words.extend_from_slice(&self.scratch);
         let key = (start, self.key_words.len() as u32);
         let flipped = self.order_signs(&mut sum);
-        let scalar = self.push(label, Body::Sum(Box::new(sum)), key);
+        let scalar = self.push(label, RightHandSide::Sum(Box::new(sum)), key);
         self.known.insert_unique(
             hash,
             (hash, scalar.negated_if(negated ^ flipped)),
@@ -256,7 +256,7 @@ impl Equations {
 
     /// The sum in parentheses, as a term that can be multiplied further;
     /// `None` when it is zero.
-    pub(super) fn group(&mut self, mut sum: Sum) -> Option<Term> {
+    pub(super) fn group(&mut self, mut sum: Sum) -> Option<SignedProduct> {
         cancel(&mut sum);
         if sum.terms.len() <= 1 {
             return sum.terms.pop();
@@ -281,16 +281,21 @@ impl Equations {
                 (group, flipped)
             }
         };
-        Some(Term {
+        Some(SignedProduct {
             negative,
-            factors: SmallVec::from_slice(&[Factor::Group(group)]),
+            factors: SmallVec::from_slice(&[ProductFactor::Group(group)]),
         })
     }
 
     /// The scalar under a name that others rely on, as the argument of a user
     /// function: `label` if the scalar is not that equation already. An
     /// equation of that name with the opposite sign gets another prefix.
-    pub(super) fn named(&mut self, label: Label, other: &'static str, scalar: Scalar) -> Scalar {
+    pub(super) fn named(
+        &mut self,
+        label: QuantityLabel,
+        other: &'static str,
+        scalar: Scalar,
+    ) -> Scalar {
         if let Atom::Equation(number) = self.atoms[scalar.atom() as usize] {
             let equation = &mut self.equations[number as usize];
             if equation.label == label {
@@ -300,28 +305,33 @@ impl Equations {
                 equation.label.prefix = other;
             }
         }
-        self.push(label, Body::Copy(scalar), (0, 0))
+        self.push(label, RightHandSide::Copy(scalar), (0, 0))
     }
 
     /// The sine of a scalar.
-    pub(super) fn sin(&mut self, label: Label, angle: Scalar) -> Scalar {
+    pub(super) fn sin(&mut self, label: QuantityLabel, angle: Scalar) -> Scalar {
         let negative = angle.is_negative();
-        self.function(label, 1, Body::Sin(angle.magnitude()))
+        self.function(label, 1, RightHandSide::Sin(angle.magnitude()))
             .negated_if(negative)
     }
 
     /// The cosine of a scalar.
-    pub(super) fn cos(&mut self, label: Label, angle: Scalar) -> Scalar {
-        self.function(label, 2, Body::Cos(angle.magnitude()))
+    pub(super) fn cos(&mut self, label: QuantityLabel, angle: Scalar) -> Scalar {
+        self.function(label, 2, RightHandSide::Cos(angle.magnitude()))
     }
 
     /// The square root of a scalar.
-    pub(super) fn sqrt(&mut self, label: Label, radicand: Scalar) -> Scalar {
-        self.function(label, 3, Body::Sqrt(radicand))
+    pub(super) fn sqrt(&mut self, label: QuantityLabel, radicand: Scalar) -> Scalar {
+        self.function(label, 3, RightHandSide::Sqrt(radicand))
     }
 
     /// A numerator over a denominator that is not zero.
-    pub(super) fn quotient(&mut self, label: Label, above: Scalar, below: Scalar) -> Scalar {
+    pub(super) fn quotient(
+        &mut self,
+        label: QuantityLabel,
+        above: Scalar,
+        below: Scalar,
+    ) -> Scalar {
         let negative = above.is_negative() ^ below.is_negative();
         if above.is_zero() {
             return Scalar::ZERO;
@@ -332,18 +342,20 @@ impl Equations {
         self.function(
             label,
             4,
-            Body::Quotient(above.magnitude(), below.magnitude()),
+            RightHandSide::Quotient(above.magnitude(), below.magnitude()),
         )
         .negated_if(negative)
     }
 
-    fn function(&mut self, label: Label, kind: u32, body: Body) -> Scalar {
+    fn function(&mut self, label: QuantityLabel, kind: u32, body: RightHandSide) -> Scalar {
         self.scratch.clear();
         self.scratch.push(kind);
         match body {
-            Body::Sin(a) | Body::Cos(a) | Body::Sqrt(a) => self.scratch.push(a.atom()),
-            Body::Quotient(a, b) => self.scratch.extend([a.atom(), b.atom()]),
-            Body::Sum(_) | Body::Copy(_) => {}
+            RightHandSide::Sin(a) | RightHandSide::Cos(a) | RightHandSide::Sqrt(a) => {
+                self.scratch.push(a.atom())
+            }
+            RightHandSide::Quotient(a, b) => self.scratch.extend([a.atom(), b.atom()]),
+            RightHandSide::Sum(_) | RightHandSide::Copy(_) => {}
         }
         let hash = self.hash_scratch();
         let found = self.known.find(hash, |&(other, scalar)| {
@@ -361,7 +373,7 @@ impl Equations {
         scalar
     }
 
-    fn push(&mut self, label: Label, body: Body, key: (u32, u32)) -> Scalar {
+    fn push(&mut self, label: QuantityLabel, body: RightHandSide, key: (u32, u32)) -> Scalar {
         let number = self.equations.len() as u32;
         self.equations.push(Equation { label, body });
         let atom = self.atom(Atom::Equation(number));
@@ -401,7 +413,7 @@ impl Equations {
     /// terms in order, the first term positive. True when the sum's signs are
     /// the opposite of the key's.
     fn write_key(&mut self, sum: &Sum) -> bool {
-        let mut terms: SmallVec<[(SmallVec<[Factor; 4]>, bool); 8]> = sum
+        let mut terms: SmallVec<[(SmallVec<[ProductFactor; 4]>, bool); 8]> = sum
             .terms
             .iter()
             .map(|term| {
@@ -419,8 +431,8 @@ impl Equations {
             self.scratch.push((factors.len() as u32) << 1 | sign);
             self.scratch
                 .extend(factors.iter().map(|&factor| match factor {
-                    Factor::Atom(atom) => atom << 1,
-                    Factor::Group(group) => group << 1 | 1,
+                    ProductFactor::Atom(atom) => atom << 1,
+                    ProductFactor::Group(group) => group << 1 | 1,
                 }));
         }
         negated
@@ -433,7 +445,7 @@ fn trivial(sum: &Sum) -> Option<Scalar> {
         [] => Some(Scalar::ZERO),
         [term] => match term.factors.as_slice() {
             [] => Some(Scalar::ONE.negated_if(term.negative)),
-            [Factor::Atom(atom)] => Some(Scalar::of_atom(*atom).negated_if(term.negative)),
+            [ProductFactor::Atom(atom)] => Some(Scalar::of_atom(*atom).negated_if(term.negative)),
             _ => None,
         },
         _ => None,
@@ -458,7 +470,7 @@ fn cancel(sum: &mut Sum) {
     }
 }
 
-fn same_factors(left: &Term, right: &Term) -> bool {
+fn same_factors(left: &SignedProduct, right: &SignedProduct) -> bool {
     left.factors.len() == right.factors.len()
         && (left.factors == right.factors || {
             let (mut a, mut b) = (left.factors.clone(), right.factors.clone());

@@ -6,12 +6,12 @@
 //! sum over the joints eliminated before, which later passes may balance.
 
 use super::algebra::{Scalar, Sum};
-use super::equations::{Equations, Label};
+use super::equations::{Equations, QuantityLabel};
 use crate::model::Model;
 use std::collections::BTreeMap;
 
 /// A row of a sparse matrix: columns in ascending order, no zeros.
-pub(super) type Row = Vec<(usize, Scalar)>;
+pub(super) type SparseRow = Vec<(usize, Scalar)>;
 
 /// The entry of a row.
 pub(super) fn entry(row: &[(usize, Scalar)], column: usize) -> Scalar {
@@ -47,19 +47,19 @@ pub(super) enum Stop {
 /// triangle. `joints` names rows and columns.
 pub(super) fn solve_symmetric(
     equations: &mut Equations,
-    rows: &[Row],
+    rows: &[SparseRow],
     right: &[Scalar],
     joints: &[usize],
 ) -> Result<Vec<Scalar>, Stop> {
     let count = rows.len();
     let mut work = 0;
-    let mut factors: Vec<Row> = vec![Vec::new(); count];
-    let mut entries: Vec<Row> = vec![Vec::new(); count];
+    let mut factors: Vec<SparseRow> = vec![Vec::new(); count];
+    let mut entries: Vec<SparseRow> = vec![Vec::new(); count];
     let mut behind: Vec<Vec<usize>> = vec![Vec::new(); count];
     let mut halves = vec![Scalar::ZERO; count];
     let mut middle = vec![Scalar::ZERO; count];
     for i in (0..count).rev() {
-        let label = |name: &'static str| Label::new(name, 0, joints[i] + 1);
+        let label = |name: &'static str| QuantityLabel::new(name, 0, joints[i] + 1);
         let mut row: BTreeMap<usize, Sum> = BTreeMap::new();
         for &(column, value) in &rows[i] {
             row.entry(column).or_default().add(&[value]);
@@ -101,7 +101,7 @@ pub(super) fn solve_symmetric(
         for &(column, factor) in &factors[i] {
             sum.subtract(&[factor, solution[column]]);
         }
-        solution.push(equations.define(Label::new("qppu", 0, joints[i] + 1), sum));
+        solution.push(equations.define(QuantityLabel::new("qppu", 0, joints[i] + 1), sum));
     }
     Ok(solution)
 }
@@ -109,7 +109,7 @@ pub(super) fn solve_symmetric(
 /// The product of two scalars.
 pub(super) fn product(
     equations: &mut Equations,
-    label: Label,
+    label: QuantityLabel,
     one: Scalar,
     other: Scalar,
 ) -> Scalar {
@@ -126,14 +126,14 @@ pub(super) fn product(
 pub(super) fn solve_square(
     equations: &mut Equations,
     [upper_name, lower_name, inverse_name, half_name, name]: [&'static str; 5],
-    rows: &[Row],
+    rows: &[SparseRow],
     sides: usize,
-) -> Result<Vec<Row>, usize> {
+) -> Result<Vec<SparseRow>, usize> {
     let count = rows.len();
     let mut inverses = Vec::with_capacity(count);
-    let mut upper: Vec<Row> = Vec::with_capacity(count);
+    let mut upper: Vec<SparseRow> = Vec::with_capacity(count);
     for (i, given) in rows.iter().enumerate() {
-        let label = |column: usize| Label::new(upper_name, 0, i + 1).column(column + 1);
+        let label = |column: usize| QuantityLabel::new(upper_name, 0, i + 1).column(column + 1);
         let mut row: BTreeMap<usize, Sum> = BTreeMap::new();
         for &(column, value) in given {
             row.entry(column).or_default().add(&[value]);
@@ -141,13 +141,13 @@ pub(super) fn solve_square(
         for k in 0..i {
             let Some(sum) = row.remove(&k) else { continue };
             let value = equations.define(label(k), sum);
-            let name = Label::new(lower_name, 0, i + 1).column(k + 1);
+            let name = QuantityLabel::new(lower_name, 0, i + 1).column(k + 1);
             let factor = product(equations, name, value, inverses[k]);
             for &(column, value) in upper[k].iter().filter(|&&(column, _)| column > k) {
                 row.entry(column).or_default().subtract(&[factor, value]);
             }
         }
-        let mut named = Row::new();
+        let mut named = SparseRow::new();
         for (column, sum) in row {
             let value = equations.define(label(column), sum);
             if !value.is_zero() {
@@ -158,17 +158,21 @@ pub(super) fn solve_square(
         if pivot.is_zero() {
             return Err(i);
         }
-        inverses.push(equations.quotient(Label::new(inverse_name, 0, i + 1), Scalar::ONE, pivot));
+        inverses.push(equations.quotient(
+            QuantityLabel::new(inverse_name, 0, i + 1),
+            Scalar::ONE,
+            pivot,
+        ));
         upper.push(named);
     }
-    let mut solution: Vec<Row> = vec![Row::new(); count];
+    let mut solution: Vec<SparseRow> = vec![SparseRow::new(); count];
     for i in (0..count).rev() {
         for column in count..count + sides {
             let mut sum = Sum::of(entry(&upper[i], column));
             for &(k, value) in upper[i].iter().filter(|&&(k, _)| k > i && k < count) {
                 sum.subtract(&[value, entry(&solution[k], column - count)]);
             }
-            let label = |name| Label::new(name, 0, i + 1).column(column - count + 1);
+            let label = |name| QuantityLabel::new(name, 0, i + 1).column(column - count + 1);
             let value = equations.define(label(half_name), sum);
             let value = product(equations, label(name), value, inverses[i]);
             if !value.is_zero() {

@@ -6,15 +6,19 @@
 
 use super::Options;
 use super::algebra::Sum;
-use super::equations::{Equations, Label};
+use super::equations::{Equations, QuantityLabel};
 use super::loads::{Loads, into_frame};
-use super::parameters::Parameters;
-use super::sensor::{self, Names};
+use super::parameters::ModelParameters;
+use super::sensor::{self, SensorNames};
 use crate::model::Asks;
 use robovec_ir::{Boundary, SourceSet};
 
 /// Writes all external forces.
-pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
+pub(super) fn write(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    options: &Options,
+) {
     let model = parameters.model;
     let mut loads = Loads::new(parameters);
     for (index, force) in model.forces.iter().enumerate() {
@@ -24,7 +28,7 @@ pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, opti
             jacobian: false,
             ..sensor::ALL
         };
-        let names = Names::of_force(number);
+        let names = SensorNames::of_force(number);
         sensor::outputs(equations, parameters, &chain, asks, &names);
         let result = format!("SWr{number}");
         // What acts on the base moves nothing.
@@ -45,7 +49,7 @@ pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, opti
         let mut part = |first: usize| [0, 1, 2].map(|k| equations.input(&result, &[first + k]));
         let (applied, torque, place) = (part(1), part(4), part(7));
         let axes = chain.axes();
-        let name = |prefix| move |row| Label::new(prefix, row, number);
+        let name = |prefix| move |row| QuantityLabel::new(prefix, row, number);
         let applied = into_frame(equations, &axes, &applied, name("xfrc"));
         let torque = into_frame(equations, &axes, &torque, name("xtrq"));
         for (component, &value) in loads.of(joint).1.iter_mut().zip(&torque) {
@@ -55,7 +59,7 @@ pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, opti
         let lever = [0, 1, 2].map(|k| {
             let mut sum = Sum::of(place[k]);
             sum.add(&[-center[k]]);
-            equations.define(Label::new("dxF", k + 1, number), sum)
+            equations.define(QuantityLabel::new("dxF", k + 1, number), sum)
         });
         loads.add_force(joint, &applied, &lever, false);
     }

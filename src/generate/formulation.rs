@@ -1,12 +1,12 @@
 //! The recursions equations can be made by, what each needs and gives.
 
 use super::algebra::Scalar;
-use super::composite::Dynamics;
+use super::composite::MassAndBias;
 use super::equations::Equations;
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::{
-    FunctionKind, GenerateError, Request, articulated, composite, composite_base, factor, prefix,
-    recursive, reduced,
+    FunctionKind, GenerateError, GenerationRequest, articulated, composite, composite_base, factor,
+    prefix, recursive, reduced,
 };
 use crate::model::Model;
 
@@ -26,9 +26,9 @@ pub enum Formulation {
     /// shortest critical path.
     Prefix {
         /// In which order paths and subtrees are combined.
-        network: Network,
+        network: PrefixNetwork,
         /// Which frame is the common one.
-        origin: Origin,
+        origin: MomentOrigin,
     },
     /// Articulated bodies: accelerations of trees in a number of operations
     /// that grows with the number of joints alone. Gives no `M` and `c`.
@@ -37,7 +37,7 @@ pub enum Formulation {
 
 /// In which order values along a path are combined.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub enum Network {
+pub enum PrefixNetwork {
     /// One after another: the fewest operations.
     Serial,
     /// In twice logarithmic depth with at most twice the operations.
@@ -47,14 +47,18 @@ pub enum Network {
     Sklansky,
 }
 
-impl Network {
+impl PrefixNetwork {
     /// All networks.
-    pub const ALL: [Network; 3] = [Network::Serial, Network::BrentKung, Network::Sklansky];
+    pub const ALL: [PrefixNetwork; 3] = [
+        PrefixNetwork::Serial,
+        PrefixNetwork::BrentKung,
+        PrefixNetwork::Sklansky,
+    ];
 }
 
 /// The frame whose origin moments are about.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub enum Origin {
+pub enum MomentOrigin {
     /// The base.
     Base,
     /// The first body with mass on each path: it moves with the system, so
@@ -81,16 +85,16 @@ impl Formulation {
         Formulation::Recursive,
         Formulation::Composite,
         Formulation::CompositeBase,
-        Formulation::prefix(Network::Serial, Origin::Body),
-        Formulation::prefix(Network::BrentKung, Origin::Body),
-        Formulation::prefix(Network::Sklansky, Origin::Body),
-        Formulation::prefix(Network::Serial, Origin::Base),
-        Formulation::prefix(Network::BrentKung, Origin::Base),
-        Formulation::prefix(Network::Sklansky, Origin::Base),
+        Formulation::prefix(PrefixNetwork::Serial, MomentOrigin::Body),
+        Formulation::prefix(PrefixNetwork::BrentKung, MomentOrigin::Body),
+        Formulation::prefix(PrefixNetwork::Sklansky, MomentOrigin::Body),
+        Formulation::prefix(PrefixNetwork::Serial, MomentOrigin::Base),
+        Formulation::prefix(PrefixNetwork::BrentKung, MomentOrigin::Base),
+        Formulation::prefix(PrefixNetwork::Sklansky, MomentOrigin::Base),
         Formulation::Articulated,
     ];
 
-    const fn prefix(network: Network, origin: Origin) -> Formulation {
+    const fn prefix(network: PrefixNetwork, origin: MomentOrigin) -> Formulation {
         Formulation::Prefix { network, origin }
     }
 
@@ -102,12 +106,12 @@ impl Formulation {
             Formulation::CompositeBase => "composite-base",
             Formulation::Articulated => "articulated",
             Formulation::Prefix { network, origin } => match (network, origin) {
-                (Network::Serial, Origin::Body) => "prefix-serial",
-                (Network::BrentKung, Origin::Body) => "prefix-brent-kung",
-                (Network::Sklansky, Origin::Body) => "prefix-sklansky",
-                (Network::Serial, Origin::Base) => "prefix-serial-base",
-                (Network::BrentKung, Origin::Base) => "prefix-brent-kung-base",
-                (Network::Sklansky, Origin::Base) => "prefix-sklansky-base",
+                (PrefixNetwork::Serial, MomentOrigin::Body) => "prefix-serial",
+                (PrefixNetwork::BrentKung, MomentOrigin::Body) => "prefix-brent-kung",
+                (PrefixNetwork::Sklansky, MomentOrigin::Body) => "prefix-sklansky",
+                (PrefixNetwork::Serial, MomentOrigin::Base) => "prefix-serial-base",
+                (PrefixNetwork::BrentKung, MomentOrigin::Base) => "prefix-brent-kung-base",
+                (PrefixNetwork::Sklansky, MomentOrigin::Base) => "prefix-sklansky-base",
             },
         }
     }
@@ -126,16 +130,19 @@ impl Formulation {
                 "articulated bodies, accelred of trees: as many operations as joints, with division"
             }
             Formulation::Prefix { network, origin } => match (network, origin) {
-                (Network::Serial, Origin::Body) => "one frame, one after another: linear depth",
-                (Network::BrentKung, Origin::Body) => {
+                (PrefixNetwork::Serial, MomentOrigin::Body) => {
+                    "one frame, one after another: linear depth"
+                }
+                (PrefixNetwork::BrentKung, MomentOrigin::Body) => {
                     "one frame, Brent-Kung network: logarithmic depth, few operations"
                 }
-                (Network::Sklansky, Origin::Body) => {
+                (PrefixNetwork::Sklansky, MomentOrigin::Body) => {
                     "one frame, Sklansky network: the shortest critical path"
                 }
-                (Network::Serial | Network::BrentKung | Network::Sklansky, Origin::Base) => {
-                    "the same with moments about the base: loses digits in short formats"
-                }
+                (
+                    PrefixNetwork::Serial | PrefixNetwork::BrentKung | PrefixNetwork::Sklansky,
+                    MomentOrigin::Base,
+                ) => "the same with moments about the base: loses digits in short formats",
             },
         }
     }
@@ -185,7 +192,7 @@ impl Formulation {
 }
 
 /// Refuses what a formulation cannot give, with what can.
-pub(super) fn check(model: &Model, request: &Request) -> Result<(), GenerateError> {
+pub(super) fn check(model: &Model, request: &GenerationRequest) -> Result<(), GenerateError> {
     let (chosen, function) = (request.formulation, request.function);
     let formulation = chosen.name();
     let names = |fits: &dyn Fn(Formulation) -> bool| {
@@ -221,7 +228,11 @@ pub(super) fn check(model: &Model, request: &Request) -> Result<(), GenerateErro
 }
 
 /// Writes `M` and `c`.
-pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, request: &Request) {
+pub(super) fn direct(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    request: &GenerationRequest,
+) {
     let options = &request.options;
     match request.formulation {
         Formulation::Recursive => recursive::direct(equations, parameters, options),
@@ -240,7 +251,11 @@ pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, req
 }
 
 /// Writes `Qq`, the joint forces that cause the accelerations `qdd`.
-pub(super) fn inverse(equations: &mut Equations, parameters: &Parameters<'_>, request: &Request) {
+pub(super) fn inverse(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    request: &GenerationRequest,
+) {
     let accelerations: Vec<Scalar> = (0..parameters.joints())
         .map(|joint| parameters.acceleration(equations, joint))
         .collect();
@@ -266,14 +281,14 @@ pub(super) fn inverse(equations: &mut Equations, parameters: &Parameters<'_>, re
 /// Writes `qdd`.
 pub(super) fn accelerations(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
-    request: &Request,
+    parameters: &ModelParameters<'_>,
+    request: &GenerationRequest,
 ) -> Result<(), GenerateError> {
     if request.formulation == Formulation::Articulated {
         return articulated::accelerations(equations, parameters, &request.options)
             .map_err(|joint| reduced::singular(parameters.model, joint));
     }
     direct(equations, parameters, request);
-    let dynamics = Dynamics::take(equations, parameters.joints());
+    let dynamics = MassAndBias::take(equations, parameters.joints());
     reduced::accelerations(equations, parameters, &request.options, &dynamics)
 }

@@ -2,15 +2,15 @@
 
 use super::tests::serial;
 use super::*;
-use crate::model::{Body, Joint, JointKind, Nature, Point};
+use crate::model::{Body, Joint, JointKind, ModelPoint, Nature};
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
 use robovec_num::field::{Field, PrimeField};
 
 /// A small generator of random numbers: the same trees everywhere.
-pub(super) struct Random(pub(super) u64);
+pub(super) struct CongruentialGenerator(pub(super) u64);
 
-impl Random {
+impl CongruentialGenerator {
     pub(super) fn below(&mut self, bound: usize) -> usize {
         self.0 = self
             .0
@@ -32,7 +32,7 @@ impl Random {
 /// A random tree: joints of all six kinds, fictitious bodies, now and then a
 /// body without mass or a driven joint at rest.
 pub(super) fn tree(seed: u64, bodies: usize) -> Model {
-    let mut random = Random(seed);
+    let mut random = CongruentialGenerator(seed);
     let mut model = Model::new("tree");
     for index in 0..bodies {
         // Mostly chains, so that paths become long.
@@ -41,7 +41,7 @@ pub(super) fn tree(seed: u64, bodies: usize) -> Model {
             0 => None,
             _ => index.checked_sub(1),
         };
-        model.points.push(Point {
+        model.points.push(ModelPoint {
             name: format!("point{index}"),
             body: parent,
             coordinates: [random.length(), random.length(), random.length()],
@@ -112,7 +112,7 @@ fn sort_points(model: &mut Model) {
 }
 
 pub(super) fn make(model: &Model, function: FunctionKind, formulation: Formulation) -> Module {
-    let mut request = Request::new(function);
+    let mut request = GenerationRequest::new(function);
     request.formulation = formulation;
     generate(model, &request).expect("the formulation gives the function")
 }
@@ -191,7 +191,7 @@ fn formulations_are_equal_as_polynomials() {
 fn operations_of_the_serial_chain_stay_low() {
     let model = serial(23);
     let operations = |formulation| {
-        let mut request = Request::new(FunctionKind::Dirdyna);
+        let mut request = GenerationRequest::new(FunctionKind::Dirdyna);
         request.formulation = formulation;
         request.options.external_forces = false;
         let module = generate(&model, &request).expect("the model is consistent");

@@ -7,12 +7,14 @@
 //! before it form the *stem*, which is worked off in body frames.
 
 use super::algebra::Scalar;
-use super::equations::{Equations, Label};
-use super::parameters::Parameters;
-use super::vector::{Matrix, SumVector, Turn, Vector, ZERO, add_cross, cyclic, define, sums};
+use super::equations::{Equations, QuantityLabel};
+use super::parameters::ModelParameters;
+use super::vector::{
+    AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define, sums,
+};
 
 /// For every joint its hub: itself for a hub, none for joints of a stem.
-pub(super) fn hubs(parameters: &Parameters<'_>) -> Vec<Option<usize>> {
+pub(super) fn hubs(parameters: &ModelParameters<'_>) -> Vec<Option<usize>> {
     let mut hubs: Vec<Option<usize>> = Vec::with_capacity(parameters.joints());
     for (joint, children) in parameters.children().iter().enumerate() {
         let before = parameters.parent(joint).and_then(|parent| hubs[parent]);
@@ -48,7 +50,7 @@ impl Pose {
     pub(super) fn behind(
         &self,
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         joint: usize,
         offset: &Vector,
     ) -> Pose {
@@ -82,7 +84,7 @@ pub(super) fn turned(
     name: &'static str,
     joint: usize,
     axes: &Matrix,
-    turn: &Turn,
+    turn: &AxisRotation,
 ) -> Matrix {
     let mut turned = *axes;
     let (b, c) = cyclic(turn.axis);
@@ -90,7 +92,7 @@ pub(super) fn turned(
         let column = [0, 1, 2].map(|row| axes[row][component]);
         let down = turn.down(&column);
         for row in [b, c] {
-            let label = Label::new(name, 3 * row + component + 1, joint + 1);
+            let label = QuantityLabel::new(name, 3 * row + component + 1, joint + 1);
             turned[row][component] = equations.define(label, down[row].clone());
         }
     }
@@ -111,7 +113,7 @@ impl Twist {
     /// The twist of a joint whose frame has a pose.
     pub(super) fn new(
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         joint: usize,
         pose: &Pose,
     ) -> Twist {

@@ -6,12 +6,12 @@
 //! nothing, because sums drop them.
 
 use super::algebra::{Scalar, Sum};
-use super::equations::{Equations, Label};
+use super::equations::{Equations, QuantityLabel};
 use super::hub::Twist;
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::{
-    Matrix, SumVector, Turn, Vector, ZERO, add_cross, add_matrix_product, cyclic, define, sums,
-    sums_of,
+    AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, cyclic, define,
+    sums, sums_of,
 };
 
 /// The inertia of a set of bodies about the origin of a frame and in its axes.
@@ -106,7 +106,7 @@ impl SumInertia {
     pub(super) fn add_own(
         &mut self,
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         joint: usize,
     ) {
         let mass = parameters.masses[joint];
@@ -118,7 +118,7 @@ impl SumInertia {
     pub(super) fn add_child(
         &mut self,
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         child: usize,
         inertia: &Inertia,
         offset: &Vector,
@@ -165,7 +165,7 @@ impl SumInertia {
             let group = equations.group(both);
             let mut product = Sum::new();
             product.add_term(group.and_then(|group| group.times(&[offset[axis]])));
-            let label = Label::new(square, axis + 1, joint + 1);
+            let label = QuantityLabel::new(square, axis + 1, joint + 1);
             let value = equations.define(label, product);
             self.moments[next][next].add(&[value]);
             self.moments[last][last].add(&[value]);
@@ -216,13 +216,14 @@ impl SumInertia {
         number: usize,
     ) -> Inertia {
         let label = moments;
-        let mass = Label::new(mass, 0, joint + 1).column(number);
+        let mass = QuantityLabel::new(mass, 0, joint + 1).column(number);
         let mass = equations.define(mass, self.mass);
         let first = define(equations, first, joint, number, self.first);
         let mut moments = [ZERO; 3];
         for (row, sums) in self.moments.into_iter().enumerate() {
             for (column, sum) in sums.into_iter().enumerate().skip(row) {
-                let label = Label::new(label, 3 * row + column + 1, joint + 1).column(number);
+                let label =
+                    QuantityLabel::new(label, 3 * row + column + 1, joint + 1).column(number);
                 moments[row][column] = equations.define(label, sum);
                 moments[column][row] = moments[row][column];
             }
@@ -240,7 +241,7 @@ impl Inertia {
     /// behind them, about the joints' origins and in their frames.
     pub(super) fn composites(
         equations: &mut Equations,
-        parameters: &Parameters<'_>,
+        parameters: &ModelParameters<'_>,
         offsets: &[Vector],
     ) -> Vec<Inertia> {
         let children = parameters.children();
@@ -308,7 +309,7 @@ impl Wrench {
         equations: &mut Equations,
         name: &'static str,
         (joint, column): (usize, usize),
-        turn: &Turn,
+        turn: &AxisRotation,
         offset: &Vector,
     ) -> SumWrench {
         let force = define(equations, name, joint, column, turn.up(&self.force));
@@ -321,7 +322,7 @@ impl Wrench {
     }
 
     /// The component along the axis of a joint.
-    pub(super) fn along(&self, parameters: &Parameters<'_>, joint: usize) -> Scalar {
+    pub(super) fn along(&self, parameters: &ModelParameters<'_>, joint: usize) -> Scalar {
         let axis = parameters.axis(joint);
         if parameters.is_revolute(joint) {
             self.torque[axis]
@@ -347,7 +348,7 @@ pub(super) fn turn_symmetric(
     equations: &mut Equations,
     [difference, swing, part]: [&'static str; 3],
     joint: usize,
-    turn: &Turn,
+    turn: &AxisRotation,
     matrix: &Matrix,
 ) -> [SumVector; 3] {
     let a = turn.axis;
@@ -373,13 +374,13 @@ pub(super) fn turn_symmetric(
     let twice = twice_cos(equations, joint, turn);
     let mut sum = Sum::of(bb);
     sum.subtract(&[cc]);
-    let difference = equations.define(Label::new(difference, 0, joint + 1), sum);
+    let difference = equations.define(QuantityLabel::new(difference, 0, joint + 1), sum);
     let mut sum = Sum::new();
     sum.add(&[sin, difference]).add(&[twice, bc]);
-    let swing = equations.define(Label::new(swing, 0, joint + 1), sum);
+    let swing = equations.define(QuantityLabel::new(swing, 0, joint + 1), sum);
     let mut sum = Sum::new();
     sum.add(&[sin, swing]);
-    let part = equations.define(Label::new(part, 0, joint + 1), sum);
+    let part = equations.define(QuantityLabel::new(part, 0, joint + 1), sum);
     entry(b, b, &[&[bb], &[-part]]);
     entry(c, c, &[&[cc], &[part]]);
     entry(b, c, &[&[cos, swing], &[-bc]]);
@@ -387,8 +388,8 @@ pub(super) fn turn_symmetric(
 }
 
 /// `2 C`.
-fn twice_cos(equations: &mut Equations, joint: usize, turn: &Turn) -> Scalar {
+fn twice_cos(equations: &mut Equations, joint: usize, turn: &AxisRotation) -> Scalar {
     let mut twice = Sum::of(turn.cos);
     twice.add(&[turn.cos]);
-    equations.define(Label::new("CC", 0, joint + 1), twice)
+    equations.define(QuantityLabel::new("CC", 0, joint + 1), twice)
 }

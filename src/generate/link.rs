@@ -9,14 +9,18 @@ use super::Options;
 use super::algebra::{Scalar, Sum};
 use super::chain::Chain;
 use super::constraints::{place, split};
-use super::equations::{Equations, Label};
+use super::equations::{Equations, QuantityLabel};
 use super::loads::{Loads, into_frame};
-use super::parameters::Parameters;
+use super::parameters::ModelParameters;
 use super::vector::{Vector, define_as, subtracted, unit};
 use robovec_ir::{Boundary, SourceSet};
 
 /// Writes all links.
-pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
+pub(super) fn write(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    options: &Options,
+) {
     let mut loads = Loads::new(parameters);
     for index in 0..parameters.model.links.len() {
         one(equations, parameters, options, index, &mut loads);
@@ -26,7 +30,7 @@ pub(super) fn write(equations: &mut Equations, parameters: &Parameters<'_>, opti
 
 fn one(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     index: usize,
     loads: &mut Loads,
@@ -40,7 +44,7 @@ fn one(
         Chain::new(equations, parameters, names, &paths[side], &places[side])
     });
     let [first, second] = [0, 1].map(|side| chains[side].position_terms(equations));
-    let label = |component| Label::new("Plnk", component, number);
+    let label = |component| QuantityLabel::new("Plnk", component, number);
     let span = define_as(equations, label, subtracted(second, &first));
     let (length, direction) = line(equations, number, &span);
     let velocities = [0, 1].map(|side| chains[side].motion(equations, parameters, &[]).velocity);
@@ -49,21 +53,21 @@ fn one(
     for (component, &value) in velocity.iter().zip(&direction) {
         rate.add(&[*component, value]);
     }
-    let rate = equations.define(Label::new("Zd", 0, number), rate);
-    let length = equations.named(Label::new("Z", 0, number), "Zv", length);
-    let rate = equations.named(Label::new("Zd", 0, number), "Zv", rate);
+    let rate = equations.define(QuantityLabel::new("Zd", 0, number), rate);
+    let length = equations.named(QuantityLabel::new("Z", 0, number), "Zv", length);
+    let rate = equations.named(QuantityLabel::new("Zd", 0, number), "Zv", rate);
     let force = call(equations, number, length, rate);
     let pull: Vector = [0, 1, 2].map(|k| {
         let mut sum = Sum::new();
         sum.add(&[force, direction[k]]);
-        equations.define(Label::new("flnk", k + 1, number), sum)
+        equations.define(QuantityLabel::new("flnk", k + 1, number), sum)
     });
     for (side, prefix) in [(0, "fPlnk"), (1, "fSlnk")] {
         // What acts on the base moves nothing.
         let Some(joint) = model.last_joint(link.ends[side].body) else {
             continue;
         };
-        let name = |row| Label::new(prefix, row, number);
+        let name = |row| QuantityLabel::new(prefix, row, number);
         let pull = into_frame(equations, &chains[side].axes(), &pull, name);
         let lever = difference(
             equations,
@@ -88,10 +92,10 @@ fn line(equations: &mut Equations, number: usize, span: &Vector) -> (Scalar, Vec
     for &component in span {
         square.add(&[component, component]);
     }
-    let square = equations.define(Label::new("PPlnk", 0, number), square);
-    let length = equations.sqrt(Label::new("Z", 0, number), square);
-    let direction =
-        [0, 1, 2].map(|k| equations.quotient(Label::new("e", k + 1, number), span[k], length));
+    let square = equations.define(QuantityLabel::new("PPlnk", 0, number), square);
+    let length = equations.sqrt(QuantityLabel::new("Z", 0, number), square);
+    let direction = [0, 1, 2]
+        .map(|k| equations.quotient(QuantityLabel::new("e", k + 1, number), span[k], length));
     (length, direction)
 }
 
@@ -105,7 +109,7 @@ fn difference(
     [0, 1, 2].map(|k| {
         let mut sum = Sum::of(a[k]);
         sum.add(&[-b[k]]);
-        equations.define(Label::new(prefix, k + 1, number), sum)
+        equations.define(QuantityLabel::new(prefix, k + 1, number), sum)
     })
 }
 

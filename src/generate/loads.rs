@@ -5,8 +5,8 @@
 //! the caller has put there.
 
 use super::algebra::{Scalar, Sum};
-use super::equations::{Equations, Label};
-use super::parameters::Parameters;
+use super::equations::{Equations, QuantityLabel};
+use super::parameters::ModelParameters;
 use super::vector::{Matrix, SumVector, Vector, add_cross, sums};
 
 /// What is added to the bodies, by joint.
@@ -15,7 +15,7 @@ pub(super) struct Loads {
 }
 
 impl Loads {
-    pub(super) fn new(parameters: &Parameters<'_>) -> Loads {
+    pub(super) fn new(parameters: &ModelParameters<'_>) -> Loads {
         Loads {
             columns: vec![None; parameters.joints()],
         }
@@ -55,7 +55,7 @@ impl Loads {
                     }
                     let mut total = Sum::of(equations.input(name, &[k + 1, joint + 1]));
                     total.add_sum(&sum);
-                    let label = Label::new(name, k + 1, joint + 1);
+                    let label = QuantityLabel::new(name, k + 1, joint + 1);
                     let value = equations.define(label, total);
                     equations.output(name, &[k + 1, joint + 1], value);
                 }
@@ -69,7 +69,7 @@ pub(super) fn into_frame(
     equations: &mut Equations,
     axes: &Matrix,
     vector: &[Scalar; 3],
-    label: impl Fn(usize) -> Label,
+    label: impl Fn(usize) -> QuantityLabel,
 ) -> Vector {
     let mut row = 0;
     axes.map(|axis| {

@@ -5,8 +5,8 @@
 //! reader of Robotran's files gives them, so that a function does not change
 //! on its way through a file.
 
-use super::algebra::{Factor, Scalar, Sum, Term};
-use super::equations::{Atom, Body, Equations};
+use super::algebra::{ProductFactor, Scalar, SignedProduct, Sum};
+use super::equations::{Atom, Equations, RightHandSide};
 use crate::robotran::conventions::{INPUT_ORDER, known_extent};
 use robovec_ir::{
     Array, Assignment, Function, Input, Module, Name, Node, Operand, Operation, Output, Shape,
@@ -70,7 +70,7 @@ pub(super) fn lower(
         &mut module.tables,
     );
     let outputs = declare_outputs(equations, extents, &mut function, &mut module.tables);
-    let mut writer = Writer {
+    let mut writer = FunctionWriter {
         equations,
         function,
         tables: &mut module.tables,
@@ -113,18 +113,18 @@ pub(super) fn operations(equations: &Equations) -> usize {
         _ => None,
     });
     let operations = bodies.map(|body| match body {
-        Body::Sum(sum) => operations_of(sum, &groups),
-        Body::Sqrt(_) | Body::Quotient(..) => 1,
+        RightHandSide::Sum(sum) => operations_of(sum, &groups),
+        RightHandSide::Sqrt(_) | RightHandSide::Quotient(..) => 1,
         _ => 0,
     });
     operations.sum()
 }
 
 fn operations_of(sum: &Sum, groups: &[usize]) -> usize {
-    let term = |term: &Term| {
+    let term = |term: &SignedProduct| {
         let inner = term.factors.iter().map(|factor| match *factor {
-            Factor::Group(group) => groups[group as usize],
-            Factor::Atom(_) => 0,
+            ProductFactor::Group(group) => groups[group as usize],
+            ProductFactor::Atom(_) => 0,
         });
         inner.sum::<usize>() + term.factors.len().saturating_sub(1)
     };
@@ -148,11 +148,12 @@ fn needed(equations: &Equations) -> Vec<bool> {
             continue;
         }
         match &equations.equations[equation as usize].body {
-            Body::Sum(sum) => mark(sum, &mut needed, &mut pending),
-            Body::Copy(a) | Body::Sin(a) | Body::Cos(a) | Body::Sqrt(a) => {
-                needed[a.atom() as usize] = true
-            }
-            Body::Quotient(a, b) => {
+            RightHandSide::Sum(sum) => mark(sum, &mut needed, &mut pending),
+            RightHandSide::Copy(a)
+            | RightHandSide::Sin(a)
+            | RightHandSide::Cos(a)
+            | RightHandSide::Sqrt(a) => needed[a.atom() as usize] = true,
+            RightHandSide::Quotient(a, b) => {
                 needed[a.atom() as usize] = true;
                 needed[b.atom() as usize] = true;
             }
@@ -169,8 +170,8 @@ fn needed(equations: &Equations) -> Vec<bool> {
 fn mark(sum: &Sum, needed: &mut [bool], pending: &mut Vec<u32>) {
     for factor in sum.terms.iter().flat_map(|term| &term.factors) {
         match *factor {
-            Factor::Atom(atom) => needed[atom as usize] = true,
-            Factor::Group(group) => pending.push(group),
+            ProductFactor::Atom(atom) => needed[atom as usize] = true,
+            ProductFactor::Group(group) => pending.push(group),
         }
     }
 }
@@ -248,7 +249,7 @@ fn declare_outputs(
     declared.into_iter().flatten().collect()
 }
 
-struct Writer<'a> {
+struct FunctionWriter<'a> {
     equations: &'a Equations,
     function: Function,
     tables: &'a mut Tables,
@@ -257,7 +258,7 @@ struct Writer<'a> {
     names: hashbrown::HashSet<Symbol>,
 }
 
-impl Writer<'_> {
+impl FunctionWriter<'_> {
     fn atom(&mut self, index: usize, atom: Atom, needed: &[bool], inputs: &[Option<Input>]) {
         self.operands[index] = match atom {
             _ if !needed[index] => Operand::NONE,
@@ -272,8 +273,8 @@ impl Writer<'_> {
     fn equation(&mut self, number: u32) -> Operand {
         let equation = &self.equations.equations[number as usize];
         let operand = match &equation.body {
-            Body::Sum(sum) => self.sum(sum),
-            Body::Copy(a) => {
+            RightHandSide::Sum(sum) => self.sum(sum),
+            RightHandSide::Copy(a) => {
                 let operation = if a.is_negative() {
                     Operation::Neg
                 } else {
@@ -282,10 +283,10 @@ impl Writer<'_> {
                 let operand = self.operand(*a);
                 self.node(operation, [operand, Operand::NONE])
             }
-            Body::Sin(a) => self.unary(Operation::Sin, *a),
-            Body::Cos(a) => self.unary(Operation::Cos, *a),
-            Body::Sqrt(a) => self.unary(Operation::Sqrt, *a),
-            Body::Quotient(a, b) => {
+            RightHandSide::Sin(a) => self.unary(Operation::Sin, *a),
+            RightHandSide::Cos(a) => self.unary(Operation::Cos, *a),
+            RightHandSide::Sqrt(a) => self.unary(Operation::Sqrt, *a),
+            RightHandSide::Quotient(a, b) => {
                 let operands = [self.operand(*a), self.operand(*b)];
                 self.node(Operation::Div, operands)
             }
@@ -350,12 +351,12 @@ impl Writer<'_> {
         total
     }
 
-    fn term(&mut self, term: &Term) -> Operand {
+    fn term(&mut self, term: &SignedProduct) -> Operand {
         let mut product = Operand::NONE;
         for factor in &term.factors {
             let operand = match *factor {
-                Factor::Atom(atom) => self.operands[atom as usize],
-                Factor::Group(group) => {
+                ProductFactor::Atom(atom) => self.operands[atom as usize],
+                ProductFactor::Group(group) => {
                     let equations = self.equations;
                     self.sum(&equations.groups[group as usize])
                 }

@@ -37,10 +37,10 @@ mod turned_body;
 mod vector;
 
 use self::algebra::Scalar;
-use self::equations::{Equations, Style};
-pub use self::formulation::{Formulation, Network, Origin, Requirements};
+use self::equations::{EquationStyle, Equations};
+pub use self::formulation::{Formulation, MomentOrigin, PrefixNetwork, Requirements};
 use self::lower::Extents;
-use self::parameters::Parameters;
+use self::parameters::ModelParameters;
 use crate::model::Model;
 use robovec_ir::{Function, Level, Module};
 use thiserror::Error;
@@ -156,7 +156,7 @@ pub enum TermOrder {
 
 /// What a parameter of the model becomes.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub enum Binding {
+pub enum ParameterBinding {
     /// An element of an input array, to be given at run time.
     #[default]
     Symbols,
@@ -173,7 +173,7 @@ pub struct Options {
     /// fictitious bodies ("All Parameter Symbols included").
     pub all_parameters: bool,
     /// What parameters become.
-    pub parameters: Binding,
+    pub parameters: ParameterBinding,
     /// Include the external forces `frc` and torques `trq` of bodies.
     pub external_forces: bool,
     /// Write sums as generator 8.1 does, a leading minus where the first term
@@ -195,7 +195,7 @@ impl Default for Options {
         Options {
             order: TermOrder::default(),
             all_parameters: false,
-            parameters: Binding::default(),
+            parameters: ParameterBinding::default(),
             external_forces: true,
             leading_signs: false,
             expanded: false,
@@ -207,7 +207,7 @@ impl Default for Options {
 
 /// What to generate, and how.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Request {
+pub struct GenerationRequest {
     /// The function.
     pub function: FunctionKind,
     /// The recursion.
@@ -216,10 +216,10 @@ pub struct Request {
     pub options: Options,
 }
 
-impl Request {
+impl GenerationRequest {
     /// A function in the default formulation.
-    pub fn new(function: FunctionKind) -> Request {
-        Request {
+    pub fn new(function: FunctionKind) -> GenerationRequest {
+        GenerationRequest {
             function,
             formulation: Formulation::default(),
             options: Options::default(),
@@ -302,7 +302,7 @@ const PAIR_LIMIT: usize = 100_000;
 
 /// Refuses functions that grow with the pairs of a joint and its ancestors, for
 /// models that have too many.
-fn within_limit(model: &Model, request: &Request) -> Result<(), GenerateError> {
+fn within_limit(model: &Model, request: &GenerationRequest) -> Result<(), GenerateError> {
     let grows = match request.function {
         FunctionKind::Dirdyna | FunctionKind::Accelred => {
             request.formulation != Formulation::Articulated
@@ -327,7 +327,7 @@ fn within_limit(model: &Model, request: &Request) -> Result<(), GenerateError> {
 /// # Errors
 ///
 /// See [`GenerateError`].
-pub fn generate(model: &Model, request: &Request) -> Result<Module, GenerateError> {
+pub fn generate(model: &Model, request: &GenerationRequest) -> Result<Module, GenerateError> {
     let mut module = Module::new();
     generate_into(&mut module, model, request)?;
     Ok(module)
@@ -341,7 +341,7 @@ pub fn generate(model: &Model, request: &Request) -> Result<Module, GenerateErro
 pub fn generate_into(
     module: &mut Module,
     model: &Model,
-    request: &Request,
+    request: &GenerationRequest,
 ) -> Result<(), GenerateError> {
     if !model.check() {
         return Err(GenerateError::Inconsistent(model.name.clone()));
@@ -370,13 +370,17 @@ pub fn generate_into(
 
 /// Writes the equations of a function, or of one case of a function of sensors
 /// (from 0).
-fn write(model: &Model, request: &Request, case: usize) -> Result<Equations, GenerateError> {
+fn write(
+    model: &Model,
+    request: &GenerationRequest,
+    case: usize,
+) -> Result<Equations, GenerateError> {
     let options = &request.options;
-    let mut written = Equations::new(Style {
+    let mut written = Equations::new(EquationStyle {
         leading_signs: options.leading_signs,
     });
     let equations = &mut written;
-    let parameters = &Parameters::new(model, options, equations);
+    let parameters = &ModelParameters::new(model, options, equations);
     match request.function {
         FunctionKind::Dirdyna => {
             formulation::direct(equations, parameters, request);
@@ -398,7 +402,7 @@ fn write(model: &Model, request: &Request, case: usize) -> Result<Equations, Gen
 }
 
 /// A function without equations.
-fn head(model: &Model, request: &Request, case: usize) -> Function {
+fn head(model: &Model, request: &GenerationRequest, case: usize) -> Function {
     let mut name = request.function.name().to_owned();
     let mut metadata = metadata(model, request);
     if matches!(
@@ -415,7 +419,7 @@ fn head(model: &Model, request: &Request, case: usize) -> Function {
 }
 
 /// What a reader of the equations wants to know of their origin.
-fn metadata(model: &Model, request: &Request) -> Vec<(String, String)> {
+fn metadata(model: &Model, request: &GenerationRequest) -> Vec<(String, String)> {
     let mut metadata = vec![
         ("model", model.name.clone()),
         (

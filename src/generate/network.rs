@@ -8,12 +8,12 @@
 //! counted from the root. Such blocks depend on the ancestors alone, so all
 //! branches behind a joint share the blocks before it.
 
-use super::formulation::Network;
+use super::formulation::PrefixNetwork;
 
 /// Where a combination stands: the block of the path that ends at a joint and
 /// begins at a depth. Depth 0 is the first joint of the path.
 #[derive(Clone, Copy)]
-pub(super) struct Block {
+pub(super) struct PathBlock {
     pub(super) joint: usize,
     pub(super) start: usize,
 }
@@ -22,29 +22,29 @@ pub(super) struct Block {
 /// `combine` gets the block it makes, the value of the part towards the root
 /// and the value of the part that ends at the joint.
 pub(super) fn paths<T: Copy>(
-    network: Network,
+    network: PrefixNetwork,
     parents: &[Option<usize>],
     values: &[T],
-    combine: impl FnMut(Block, T, T) -> T,
+    combine: impl FnMut(PathBlock, T, T) -> T,
 ) -> Vec<T> {
     let mut depths: Vec<usize> = Vec::with_capacity(parents.len());
     for parent in parents {
         depths.push(parent.map_or(0, |parent| depths[parent] + 1));
     }
-    let paths = Paths { parents, depths };
+    let paths = JointPaths { parents, depths };
     match network {
-        Network::Serial => paths.serial(values, combine),
-        Network::BrentKung => paths.brent_kung(values, combine),
-        Network::Sklansky => paths.sklansky(values, combine),
+        PrefixNetwork::Serial => paths.serial(values, combine),
+        PrefixNetwork::BrentKung => paths.brent_kung(values, combine),
+        PrefixNetwork::Sklansky => paths.sklansky(values, combine),
     }
 }
 
-struct Paths<'a> {
+struct JointPaths<'a> {
     parents: &'a [Option<usize>],
     depths: Vec<usize>,
 }
 
-impl Paths<'_> {
+impl JointPaths<'_> {
     /// The joint of a depth on the path of a joint.
     fn at(&self, mut joint: usize, depth: usize) -> usize {
         while self.depths[joint] > depth {
@@ -56,10 +56,14 @@ impl Paths<'_> {
         joint
     }
 
-    fn serial<T: Copy>(&self, values: &[T], mut combine: impl FnMut(Block, T, T) -> T) -> Vec<T> {
+    fn serial<T: Copy>(
+        &self,
+        values: &[T],
+        mut combine: impl FnMut(PathBlock, T, T) -> T,
+    ) -> Vec<T> {
         let mut combined: Vec<T> = Vec::with_capacity(values.len());
         for (joint, &value) in values.iter().enumerate() {
-            let block = Block { joint, start: 0 };
+            let block = PathBlock { joint, start: 0 };
             combined.push(match self.parents[joint] {
                 Some(parent) => combine(block, combined[parent], value),
                 None => value,
@@ -70,7 +74,11 @@ impl Paths<'_> {
 
     /// In step k, blocks of `2^k` are joined in pairs: every joint of a second
     /// block takes the whole first one.
-    fn sklansky<T: Copy>(&self, values: &[T], mut combine: impl FnMut(Block, T, T) -> T) -> Vec<T> {
+    fn sklansky<T: Copy>(
+        &self,
+        values: &[T],
+        mut combine: impl FnMut(PathBlock, T, T) -> T,
+    ) -> Vec<T> {
         let mut combined = values.to_vec();
         let deepest = self.depths.iter().copied().max().unwrap_or(0);
         let mut size = 1;
@@ -80,7 +88,7 @@ impl Paths<'_> {
                 if depth & size != 0 {
                     let middle = depth / size * size;
                     let other = self.at(joint, middle - 1);
-                    let block = Block {
+                    let block = PathBlock {
                         joint,
                         start: middle - size,
                     };
@@ -97,7 +105,7 @@ impl Paths<'_> {
     fn brent_kung<T: Copy>(
         &self,
         values: &[T],
-        mut combine: impl FnMut(Block, T, T) -> T,
+        mut combine: impl FnMut(PathBlock, T, T) -> T,
     ) -> Vec<T> {
         let mut blocks = values.to_vec();
         let mut combined = values.to_vec();
@@ -107,7 +115,7 @@ impl Paths<'_> {
             let mut size = 1;
             while size < largest {
                 let other = self.at(joint, depth - size);
-                let block = Block {
+                let block = PathBlock {
                     joint,
                     start: place - 2 * size,
                 };
@@ -118,7 +126,11 @@ impl Paths<'_> {
                 blocks[joint]
             } else {
                 let other = self.at(joint, depth - largest);
-                combine(Block { joint, start: 0 }, combined[other], blocks[joint])
+                combine(
+                    PathBlock { joint, start: 0 },
+                    combined[other],
+                    blocks[joint],
+                )
             };
         }
         combined
@@ -132,10 +144,10 @@ impl Paths<'_> {
 /// a sum: the block reaches from the joint `start` places towards the leaf) it
 /// makes, and what to add.
 pub(super) fn subtrees<T: Copy>(
-    network: Network,
+    network: PrefixNetwork,
     parents: &[Option<usize>],
     values: &[T],
-    mut add: impl FnMut(Block, &[T]) -> T,
+    mut add: impl FnMut(PathBlock, &[T]) -> T,
 ) -> Vec<T> {
     let chains = chains(parents);
     let mut sums = values.to_vec();
@@ -149,7 +161,7 @@ pub(super) fn subtrees<T: Copy>(
             own.push(match parts.as_slice() {
                 [value] => *value,
                 parts => add(
-                    Block {
+                    PathBlock {
                         joint,
                         start: chain.len(),
                     },
@@ -163,7 +175,7 @@ pub(super) fn subtrees<T: Copy>(
         let combined = paths(network, &order, &own, |block, before, after| {
             let joint = chain[last - block.joint];
             let start = block.start;
-            add(Block { joint, start }, &[after, before])
+            add(PathBlock { joint, start }, &[after, before])
         });
         for (place, sum) in combined.into_iter().enumerate() {
             sums[chain[last - place]] = sum;
@@ -213,7 +225,7 @@ mod tests {
             .collect();
         let lists: Vec<Vec<usize>> = (0..60).map(|joint| vec![joint]).collect();
         let values: Vec<usize> = (0..60).collect();
-        for network in Network::ALL {
+        for network in PrefixNetwork::ALL {
             let mut store = lists.clone();
             let down = paths(network, &parents, &values, |_, before, after| {
                 let joined = [store[before].clone(), store[after].clone()].concat();

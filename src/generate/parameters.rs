@@ -6,13 +6,13 @@
 //! has no symbol is at rest.
 
 use super::algebra::Scalar;
-use super::equations::{Equations, Label};
-use super::vector::{Matrix, SumVector, Turn, Vector, ZERO, define_as, sums};
-use super::{Binding, Options};
+use super::equations::{Equations, QuantityLabel};
+use super::vector::{AxisRotation, Matrix, SumVector, Vector, ZERO, define_as, sums};
+use super::{Options, ParameterBinding};
 use crate::model::Model;
 
 /// Everything the recursions read, by joint index.
-pub(super) struct Parameters<'m> {
+pub(super) struct ModelParameters<'m> {
     pub(super) model: &'m Model,
     /// Gravity, m/s^2.
     pub(super) gravity: Vector,
@@ -33,14 +33,14 @@ pub(super) struct Parameters<'m> {
     /// External torque on each body, in its frame.
     pub(super) torques: Vec<Vector>,
     /// The rotation of each joint.
-    pub(super) turns: Vec<Turn>,
+    pub(super) turns: Vec<AxisRotation>,
 }
 
-impl<'m> Parameters<'m> {
+impl<'m> ModelParameters<'m> {
     /// Names the symbols of a model and writes its sines and cosines.
     pub(super) fn new(model: &'m Model, options: &Options, equations: &mut Equations) -> Self {
         let joints = 0..model.joints.len();
-        let mut source = Source { options, equations };
+        let mut source = ParameterSource { options, equations };
         let gravity = [0, 1, 2].map(|i| source.parameter("g", &[i + 1], model.gravity[i]));
         let real = |joint: usize| Properties::of(model, joint, options.all_parameters);
         let masses = joints
@@ -110,17 +110,17 @@ impl<'m> Parameters<'m> {
             .map(|i| {
                 let kind = model.joints[i].kind;
                 if kind.is_revolute() {
-                    Turn {
+                    AxisRotation {
                         axis: kind.axis().index(),
-                        cos: equations.cos(Label::new("C", 0, i + 1), q[i]),
-                        sin: equations.sin(Label::new("S", 0, i + 1), q[i]),
+                        cos: equations.cos(QuantityLabel::new("C", 0, i + 1), q[i]),
+                        sin: equations.sin(QuantityLabel::new("S", 0, i + 1), q[i]),
                     }
                 } else {
-                    Turn::NONE
+                    AxisRotation::NONE
                 }
             })
             .collect();
-        Parameters {
+        ModelParameters {
             model,
             gravity,
             attachments,
@@ -170,7 +170,7 @@ impl<'m> Parameters<'m> {
 
     /// The offset with a name for each sum (`Dz`).
     pub(super) fn named_offset(&self, equations: &mut Equations, joint: usize) -> Vector {
-        let label = |component| Label::new("Dz", 0, 10 * (joint + 1) + component);
+        let label = |component| QuantityLabel::new("Dz", 0, 10 * (joint + 1) + component);
         define_as(equations, label, self.offset(joint))
     }
 
@@ -236,18 +236,20 @@ impl Properties {
 }
 
 /// Makes symbols or numbers of parameters.
-pub(super) struct Source<'a> {
+pub(super) struct ParameterSource<'a> {
     pub(super) options: &'a Options,
     pub(super) equations: &'a mut Equations,
 }
 
-impl Source<'_> {
+impl ParameterSource<'_> {
     /// A parameter of the model: a structural zero, a symbol or a number.
     pub(super) fn parameter(&mut self, array: &str, indices: &[usize], value: f64) -> Scalar {
         match self.options.parameters {
-            Binding::Symbols if value == 0.0 && !self.options.all_parameters => Scalar::ZERO,
-            Binding::Symbols => self.equations.input(array, indices),
-            Binding::Numbers => self.equations.number(value),
+            ParameterBinding::Symbols if value == 0.0 && !self.options.all_parameters => {
+                Scalar::ZERO
+            }
+            ParameterBinding::Symbols => self.equations.input(array, indices),
+            ParameterBinding::Numbers => self.equations.number(value),
         }
     }
 

@@ -21,24 +21,24 @@
 //! stem are then worked off in body frames, one after another.
 
 use super::algebra::{Scalar, Sum};
-use super::bias::{Bias, Motion, tilde};
-use super::composite::{Dynamics, carry};
-use super::equations::{Equations, Label};
-use super::formulation::{Network, Origin};
+use super::bias::{Bias, BiasMotion, tilde};
+use super::composite::{MassAndBias, carry};
+use super::equations::{Equations, QuantityLabel};
+use super::formulation::{MomentOrigin, PrefixNetwork};
 use super::hub::{Pose, Twist, hubs, turned};
 use super::inertia::{Inertia, SumInertia, Wrench};
-use super::network::{Block, paths, subtrees};
-use super::parameters::Parameters;
+use super::network::{PathBlock, paths, subtrees};
+use super::parameters::ModelParameters;
 use super::turned_body::{euler, turned_moments};
 use super::vector::{Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, define, sums};
 
 /// `M` and `c`.
 pub(super) fn dynamics(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
-    network: Network,
-    origin: Origin,
-) -> Dynamics {
+    parameters: &ModelParameters<'_>,
+    network: PrefixNetwork,
+    origin: MomentOrigin,
+) -> MassAndBias {
     let offsets = parameters.named_offsets(equations);
     let mut form = Prefix::new(equations, parameters, (network, origin), &offsets, &[]);
     let (twists, loads) = form.loads();
@@ -46,14 +46,14 @@ pub(super) fn dynamics(
     let mass = (0..loads.len())
         .map(|joint| form.column(joint, &twists, &loads[joint].inertia))
         .collect();
-    Dynamics { mass, bias }
+    MassAndBias { mass, bias }
 }
 
 /// Joint forces for given accelerations of the joints.
 pub(super) fn inverse(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
-    (network, origin): (Network, Origin),
+    parameters: &ModelParameters<'_>,
+    (network, origin): (PrefixNetwork, MomentOrigin),
     accelerations: &[Scalar],
 ) -> Vec<Scalar> {
     let offsets = parameters.named_offsets(equations);
@@ -65,7 +65,7 @@ pub(super) fn inverse(
 
 /// What bodies add up to: a wrench and an inertia about the reference.
 #[derive(Clone, Copy)]
-struct Load {
+struct CompositeLoad {
     wrench: Wrench,
     inertia: Inertia,
 }
@@ -73,17 +73,17 @@ struct Load {
 /// The motion of the frames behind the joints, in the axes of the reference.
 struct Motions {
     poses: Vec<Pose>,
-    motions: Vec<Motion>,
+    motions: Vec<BiasMotion>,
 }
 
 struct Prefix<'e, 'p, 'm> {
     equations: &'e mut Equations,
-    parameters: &'p Parameters<'m>,
+    parameters: &'p ModelParameters<'m>,
     offsets: &'p [Vector],
     /// Accelerations of the joints; none at all when empty.
     accelerations: &'p [Scalar],
-    network: Network,
-    origin: Origin,
+    network: PrefixNetwork,
+    origin: MomentOrigin,
     /// True for joints that the networks combine, false for stems and hubs.
     behind: Vec<bool>,
 }
@@ -91,14 +91,14 @@ struct Prefix<'e, 'p, 'm> {
 impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
     fn new(
         equations: &'e mut Equations,
-        parameters: &'p Parameters<'m>,
-        (network, origin): (Network, Origin),
+        parameters: &'p ModelParameters<'m>,
+        (network, origin): (PrefixNetwork, MomentOrigin),
         offsets: &'p [Vector],
         accelerations: &'p [Scalar],
     ) -> Self {
         let behind = match origin {
-            Origin::Base => vec![true; parameters.joints()],
-            Origin::Body => {
+            MomentOrigin::Base => vec![true; parameters.joints()],
+            MomentOrigin::Body => {
                 let hubs = hubs(parameters);
                 let is_behind =
                     |(joint, hub): (usize, &Option<usize>)| hub.is_some_and(|hub| hub != joint);
@@ -117,10 +117,10 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
     }
 
     /// The twists of all joints, and what they carry.
-    fn loads(&mut self) -> (Vec<Twist>, Vec<Load>) {
+    fn loads(&mut self) -> (Vec<Twist>, Vec<CompositeLoad>) {
         let stem = self.stem();
         let Motions { poses, motions } = self.motions(&stem);
-        let loads: Vec<Load> = (0..self.behind.len())
+        let loads: Vec<CompositeLoad> = (0..self.behind.len())
             .map(|joint| self.own(joint, &poses[joint], &motions[joint]))
             .collect();
         let mut loads = self.sums(&loads);
@@ -130,10 +130,10 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
     }
 
     /// The components of what joints carry along their axes.
-    fn forces(&mut self, twists: &[Twist], loads: &[Load]) -> Vec<Scalar> {
-        let force = |(joint, load): (usize, &Load)| {
+    fn forces(&mut self, twists: &[Twist], loads: &[CompositeLoad]) -> Vec<Scalar> {
+        let force = |(joint, load): (usize, &CompositeLoad)| {
             if self.behind[joint] {
-                let label = Label::new("c", 0, joint + 1);
+                let label = QuantityLabel::new("c", 0, joint + 1);
                 product(self.equations, label, &twists[joint], &load.wrench)
             } else {
                 load.wrench.along(self.parameters, joint)
@@ -163,12 +163,12 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
     }
 
     /// The motions of stems and hubs, in their own frames.
-    fn stem(&mut self) -> Vec<Motion> {
+    fn stem(&mut self) -> Vec<BiasMotion> {
         let bias = Bias::new(self.parameters, self.offsets, &[]).accelerated(self.accelerations);
-        let mut motions: Vec<Motion> = Vec::with_capacity(self.behind.len());
+        let mut motions: Vec<BiasMotion> = Vec::with_capacity(self.behind.len());
         for joint in 0..self.behind.len() {
             motions.push(if self.behind[joint] {
-                Motion::REST
+                BiasMotion::REST
             } else {
                 let parent = self.parameters.parent(joint);
                 let before = parent.map_or_else(|| bias.base(), |parent| motions[parent]);
@@ -179,7 +179,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
     }
 
     /// Poses and motions behind all joints.
-    fn motions(&mut self, stem: &[Motion]) -> Motions {
+    fn motions(&mut self, stem: &[BiasMotion]) -> Motions {
         let parameters = self.parameters;
         let forest = self.forest();
         let joints = 0..self.behind.len();
@@ -257,7 +257,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
                     for (k, &coefficient) in coefficients.iter().enumerate() {
                         sum.add(&[coefficient, before[k][column]]);
                     }
-                    let label = Label::new("RO", 3 * row + column + 1, block.joint + 1);
+                    let label = QuantityLabel::new("RO", 3 * row + column + 1, block.joint + 1);
                     rows[row][column] = equations.define(label.column(block.start), sum);
                 }
             }
@@ -301,27 +301,28 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
     /// Angular velocity, angular acceleration and acceleration of every frame.
     fn velocities(
         &mut self,
-        stem: &[Motion],
+        stem: &[BiasMotion],
         forest: &[Option<usize>],
         levers: &[Vector],
         [spins, directions]: [&[Vector]; 2],
-    ) -> Vec<Motion> {
+    ) -> Vec<BiasMotion> {
         let parameters = self.parameters;
         let count = self.behind.len();
         let base = Bias::new(parameters, self.offsets, &[]).base();
         let reference = |joint: usize| match (self.origin, parameters.parent(joint)) {
-            (Origin::Body, Some(parent)) => stem[parent],
+            (MomentOrigin::Body, Some(parent)) => stem[parent],
             _ => base,
         };
-        let references: Vec<Motion> = (0..count).map(reference).collect();
+        let references: Vec<BiasMotion> = (0..count).map(reference).collect();
         let revolute = |joint| parameters.is_revolute(joint);
         let own: Vec<Vector> = (0..count)
             .map(|joint| if revolute(joint) { spins[joint] } else { ZERO })
             .collect();
         let velocities = self.path_sums("OM", forest, &own, |joint| references[joint].velocity);
-        let before = |form: &Self, joint: usize, values: &[Vector], pick: fn(&Motion) -> Vector| {
-            form.before(joint, values, pick(&references[joint]))
-        };
+        let before =
+            |form: &Self, joint: usize, values: &[Vector], pick: fn(&BiasMotion) -> Vector| {
+                form.before(joint, values, pick(&references[joint]))
+            };
         let steps: Vec<Vector> = (0..count)
             .map(|joint| {
                 let mut cross = sums();
@@ -334,14 +335,14 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
             })
             .collect();
         let angulars = self.path_sums("OP", forest, &steps, |joint| references[joint].angular);
-        let mut motions: Vec<Motion> = (0..count)
+        let mut motions: Vec<BiasMotion> = (0..count)
             .map(|joint| {
                 if !self.behind[joint] {
                     return stem[joint];
                 }
                 let (velocity, angular) = (velocities[joint], angulars[joint]);
                 let (tilde, squares) = tilde(self.equations, joint, &velocity, &angular);
-                Motion {
+                BiasMotion {
                     velocity,
                     angular,
                     linear: ZERO,
@@ -382,7 +383,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
     }
 
     /// What a joint's own body gives, about the reference's origin.
-    fn own(&mut self, joint: usize, pose: &Pose, motion: &Motion) -> Load {
+    fn own(&mut self, joint: usize, pose: &Pose, motion: &BiasMotion) -> CompositeLoad {
         let parameters = self.parameters;
         let equations = &mut *self.equations;
         let mass = parameters.masses[joint];
@@ -421,7 +422,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
         add_cross(&mut torque, &center, &force, false);
         let mut inertia = SumInertia::new();
         inertia.add_body(equations, joint, mass, &moments, &center);
-        Load {
+        CompositeLoad {
             wrench: Wrench {
                 force,
                 torque: define(equations, "NO", joint, 0, torque),
@@ -431,7 +432,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
     }
 
     /// Sums over the bodies behind every joint; stems and hubs keep their own.
-    fn sums(&mut self, loads: &[Load]) -> Vec<Load> {
+    fn sums(&mut self, loads: &[CompositeLoad]) -> Vec<CompositeLoad> {
         let parameters = self.parameters;
         // A hub takes what the joints behind it carry: the same frame.
         let parents: Vec<Option<usize>> = (0..loads.len())
@@ -444,7 +445,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
     }
 
     /// The loads of the stems, from the hubs to the base.
-    fn collect_stem(&mut self, loads: &mut [Load]) {
+    fn collect_stem(&mut self, loads: &mut [CompositeLoad]) {
         let parameters = self.parameters;
         for joint in (0..loads.len()).rev() {
             let Some(parent) = parameters.parent(joint).filter(|_| !self.behind[joint]) else {
@@ -460,7 +461,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
             let mut inertia = SumInertia::new();
             inertia.add_child(equations, parameters, joint, &loads[joint].inertia, offset);
             inertia.add(&loads[parent].inertia);
-            loads[parent] = Load {
+            loads[parent] = CompositeLoad {
                 wrench: wrench.define(equations, ("FS", "NS"), parent, 0),
                 inertia: inertia.define(equations, ["MC", "HC", "JC"], parent, 0),
             };
@@ -483,7 +484,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
             inertia.column(parameters.axis(joint), parameters.is_revolute(joint))
         };
         while let Some(ancestor) = place.filter(|&ancestor| self.behind[ancestor]) {
-            let label = Label::new("MO", 0, joint + 1).column(ancestor + 1);
+            let label = QuantityLabel::new("MO", 0, joint + 1).column(ancestor + 1);
             let entry = product(self.equations, label, &twists[ancestor], &wrench);
             entries.push((ancestor, entry));
             place = parameters.parent(ancestor);
@@ -501,7 +502,12 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
 }
 
 /// The component of a wrench along a joint's twist.
-fn product(equations: &mut Equations, label: Label, twist: &Twist, wrench: &Wrench) -> Scalar {
+fn product(
+    equations: &mut Equations,
+    label: QuantityLabel,
+    twist: &Twist,
+    wrench: &Wrench,
+) -> Scalar {
     let mut sum = Sum::new();
     for (angular, torque) in twist.angular.iter().zip(&wrench.torque) {
         sum.add(&[*angular, *torque]);
@@ -512,7 +518,11 @@ fn product(equations: &mut Equations, label: Label, twist: &Twist, wrench: &Wren
     equations.define(label, sum)
 }
 
-fn add_loads(equations: &mut Equations, block: Block, parts: &[Load]) -> Load {
+fn add_loads(
+    equations: &mut Equations,
+    block: PathBlock,
+    parts: &[CompositeLoad],
+) -> CompositeLoad {
     let mut wrench = super::inertia::SumWrench::new();
     let mut inertia = SumInertia::new();
     for part in parts {
@@ -520,7 +530,7 @@ fn add_loads(equations: &mut Equations, block: Block, parts: &[Load]) -> Load {
         inertia.add(&part.inertia);
     }
     let (joint, column) = (block.joint, block.start);
-    Load {
+    CompositeLoad {
         wrench: wrench.define(equations, ("FS", "NS"), joint, column),
         inertia: inertia.define(equations, ["MS", "HS", "JS"], joint, column),
     }

@@ -10,8 +10,8 @@
 //! `M`. The number of operations grows with the sum of depths over all bodies.
 
 use super::algebra::{Scalar, Sum};
-use super::equations::{Equations, Label};
-use super::parameters::Parameters;
+use super::equations::{Equations, QuantityLabel};
+use super::parameters::ModelParameters;
 use super::vector::{
     Matrix, SumVector, Vector, ZERO, add_cross, add_cross_of_sums, add_matrix_product, cyclic,
     define, sums,
@@ -20,7 +20,7 @@ use super::{Options, TermOrder};
 
 /// The motion of a joint's frame, or its derivative.
 #[derive(Clone, Copy)]
-pub(super) struct Motion {
+pub(super) struct FrameMotion {
     /// Angular acceleration.
     pub(super) angular: Vector,
     /// Acceleration of the origin.
@@ -29,13 +29,13 @@ pub(super) struct Motion {
 
 /// What a joint carries.
 #[derive(Clone, Copy)]
-pub(super) struct Load {
+pub(super) struct JointLoad {
     pub(super) force: Vector,
     pub(super) torque: Vector,
 }
 
 /// The names of the quantities of a function.
-struct Names {
+struct RecursionNames {
     angular: &'static str,
     linear: &'static str,
     tilde: &'static str,
@@ -45,7 +45,7 @@ struct Names {
     torque: &'static str,
 }
 
-const DIRECT: Names = Names {
+const DIRECT: RecursionNames = RecursionNames {
     angular: "OA",
     linear: "AF",
     tilde: "BEF",
@@ -55,7 +55,7 @@ const DIRECT: Names = Names {
     torque: "CF",
 };
 
-const INVERSE: Names = Names {
+const INVERSE: RecursionNames = RecursionNames {
     angular: "OMp",
     linear: "ALPHA",
     tilde: "BETA",
@@ -66,7 +66,11 @@ const INVERSE: Names = Names {
 };
 
 /// Writes `M` and `c`.
-pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, options: &Options) {
+pub(super) fn direct(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    options: &Options,
+) {
     let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
     recursion.forward(&[]);
     let bias = recursion.backward();
@@ -79,7 +83,7 @@ pub(super) fn direct(equations: &mut Equations, parameters: &Parameters<'_>, opt
 /// The bias force `c` alone.
 pub(super) fn bias(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
 ) -> Vec<Scalar> {
     let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
@@ -90,7 +94,7 @@ pub(super) fn bias(
 /// Joint forces for given accelerations of the joints.
 pub(super) fn inverse(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     accelerations: &[Scalar],
 ) -> Vec<Scalar> {
@@ -101,24 +105,24 @@ pub(super) fn inverse(
 
 pub(super) struct Recursion<'e, 'p, 'm> {
     pub(super) equations: &'e mut Equations,
-    pub(super) parameters: &'p Parameters<'m>,
-    names: &'p Names,
+    pub(super) parameters: &'p ModelParameters<'m>,
+    names: &'p RecursionNames,
     order: TermOrder,
     /// Products are multiplied out, as Robotran prints them.
     expanded: bool,
     pub(super) children: Vec<Vec<usize>>,
     pub(super) offsets: Vec<Vector>,
     velocities: Vec<Vector>,
-    motions: Vec<Motion>,
+    motions: Vec<FrameMotion>,
     tildes: Vec<Matrix>,
 }
 
 impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
     fn new(
         equations: &'e mut Equations,
-        parameters: &'p Parameters<'m>,
+        parameters: &'p ModelParameters<'m>,
         options: &Options,
-        names: &'p Names,
+        names: &'p RecursionNames,
     ) -> Self {
         let offsets = (0..parameters.joints())
             .map(|joint| parameters.named_offset(equations, joint))
@@ -146,7 +150,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
             let angular = self.angular(joint, &velocity, acceleration);
             let linear = self.linear(joint, acceleration);
             self.velocities.push(velocity);
-            self.motions.push(Motion { angular, linear });
+            self.motions.push(FrameMotion { angular, linear });
             let tilde = self.tilde(joint, &velocity, &angular);
             self.tildes.push(tilde);
         }
@@ -230,21 +234,23 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
                 .subtract(&[velocity[next], velocity[next]])
                 .subtract(&[velocity[last], velocity[last]]);
             let label = |row: usize, column: usize| 3 * row + column + 1;
-            tilde[row][row] = self
-                .equations
-                .define(Label::new("BS", label(row, row), joint + 1), diagonal);
+            tilde[row][row] = self.equations.define(
+                QuantityLabel::new("BS", label(row, row), joint + 1),
+                diagonal,
+            );
             let mut product = Sum::new();
             product.add(&[velocity[next], velocity[last]]);
             let square = self.equations.define(
-                Label::new("BS", label(next.min(last), next.max(last)), joint + 1),
+                QuantityLabel::new("BS", label(next.min(last), next.max(last)), joint + 1),
                 product,
             );
             for (r, c, sign) in [(next, last, true), (last, next, false)] {
                 let mut entry = Sum::of(square);
                 entry.add(&[angular[row].negated_if(sign)]);
-                tilde[r][c] = self
-                    .equations
-                    .define(Label::new(self.names.tilde, label(r, c), joint + 1), entry);
+                tilde[r][c] = self.equations.define(
+                    QuantityLabel::new(self.names.tilde, label(r, c), joint + 1),
+                    entry,
+                );
             }
         }
         tilde
@@ -255,7 +261,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
     fn backward(&mut self) -> Vec<Scalar> {
         let count = self.parameters.joints();
         let mut loads = vec![
-            Load {
+            JointLoad {
                 force: ZERO,
                 torque: ZERO
             };
@@ -344,7 +350,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
             let mut product = Sum::new();
             product.add(&[velocity[b], velocity[c]]);
             let product = self.equations.define(
-                Label::new("BS", 3 * b.min(c) + b.max(c) + 1, joint + 1),
+                QuantityLabel::new("BS", 3 * b.min(c) + b.max(c) + 1, joint + 1),
                 product,
             );
             let mut difference = Sum::of(inertia[c][c]);
@@ -370,8 +376,8 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
         column: usize,
         own_force: &Vector,
         own_torque: SumVector,
-        loads: &[Load],
-    ) -> Load {
+        loads: &[JointLoad],
+    ) -> JointLoad {
         let (force_name, force_turned, torque_name) = if column > 0 {
             ("FM", "FMR", "CM")
         } else {
@@ -394,7 +400,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
             add_cross_of_sums(&mut torque, &self.offsets[child], &up);
         }
         let own_force = own_force.map(Sum::of);
-        Load {
+        JointLoad {
             force: self.ordered(force_name, joint, column, own_force, force),
             torque: self.ordered(torque_name, joint, column, own_torque, torque),
         }
@@ -419,7 +425,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
     }
 
     /// The component of a load along a joint's axis.
-    pub(super) fn component(&self, joint: usize, load: &Load) -> Scalar {
+    pub(super) fn component(&self, joint: usize, load: &JointLoad) -> Scalar {
         let axis = self.parameters.axis(joint);
         if self.parameters.is_revolute(joint) {
             load.torque[axis]

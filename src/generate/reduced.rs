@@ -17,11 +17,11 @@
 //! near states where these pivots vanish.
 
 use super::algebra::{Scalar, Sum};
-use super::composite::Dynamics;
-use super::constraints::{self, Part};
-use super::equations::{Equations, Label};
-use super::factor::{LIMIT, Row, Stop, entry, solve_square, solve_symmetric};
-use super::parameters::Parameters;
+use super::composite::MassAndBias;
+use super::constraints::{self, ConstraintPart};
+use super::equations::{Equations, QuantityLabel};
+use super::factor::{LIMIT, SparseRow, Stop, entry, solve_square, solve_symmetric};
+use super::parameters::ModelParameters;
 use super::{GenerateError, Options};
 use crate::model::{Model, Nature};
 use crate::motion;
@@ -39,24 +39,24 @@ pub(super) fn residual_input(
     for &(mass, acceleration) in given {
         sum.subtract(&[mass, acceleration]);
     }
-    equations.define(Label::new("FMB", 0, joint + 1), sum)
+    equations.define(QuantityLabel::new("FMB", 0, joint + 1), sum)
 }
 
 /// Writes `qdd`.
 pub(super) fn accelerations(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
-    dynamics: &Dynamics,
+    dynamics: &MassAndBias,
 ) -> Result<(), GenerateError> {
     let model = parameters.model;
-    let mut reduction = Reduction {
+    let mut reduction = CoordinateReduction {
         equations,
         parameters,
         masses: dynamics.mass.iter().map(|row| sorted(row)).collect(),
         given: vec![Scalar::ZERO; model.joints.len()],
     };
-    let partition = Partition::new(model)?;
+    let partition = JointRoles::new(model)?;
     for joint in 0..model.joints.len() {
         if model.joints[joint].nature == Nature::Driven {
             reduction.given[joint] = parameters.acceleration(reduction.equations, joint);
@@ -93,15 +93,15 @@ pub(super) fn too_large(model: &Model) -> GenerateError {
     }
 }
 
-fn sorted(row: &[(usize, Scalar)]) -> Row {
-    let mut row: Row = row.to_vec();
+fn sorted(row: &[(usize, Scalar)]) -> SparseRow {
+    let mut row: SparseRow = row.to_vec();
     row.retain(|(_, value)| !value.is_zero());
     row.sort_unstable_by_key(|&(column, _)| column);
     row
 }
 
 /// The roles of joints and rows.
-struct Partition {
+struct JointRoles {
     independent: Vec<usize>,
     /// Dependent joints in the order of their pivots.
     dependent: Vec<usize>,
@@ -109,27 +109,28 @@ struct Partition {
     rows: Vec<usize>,
 }
 
-impl Partition {
+impl JointRoles {
     /// Decides the roles at the closed initial state.
-    fn new(model: &Model) -> Result<Partition, GenerateError> {
+    fn new(model: &Model) -> Result<JointRoles, GenerateError> {
         let free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
         if model.cuts.is_empty() {
-            return Ok(Partition {
+            return Ok(JointRoles {
                 independent: (0..model.joints.len()).filter(free).collect(),
                 dependent: Vec::new(),
                 rows: Vec::new(),
             });
         }
         let failed = |error: motion::MotionError| GenerateError::Loops(error.to_string());
-        let setting = motion::Setting::default();
+        let setting = motion::EquationSetting::default();
         let laws = motion::Laws::none(model);
-        let (system, state) = motion::System::new(model, laws, &setting).map_err(failed)?;
+        let (system, state) =
+            motion::MultibodySystem::new(model, laws, &setting).map_err(failed)?;
         let roles = system.partition();
-        let equations = motion::Equations::new(model, &setting).map_err(failed)?;
+        let equations = motion::MotionEquations::new(model, &setting).map_err(failed)?;
         let jacobian = equations.constraints(&state).1;
         let square = jacobian.select(&roles.rows, &roles.dependent);
         let pivots = motion::linear::eliminate(square, &vec![1.0; roles.dependent.len()], 0.0);
-        Ok(Partition {
+        Ok(JointRoles {
             independent: roles.independent.clone(),
             dependent: pivots
                 .iter()
@@ -142,23 +143,23 @@ impl Partition {
 
 /// Dependent accelerations: `B` by rows (columns count independent joints) and
 /// `b`.
-struct Loops {
+struct DependentAccelerations {
     /// `Jv`, rows and columns in the order of pivots.
-    square: Vec<Row>,
-    matrix: Vec<Row>,
+    square: Vec<SparseRow>,
+    matrix: Vec<SparseRow>,
     rest: Vec<Scalar>,
 }
 
-struct Reduction<'e, 'p, 'm> {
+struct CoordinateReduction<'e, 'p, 'm> {
     equations: &'e mut Equations,
-    parameters: &'p Parameters<'m>,
+    parameters: &'p ModelParameters<'m>,
     /// Rows of the lower triangle of `M`.
-    masses: Vec<Row>,
+    masses: Vec<SparseRow>,
     /// Accelerations of driven joints, zero for others.
     given: Vec<Scalar>,
 }
 
-impl Reduction<'_, '_, '_> {
+impl CoordinateReduction<'_, '_, '_> {
     fn mass(&self, i: usize, j: usize) -> Scalar {
         entry(&self.masses[i.max(j)], i.min(j))
     }
@@ -176,21 +177,29 @@ impl Reduction<'_, '_, '_> {
     }
 
     /// Solves the loops for the dependent accelerations.
-    fn loops(&mut self, partition: &Partition, options: &Options) -> Result<Loops, GenerateError> {
+    fn loops(
+        &mut self,
+        partition: &JointRoles,
+        options: &Options,
+    ) -> Result<DependentAccelerations, GenerateError> {
         let (u, v) = (&partition.independent, &partition.dependent);
         if v.is_empty() {
-            return Ok(Loops {
+            return Ok(DependentAccelerations {
                 square: Vec::new(),
                 matrix: Vec::new(),
                 rest: Vec::new(),
             });
         }
-        let constraints =
-            constraints::rows(self.equations, self.parameters, options, Part::Acceleration);
+        let constraints = constraints::rows(
+            self.equations,
+            self.parameters,
+            options,
+            ConstraintPart::Acceleration,
+        );
         let mut rows = Vec::with_capacity(v.len());
         for &number in &partition.rows {
             let constraint = &constraints[number];
-            let mut row = Row::new();
+            let mut row = SparseRow::new();
             let mut rest = Sum::of(constraint.jdqd);
             for &(joint, value) in &constraint.jacobian {
                 rest.add(&[value, self.given[joint]]);
@@ -200,7 +209,7 @@ impl Reduction<'_, '_, '_> {
                     row.push((v.len() + place, value));
                 }
             }
-            let label = Label::new("bp", 0, number + 1);
+            let label = QuantityLabel::new("bp", 0, number + 1);
             row.push((v.len() + u.len(), self.equations.define(label, rest)));
             row.retain(|(_, value)| !value.is_zero());
             row.sort_unstable_by_key(|&(column, _)| column);
@@ -216,11 +225,11 @@ impl Reduction<'_, '_, '_> {
             .iter()
             .map(|row| row.iter().filter_map(column).collect())
             .collect();
-        let square = |row: &Row| -> Row {
+        let square = |row: &SparseRow| -> SparseRow {
             let entries = row.iter().copied();
             entries.filter(|&(column, _)| column < v.len()).collect()
         };
-        Ok(Loops {
+        Ok(DependentAccelerations {
             square: rows.iter().map(square).collect(),
             matrix,
             rest,
@@ -230,10 +239,10 @@ impl Reduction<'_, '_, '_> {
     /// The lower triangle of `Mr`, and the right side.
     fn reduced(
         &mut self,
-        partition: &Partition,
-        loops: &Loops,
+        partition: &JointRoles,
+        loops: &DependentAccelerations,
         forces: &[Scalar],
-    ) -> (Vec<Row>, Vec<Scalar>) {
+    ) -> (Vec<SparseRow>, Vec<Scalar>) {
         let (u, v) = (&partition.independent, &partition.dependent);
         // Mvu + Mvv B, and f_v - Mvv b.
         let mut inner: Vec<Vec<Scalar>> = Vec::with_capacity(v.len());
@@ -248,7 +257,7 @@ impl Reduction<'_, '_, '_> {
                     sums[column].add(&[mass, value]);
                 }
             }
-            let label = |name| Label::new(name, 0, row + 1);
+            let label = |name| QuantityLabel::new(name, 0, row + 1);
             rest.push(self.equations.define(label("FMv"), force));
             let named = sums.into_iter().enumerate().map(|(column, sum)| {
                 self.equations
@@ -278,20 +287,25 @@ impl Reduction<'_, '_, '_> {
                     sum.add(&[own, inner[place][column]]);
                 }
             }
-            let label = |name| Label::new(name, 0, joint + 1);
+            let label = |name| QuantityLabel::new(name, 0, joint + 1);
             right.push(self.equations.define(label("Fr"), force));
             let named = sums.into_iter().enumerate().map(|(column, sum)| {
                 let label = label("Mr").column(u[column] + 1);
                 (column, self.equations.define(label, sum))
             });
-            let row: Row = named.collect();
+            let row: SparseRow = named.collect();
             rows.push(sorted(&row));
         }
         (rows, right)
     }
 
     /// Sets the accelerations of all joints.
-    fn output(&mut self, partition: &Partition, loops: &Loops, solution: &[Scalar]) -> Vec<Scalar> {
+    fn output(
+        &mut self,
+        partition: &JointRoles,
+        loops: &DependentAccelerations,
+        solution: &[Scalar],
+    ) -> Vec<Scalar> {
         let mut accelerations = self.given.clone();
         for (&joint, &value) in partition.independent.iter().zip(solution) {
             accelerations[joint] = value;
@@ -301,7 +315,9 @@ impl Reduction<'_, '_, '_> {
             for &(column, value) in &loops.matrix[place] {
                 sum.add(&[value, solution[column]]);
             }
-            accelerations[joint] = self.equations.define(Label::new("qppv", 0, joint + 1), sum);
+            accelerations[joint] = self
+                .equations
+                .define(QuantityLabel::new("qppv", 0, joint + 1), sum);
         }
         for (joint, &value) in accelerations.iter().enumerate() {
             self.equations.output("qdd", &[joint + 1], value);
@@ -312,13 +328,13 @@ impl Reduction<'_, '_, '_> {
     /// Sets the multipliers: `Jv^T lambda = Mv qdd - f_v`.
     fn multipliers(
         &mut self,
-        partition: &Partition,
-        loops: &Loops,
+        partition: &JointRoles,
+        loops: &DependentAccelerations,
         forces: &[Scalar],
         accelerations: &[Scalar],
     ) -> Result<(), GenerateError> {
         let v = &partition.dependent;
-        let mut rows: Vec<Row> = vec![Row::new(); v.len()];
+        let mut rows: Vec<SparseRow> = vec![SparseRow::new(); v.len()];
         for (number, row) in loops.square.iter().enumerate() {
             for &(column, value) in row {
                 rows[column].push((number, value));
@@ -333,7 +349,7 @@ impl Reduction<'_, '_, '_> {
                 }
             }
             sum.subtract(&[forces[joint]]);
-            let label = Label::new("FMl", 0, joint + 1);
+            let label = QuantityLabel::new("FMl", 0, joint + 1);
             let value = self.equations.define(label, sum);
             if !value.is_zero() {
                 rows[place].push((v.len(), value));

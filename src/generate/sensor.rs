@@ -4,14 +4,14 @@
 
 use super::Options;
 use super::algebra::Scalar;
-use super::chain::{Chain, Motion};
+use super::chain::{Chain, ChainMotion};
 use super::equations::Equations;
-use super::parameters::{Parameters, Source};
+use super::parameters::{ModelParameters, ParameterSource};
 use super::vector::{Vector, ZERO};
 use crate::model::{Asks, Model, Sensor};
 
 /// The names of the output arrays of a sensor.
-pub(super) struct Names {
+pub(super) struct SensorNames {
     position: String,
     rotation: String,
     velocity: String,
@@ -21,9 +21,9 @@ pub(super) struct Names {
     jacobian: String,
 }
 
-impl Names {
-    fn new(name: impl Fn(&str) -> String) -> Names {
-        Names {
+impl SensorNames {
+    fn new(name: impl Fn(&str) -> String) -> SensorNames {
+        SensorNames {
             position: name("P"),
             rotation: name("R"),
             velocity: name("V"),
@@ -35,13 +35,13 @@ impl Names {
     }
 
     /// The fields of Robotran's structure of sensors.
-    pub(super) fn of_sensor() -> Names {
-        Names::new(|field| format!("sens.{field}"))
+    pub(super) fn of_sensor() -> SensorNames {
+        SensorNames::new(|field| format!("sens.{field}"))
     }
 
     /// The arguments of the user's law of an external force.
-    pub(super) fn of_force(number: usize) -> Names {
-        Names::new(|field| format!("{field}xF{number}"))
+    pub(super) fn of_force(number: usize) -> SensorNames {
+        SensorNames::new(|field| format!("{field}xF{number}"))
     }
 }
 
@@ -73,7 +73,7 @@ pub(super) fn accelerations(equations: &mut Equations, model: &Model) -> Vec<Sca
 /// The chain from the base to a sensor's point.
 pub(super) fn chain(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     names: (&'static str, usize),
     sensor: &Sensor,
@@ -81,7 +81,7 @@ pub(super) fn chain(
     let model = parameters.model;
     let last = model.last_joint(model.points[sensor.point].body);
     let path = last.map_or_else(Vec::new, |joint| parameters.path(joint));
-    let place = Source { options, equations }.point(model, sensor.point);
+    let place = ParameterSource { options, equations }.point(model, sensor.point);
     Chain::new(equations, parameters, names, &path, &place)
 }
 
@@ -89,7 +89,7 @@ pub(super) fn chain(
 /// of external forces follow behind the sensors.
 pub(super) fn sensor(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     options: &Options,
     number: usize,
 ) {
@@ -98,27 +98,33 @@ pub(super) fn sensor(
         return;
     };
     let chain = chain(equations, parameters, options, ("cp", number + 1), sensor);
-    let names = Names::of_sensor();
+    let names = SensorNames::of_sensor();
     outputs(equations, parameters, &chain, sensor.asks, &names);
 }
 
 /// Writes the motion of the frame of one joint (number from 0).
-pub(super) fn frame(equations: &mut Equations, parameters: &Parameters<'_>, joint: usize) {
+pub(super) fn frame(equations: &mut Equations, parameters: &ModelParameters<'_>, joint: usize) {
     let path = parameters.path(joint);
     let chain = Chain::new(equations, parameters, ("cp", joint + 1), &path, &ZERO);
-    outputs(equations, parameters, &chain, ALL, &Names::of_sensor());
+    outputs(
+        equations,
+        parameters,
+        &chain,
+        ALL,
+        &SensorNames::of_sensor(),
+    );
 }
 
 /// Sets the outputs that are asked for.
 pub(super) fn outputs(
     equations: &mut Equations,
-    parameters: &Parameters<'_>,
+    parameters: &ModelParameters<'_>,
     chain: &Chain,
     asks: Asks,
-    names: &Names,
+    names: &SensorNames,
 ) {
     let accelerations = accelerations(equations, parameters.model);
-    let Motion {
+    let ChainMotion {
         velocity,
         angular_velocity,
         acceleration,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::model::{Axis, Body, Joint, JointKind, Nature, Point};
+use crate::model::{Axis, Body, Joint, JointKind, ModelPoint, Nature};
 use robovec_ir::count::Counts;
 
 /// The serial chain of the study: rotations about the first and second axis in
@@ -30,7 +30,7 @@ pub(super) fn serial(joints: usize) -> Model {
             actuated: false,
             initial: [0.0; 3],
         });
-        model.points.push(Point {
+        model.points.push(ModelPoint {
             name: "next".to_owned(),
             body: Some(index),
             coordinates: [0.0, 0.0, 0.2],
@@ -42,12 +42,12 @@ pub(super) fn serial(joints: usize) -> Model {
 #[test]
 fn the_serial_chain_has_the_operations_of_the_study() {
     let model = serial(23);
-    let mut request = Request::new(FunctionKind::Dirdyna);
+    let mut request = GenerationRequest::new(FunctionKind::Dirdyna);
     request.options.order = TermOrder::ChildFirst;
     request.options.external_forces = false;
     request.options.leading_signs = true;
     request.options.expanded = true;
-    let count = |request: &Request| {
+    let count = |request: &GenerationRequest| {
         let module = generate(&model, request).expect("the model is consistent");
         Counts::of(&module.functions[0])
     };

@@ -2,8 +2,8 @@
 //! and the torque that its own rotation takes.
 
 use super::algebra::Sum;
-use super::bias::Motion;
-use super::equations::{Equations, Label};
+use super::bias::BiasMotion;
+use super::equations::{Equations, QuantityLabel};
 use super::hub::Pose;
 use super::vector::{Matrix, SumVector, ZERO, cyclic, sums};
 
@@ -23,7 +23,7 @@ pub(super) fn turned_moments(
     for axis in 0..3 {
         let mut sum = Sum::of(moments[axis][axis]);
         sum.subtract(&[first]);
-        rest[axis][axis] = equations.define(Label::new("ID", axis + 1, joint + 1), sum);
+        rest[axis][axis] = equations.define(QuantityLabel::new("ID", axis + 1, joint + 1), sum);
     }
     let mut half = [ZERO; 3];
     for (row, entries) in rest.iter().enumerate() {
@@ -32,7 +32,7 @@ pub(super) fn turned_moments(
             let mut component = 0;
             sum.map(|sum| {
                 component += 1;
-                let label = Label::new("IR", 3 * row + component, joint + 1);
+                let label = QuantityLabel::new("IR", 3 * row + component, joint + 1);
                 equations.define(label, sum)
             })
         };
@@ -47,7 +47,7 @@ pub(super) fn turned_moments(
             for (axis, half) in pose.axes.iter().zip(&half) {
                 sum.add(&[axis[row], half[column]]);
             }
-            let label = Label::new("JB", 3 * row + column + 1, joint + 1);
+            let label = QuantityLabel::new("JB", 3 * row + column + 1, joint + 1);
             turned[row][column] = equations.define(label, sum);
             turned[column][row] = turned[row][column];
         }
@@ -60,7 +60,7 @@ pub(super) fn euler(
     equations: &mut Equations,
     joint: usize,
     moments: &Matrix,
-    motion: &Motion,
+    motion: &BiasMotion,
 ) -> SumVector {
     let mut torque = sums();
     for a in 0..3 {
@@ -68,14 +68,14 @@ pub(super) fn euler(
         let (low, high) = (b.min(c), b.max(c));
         let mut product = Sum::new();
         product.add(&[motion.velocity[b], motion.velocity[c]]);
-        let label = Label::new("BS", 3 * low + high + 1, joint + 1);
+        let label = QuantityLabel::new("BS", 3 * low + high + 1, joint + 1);
         let product = equations.define(label, product);
         let mut squares = Sum::of(motion.squares[b]);
         squares.subtract(&[motion.squares[c]]);
-        let squares = equations.define(Label::new("BD", a + 1, joint + 1), squares);
+        let squares = equations.define(QuantityLabel::new("BD", a + 1, joint + 1), squares);
         let mut difference = Sum::of(moments[c][c]);
         difference.subtract(&[moments[b][b]]);
-        let difference = equations.define(Label::new("JE", a + 1, joint + 1), difference);
+        let difference = equations.define(QuantityLabel::new("JE", a + 1, joint + 1), difference);
         torque[a]
             .add(&[moments[a][a], motion.angular[a]])
             .add(&[difference, product])

@@ -7,7 +7,7 @@
 //! `C v_c - S v_b` (thesis, equation 2.1).
 
 use super::algebra::{Scalar, Sum};
-use super::equations::{Equations, Label};
+use super::equations::{Equations, QuantityLabel};
 
 /// A vector.
 pub(super) type Vector = [Scalar; 3];
@@ -33,15 +33,15 @@ pub(super) fn unit(axis: usize) -> Vector {
 
 /// A rotation about one axis; without a rotation, cosine one and sine zero.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Turn {
+pub(super) struct AxisRotation {
     pub(super) axis: usize,
     pub(super) cos: Scalar,
     pub(super) sin: Scalar,
 }
 
-impl Turn {
+impl AxisRotation {
     /// No rotation.
-    pub(super) const NONE: Turn = Turn {
+    pub(super) const NONE: AxisRotation = AxisRotation {
         axis: 0,
         cos: Scalar::ONE,
         sin: Scalar::ZERO,
@@ -77,14 +77,14 @@ pub(super) fn define(
     column: usize,
     vector: SumVector,
 ) -> Vector {
-    let label = |component| Label::new(prefix, component, joint + 1).column(column);
+    let label = |component| QuantityLabel::new(prefix, component, joint + 1).column(column);
     define_as(equations, label, vector)
 }
 
 /// Names the components of a vector, which count from 1.
 pub(super) fn define_as(
     equations: &mut Equations,
-    label: impl Fn(usize) -> Label,
+    label: impl Fn(usize) -> QuantityLabel,
     vector: SumVector,
 ) -> Vector {
     let mut component = 0;

@@ -2,7 +2,7 @@
 //!
 //! Robotran numbers points and sensors in the order of the bodies they are on,
 //! which a program that adds a point to an early body late would break. The
-//! builder therefore collects, and [`Builder::finish`] numbers.
+//! builder therefore collects, and [`ModelBuilder::finish`] numbers.
 //!
 //! ```
 //! use robovec::model::build::{BASE, Builder};
@@ -20,19 +20,19 @@
 //! ```
 
 use super::{
-    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, Nature, Point, Sensor,
+    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, ModelPoint, Nature, Sensor,
 };
 
-/// A body of a [`Builder`], or the base.
+/// A body of a [`ModelBuilder`], or the base.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BodyRef(Option<usize>);
 
 /// The base.
 pub const BASE: BodyRef = BodyRef(None);
 
-/// A place on a body of a [`Builder`]: a point, or the origin of its frame.
+/// A place on a body of a [`ModelBuilder`]: a point, or the origin of its frame.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Place {
+pub struct BodyPlace {
     body: Option<usize>,
     /// The point in order of making.
     point: Option<usize>,
@@ -40,8 +40,8 @@ pub struct Place {
 
 impl BodyRef {
     /// The origin of the body's frame.
-    pub fn origin(self) -> Place {
-        Place {
+    pub fn origin(self) -> BodyPlace {
+        BodyPlace {
             body: self.0,
             point: None,
         }
@@ -50,15 +50,15 @@ impl BodyRef {
 
 /// A model in the making.
 #[derive(Clone, Debug)]
-pub struct Builder {
+pub struct ModelBuilder {
     model: Model,
 }
 
-impl Builder {
+impl ModelBuilder {
     /// A model of nothing, with the gravity of the earth against the third
     /// axis of the base.
-    pub fn new(name: &str) -> Builder {
-        Builder {
+    pub fn new(name: &str) -> ModelBuilder {
+        ModelBuilder {
             model: Model::new(name),
         }
     }
@@ -71,7 +71,7 @@ impl Builder {
     /// # Panics
     ///
     /// When there is no joint.
-    pub fn body(&mut self, name: &str, on: Place, joints: &[JointKind]) -> BodyRef {
+    pub fn body(&mut self, name: &str, on: BodyPlace, joints: &[JointKind]) -> BodyRef {
         assert!(!joints.is_empty(), "a body hangs on at least one joint");
         let index = self.model.bodies.len();
         let start = self.model.joints.len();
@@ -119,13 +119,13 @@ impl Builder {
     }
 
     /// Adds a point to a body or to the base.
-    pub fn point(&mut self, body: BodyRef, name: &str, coordinates: [f64; 3]) -> Place {
-        self.model.points.push(Point {
+    pub fn point(&mut self, body: BodyRef, name: &str, coordinates: [f64; 3]) -> BodyPlace {
+        self.model.points.push(ModelPoint {
             name: name.to_owned(),
             body: body.0,
             coordinates,
         });
-        Place {
+        BodyPlace {
             body: body.0,
             point: Some(self.model.points.len() - 1),
         }
@@ -154,7 +154,7 @@ impl Builder {
     /// # Panics
     ///
     /// When the place is an origin: sensors sit on points.
-    pub fn sensor(&mut self, name: &str, at: Place, asks: Asks) {
+    pub fn sensor(&mut self, name: &str, at: BodyPlace, asks: Asks) {
         let sensor = sensor(name, at, asks);
         self.model.sensors.push(sensor);
     }
@@ -163,14 +163,14 @@ impl Builder {
     ///
     /// # Panics
     ///
-    /// As [`Builder::sensor`].
-    pub fn force(&mut self, name: &str, at: Place, asks: Asks) {
+    /// As [`ModelBuilder::sensor`].
+    pub fn force(&mut self, name: &str, at: BodyPlace, asks: Asks) {
         let force = sensor(name, at, asks);
         self.model.forces.push(force);
     }
 
     /// Cuts a loop.
-    pub fn cut(&mut self, name: &str, kind: CutKind, ends: [Place; 2]) {
+    pub fn cut(&mut self, name: &str, kind: CutKind, ends: [BodyPlace; 2]) {
         self.model.cuts.push(Cut {
             name: name.to_owned(),
             kind,
@@ -180,7 +180,7 @@ impl Builder {
     }
 
     /// Adds a force between two places, along their line.
-    pub fn link(&mut self, name: &str, ends: [Place; 2]) {
+    pub fn link(&mut self, name: &str, ends: [BodyPlace; 2]) {
         self.model.links.push(Link {
             name: name.to_owned(),
             ends: ends.map(anchor),
@@ -188,7 +188,7 @@ impl Builder {
     }
 
     /// Adds a force and a torque between two places.
-    pub fn link3d(&mut self, name: &str, ends: [Place; 2]) {
+    pub fn link3d(&mut self, name: &str, ends: [BodyPlace; 2]) {
         self.model.links3d.push(Link {
             name: name.to_owned(),
             ends: ends.map(anchor),
@@ -226,7 +226,7 @@ impl Builder {
     }
 }
 
-fn sensor(name: &str, at: Place, asks: Asks) -> Sensor {
+fn sensor(name: &str, at: BodyPlace, asks: Asks) -> Sensor {
     Sensor {
         name: name.to_owned(),
         point: at.point.expect("sensors and forces are at points"),
@@ -234,7 +234,7 @@ fn sensor(name: &str, at: Place, asks: Asks) -> Sensor {
     }
 }
 
-fn anchor(place: Place) -> Anchor {
+fn anchor(place: BodyPlace) -> Anchor {
     Anchor {
         body: place.body,
         point: place.point,
@@ -248,7 +248,7 @@ mod tests {
 
     #[test]
     fn points_and_sensors_are_numbered_in_the_order_of_bodies() {
-        let mut builder = Builder::new("late");
+        let mut builder = ModelBuilder::new("late");
         let hinge = [JointKind::Revolute(Axis::X), JointKind::Revolute(Axis::X)];
         let first = builder.body("First", BASE.origin(), &hinge[..1]);
         let tip = builder.point(first, "tip", [0.0, 0.0, 1.0]);

@@ -12,8 +12,8 @@
 
 use robovec_num::limits::NumberLimit;
 
-use super::build::{BASE, BodyRef, Builder, Place};
-use super::random::{Random, four_digits};
+use super::build::{BASE, BodyPlace, BodyRef, ModelBuilder};
+use super::random::{SplitMix, four_digits};
 use super::{Axis, JointKind, Model, systems};
 
 /// The joints a family is made with.
@@ -25,7 +25,7 @@ pub const JOINTS: NumberLimit = NumberLimit::whole(
 
 /// A kind of model that can be asked for by name.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Family {
+pub enum ModelFamily {
     /// A chain: the frozen serial model.
     Serial,
     /// A trunk with a few long branches.
@@ -50,59 +50,64 @@ pub enum Family {
     QuarterCar,
 }
 
-impl Family {
+impl ModelFamily {
     /// All families.
-    pub const ALL: [Family; 11] = [
-        Family::Serial,
-        Family::SemiSerial,
-        Family::Parallel,
-        Family::Thesis70,
-        Family::Random,
-        Family::Bogie,
-        Family::Train,
-        Family::DoublePendulum,
-        Family::FourBar,
-        Family::SliderCrank,
-        Family::QuarterCar,
+    pub const ALL: [ModelFamily; 11] = [
+        ModelFamily::Serial,
+        ModelFamily::SemiSerial,
+        ModelFamily::Parallel,
+        ModelFamily::Thesis70,
+        ModelFamily::Random,
+        ModelFamily::Bogie,
+        ModelFamily::Train,
+        ModelFamily::DoublePendulum,
+        ModelFamily::FourBar,
+        ModelFamily::SliderCrank,
+        ModelFamily::QuarterCar,
     ];
 
     /// The family's name.
     pub fn name(self) -> &'static str {
         match self {
-            Family::Serial => "serial",
-            Family::SemiSerial => "semi-serial",
-            Family::Parallel => "parallel",
-            Family::Thesis70 => "thesis-70",
-            Family::Random => "random",
-            Family::Bogie => "bogie",
-            Family::Train => "train",
-            Family::DoublePendulum => "double-pendulum",
-            Family::FourBar => "four-bar",
-            Family::SliderCrank => "slider-crank",
-            Family::QuarterCar => "quarter-car",
+            ModelFamily::Serial => "serial",
+            ModelFamily::SemiSerial => "semi-serial",
+            ModelFamily::Parallel => "parallel",
+            ModelFamily::Thesis70 => "thesis-70",
+            ModelFamily::Random => "random",
+            ModelFamily::Bogie => "bogie",
+            ModelFamily::Train => "train",
+            ModelFamily::DoublePendulum => "double-pendulum",
+            ModelFamily::FourBar => "four-bar",
+            ModelFamily::SliderCrank => "slider-crank",
+            ModelFamily::QuarterCar => "quarter-car",
         }
     }
 
     /// The family with this name.
-    pub fn from_name(name: &str) -> Option<Family> {
-        Family::ALL.into_iter().find(|family| family.name() == name)
+    pub fn from_name(name: &str) -> Option<ModelFamily> {
+        ModelFamily::ALL
+            .into_iter()
+            .find(|family| family.name() == name)
     }
 
     /// The number of joints, where the family has only one.
     pub fn joints(self) -> Option<usize> {
         match self {
-            Family::Serial | Family::SemiSerial | Family::Parallel | Family::Random => None,
-            Family::Thesis70 | Family::Train => Some(70),
-            Family::Bogie => Some(23),
-            Family::DoublePendulum | Family::SliderCrank => Some(2),
-            Family::FourBar => Some(3),
-            Family::QuarterCar => Some(5),
+            ModelFamily::Serial
+            | ModelFamily::SemiSerial
+            | ModelFamily::Parallel
+            | ModelFamily::Random => None,
+            ModelFamily::Thesis70 | ModelFamily::Train => Some(70),
+            ModelFamily::Bogie => Some(23),
+            ModelFamily::DoublePendulum | ModelFamily::SliderCrank => Some(2),
+            ModelFamily::FourBar => Some(3),
+            ModelFamily::QuarterCar => Some(5),
         }
     }
 
     /// True when the seed decides the parameters.
     pub fn is_seeded(self) -> bool {
-        self.joints().is_none() || self == Family::Thesis70
+        self.joints().is_none() || self == ModelFamily::Thesis70
     }
 
     /// The model of the family with this number of joints, which families of
@@ -113,37 +118,37 @@ impl Family {
     /// When `joints` is 0 where it matters.
     pub fn build(self, joints: usize, seed: u64) -> Model {
         match self {
-            Family::Serial => serial(joints, seed),
-            Family::SemiSerial => {
+            ModelFamily::Serial => serial(joints, seed),
+            ModelFamily::SemiSerial => {
                 let name = format!("semi_serial_{joints}");
-                tree(&name, &Topology::semi_serial(joints), seed)
+                tree(&name, &TrunkTree::semi_serial(joints), seed)
             }
-            Family::Parallel => {
+            ModelFamily::Parallel => {
                 let name = format!("parallel_{joints}");
-                tree(&name, &Topology::parallel(joints), seed)
+                tree(&name, &TrunkTree::parallel(joints), seed)
             }
-            Family::Thesis70 => tree("thesis_70", &Topology::thesis_70(), seed),
-            Family::Random => random_tree(seed, joints),
-            Family::Bogie => systems::bogie(),
-            Family::Train => systems::train(),
-            Family::DoublePendulum => systems::double_pendulum(),
-            Family::FourBar => systems::four_bar(),
-            Family::SliderCrank => systems::slider_crank(),
-            Family::QuarterCar => systems::quarter_car(),
+            ModelFamily::Thesis70 => tree("thesis_70", &TrunkTree::thesis_70(), seed),
+            ModelFamily::Random => random_tree(seed, joints),
+            ModelFamily::Bogie => systems::bogie(),
+            ModelFamily::Train => systems::train(),
+            ModelFamily::DoublePendulum => systems::double_pendulum(),
+            ModelFamily::FourBar => systems::four_bar(),
+            ModelFamily::SliderCrank => systems::slider_crank(),
+            ModelFamily::QuarterCar => systems::quarter_car(),
         }
     }
 }
 
 /// A tree in the form of a trunk, on whose last body branches hang.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Topology {
+pub struct TrunkTree {
     /// The number of bodies of the trunk; 0 when the branches hang on the base.
     pub trunk: usize,
     /// The number of bodies of each branch.
     pub branches: Vec<usize>,
 }
 
-impl Topology {
+impl TrunkTree {
     /// The number of bodies, each with one joint.
     pub fn joints(&self) -> usize {
         self.trunk + self.branches.iter().sum::<usize>()
@@ -157,8 +162,8 @@ impl Topology {
     }
 
     /// A chain.
-    pub fn serial(joints: usize) -> Topology {
-        Topology {
+    pub fn serial(joints: usize) -> TrunkTree {
+        TrunkTree {
             trunk: joints,
             branches: Vec::new(),
         }
@@ -168,7 +173,7 @@ impl Topology {
     /// tree whose equations come close to those of the thesis (Table 3.1) in
     /// operations and path, which does not say that it was this one; for other
     /// numbers a trunk of an eighth of the bodies and five branches.
-    pub fn semi_serial(joints: usize) -> Topology {
+    pub fn semi_serial(joints: usize) -> TrunkTree {
         let (trunk, branches) = match joints {
             23 => (3, vec![7, 4, 4, 4, 1]),
             50 => (1, vec![22, 22, 2, 2, 1]),
@@ -180,13 +185,13 @@ impl Topology {
                 (trunk, even(joints - trunk, 5))
             }
         };
-        Topology { trunk, branches }
+        TrunkTree { trunk, branches }
     }
 
     /// Many branches on the base or on one body; known numbers of joints as in
-    /// [`Topology::semi_serial`], for others as many branches as each has
+    /// [`TrunkTree::semi_serial`], for others as many branches as each has
     /// bodies.
-    pub fn parallel(joints: usize) -> Topology {
+    pub fn parallel(joints: usize) -> TrunkTree {
         let (trunk, branches) = match joints {
             23 => (1, vec![8, 3, 3, 3, 3, 2]),
             50 => (0, vec![14, 5, 5, 5, 5, 5, 5, 5, 1]),
@@ -195,12 +200,12 @@ impl Topology {
             130 => (0, vec![30, 13, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 7]),
             _ => (0, even(joints, joints.isqrt())),
         };
-        Topology { trunk, branches }
+        TrunkTree { trunk, branches }
     }
 
     /// The tree that comes close to the 70-dof system of the thesis.
-    pub fn thesis_70() -> Topology {
-        Topology {
+    pub fn thesis_70() -> TrunkTree {
+        TrunkTree {
             trunk: 9,
             branches: vec![35, 15, 11],
         }
@@ -226,12 +231,12 @@ fn chain(long: usize, rest: usize, parts: usize) -> Vec<usize> {
 /// # Panics
 ///
 /// When the tree has no body.
-pub fn tree(name: &str, topology: &Topology, seed: u64) -> Model {
+pub fn tree(name: &str, topology: &TrunkTree, seed: u64) -> Model {
     assert!(topology.joints() > 0, "a model has at least one body");
-    let mut random = Random::new(seed);
-    let mut builder = Builder::new(name);
+    let mut random = SplitMix::new(seed);
+    let mut builder = ModelBuilder::new(name);
     let mut number = 0;
-    let mut body = |builder: &mut Builder, on: Place, depth: usize| {
+    let mut body = |builder: &mut ModelBuilder, on: BodyPlace, depth: usize| {
         number += 1;
         let axis = if depth.is_multiple_of(2) {
             Axis::X
@@ -246,8 +251,8 @@ pub fn tree(name: &str, topology: &Topology, seed: u64) -> Model {
         builder.joint(body, 0).initial[0] = random.signed(0.05, 0.5);
         body
     };
-    let mut heights = Random::new(seed ^ 0x5eed);
-    let mut next = |builder: &mut Builder, on: BodyRef, name: &str| {
+    let mut heights = SplitMix::new(seed ^ 0x5eed);
+    let mut next = |builder: &mut ModelBuilder, on: BodyRef, name: &str| {
         let place = [0.0, 0.0, heights.between(0.1, 0.5)];
         builder.point(on, name, place)
     };
@@ -282,12 +287,12 @@ pub fn tree(name: &str, topology: &Topology, seed: u64) -> Model {
 /// When there is no joint.
 pub fn serial(joints: usize, seed: u64) -> Model {
     let name = format!("serial_{joints}");
-    tree(&name, &Topology::serial(joints), seed)
+    tree(&name, &TrunkTree::serial(joints), seed)
 }
 
 /// The inertia of six points of a body about their centre, kg m^2, in the
 /// order of [`super::Body::inertia`]: full, and physically possible.
-fn inertia(random: &mut Random, mass: f64, size: f64) -> [f64; 6] {
+fn inertia(random: &mut SplitMix, mass: f64, size: f64) -> [f64; 6] {
     let mut points = [[0.0; 3]; 6];
     for coordinate in points.iter_mut().flatten() {
         *coordinate = random.signed(0.1 * size, size);
@@ -323,8 +328,8 @@ fn inertia(random: &mut Random, mass: f64, size: f64) -> [f64; 6] {
 /// When there is no joint.
 pub fn random_tree(seed: u64, joints: usize) -> Model {
     assert!(joints > 0, "a model has at least one joint");
-    let mut random = Random::new(seed ^ 0x7ee5);
-    let mut builder = Builder::new(&format!("random_{joints}"));
+    let mut random = SplitMix::new(seed ^ 0x7ee5);
+    let mut builder = ModelBuilder::new(&format!("random_{joints}"));
     builder.gravity([0.0, 0.0, -9.81]);
     let mut bodies: Vec<BodyRef> = Vec::new();
     let mut left = joints;
@@ -368,12 +373,12 @@ pub fn random_tree(seed: u64, joints: usize) -> Model {
 }
 
 /// Zero now and then.
-fn sparse(random: &mut Random, low: f64, high: f64) -> f64 {
+fn sparse(random: &mut SplitMix, low: f64, high: f64) -> f64 {
     let value = random.signed(low, high);
     if random.once_in(4) { 0.0 } else { value }
 }
 
-fn random_mass(builder: &mut Builder, body: BodyRef, random: &mut Random) {
+fn random_mass(builder: &mut ModelBuilder, body: BodyRef, random: &mut SplitMix) {
     let mass = random.between(0.2, 4.0);
     let center = std::array::from_fn(|_| sparse(random, 0.02, 0.3));
     let mut inertia = inertia(random, mass, 0.3);

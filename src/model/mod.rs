@@ -35,7 +35,7 @@ pub struct Model {
     /// The joints of all bodies, in file order; joint id = index + 1.
     pub joints: Vec<Joint>,
     /// Points of the base, then of the bodies; point id = index + 1.
-    pub points: Vec<Point>,
+    pub points: Vec<ModelPoint>,
     /// Cuts of loops, in file order, which is the order of their rows.
     pub cuts: Vec<Cut>,
     /// Point-to-point links that carry a force along their line.
@@ -206,7 +206,7 @@ pub struct Joint {
 
 /// A named point of the base or of a body.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Point {
+pub struct ModelPoint {
     /// Name, unique within its body.
     pub name: String,
     /// The body; `None` for the base.

@@ -3,12 +3,12 @@
 /// A generator of pseudo-random numbers (SplitMix64): a few lines, and quite
 /// good enough for parameters.
 #[derive(Clone, Debug)]
-pub(crate) struct Random(u64);
+pub(crate) struct SplitMix(u64);
 
-impl Random {
+impl SplitMix {
     /// The sequence of a seed.
-    pub(crate) fn new(seed: u64) -> Random {
-        Random(seed)
+    pub(crate) fn new(seed: u64) -> SplitMix {
+        SplitMix(seed)
     }
 
     /// The next 64 bits.
@@ -36,7 +36,7 @@ impl Random {
         four_digits(low + (high - low) * unit)
     }
 
-    /// As [`Random::between`], of either sign.
+    /// As [`SplitMix::between`], of either sign.
     pub(crate) fn signed(&mut self, low: f64, high: f64) -> f64 {
         let size = self.between(low, high);
         if self.once_in(2) { -size } else { size }

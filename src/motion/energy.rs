@@ -1,43 +1,43 @@
 //! Energies, reckoned from the model by plain kinematics in the base frame
 //! and not from its equations.
 
-use super::State;
+use super::MotionState;
 use crate::model::{Anchor, Axis, Model};
 use std::array::from_fn;
 
-type Vector = [f64; 3];
-type Rotation = [Vector; 3];
+type CartesianVector = [f64; 3];
+type Rotation = [CartesianVector; 3];
 
 /// The motion of the frame behind a joint.
 #[derive(Clone, Copy)]
-struct Frame {
+struct JointFrame {
     /// Columns are the frame's axes in the base frame.
     rotation: Rotation,
-    origin: Vector,
-    velocity: Vector,
-    spin: Vector,
+    origin: CartesianVector,
+    velocity: CartesianVector,
+    spin: CartesianVector,
 }
 
-const BASE: Frame = Frame {
+const BASE: JointFrame = JointFrame {
     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     origin: [0.0; 3],
     velocity: [0.0; 3],
     spin: [0.0; 3],
 };
 
-impl Frame {
+impl JointFrame {
     /// A vector of the frame in the base frame.
-    fn outward(&self, v: Vector) -> Vector {
+    fn outward(&self, v: CartesianVector) -> CartesianVector {
         from_fn(|i| (0..3).map(|k| self.rotation[i][k] * v[k]).sum())
     }
 
     /// A vector of the base frame in the frame.
-    fn inward(&self, v: Vector) -> Vector {
+    fn inward(&self, v: CartesianVector) -> CartesianVector {
         from_fn(|k| (0..3).map(|i| self.rotation[i][k] * v[i]).sum())
     }
 
     /// Position and velocity of a point of the frame.
-    fn point(&self, place: Vector) -> (Vector, Vector) {
+    fn point(&self, place: CartesianVector) -> (CartesianVector, CartesianVector) {
         let arm = self.outward(place);
         (
             add(self.origin, arm),
@@ -46,25 +46,25 @@ impl Frame {
     }
 }
 
-fn add(a: Vector, b: Vector) -> Vector {
+fn add(a: CartesianVector, b: CartesianVector) -> CartesianVector {
     from_fn(|i| a[i] + b[i])
 }
 
-fn scaled(a: Vector, factor: f64) -> Vector {
+fn scaled(a: CartesianVector, factor: f64) -> CartesianVector {
     a.map(|x| x * factor)
 }
 
-fn cross(a: Vector, b: Vector) -> Vector {
+fn cross(a: CartesianVector, b: CartesianVector) -> CartesianVector {
     from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
 }
 
-fn dot(a: Vector, b: Vector) -> f64 {
+fn dot(a: CartesianVector, b: CartesianVector) -> f64 {
     (0..3).map(|i| a[i] * b[i]).sum()
 }
 
 /// The motion of all frames.
-fn frames(model: &Model, state: &State) -> Vec<Frame> {
-    let mut frames: Vec<Frame> = Vec::with_capacity(model.joints.len());
+fn frames(model: &Model, state: &MotionState) -> Vec<JointFrame> {
+    let mut frames: Vec<JointFrame> = Vec::with_capacity(model.joints.len());
     for (index, joint) in model.joints.iter().enumerate() {
         let parent = joint.parent.map_or(BASE, |parent| frames[parent]);
         let place = joint
@@ -72,10 +72,10 @@ fn frames(model: &Model, state: &State) -> Vec<Frame> {
             .map_or([0.0; 3], |point| model.points[point].coordinates);
         let (origin, velocity) = parent.point(place);
         let axis = joint.kind.axis();
-        let direction: Vector = from_fn(|i| parent.rotation[i][axis.index()]);
+        let direction: CartesianVector = from_fn(|i| parent.rotation[i][axis.index()]);
         let (q, rate) = (state.q[index], scaled(direction, state.qd[index]));
         frames.push(if joint.kind.is_revolute() {
-            Frame {
+            JointFrame {
                 rotation: turned(&parent.rotation, axis, q),
                 origin,
                 velocity,
@@ -84,7 +84,7 @@ fn frames(model: &Model, state: &State) -> Vec<Frame> {
         } else {
             let slide = scaled(direction, q);
             let carried = add(velocity, cross(parent.spin, slide));
-            Frame {
+            JointFrame {
                 rotation: parent.rotation,
                 origin: add(origin, slide),
                 velocity: add(carried, rate),
@@ -109,7 +109,7 @@ fn turned(rotation: &Rotation, axis: Axis, angle: f64) -> Rotation {
 
 /// Kinetic energy, and potential energy in gravity (zero where all centres of
 /// mass are at the base's origin), J.
-pub(super) fn energies(model: &Model, state: &State) -> (f64, f64) {
+pub(super) fn energies(model: &Model, state: &MotionState) -> (f64, f64) {
     let frames = frames(model, state);
     let (mut kinetic, mut potential) = (0.0, 0.0);
     for body in &model.bodies {
@@ -117,7 +117,8 @@ pub(super) fn energies(model: &Model, state: &State) -> (f64, f64) {
         let (center, velocity) = frame.point(body.center);
         let spin = frame.inward(frame.spin);
         let matrix = body.inertia_matrix();
-        let moment: Vector = from_fn(|i| (0..3).map(|k| matrix[3 * i + k] * spin[k]).sum());
+        let moment: CartesianVector =
+            from_fn(|i| (0..3).map(|k| matrix[3 * i + k] * spin[k]).sum());
         kinetic += 0.5 * (body.mass * dot(velocity, velocity) + dot(spin, moment));
         potential -= body.mass * dot(model.gravity, center);
     }
@@ -128,8 +129,8 @@ pub(super) fn energies(model: &Model, state: &State) -> (f64, f64) {
 /// its frame, kg m/s and kg m^2/s.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Momenta {
-    linear: Vector,
-    angular: Vector,
+    linear: CartesianVector,
+    angular: CartesianVector,
     /// The sums of their sizes over all bodies.
     sizes: [f64; 2],
 }
@@ -137,7 +138,7 @@ pub(super) struct Momenta {
 impl Momenta {
     /// The larger difference of both, relative to the sizes.
     pub(super) fn distance(&self, other: &Momenta) -> f64 {
-        let apart = |a: Vector, b: Vector| {
+        let apart = |a: CartesianVector, b: CartesianVector| {
             let difference = add(a, scaled(b, -1.0));
             dot(difference, difference).sqrt()
         };
@@ -151,9 +152,9 @@ impl Momenta {
 }
 
 /// The momenta of a state.
-pub(super) fn momenta(model: &Model, state: &State) -> Momenta {
+pub(super) fn momenta(model: &Model, state: &MotionState) -> Momenta {
     let frames = frames(model, state);
-    let size = |v: Vector| dot(v, v).sqrt();
+    let size = |v: CartesianVector| dot(v, v).sqrt();
     let mut sum = Momenta {
         linear: [0.0; 3],
         angular: [0.0; 3],
@@ -164,7 +165,7 @@ pub(super) fn momenta(model: &Model, state: &State) -> Momenta {
         let (center, velocity) = frame.point(body.center);
         let spin = frame.inward(frame.spin);
         let matrix = body.inertia_matrix();
-        let own: Vector = from_fn(|i| (0..3).map(|k| matrix[3 * i + k] * spin[k]).sum());
+        let own: CartesianVector = from_fn(|i| (0..3).map(|k| matrix[3 * i + k] * spin[k]).sum());
         let linear = scaled(velocity, body.mass);
         let angular = add(cross(center, linear), frame.outward(own));
         sum.linear = add(sum.linear, linear);
@@ -178,9 +179,9 @@ pub(super) fn momenta(model: &Model, state: &State) -> Momenta {
 /// The positions of places.
 pub(super) fn positions<'a>(
     model: &'a Model,
-    state: &State,
+    state: &MotionState,
     places: impl IntoIterator<Item = Anchor> + 'a,
-) -> impl Iterator<Item = Vector> + 'a {
+) -> impl Iterator<Item = CartesianVector> + 'a {
     let frames = frames(model, state);
     places.into_iter().map(move |place| {
         let frame = model
@@ -194,9 +195,9 @@ pub(super) fn positions<'a>(
 }
 
 /// The lengths of all links.
-pub(super) fn lengths(model: &Model, state: &State) -> Vec<f64> {
+pub(super) fn lengths(model: &Model, state: &MotionState) -> Vec<f64> {
     let ends = model.links.iter().flat_map(|link| link.ends);
-    let positions: Vec<Vector> = positions(model, state, ends).collect();
+    let positions: Vec<CartesianVector> = positions(model, state, ends).collect();
     positions
         .chunks_exact(2)
         .map(|ends| {
@@ -207,7 +208,7 @@ pub(super) fn lengths(model: &Model, state: &State) -> Vec<f64> {
 }
 
 /// The positions of the points of all external forces.
-pub(super) fn force_points(model: &Model, state: &State) -> Vec<Vector> {
+pub(super) fn force_points(model: &Model, state: &MotionState) -> Vec<CartesianVector> {
     let places = model.forces.iter().map(|force| Anchor {
         body: model.points[force.point].body,
         point: Some(force.point),

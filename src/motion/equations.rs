@@ -1,9 +1,9 @@
 //! The equations of a model, evaluated: what the generator writes, what
 //! passes make of it, in the arithmetic of a target.
 
-use super::linear::Matrix;
-use super::{Inputs, MotionError, State};
-use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
+use super::linear::DenseMatrix;
+use super::{InputSources, MotionError, MotionState};
+use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
 use crate::model::Model;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
@@ -15,13 +15,13 @@ use robovec_num::soft_float::FormatArithmetic;
 /// A function of the model, ready to be evaluated.
 struct Compiled {
     function: Function,
-    inputs: Inputs,
+    inputs: InputSources,
     outputs: Vec<(String, usize, Shape)>,
 }
 
 /// How equations are made and evaluated.
 #[derive(Clone, Copy)]
-pub struct Setting<'a> {
+pub struct EquationSetting<'a> {
     /// How they are generated.
     pub formulation: Formulation,
     /// What is done to them, and the machine it is done for.
@@ -35,9 +35,9 @@ pub struct Setting<'a> {
     pub accelerations: bool,
 }
 
-impl Default for Setting<'_> {
+impl Default for EquationSetting<'_> {
     fn default() -> Self {
-        Setting {
+        EquationSetting {
             formulation: Formulation::default(),
             passes: None,
             format: Format::BINARY64,
@@ -47,7 +47,7 @@ impl Default for Setting<'_> {
 }
 
 /// The equations of a model.
-pub struct Equations {
+pub struct MotionEquations {
     format: Format,
     joints: usize,
     dynamics: Compiled,
@@ -61,19 +61,22 @@ pub struct Equations {
 }
 
 /// The outputs of one evaluation.
-struct Outputs<'a> {
+struct EvaluatedOutputs<'a> {
     compiled: &'a Compiled,
     flat: Vec<f64>,
 }
 
-impl Equations {
+impl MotionEquations {
     /// Generates the equations of a model and runs the passes over them.
     ///
     /// # Errors
     ///
     /// [`MotionError::Generate`], [`MotionError::Passes`] and
     /// [`MotionError::Element`].
-    pub fn new(model: &Model, setting: &Setting<'_>) -> Result<Equations, MotionError> {
+    pub fn new(
+        model: &Model,
+        setting: &EquationSetting<'_>,
+    ) -> Result<MotionEquations, MotionError> {
         let compiled = |function| compile(model, function, setting);
         let (mut position, mut acceleration) = (None, None);
         let mut row_cuts = Vec::new();
@@ -84,7 +87,7 @@ impl Equations {
         }
         let given = setting.formulation.gives(FunctionKind::Dirdyna);
         // The mass matrix still tells what drives have to do.
-        let dynamics = Setting {
+        let dynamics = EquationSetting {
             formulation: if given {
                 setting.formulation
             } else {
@@ -96,7 +99,7 @@ impl Equations {
             let function = needed.then(|| compiled(function));
             function.transpose()
         };
-        Ok(Equations {
+        Ok(MotionEquations {
             links: optional(!model.links.is_empty(), FunctionKind::Link)?,
             forces: optional(!model.forces.is_empty(), FunctionKind::Extforces)?,
             format: setting.format,
@@ -126,7 +129,7 @@ impl Equations {
     }
 
     /// `M` and `c` of `M qdd + c = Qq`.
-    pub fn dynamics(&self, state: &State) -> (Matrix, Vec<f64>) {
+    pub fn dynamics(&self, state: &MotionState) -> (DenseMatrix, Vec<f64>) {
         let outputs = self.evaluate(&self.dynamics, state);
         (
             outputs.matrix("M", self.joints, self.joints),
@@ -136,7 +139,7 @@ impl Equations {
 
     /// The accelerations of all joints but the driven ones, which keep those
     /// of the state; `None` when they are to be solved for.
-    pub fn accelerations(&self, state: &State) -> Option<Vec<f64>> {
+    pub fn accelerations(&self, state: &MotionState) -> Option<Vec<f64>> {
         let outputs = self.evaluate(self.solved.as_ref()?, state);
         let mut accelerations = state.qdd.clone();
         let array = outputs
@@ -155,9 +158,9 @@ impl Equations {
     }
 
     /// The residual `h` of the constraints and their Jacobian `Jac`.
-    pub fn constraints(&self, state: &State) -> (Vec<f64>, Matrix) {
+    pub fn constraints(&self, state: &MotionState) -> (Vec<f64>, DenseMatrix) {
         match &self.position {
-            None => (Vec::new(), Matrix::zeros(0, self.joints)),
+            None => (Vec::new(), DenseMatrix::zeros(0, self.joints)),
             Some(compiled) => {
                 let outputs = self.evaluate(compiled, state);
                 (
@@ -170,7 +173,7 @@ impl Equations {
 
     /// `Jdqd`: the second derivative of the constraints without
     /// accelerations.
-    pub fn quadratic(&self, state: &State) -> Vec<f64> {
+    pub fn quadratic(&self, state: &MotionState) -> Vec<f64> {
         match &self.acceleration {
             None => Vec::new(),
             Some(compiled) => self.evaluate(compiled, state).vector("Jdqd", self.rows()),
@@ -178,7 +181,7 @@ impl Equations {
     }
 
     /// The length of each link and its rate.
-    pub fn link_lengths(&self, state: &State) -> Vec<[f64; 2]> {
+    pub fn link_lengths(&self, state: &MotionState) -> Vec<[f64; 2]> {
         let Some(compiled) = &self.links else {
             return Vec::new();
         };
@@ -194,7 +197,7 @@ impl Equations {
 
     /// Position, velocity and angular velocity of the point of each external
     /// force, in the base frame.
-    pub fn force_motion(&self, state: &State) -> Vec<[[f64; 3]; 3]> {
+    pub fn force_motion(&self, state: &MotionState) -> Vec<[[f64; 3]; 3]> {
         let Some(compiled) = &self.forces else {
             return Vec::new();
         };
@@ -209,7 +212,7 @@ impl Equations {
     }
 
     /// Adds the forces of links to the forces and torques on bodies.
-    pub fn add_links(&self, state: &mut State) {
+    pub fn add_links(&self, state: &mut MotionState) {
         if let Some(compiled) = &self.links {
             let outputs = self.evaluate(compiled, state);
             outputs.loads(state);
@@ -217,14 +220,14 @@ impl Equations {
     }
 
     /// Adds external forces to the forces and torques on bodies.
-    pub fn add_forces(&self, state: &mut State) {
+    pub fn add_forces(&self, state: &mut MotionState) {
         if let Some(compiled) = &self.forces {
             let outputs = self.evaluate(compiled, state);
             outputs.loads(state);
         }
     }
 
-    fn evaluate<'a>(&self, compiled: &'a Compiled, state: &State) -> Outputs<'a> {
+    fn evaluate<'a>(&self, compiled: &'a Compiled, state: &MotionState) -> EvaluatedOutputs<'a> {
         let inputs = compiled.inputs.gather(state);
         let numbers = match self.format {
             Format::BINARY32 => numbers(compiled, &Binary32, &inputs),
@@ -235,7 +238,7 @@ impl Equations {
         for (assignment, number) in compiled.function.assignments.iter().zip(numbers) {
             flat[assignment.output.index()] = number;
         }
-        Outputs { compiled, flat }
+        EvaluatedOutputs { compiled, flat }
     }
 }
 
@@ -252,7 +255,7 @@ where
     outputs.into_iter().map(Into::into).collect()
 }
 
-impl Outputs<'_> {
+impl EvaluatedOutputs<'_> {
     /// An array; empty where the function does not have it, as everything in
     /// it is zero.
     fn array(&self, name: &str) -> (Shape, &[f64]) {
@@ -269,7 +272,7 @@ impl Outputs<'_> {
     }
 
     /// Takes over the columns of `frc` and `trq` that the function sets.
-    fn loads(&self, state: &mut State) {
+    fn loads(&self, state: &mut MotionState) {
         let arrays = [("frc", &mut state.frc), ("trq", &mut state.trq)];
         for (name, columns) in arrays {
             let Some(array) = self.compiled.outputs.iter().find(|array| array.0 == name) else {
@@ -288,8 +291,8 @@ impl Outputs<'_> {
         }
     }
 
-    fn matrix(&self, name: &str, rows: usize, columns: usize) -> Matrix {
-        let mut matrix = Matrix::zeros(rows, columns);
+    fn matrix(&self, name: &str, rows: usize, columns: usize) -> DenseMatrix {
+        let mut matrix = DenseMatrix::zeros(rows, columns);
         let (shape, entries) = self.array(name);
         if let Shape::Matrix(_, stride) = shape {
             for (place, &entry) in entries.iter().enumerate() {
@@ -303,8 +306,8 @@ impl Outputs<'_> {
     }
 }
 
-fn request(function: FunctionKind, formulation: Formulation) -> Request {
-    Request {
+fn request(function: FunctionKind, formulation: Formulation) -> GenerationRequest {
+    GenerationRequest {
         function,
         formulation,
         options: Options::default(),
@@ -314,7 +317,7 @@ fn request(function: FunctionKind, formulation: Formulation) -> Request {
 fn compile(
     model: &Model,
     kind: FunctionKind,
-    setting: &Setting<'_>,
+    setting: &EquationSetting<'_>,
 ) -> Result<Compiled, MotionError> {
     let mut module = generate(model, &request(kind, setting.formulation))?;
     if let Some((pipeline, machine)) = setting.passes {
@@ -335,7 +338,7 @@ fn compile(
         tables: &tables,
         function: &function,
     };
-    let inputs = Inputs::new(model, view).map_err(|element| MotionError::Element {
+    let inputs = InputSources::new(model, view).map_err(|element| MotionError::Element {
         function: kind.name().to_owned(),
         element,
     })?;

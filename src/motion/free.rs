@@ -8,8 +8,8 @@
 //! to see it.
 
 use super::energy::{self, Momenta};
-use super::{Inputs, MotionError, State};
-use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
+use super::{InputSources, MotionError, MotionState};
+use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
 use crate::model::Model;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Function, Input, Module, View};
@@ -19,7 +19,7 @@ use robovec_num::arithmetic::Arithmetic;
 pub struct FreeMotion<'m> {
     model: &'m Model,
     function: Function,
-    inputs: Inputs,
+    inputs: InputSources,
     /// Where positions and velocities stand among the inputs, and of which
     /// joint they are.
     positions: Vec<(usize, usize)>,
@@ -70,7 +70,7 @@ impl<'m> FreeMotion<'m> {
     /// [`MotionError::Generate`]; [`MotionError::Element`] when the equations
     /// read what the model does not have.
     pub fn new(model: &'m Model, formulation: Formulation) -> Result<FreeMotion<'m>, MotionError> {
-        let request = Request {
+        let request = GenerationRequest {
             function: FunctionKind::Accelred,
             formulation,
             options: Options {
@@ -88,7 +88,7 @@ impl<'m> FreeMotion<'m> {
             tables: &tables,
             function: &function,
         };
-        let inputs = Inputs::new(model, view).map_err(|element| MotionError::Element {
+        let inputs = InputSources::new(model, view).map_err(|element| MotionError::Element {
             function: FunctionKind::Accelred.name().to_owned(),
             element,
         })?;
@@ -120,14 +120,14 @@ impl<'m> FreeMotion<'m> {
         &self,
         slopes: Calculus<'_, A>,
         state: Calculus<'_, S>,
-        initial: &State,
+        initial: &MotionState,
         stepping: Stepping,
     ) -> Drift {
         let inputs = self.inputs.gather(initial);
         let literal = |&number: &f64| slopes.arithmetic.literal(number);
         let start: Vec<f64> = initial.q.iter().chain(&initial.qd).copied().collect();
         let own = |number: &f64| state.arithmetic.literal(*number);
-        let mut run = Run {
+        let mut run = FreeRun {
             motion: self,
             inputs: inputs.iter().map(literal).collect(),
             numbers: start.iter().map(own).collect(),
@@ -135,7 +135,7 @@ impl<'m> FreeMotion<'m> {
             slopes,
             state,
         };
-        let mut watch = Watch::new(self.model, initial.clone());
+        let mut watch = EnergyMonitor::new(self.model, initial.clone());
         watch.look(&run.read());
         let samples = stepping.samples.clamp(1, stepping.steps.max(1));
         let mut done = 0;
@@ -155,7 +155,7 @@ impl<'m> FreeMotion<'m> {
 }
 
 /// A run under way.
-struct Run<'a, A: Arithmetic, S: Arithmetic> {
+struct FreeRun<'a, A: Arithmetic, S: Arithmetic> {
     motion: &'a FreeMotion<'a>,
     inputs: Vec<A::Number>,
     /// Positions, then velocities.
@@ -166,7 +166,7 @@ struct Run<'a, A: Arithmetic, S: Arithmetic> {
     state: Calculus<'a, S>,
 }
 
-impl<A: Arithmetic, S: Arithmetic> Run<'_, A, S> {
+impl<A: Arithmetic, S: Arithmetic> FreeRun<'_, A, S> {
     fn read(&self) -> Vec<f64> {
         self.numbers
             .iter()
@@ -234,18 +234,18 @@ impl<A: Arithmetic, S: Arithmetic> Run<'_, A, S> {
 }
 
 /// What looks at energies and momenta.
-struct Watch<'m> {
+struct EnergyMonitor<'m> {
     model: &'m Model,
-    state: State,
+    state: MotionState,
     start: Option<(f64, Momenta)>,
     kinetic: f64,
     change: f64,
     drift: Drift,
 }
 
-impl<'m> Watch<'m> {
-    fn new(model: &'m Model, state: State) -> Watch<'m> {
-        Watch {
+impl<'m> EnergyMonitor<'m> {
+    fn new(model: &'m Model, state: MotionState) -> EnergyMonitor<'m> {
+        EnergyMonitor {
             model,
             state,
             start: None,
@@ -281,11 +281,11 @@ impl<'m> Watch<'m> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::family::Family;
+    use crate::model::family::ModelFamily;
     use robovec_num::arithmetic::{Binary32, Binary64};
 
     fn pendulum(compensated: bool, short: bool) -> Drift {
-        let model = Family::DoublePendulum.build(2, 1);
+        let model = ModelFamily::DoublePendulum.build(2, 1);
         let motion = FreeMotion::new(&model, Formulation::Recursive).expect("it has equations");
         let stepping = Stepping {
             step: 1e-4,
@@ -293,7 +293,7 @@ mod tests {
             samples: 20,
             compensated,
         };
-        let initial = State::initial(&model);
+        let initial = MotionState::initial(&model);
         let wide = || Calculus {
             arithmetic: &Binary64,
             read: |x| x,

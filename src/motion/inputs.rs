@@ -7,7 +7,7 @@ use robovec_ir::{Input, View};
 /// What a model's equations read besides its parameters. Joints, links and
 /// forces are counted from 0.
 #[derive(Clone, PartialEq, Debug)]
-pub struct State {
+pub struct MotionState {
     /// Time, s.
     pub time: f64,
     /// Joint positions, m or rad.
@@ -29,15 +29,15 @@ pub struct State {
     pub external: Vec<[f64; 9]>,
 }
 
-impl State {
+impl MotionState {
     /// A model at rest in its initial position, without forces.
-    pub fn initial(model: &Model) -> State {
+    pub fn initial(model: &Model) -> MotionState {
         let joints = model.joints.len();
         let initial = |place: usize| {
             let number = |joint: &crate::model::Joint| joint.initial[place];
             model.joints.iter().map(number).collect()
         };
-        State {
+        MotionState {
             time: 0.0,
             q: initial(0),
             qd: initial(1),
@@ -53,7 +53,7 @@ impl State {
 
 /// Where one input element comes from.
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Source {
+enum InputSource {
     Parameter(f64),
     Time,
     Position(usize),
@@ -68,11 +68,11 @@ enum Source {
 
 /// The source of every input element of a function.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Inputs {
-    sources: Vec<Source>,
+pub struct InputSources {
+    sources: Vec<InputSource>,
 }
 
-impl Inputs {
+impl InputSources {
     /// Finds the sources of a function's inputs in a model. Elements beyond
     /// the model's joints, points or rods are an error even where no equation
     /// reads them: the function belongs to another model.
@@ -80,7 +80,7 @@ impl Inputs {
     /// # Errors
     ///
     /// The name of the first element that the model does not have.
-    pub fn new(model: &Model, view: View<'_>) -> Result<Inputs, String> {
+    pub fn new(model: &Model, view: View<'_>) -> Result<InputSources, String> {
         let function = view.function;
         let mut sources = Vec::with_capacity(function.input_len());
         for index in 0..function.input_len() {
@@ -89,24 +89,24 @@ impl Inputs {
             let source = source(model, name, &indices[..rank]);
             sources.push(source.ok_or_else(|| element_name(name, &indices[..rank]))?);
         }
-        Ok(Inputs { sources })
+        Ok(InputSources { sources })
     }
 
     /// The flattened inputs in a state of the model.
-    pub fn gather(&self, state: &State) -> Vec<f64> {
+    pub fn gather(&self, state: &MotionState) -> Vec<f64> {
         self.sources
             .iter()
             .map(|source| match *source {
-                Source::Parameter(number) => number,
-                Source::Time => state.time,
-                Source::Position(joint) => state.q[joint],
-                Source::Velocity(joint) => state.qd[joint],
-                Source::Acceleration(joint) => state.qdd[joint],
-                Source::JointForce(joint) => state.joint_forces[joint],
-                Source::Force(component, joint) => state.frc[joint][component],
-                Source::Torque(component, joint) => state.trq[joint][component],
-                Source::Link(link) => state.links[link],
-                Source::External(force, component) => state.external[force][component],
+                InputSource::Parameter(number) => number,
+                InputSource::Time => state.time,
+                InputSource::Position(joint) => state.q[joint],
+                InputSource::Velocity(joint) => state.qd[joint],
+                InputSource::Acceleration(joint) => state.qdd[joint],
+                InputSource::JointForce(joint) => state.joint_forces[joint],
+                InputSource::Force(component, joint) => state.frc[joint][component],
+                InputSource::Torque(component, joint) => state.trq[joint][component],
+                InputSource::Link(link) => state.links[link],
+                InputSource::External(force, component) => state.external[force][component],
             })
             .collect()
     }
@@ -125,70 +125,70 @@ pub fn element_name(array: &str, indices: &[u32]) -> String {
 /// `m`, `In`, `g` and `lrod` names; `None` when it names none.
 pub fn parameter(model: &Model, array: &str, indices: &[u32]) -> Option<f64> {
     match source(model, array, indices)? {
-        Source::Parameter(number) => Some(number),
+        InputSource::Parameter(number) => Some(number),
         _ => None,
     }
 }
 
-fn source(model: &Model, array: &str, indices: &[u32]) -> Option<Source> {
+fn source(model: &Model, array: &str, indices: &[u32]) -> Option<InputSource> {
     // Indices count from 1.
     let place = |index: u32| index.checked_sub(1).map(|index| index as usize);
     let joint = |index: u32| place(index).filter(|&joint| joint < model.joints.len());
     match (array, indices) {
-        ("tsim", []) => Some(Source::Time),
-        ("q", &[i]) => joint(i).map(Source::Position),
-        ("qd", &[i]) => joint(i).map(Source::Velocity),
-        ("qdd", &[i]) => joint(i).map(Source::Acceleration),
-        ("Qq", &[i]) => joint(i).map(Source::JointForce),
+        ("tsim", []) => Some(InputSource::Time),
+        ("q", &[i]) => joint(i).map(InputSource::Position),
+        ("qd", &[i]) => joint(i).map(InputSource::Velocity),
+        ("qdd", &[i]) => joint(i).map(InputSource::Acceleration),
+        ("Qq", &[i]) => joint(i).map(InputSource::JointForce),
         ("frc" | "trq", &[component, i]) => {
             let (component, joint) = (place(component).filter(|&c| c < 3)?, joint(i)?);
             Some(match array {
-                "frc" => Source::Force(component, joint),
-                _ => Source::Torque(component, joint),
+                "frc" => InputSource::Force(component, joint),
+                _ => InputSource::Torque(component, joint),
             })
         }
         ("dpt", &[component, i]) => {
             let point = model.points.get(place(i)?)?;
             let number = point.coordinates.get(place(component)?)?;
-            Some(Source::Parameter(*number))
+            Some(InputSource::Parameter(*number))
         }
         ("g", &[component]) => {
             let number = model.gravity.get(place(component)?)?;
-            Some(Source::Parameter(*number))
+            Some(InputSource::Parameter(*number))
         }
         ("m", &[i]) => {
             let body = model.body_of(joint(i)?);
-            Some(Source::Parameter(body.map_or(0.0, |body| body.mass)))
+            Some(InputSource::Parameter(body.map_or(0.0, |body| body.mass)))
         }
         ("l", &[component, i]) => {
             let center = model
                 .body_of(joint(i)?)
                 .map_or([0.0; 3], |body| body.center);
-            Some(Source::Parameter(*center.get(place(component)?)?))
+            Some(InputSource::Parameter(*center.get(place(component)?)?))
         }
         ("In", &[entry, i]) => {
             let body = model.body_of(joint(i)?);
             let matrix = body.map_or([0.0; 9], |body| body.inertia_matrix());
-            Some(Source::Parameter(*matrix.get(place(entry)?)?))
+            Some(InputSource::Parameter(*matrix.get(place(entry)?)?))
         }
         ("lrod", &[i]) => {
             let lengths = model.cuts.iter().filter_map(|cut| match cut.kind {
                 CutKind::Rod(length) => Some(length),
                 CutKind::Ball | CutKind::Solid => None,
             });
-            lengths.skip(place(i)?).map(Source::Parameter).next()
+            lengths.skip(place(i)?).map(InputSource::Parameter).next()
         }
         (_, []) => {
             let number = ["Flink", "Flnk"]
                 .into_iter()
                 .find_map(|prefix| array.strip_prefix(prefix))?;
             let link = place(number.parse().ok()?)?;
-            (link < model.links.len()).then_some(Source::Link(link))
+            (link < model.links.len()).then_some(InputSource::Link(link))
         }
         (_, &[component]) => {
             let force = place(array.strip_prefix("SWr")?.parse().ok()?)?;
             let component = place(component).filter(|&component| component < 9)?;
-            (force < model.forces.len()).then_some(Source::External(force, component))
+            (force < model.forces.len()).then_some(InputSource::External(force, component))
         }
         _ => None,
     }

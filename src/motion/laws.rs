@@ -135,7 +135,7 @@ pub struct Laws {
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields, default)]
-struct File {
+struct LawsFile {
     joint: Vec<toml::Table>,
     link: Vec<toml::Table>,
     force: Vec<toml::Table>,
@@ -145,7 +145,7 @@ struct File {
 /// The same file once more, for the places of names.
 #[derive(Deserialize, Default)]
 #[serde(default)]
-struct Names {
+struct LawNames {
     joint: Vec<Named>,
     link: Vec<Named>,
     force: Vec<Named>,
@@ -177,14 +177,14 @@ impl Laws {
     /// its limit, a driven motion of a joint that is not driven or whose
     /// equations hold no velocity.
     pub fn parse(model: &Model, text: &str) -> Result<Laws, Vec<Diagnostic>> {
-        let file: File = toml::from_str(text).map_err(|error| vec![syntax(&error)])?;
-        let names: Names = toml::from_str(text).map_err(|error| vec![syntax(&error)])?;
+        let file: LawsFile = toml::from_str(text).map_err(|error| vec![syntax(&error)])?;
+        let names: LawNames = toml::from_str(text).map_err(|error| vec![syntax(&error)])?;
         let mut laws = Laws::none(model);
         let mut errors = Vec::new();
         let joints: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
         let links: Vec<&str> = model.links.iter().map(|l| l.name.as_str()).collect();
         let forces: Vec<&str> = model.forces.iter().map(|f| f.name.as_str()).collect();
-        let mut read = Reader {
+        let mut read = LawReader {
             errors: &mut errors,
         };
         read.section(
@@ -232,13 +232,13 @@ impl Laws {
     }
 }
 
-struct Reader<'e> {
+struct LawReader<'e> {
     errors: &'e mut Vec<Diagnostic>,
 }
 
-type Span = std::ops::Range<usize>;
+type NameRange = std::ops::Range<usize>;
 
-impl Reader<'_> {
+impl LawReader<'_> {
     /// Reads the entries of a section into the laws of what they name; the
     /// named indices with their places in the text.
     fn section<T: DeserializeOwned + Copy>(
@@ -248,9 +248,9 @@ impl Reader<'_> {
         names: &[Named],
         known: &[&str],
         laws: &mut [T],
-    ) -> Vec<(usize, Span)> {
+    ) -> Vec<(usize, NameRange)> {
         let mut general = None;
-        let mut found: Vec<(usize, Span)> = Vec::new();
+        let mut found: Vec<(usize, NameRange)> = Vec::new();
         for (entry, Named { name }) in entries.iter().zip(names) {
             let span = name.span();
             let mut entry = entry.clone();
@@ -321,7 +321,7 @@ fn syntax(error: &toml::de::Error) -> Diagnostic {
     wrong(span, error.message(), Some(note.to_owned()))
 }
 
-fn wrong(span: Span, message: &str, note: Option<String>) -> Diagnostic {
+fn wrong(span: NameRange, message: &str, note: Option<String>) -> Diagnostic {
     Diagnostic::error()
         .with_message(message)
         .with_labels(vec![Label::primary(0, span)])

@@ -2,16 +2,16 @@
 
 /// A dense matrix, row by row.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Matrix {
+pub struct DenseMatrix {
     rows: usize,
     columns: usize,
     entries: Vec<f64>,
 }
 
-impl Matrix {
+impl DenseMatrix {
     /// A matrix of zeros.
-    pub fn zeros(rows: usize, columns: usize) -> Matrix {
-        Matrix {
+    pub fn zeros(rows: usize, columns: usize) -> DenseMatrix {
+        DenseMatrix {
             rows,
             columns,
             entries: vec![0.0; rows * columns],
@@ -34,12 +34,12 @@ impl Matrix {
     }
 
     /// The given rows and columns, in the given order.
-    pub fn select(&self, rows: &[usize], columns: &[usize]) -> Matrix {
+    pub fn select(&self, rows: &[usize], columns: &[usize]) -> DenseMatrix {
         let entries = rows.iter().flat_map(|&row| {
             let row = self.row(row);
             columns.iter().map(move |&column| row[column])
         });
-        Matrix {
+        DenseMatrix {
             rows: rows.len(),
             columns: columns.len(),
             entries: entries.collect(),
@@ -65,8 +65,8 @@ impl Matrix {
     }
 
     /// The transposed matrix.
-    pub fn transposed(&self) -> Matrix {
-        let mut result = Matrix::zeros(self.columns, self.rows());
+    pub fn transposed(&self) -> DenseMatrix {
+        let mut result = DenseMatrix::zeros(self.columns, self.rows());
         for row in 0..self.rows() {
             for (column, &entry) in self.row(row).iter().enumerate() {
                 result[(column, row)] = entry;
@@ -76,9 +76,9 @@ impl Matrix {
     }
 
     /// Matrix times matrix.
-    pub fn product(&self, other: &Matrix) -> Matrix {
+    pub fn product(&self, other: &DenseMatrix) -> DenseMatrix {
         let entries = (0..self.rows()).flat_map(|row| other.transposed_times(self.row(row)));
-        Matrix {
+        DenseMatrix {
             rows: self.rows,
             columns: other.columns,
             entries: entries.collect(),
@@ -86,14 +86,14 @@ impl Matrix {
     }
 }
 
-impl std::ops::Index<(usize, usize)> for Matrix {
+impl std::ops::Index<(usize, usize)> for DenseMatrix {
     type Output = f64;
     fn index(&self, (row, column): (usize, usize)) -> &f64 {
         &self.entries[row * self.columns + column]
     }
 }
 
-impl std::ops::IndexMut<(usize, usize)> for Matrix {
+impl std::ops::IndexMut<(usize, usize)> for DenseMatrix {
     fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut f64 {
         &mut self.entries[row * self.columns + column]
     }
@@ -112,7 +112,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// The index of the first pivot that does not: that unknown is determined by
 /// those before it or by none.
 pub fn solve_positive(
-    mut matrix: Matrix,
+    mut matrix: DenseMatrix,
     mut right: Vec<f64>,
     threshold: f64,
 ) -> Result<Vec<f64>, usize> {
@@ -161,7 +161,7 @@ pub struct Pivot {
 /// Gaussian elimination with complete pivoting: the pivots in order, those of
 /// the largest weighted size first, down to a fraction `threshold` of the
 /// first. Their number is the rank. A column of weight 0 is left out.
-pub fn eliminate(mut matrix: Matrix, weights: &[f64], threshold: f64) -> Vec<Pivot> {
+pub fn eliminate(mut matrix: DenseMatrix, weights: &[f64], threshold: f64) -> Vec<Pivot> {
     let (rows, columns) = (matrix.rows(), matrix.columns());
     let mut row_free = vec![true; rows];
     let mut column_free = vec![true; columns];
@@ -198,7 +198,7 @@ pub fn eliminate(mut matrix: Matrix, weights: &[f64], threshold: f64) -> Vec<Piv
 
 /// Solves a square system for several right sides, the columns of `right`, by
 /// elimination with partial pivoting. `None` when the matrix is singular.
-pub fn solve_square(mut matrix: Matrix, mut right: Matrix) -> Option<Matrix> {
+pub fn solve_square(mut matrix: DenseMatrix, mut right: DenseMatrix) -> Option<DenseMatrix> {
     let n = matrix.rows();
     let sides = right.columns();
     for k in 0..n {
@@ -245,8 +245,8 @@ pub fn solve_square(mut matrix: Matrix, mut right: Matrix) -> Option<Matrix> {
 mod tests {
     use super::*;
 
-    fn sample(rows: usize, columns: usize) -> Matrix {
-        let mut matrix = Matrix::zeros(rows, columns);
+    fn sample(rows: usize, columns: usize) -> DenseMatrix {
+        let mut matrix = DenseMatrix::zeros(rows, columns);
         for i in 0..rows {
             for j in 0..columns {
                 matrix[(i, j)] = ((3 * i + 5 * j + i * j * j) % 11) as f64 - 4.0;
@@ -281,20 +281,20 @@ mod tests {
 
     #[test]
     fn what_is_singular_is_told() {
-        let mut matrix = Matrix::zeros(3, 3);
+        let mut matrix = DenseMatrix::zeros(3, 3);
         for i in [0, 1] {
             matrix[(i, i)] = 2.0;
         }
         assert_eq!(solve_positive(matrix.clone(), vec![1.0; 3], 1e-13), Err(2));
-        assert!(solve_square(matrix.clone(), Matrix::zeros(3, 1)).is_none());
+        assert!(solve_square(matrix.clone(), DenseMatrix::zeros(3, 1)).is_none());
         matrix[(0, 0)] = f64::NAN;
         assert_eq!(solve_positive(matrix.clone(), vec![1.0; 3], 1e-13), Err(0));
-        assert!(solve_square(matrix, Matrix::zeros(3, 1)).is_none());
+        assert!(solve_square(matrix, DenseMatrix::zeros(3, 1)).is_none());
     }
 
     #[test]
     fn elimination_finds_the_rank_and_prefers_weights() {
-        let mut matrix = Matrix::zeros(3, 4);
+        let mut matrix = DenseMatrix::zeros(3, 4);
         for j in 0..4 {
             matrix[(0, j)] = (j + 1) as f64;
             matrix[(1, j)] = 2.0 * (j + 1) as f64;

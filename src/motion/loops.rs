@@ -1,8 +1,8 @@
 //! Closing loops: positions and velocities of dependent joints.
 
-use super::linear::{Matrix, dot, solve_positive, solve_square};
-use super::system::System;
-use super::{MotionError, Partition, State};
+use super::linear::{DenseMatrix, dot, solve_positive, solve_square};
+use super::system::MultibodySystem;
+use super::{MotionError, MotionState, Partition};
 use crate::model::Nature;
 
 /// Newton steps before giving up; from a predicted position three suffice.
@@ -21,7 +21,7 @@ pub(super) fn largest(numbers: &[f64]) -> f64 {
     })
 }
 
-impl System<'_> {
+impl MultibodySystem<'_> {
     /// A residual that the arithmetic cannot make smaller.
     fn tight(&self) -> f64 {
         8.0 * self.equations.epsilon()
@@ -45,7 +45,7 @@ impl System<'_> {
     /// [`MotionError::OpenLoop`] and [`MotionError::NotFinite`].
     pub(super) fn close(
         &self,
-        state: &mut State,
+        state: &mut MotionState,
         partition: &Partition,
     ) -> Result<(), MotionError> {
         if self.equations.rows() == 0 {
@@ -74,9 +74,9 @@ impl System<'_> {
     /// Newton's method; the Jacobian at the closed position.
     fn close_positions(
         &self,
-        state: &mut State,
+        state: &mut MotionState,
         partition: &Partition,
-    ) -> Result<Matrix, MotionError> {
+    ) -> Result<DenseMatrix, MotionError> {
         let mut before = f64::INFINITY;
         for _ in 0..NEWTON_STEPS {
             let (residual, jacobian) = self.equations.constraints(state);
@@ -107,7 +107,7 @@ impl System<'_> {
     /// [`MotionError::OpenLoop`].
     pub(super) fn assemble(
         &self,
-        state: &mut State,
+        state: &mut MotionState,
         natures: &[Nature],
     ) -> Result<(), MotionError> {
         let movable: Vec<usize> = (0..self.model.joints.len())
@@ -153,7 +153,7 @@ impl System<'_> {
     }
 
     /// The error of the cut with the largest residual.
-    fn open(&self, state: &State, residual: &[f64]) -> MotionError {
+    fn open(&self, state: &MotionState, residual: &[f64]) -> MotionError {
         let gaps = residual.iter().map(|h| h.abs()).enumerate();
         let worst = gaps.max_by(|a, b| a.1.total_cmp(&b.1));
         let (row, gap) = worst.unwrap_or((0, 0.0));
@@ -172,8 +172,8 @@ impl System<'_> {
 }
 
 /// A matrix of one column.
-pub(super) fn column(numbers: &[f64]) -> Matrix {
-    let mut matrix = Matrix::zeros(numbers.len(), 1);
+pub(super) fn column(numbers: &[f64]) -> DenseMatrix {
+    let mut matrix = DenseMatrix::zeros(numbers.len(), 1);
     for (row, &number) in numbers.iter().enumerate() {
         matrix[(row, 0)] = number;
     }

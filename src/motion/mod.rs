@@ -19,11 +19,11 @@ pub mod plot;
 mod simulation;
 mod system;
 
-pub use equations::{Equations, Setting};
+pub use equations::{EquationSetting, MotionEquations};
 pub use error::MotionError;
 pub use free::{Calculus, Drift, FreeMotion, Stepping};
-pub use inputs::{Inputs, State, element_name, parameter};
+pub use inputs::{InputSources, MotionState, element_name, parameter};
 pub use laws::{Drive, Laws, Spring, Support};
 pub use partition::Partition;
-pub use simulation::{Method, Plan, Run, Sample, simulate};
-pub use system::{Energy, System};
+pub use simulation::{IntegrationMethod, MotionSample, SimulationPlan, SimulationRun, simulate};
+pub use system::{Energy, MultibodySystem};

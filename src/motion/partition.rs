@@ -1,6 +1,6 @@
 //! Which joints move freely and which follow from the loops.
 
-use super::linear::{Matrix, eliminate};
+use super::linear::{DenseMatrix, eliminate};
 use crate::model::{Model, Nature};
 
 /// A pivot that is smaller than this fraction of what another choice of
@@ -27,7 +27,7 @@ impl Partition {
     /// Takes the dependent joints that the model names where they determine
     /// the loops well, and else those with the largest pivots. `threshold` is
     /// the fraction of the largest pivot below which one counts as zero.
-    pub fn new(model: &Model, jacobian: &Matrix, threshold: f64) -> Partition {
+    pub fn new(model: &Model, jacobian: &DenseMatrix, threshold: f64) -> Partition {
         let weights = |natures: &[Nature]| {
             let weight = |nature: Nature| f64::from(u8::from(natures.contains(&nature)));
             let joints = model.joints.iter();
@@ -72,7 +72,7 @@ impl Partition {
     }
 
     /// True when the dependent joints still determine the loops well.
-    pub fn holds(&self, jacobian: &Matrix) -> bool {
+    pub fn holds(&self, jacobian: &DenseMatrix) -> bool {
         let square = jacobian.select(&self.rows, &self.dependent);
         let pivots = eliminate(square, &vec![1.0; self.dependent.len()], WEAK * 0.1);
         pivots.len() == self.dependent.len()

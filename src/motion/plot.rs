@@ -1,6 +1,6 @@
 //! A run as a figure: positions above, energies below.
 
-use super::{Run, Sample};
+use super::{MotionSample, SimulationRun};
 use crate::model::Model;
 use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
@@ -17,7 +17,11 @@ struct RunQuantity<'a> {
 }
 
 impl RunQuantity<'_> {
-    fn new<'a>(name: &'a str, run: &Run, value: impl Fn(&Sample) -> f64) -> RunQuantity<'a> {
+    fn new<'a>(
+        name: &'a str,
+        run: &SimulationRun,
+        value: impl Fn(&MotionSample) -> f64,
+    ) -> RunQuantity<'a> {
         RunQuantity {
             name,
             values: run.samples.iter().map(value).collect(),
@@ -31,7 +35,7 @@ impl RunQuantity<'_> {
 }
 
 /// The positions of the joints that move most, and the energies.
-pub fn figure(model: &Model, run: &Run) -> Figure {
+pub fn figure(model: &Model, run: &SimulationRun) -> Figure {
     let panels = [
         panel("position (m, rad)", run, &positions(model, run)),
         panel("energy (J)", run, &energies(run)),
@@ -49,7 +53,7 @@ pub fn figure(model: &Model, run: &Run) -> Figure {
 }
 
 /// The joints that move most, in their order.
-fn positions<'a>(model: &'a Model, run: &Run) -> Vec<RunQuantity<'a>> {
+fn positions<'a>(model: &'a Model, run: &SimulationRun) -> Vec<RunQuantity<'a>> {
     let joints = model.joints.iter().enumerate();
     let mut moving: Vec<(usize, RunQuantity<'a>)> = joints
         .map(|(index, joint)| {
@@ -66,7 +70,7 @@ fn positions<'a>(model: &'a Model, run: &Run) -> Vec<RunQuantity<'a>> {
 }
 
 /// The energies that are there, and what is left of them without work.
-fn energies(run: &Run) -> Vec<RunQuantity<'static>> {
+fn energies(run: &SimulationRun) -> Vec<RunQuantity<'static>> {
     let energies = [
         RunQuantity::new("kinetic", run, |sample| sample.energy.kinetic),
         RunQuantity::new("gravity", run, |sample| sample.energy.gravity),
@@ -79,7 +83,7 @@ fn energies(run: &Run) -> Vec<RunQuantity<'static>> {
     energies.into_iter().filter(there).collect()
 }
 
-fn panel(title: &str, run: &Run, quantities: &[RunQuantity<'_>]) -> Panel {
+fn panel(title: &str, run: &SimulationRun, quantities: &[RunQuantity<'_>]) -> Panel {
     let curves = quantities.iter().enumerate().map(|(index, quantity)| {
         let stroke = match index < COLOURS {
             true => Stroke::Plain,

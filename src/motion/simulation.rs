@@ -1,12 +1,12 @@
 //! A run in time: steps, samples and what they say of the whole.
 
 use super::integrate::{dormand_prince, growth, runge_kutta};
-use super::system::{Energy, System};
-use super::{MotionError, State};
+use super::system::{Energy, MultibodySystem};
+use super::{MotionError, MotionState};
 
 /// How a step is made.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Method {
+pub enum IntegrationMethod {
     /// Classical Runge-Kutta of fourth order with a fixed step, s. The step
     /// is shortened to divide the interval between samples.
     RungeKutta {
@@ -25,22 +25,22 @@ pub enum Method {
 
 /// What is simulated.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Plan {
+pub struct SimulationPlan {
     /// How long, s.
     pub duration: f64,
     /// Number of samples after the first.
     pub samples: u32,
     /// How steps are made.
-    pub method: Method,
+    pub method: IntegrationMethod,
     /// Steps, rejected ones included, after which the run is given up.
     pub step_limit: u64,
 }
 
 /// The system at a time.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Sample {
+pub struct MotionSample {
     /// The state.
-    pub state: State,
+    pub state: MotionState,
     /// Its energies.
     pub energy: Energy,
     /// What dampers, constant forces and drives have put in since the start,
@@ -52,19 +52,19 @@ pub struct Sample {
 
 /// A run.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Run {
+pub struct SimulationRun {
     /// The samples, at equal intervals.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<MotionSample>,
     /// Steps taken.
     pub steps: u64,
     /// Steps that missed the tolerance and were repeated.
     pub rejected: u64,
 }
 
-impl Run {
+impl SimulationRun {
     /// The largest change of energy that no work explains, J.
     pub fn energy_drift(&self) -> f64 {
-        let balance = |sample: &Sample| sample.energy.total() - sample.work;
+        let balance = |sample: &MotionSample| sample.energy.total() - sample.work;
         let start = self.samples.first().map_or(0.0, balance);
         let changes = self.samples.iter().map(|s| (balance(s) - start).abs());
         changes.fold(0.0, f64::max)
@@ -91,17 +91,17 @@ impl Run {
 ///
 /// See [`MotionError`].
 pub fn simulate(
-    system: &mut System<'_>,
-    initial: &State,
-    plan: &Plan,
+    system: &mut MultibodySystem<'_>,
+    initial: &MotionState,
+    plan: &SimulationPlan,
     progress: &mut dyn FnMut(f64),
-) -> Result<Run, MotionError> {
+) -> Result<SimulationRun, MotionError> {
     let mut integrator = Integrator {
         system,
         plan,
-        packed: System::pack(initial, 0.0),
+        packed: MultibodySystem::pack(initial, 0.0),
         step: plan.duration / f64::from(plan.samples.max(1)) / 10.0,
-        run: Run {
+        run: SimulationRun {
             samples: Vec::new(),
             steps: 0,
             rejected: 0,
@@ -115,8 +115,8 @@ pub fn simulate(
         };
         let (from, to) = (at(sample - 1), at(sample));
         match plan.method {
-            Method::RungeKutta { step } => integrator.fixed(from, to, step, progress)?,
-            Method::DormandPrince { relative, absolute } => {
+            IntegrationMethod::RungeKutta { step } => integrator.fixed(from, to, step, progress)?,
+            IntegrationMethod::DormandPrince { relative, absolute } => {
                 integrator.adaptive(from, to, (relative, absolute), progress)?;
             }
         }
@@ -126,17 +126,17 @@ pub fn simulate(
 }
 
 struct Integrator<'a, 's, 'm> {
-    system: &'s mut System<'m>,
-    plan: &'a Plan,
+    system: &'s mut MultibodySystem<'m>,
+    plan: &'a SimulationPlan,
     packed: Vec<f64>,
     step: f64,
-    run: Run,
+    run: SimulationRun,
 }
 
 impl Integrator<'_, '_, '_> {
     fn sample(&mut self, time: f64) -> Result<(), MotionError> {
         let state = self.system.unpack(time, &self.packed)?;
-        self.run.samples.push(Sample {
+        self.run.samples.push(MotionSample {
             energy: self.system.energy(&state),
             work: self.work(),
             gap: self.system.gap(&state),
@@ -162,7 +162,7 @@ impl Integrator<'_, '_, '_> {
         let state = self.system.unpack(time, next)?;
         self.system.renew(&state);
         let work = next.last().copied().unwrap_or(0.0);
-        self.packed = System::pack(&state, work);
+        self.packed = MultibodySystem::pack(&state, work);
         self.run.steps += 1;
         Ok(())
     }

@@ -5,16 +5,16 @@
 //! their laws want them before anything is computed; what the integrator
 //! predicts for them only serves as a start.
 
-use super::equations::Setting;
-use super::linear::{Matrix, dot, solve_positive, solve_square};
+use super::equations::EquationSetting;
+use super::linear::{DenseMatrix, dot, solve_positive, solve_square};
 use super::loops::{column, largest};
-use super::{Equations, Laws, MotionError, Partition, Spring, State, Support, energy};
+use super::{Laws, MotionEquations, MotionError, MotionState, Partition, Spring, Support, energy};
 use crate::model::{Model, Nature};
 
 /// A model with its equations and the laws of its forces.
-pub struct System<'m> {
+pub struct MultibodySystem<'m> {
     pub(super) model: &'m Model,
-    pub(super) equations: Equations,
+    pub(super) equations: MotionEquations,
     laws: Laws,
     /// The positions that joints start from.
     initial: Vec<f64>,
@@ -45,13 +45,13 @@ impl Energy {
 }
 
 /// What the equations say of a state.
-struct Motion {
+struct SystemMotion {
     accelerations: Vec<f64>,
     /// What dampers, constant forces and drives put in, W.
     power: f64,
 }
 
-impl<'m> System<'m> {
+impl<'m> MultibodySystem<'m> {
     /// Makes the equations of a model and closes its loops; the system and
     /// its initial state.
     ///
@@ -62,12 +62,12 @@ impl<'m> System<'m> {
     pub fn new(
         model: &'m Model,
         laws: Laws,
-        setting: &Setting<'_>,
-    ) -> Result<(System<'m>, State), MotionError> {
-        let mut state = State::initial(model);
-        let mut system = System {
+        setting: &EquationSetting<'_>,
+    ) -> Result<(MultibodySystem<'m>, MotionState), MotionError> {
+        let mut state = MotionState::initial(model);
+        let mut system = MultibodySystem {
             model,
-            equations: Equations::new(model, setting)?,
+            equations: MotionEquations::new(model, setting)?,
             laws,
             initial: state.q.clone(),
             lengths: Vec::new(),
@@ -100,13 +100,13 @@ impl<'m> System<'m> {
     }
 
     /// Divides the joints into independent and dependent ones anew.
-    fn divide(&mut self, state: &State) {
+    fn divide(&mut self, state: &MotionState) {
         let jacobian = self.equations.constraints(state).1;
         self.partition = Partition::new(self.model, &jacobian, self.rank_threshold());
     }
 
     /// Puts driven joints where they are at the state's time.
-    fn drive(&self, state: &mut State) {
+    fn drive(&self, state: &mut MotionState) {
         for (index, joint) in self.model.joints.iter().enumerate() {
             if joint.nature != Nature::Driven {
                 continue;
@@ -121,7 +121,7 @@ impl<'m> System<'m> {
     }
 
     /// Sets all forces; the power of those that are no springs.
-    fn load(&self, state: &mut State) -> f64 {
+    fn load(&self, state: &mut MotionState) -> f64 {
         let mut power = 0.0;
         for (index, law) in self.laws.joints.iter().enumerate() {
             let neutral = law.neutral.unwrap_or(self.initial[index]);
@@ -146,7 +146,7 @@ impl<'m> System<'m> {
         power
     }
 
-    fn load_links(&self, state: &mut State) -> f64 {
+    fn load_links(&self, state: &mut MotionState) -> f64 {
         let mut power = 0.0;
         let lengths = self.equations.link_lengths(state);
         for (index, ([length, rate], law)) in lengths.iter().zip(&self.laws.links).enumerate() {
@@ -162,7 +162,7 @@ impl<'m> System<'m> {
         power
     }
 
-    fn load_points(&self, state: &mut State) -> f64 {
+    fn load_points(&self, state: &mut MotionState) -> f64 {
         let mut power = 0.0;
         let motions = self.equations.force_motion(state);
         for (index, (motion, law)) in motions.iter().zip(&self.laws.forces).enumerate() {
@@ -185,7 +185,7 @@ impl<'m> System<'m> {
     }
 
     /// Accelerations, and the power of what is not conservative.
-    fn motion(&self, state: &mut State) -> Result<Motion, MotionError> {
+    fn motion(&self, state: &mut MotionState) -> Result<SystemMotion, MotionError> {
         let mut power = self.load(state);
         let accelerations = match self.equations.accelerations(state) {
             Some(accelerations) => accelerations,
@@ -197,14 +197,14 @@ impl<'m> System<'m> {
         if !self.partition.driven.is_empty() {
             power += self.drive_power(state, &accelerations);
         }
-        Ok(Motion {
+        Ok(SystemMotion {
             accelerations,
             power,
         })
     }
 
     /// Solves the equations of motion for the accelerations.
-    fn solve(&self, state: &State) -> Result<Vec<f64>, MotionError> {
+    fn solve(&self, state: &MotionState) -> Result<Vec<f64>, MotionError> {
         let (matrix, bias) = self.equations.dynamics(state);
         if !largest(&bias).is_finite() {
             return Err(not_finite("a force", state.time));
@@ -222,7 +222,7 @@ impl<'m> System<'m> {
             given[joint] = state.qdd[joint];
         }
         let (slopes, offset) = if rows.is_empty() {
-            (Matrix::zeros(0, u.len()), Vec::new())
+            (DenseMatrix::zeros(0, u.len()), Vec::new())
         } else {
             let jacobian = self.equations.constraints(state).1;
             let quadratic = self.equations.quadratic(state);
@@ -258,18 +258,18 @@ impl<'m> System<'m> {
     /// `B` and `b` of the dependent accelerations.
     fn dependence(
         &self,
-        state: &State,
-        jacobian: &Matrix,
+        state: &MotionState,
+        jacobian: &DenseMatrix,
         quadratic: &[f64],
         given: &[f64],
-    ) -> Result<(Matrix, Vec<f64>), MotionError> {
+    ) -> Result<(DenseMatrix, Vec<f64>), MotionError> {
         let Partition {
             independent: u,
             dependent: v,
             rows,
             ..
         } = &self.partition;
-        let mut right = Matrix::zeros(rows.len(), u.len() + 1);
+        let mut right = DenseMatrix::zeros(rows.len(), u.len() + 1);
         for (place, &row) in rows.iter().enumerate() {
             for (column, &joint) in u.iter().enumerate() {
                 right[(place, column)] = -jacobian[(row, joint)];
@@ -287,7 +287,7 @@ impl<'m> System<'m> {
 
     /// What the drives put in: the forces that the equations leave open on
     /// driven joints, less those of the loops.
-    fn drive_power(&self, state: &State, accelerations: &[f64]) -> f64 {
+    fn drive_power(&self, state: &MotionState, accelerations: &[f64]) -> f64 {
         let Partition {
             dependent: v,
             driven: c,
@@ -321,7 +321,7 @@ impl<'m> System<'m> {
     }
 
     /// Positions, velocities and work, as the integrator holds them.
-    pub(super) fn pack(state: &State, work: f64) -> Vec<f64> {
+    pub(super) fn pack(state: &MotionState, work: f64) -> Vec<f64> {
         let mut packed = state.q.clone();
         packed.extend_from_slice(&state.qd);
         packed.push(work);
@@ -330,12 +330,12 @@ impl<'m> System<'m> {
 
     /// The state of an integrator's numbers: driven joints driven, loops
     /// closed.
-    pub(super) fn unpack(&self, time: f64, packed: &[f64]) -> Result<State, MotionError> {
+    pub(super) fn unpack(&self, time: f64, packed: &[f64]) -> Result<MotionState, MotionError> {
         let joints = self.model.joints.len();
         if !largest(packed).is_finite() {
             return Err(not_finite("a position or velocity", time));
         }
-        let mut state = State::initial(self.model);
+        let mut state = MotionState::initial(self.model);
         state.time = time;
         state.q.copy_from_slice(&packed[..joints]);
         state.qd.copy_from_slice(&packed[joints..2 * joints]);
@@ -356,7 +356,7 @@ impl<'m> System<'m> {
 
     /// Chooses other dependent joints when those in use have come near a dead
     /// point.
-    pub(super) fn renew(&mut self, state: &State) {
+    pub(super) fn renew(&mut self, state: &MotionState) {
         if self.equations.rows() > 0 {
             let jacobian = self.equations.constraints(state).1;
             if !self.partition.holds(&jacobian) {
@@ -366,7 +366,7 @@ impl<'m> System<'m> {
     }
 
     /// The energies of a state, from the model and the laws.
-    pub fn energy(&self, state: &State) -> Energy {
+    pub fn energy(&self, state: &MotionState) -> Energy {
         let (kinetic, gravity) = energy::energies(self.model, state);
         let of = |stiffness: f64, stretch: f64| 0.5 * stiffness * stretch * stretch;
         let mut springs = 0.0;
@@ -394,14 +394,14 @@ impl<'m> System<'m> {
     }
 
     /// The largest residual of the constraints.
-    pub fn gap(&self, state: &State) -> f64 {
+    pub fn gap(&self, state: &MotionState) -> f64 {
         largest(&self.equations.constraints(state).0)
     }
 }
 
 /// The matrix that takes the independent motions to all motions.
-fn stack(u: &[usize], v: &[usize], slopes: &Matrix, joints: usize) -> Matrix {
-    let mut matrix = Matrix::zeros(joints, u.len());
+fn stack(u: &[usize], v: &[usize], slopes: &DenseMatrix, joints: usize) -> DenseMatrix {
+    let mut matrix = DenseMatrix::zeros(joints, u.len());
     for (place, &joint) in u.iter().enumerate() {
         matrix[(joint, place)] = 1.0;
     }

@@ -17,30 +17,30 @@ use std::sync::OnceLock;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
-use watch::Watch;
+use watch::ProcessWatch;
 
 /// How long and how much.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Limits {
+pub struct ProcessLimits {
     /// Time of a run by the clock on the wall.
     pub time: Duration,
     /// Bytes of the standard output, and of the standard error.
     pub bytes: usize,
 }
 
-impl Limits {
+impl ProcessLimits {
     /// Half an hour and 64 MiB: more than any tool needs that does its work.
-    pub const USUAL: Limits = Limits {
+    pub const USUAL: ProcessLimits = ProcessLimits {
         time: Duration::from_secs(1800),
         bytes: 64 << 20,
     };
 }
 
-static LIMITS: OnceLock<Limits> = OnceLock::new();
+static LIMITS: OnceLock<ProcessLimits> = OnceLock::new();
 
 /// Sets the limits of all runs; for the program's beginning. What was set
 /// first stays.
-pub fn set_limits(limits: Limits) {
+pub fn set_limits(limits: ProcessLimits) {
     let _ = LIMITS.set(limits);
 }
 
@@ -54,7 +54,7 @@ const PAUSE: Duration = Duration::from_millis(50);
 /// running holds it open.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// Why a program did not do its work. What it says itself is in [`Finished`].
+/// Why a program did not do its work. What it says itself is in [`FinishedProcess`].
 #[derive(Debug, thiserror::Error)]
 pub enum ToolError {
     /// It cannot be started.
@@ -85,7 +85,7 @@ pub enum ToolError {
 
 /// A run that ended by itself.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Finished {
+pub struct FinishedProcess {
     /// How.
     pub status: ExitStatus,
     /// What it printed to the standard output.
@@ -94,7 +94,7 @@ pub struct Finished {
     pub errors: Vec<u8>,
 }
 
-impl Finished {
+impl FinishedProcess {
     /// The standard output as text.
     pub fn text(&self) -> String {
         String::from_utf8_lossy(&self.output).into_owned()
@@ -108,32 +108,32 @@ impl Finished {
 
 /// A program with its arguments.
 #[derive(Clone, Debug)]
-pub struct Call {
+pub struct ProgramCall {
     program: PathBuf,
     name: String,
     arguments: Vec<OsString>,
     variables: Vec<(OsString, OsString)>,
     folder: Option<PathBuf>,
-    limits: Limits,
+    limits: ProcessLimits,
 }
 
-impl Call {
+impl ProgramCall {
     /// A program by its name or path, without arguments.
-    pub fn new(program: impl AsRef<Path>) -> Call {
+    pub fn new(program: impl AsRef<Path>) -> ProgramCall {
         let program = program.as_ref().to_owned();
-        Call {
+        ProgramCall {
             name: program.display().to_string(),
             program,
             arguments: Vec::new(),
             variables: Vec::new(),
             folder: None,
-            limits: LIMITS.get().copied().unwrap_or(Limits::USUAL),
+            limits: LIMITS.get().copied().unwrap_or(ProcessLimits::USUAL),
         }
     }
 
     /// A program asked for its version, which must answer soon.
-    pub fn version(program: impl AsRef<Path>, argument: &str) -> Call {
-        let mut call = Call::new(program).arguments([argument]);
+    pub fn version(program: impl AsRef<Path>, argument: &str) -> ProgramCall {
+        let mut call = ProgramCall::new(program).arguments([argument]);
         call.limits.time = call.limits.time.min(VERSION_TIME);
         call
     }
@@ -141,14 +141,17 @@ impl Call {
     /// The same under another name in messages: of a shell that runs a
     /// program, that of the program.
     #[must_use]
-    pub fn called(mut self, name: &str) -> Call {
+    pub fn called(mut self, name: &str) -> ProgramCall {
         name.clone_into(&mut self.name);
         self
     }
 
     /// Adds arguments.
     #[must_use]
-    pub fn arguments<T: AsRef<OsStr>>(mut self, arguments: impl IntoIterator<Item = T>) -> Call {
+    pub fn arguments<T: AsRef<OsStr>>(
+        mut self,
+        arguments: impl IntoIterator<Item = T>,
+    ) -> ProgramCall {
         let arguments = arguments.into_iter();
         self.arguments
             .extend(arguments.map(|argument| argument.as_ref().to_owned()));
@@ -157,7 +160,7 @@ impl Call {
 
     /// Sets a variable of its environment.
     #[must_use]
-    pub fn variable(mut self, name: &str, value: impl AsRef<OsStr>) -> Call {
+    pub fn variable(mut self, name: &str, value: impl AsRef<OsStr>) -> ProgramCall {
         self.variables
             .push((name.into(), value.as_ref().to_owned()));
         self
@@ -165,7 +168,7 @@ impl Call {
 
     /// The folder it runs in; a program whose path begins with `./` is in it.
     #[must_use]
-    pub fn folder(mut self, folder: &Path) -> Call {
+    pub fn folder(mut self, folder: &Path) -> ProgramCall {
         if let Ok(own) = self.program.strip_prefix("./") {
             self.program = folder.join(own);
         }
@@ -175,7 +178,7 @@ impl Call {
 
     /// Other limits than the usual ones.
     #[must_use]
-    pub fn limits(mut self, limits: Limits) -> Call {
+    pub fn limits(mut self, limits: ProcessLimits) -> ProgramCall {
         self.limits = limits;
         self
     }
@@ -185,7 +188,7 @@ impl Call {
     /// # Errors
     ///
     /// When it cannot be started or reaches a limit; all of it is then dead.
-    pub fn run(&self) -> Result<Finished, ToolError> {
+    pub fn run(&self) -> Result<FinishedProcess, ToolError> {
         let mut command = Command::new(&self.program);
         command
             .args(&self.arguments)
@@ -206,7 +209,7 @@ impl Call {
     }
 
     /// Reads what a program prints until it ends.
-    fn follow(&self, running: &mut Running) -> io::Result<Result<Finished, ToolError>> {
+    fn follow(&self, running: &mut Running) -> io::Result<Result<FinishedProcess, ToolError>> {
         let deadline = Instant::now() + self.limits.time;
         let (sender, receiver) = mpsc::channel();
         let child = &mut running.child;
@@ -248,7 +251,7 @@ impl Call {
             }
             if let (Some((status, _)), [Some(output), Some(errors)]) = (ended, &mut read) {
                 running.is_done = true;
-                return Ok(Ok(Finished {
+                return Ok(Ok(FinishedProcess {
                     status,
                     output: std::mem::take(output),
                     errors: std::mem::take(errors),
@@ -283,13 +286,13 @@ fn own_group(_command: &mut Command) {}
 struct Running {
     child: Child,
     is_done: bool,
-    _watch: Option<Watch>,
+    _watch: Option<ProcessWatch>,
 }
 
 impl Running {
     fn new(child: Child) -> Running {
         Running {
-            _watch: Watch::over(child.id()),
+            _watch: ProcessWatch::over(child.id()),
             child,
             is_done: false,
         }
@@ -336,13 +339,13 @@ impl Drop for Running {
 mod tests {
     use super::*;
 
-    fn shell(script: &str) -> Call {
-        Call::new("sh").arguments(["-c", script])
+    fn shell(script: &str) -> ProgramCall {
+        ProgramCall::new("sh").arguments(["-c", script])
     }
 
     /// A limit that only a program reaches which never ends.
-    fn short() -> Limits {
-        Limits {
+    fn short() -> ProcessLimits {
+        ProcessLimits {
             time: Duration::from_millis(300),
             bytes: 1000,
         }
@@ -357,7 +360,7 @@ mod tests {
             ("out\n".into(), "err\n".into())
         );
         assert_eq!(run.status.code(), Some(3));
-        let run = Call::new("sh")
+        let run = ProgramCall::new("sh")
             .arguments(["-c", "echo $WORD; pwd"])
             .variable("WORD", "said")
             .folder(Path::new("/"))
@@ -367,7 +370,7 @@ mod tests {
 
     #[test]
     fn a_program_that_is_not_there_is_named() {
-        let error = Call::new("no-such-program-at-all").run();
+        let error = ProgramCall::new("no-such-program-at-all").run();
         let message = error.expect_err("it is not there").to_string();
         assert!(message.starts_with("'no-such-program-at-all' does not run"));
     }
@@ -386,7 +389,7 @@ mod tests {
 
     #[test]
     fn what_prints_without_end_is_stopped() {
-        let limits = Limits {
+        let limits = ProcessLimits {
             time: Duration::from_secs(600),
             bytes: 1000,
         };
@@ -400,7 +403,7 @@ mod tests {
 
     #[test]
     fn what_a_program_leaves_running_is_killed() {
-        let limits = Limits {
+        let limits = ProcessLimits {
             time: Duration::from_secs(600),
             bytes: 1000,
         };

@@ -14,12 +14,12 @@ use std::process::{Child, Command, Stdio};
 const SCRIPT: &str = "read -r line || kill -s KILL -- \"-$1\" 2>/dev/null";
 
 /// A watcher, which is sent home when this value goes.
-pub(super) struct Watch(Child);
+pub(super) struct ProcessWatch(Child);
 
-impl Watch {
+impl ProcessWatch {
     /// A watcher of a group of processes; `None` where there is no shell or
     /// no group.
-    pub(super) fn over(group: u32) -> Option<Watch> {
+    pub(super) fn over(group: u32) -> Option<ProcessWatch> {
         if cfg!(not(unix)) {
             return None;
         }
@@ -30,11 +30,11 @@ impl Watch {
             .stdout(Stdio::null())
             .stderr(Stdio::null());
         super::own_group(&mut command);
-        command.spawn().ok().map(Watch)
+        command.spawn().ok().map(ProcessWatch)
     }
 }
 
-impl Drop for Watch {
+impl Drop for ProcessWatch {
     fn drop(&mut self) {
         if let Some(mut pipe) = self.0.stdin.take() {
             // A watcher that is gone needs no word.

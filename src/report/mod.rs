@@ -1,7 +1,7 @@
 //! The report of a compilation: what it costs and how exact it is.
 //!
-//! One structure, written as JSON ([`Report::to_json`]) for programs and as
-//! text ([`Report::to_text`]) for people. The names of the JSON form are an
+//! One structure, written as JSON ([`ModuleReport::to_json`]) for programs and as
+//! text ([`ModuleReport::to_text`]) for people. The names of the JSON form are an
 //! interface, documented in `docs/report.md`; a field may be added and none
 //! renamed. Numbers that are not finite are `null` there.
 
@@ -31,7 +31,7 @@ use std::sync::Arc;
 
 /// What the pass manager tells about one run of a pass on one function.
 #[derive(Clone, PartialEq, Debug)]
-pub struct PassRecord {
+pub struct PassRunRecord {
     /// The function's name.
     pub function: String,
     /// The pass as it stands in the pipeline, options included.
@@ -72,7 +72,7 @@ impl Default for ReportOptions {
 
 /// The report of a module.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Report {
+pub struct ModuleReport {
     /// The version of robovec.
     pub robovec: String,
     /// One entry per function, in the module's order.
@@ -128,15 +128,15 @@ pub struct FunctionReport {
     pub heat: Heat,
 }
 
-impl Report {
+impl ModuleReport {
     /// Measures and counts everything a report tells about a module after the
     /// recorded passes were run on it for a machine.
     pub fn collect(
         module: &Module,
         machine: &Machine,
-        passes: &[PassRecord],
+        passes: &[PassRunRecord],
         options: &ReportOptions,
-    ) -> Report {
+    ) -> ModuleReport {
         let describe = |function: &Function| {
             let view = View {
                 tables: &module.tables,
@@ -144,7 +144,7 @@ impl Report {
             };
             FunctionReport::collect(view, machine, passes, options)
         };
-        Report {
+        ModuleReport {
             robovec: env!("CARGO_PKG_VERSION").to_owned(),
             functions: module.functions.iter().map(describe).collect(),
         }
@@ -165,7 +165,7 @@ impl FunctionReport {
     fn collect(
         view: View<'_>,
         machine: &Machine,
-        passes: &[PassRecord],
+        passes: &[PassRunRecord],
         options: &ReportOptions,
     ) -> FunctionReport {
         let function = view.function;

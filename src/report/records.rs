@@ -1,6 +1,6 @@
 //! What was run on a function, and where user calls split it.
 
-use super::PassRecord;
+use super::PassRunRecord;
 use super::rounding::RoundingReport;
 use robovec_analysis::accuracy::Summary;
 use robovec_framework::check::{Deviation, ErrorChange, FailureKind, Verdict};
@@ -28,7 +28,7 @@ pub struct PassReport {
 }
 
 impl PassReport {
-    pub(super) fn new(record: &PassRecord, view: View<'_>) -> PassReport {
+    pub(super) fn new(record: &PassRunRecord, view: View<'_>) -> PassReport {
         PassReport {
             name: record.name.clone(),
             cpu_s: record.cpu_s,

@@ -99,14 +99,14 @@ fn place(function: &mut Function, [a, b, zero]: [Operand; 3]) {
     });
 }
 
-fn report() -> Report {
+fn report() -> ModuleReport {
     let module = sample();
     let machine = Machine::built_in("thesis").expect("it ships");
     let view = View {
         tables: &module.tables,
         function: &module.functions[0],
     };
-    let record = |name: &str, verdict| PassRecord {
+    let record = |name: &str, verdict| PassRunRecord {
         function: "sample".to_owned(),
         name: name.to_owned(),
         cpu_s: 0.001,
@@ -118,7 +118,7 @@ fn report() -> Report {
     };
     let measured = Arc::new(rounding(view, &States::new(1), 32));
     let passes = [
-        PassRecord {
+        PassRunRecord {
             rounding: Some([measured.clone(), measured]),
             ..record(
                 "atomise",
@@ -126,12 +126,12 @@ fn report() -> Report {
             )
         },
         record("place{n_add=1 n_multi=1}", None),
-        PassRecord {
+        PassRunRecord {
             function: "another".to_owned(),
             ..record("dce", None)
         },
     ];
-    Report::collect(&module, &machine, &passes, &ReportOptions::default())
+    ModuleReport::collect(&module, &machine, &passes, &ReportOptions::default())
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::error::{ArrayReport, ElementReport, FormatReport, MatrixReport};
 use super::records::{CheckErrors, CheckReport, PassReport};
 use super::rounding::{QuantilesReport, RoundingReport};
 use super::schedule::{ByKind, ScheduleReport, TransferReport};
-use super::{FunctionReport, Report};
+use super::{FunctionReport, ModuleReport};
 use crate::errors::{heat_text, heat_title};
 use crate::present::number::{or_dash, scientific, units};
 use crate::present::{indented, text_table};
@@ -18,7 +18,7 @@ const LABELLED: &str = " | >";
 /// How many of an array's elements are named as its worst.
 const NAMED_ELEMENTS: usize = 3;
 
-pub(super) fn print(report: &Report) -> String {
+pub(super) fn print(report: &ModuleReport) -> String {
     let mut text = format!("robovec {}\n", report.robovec);
     for function in &report.functions {
         text.push('\n');

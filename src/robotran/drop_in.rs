@@ -9,7 +9,7 @@
 //! gives a whole set of files.
 
 use super::Language;
-use super::write::{WriteError, WriteOptions, write};
+use super::write::{RobotranWriteError, WriteOptions, write};
 use robovec_codegen::c::{
     Options, Real, SignatureError, Trial, files, function_name, minimal_data, trial_main,
 };
@@ -48,7 +48,7 @@ pub const TOLERANCE_OF_FLOAT: f64 = 1e-4;
 pub fn drop_in(
     module: &Module,
     options: &DropInOptions,
-) -> Result<Vec<(String, String)>, WriteError> {
+) -> Result<Vec<(String, String)>, RobotranWriteError> {
     let mut written = Vec::new();
     let mut rest = Module {
         tables: module.tables.clone(),
@@ -78,7 +78,7 @@ pub fn drop_in(
             Err(SignatureError::Sensor(_) | SignatureError::Call { .. }) => {
                 rest.functions.push(function);
             }
-            Err(error) => return Err(WriteError::Signature(error)),
+            Err(error) => return Err(RobotranWriteError::Signature(error)),
         }
     }
     if !rest.functions.is_empty() {
@@ -92,7 +92,7 @@ pub fn drop_in(
         written.push(minimal_data(views));
     }
     if written.is_empty() {
-        return Err(WriteError::Empty);
+        return Err(RobotranWriteError::Empty);
     }
     Ok(written)
 }

@@ -33,7 +33,7 @@ pub(super) struct Unkept {
 
 /// Whose arithmetic whole numbers have.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub(super) enum Arithmetic {
+pub(super) enum IntegerArithmetic {
     /// Every number is a 64-bit float: Matlab.
     #[default]
     Floats,
@@ -104,7 +104,7 @@ impl Literal {
         self,
         operation: Operation,
         other: Literal,
-        arithmetic: Arithmetic,
+        arithmetic: IntegerArithmetic,
     ) -> Result<Option<Literal>, Unkept> {
         match (self, other) {
             (Literal::Double(_), _) | (_, Literal::Double(_)) => Ok(None),
@@ -144,23 +144,23 @@ fn wholes(
     operation: Operation,
     (a, b): (i64, i64),
     long: bool,
-    arithmetic: Arithmetic,
+    arithmetic: IntegerArithmetic,
 ) -> Result<Option<Literal>, Unkept> {
     let quotient = operation == Operation::Div;
-    if quotient && b == 0 && arithmetic != Arithmetic::Floats {
+    if quotient && b == 0 && arithmetic != IntegerArithmetic::Floats {
         return Err(DIVISION_BY_ZERO);
     }
     let value = match operation {
         Operation::Add => a.checked_add(b),
         Operation::Sub => a.checked_sub(b),
         Operation::Mul => a.checked_mul(b),
-        Operation::Div if arithmetic == Arithmetic::C => a.checked_div(b),
+        Operation::Div if arithmetic == IntegerArithmetic::C => a.checked_div(b),
         _ => return Ok(None),
     };
     let result = whole(value, long)?;
     match result {
         Literal::Whole { value, .. }
-            if arithmetic == Arithmetic::Python && value.abs() > LARGEST_EXACT =>
+            if arithmetic == IntegerArithmetic::Python && value.abs() > LARGEST_EXACT =>
         {
             Err(OVERFLOW)
         }
@@ -361,15 +361,15 @@ mod tests {
     #[test]
     fn whole_numbers_divide_as_their_language_does() {
         let half = |arithmetic| int(1).combined(Operation::Div, int(2), arithmetic);
-        assert_eq!(half(Arithmetic::C), Ok(Some(int(0))));
-        assert_eq!(half(Arithmetic::Python), Ok(None));
-        let cut = int(-7).combined(Operation::Div, int(2), Arithmetic::C);
+        assert_eq!(half(IntegerArithmetic::C), Ok(Some(int(0))));
+        assert_eq!(half(IntegerArithmetic::Python), Ok(None));
+        let cut = int(-7).combined(Operation::Div, int(2), IntegerArithmetic::C);
         assert_eq!(cut, Ok(Some(int(-3))));
-        let none = int(1).combined(Operation::Div, int(0), Arithmetic::C);
+        let none = int(1).combined(Operation::Div, int(0), IntegerArithmetic::C);
         assert_eq!(none, Err(DIVISION_BY_ZERO));
-        let large = int(65536).combined(Operation::Mul, int(32768), Arithmetic::C);
+        let large = int(65536).combined(Operation::Mul, int(32768), IntegerArithmetic::C);
         assert_eq!(large, Err(OVERFLOW));
-        let third = int(1).combined(Operation::Div, Literal::Single(3.0), Arithmetic::C);
+        let third = int(1).combined(Operation::Div, Literal::Single(3.0), IntegerArithmetic::C);
         assert_eq!(third, Ok(Some(Literal::Single(1.0 / 3.0))));
     }
 }

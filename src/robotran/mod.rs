@@ -41,13 +41,13 @@ lalrpop_util::lalrpop_mod!(
 pub(crate) use self::decode::decode_text;
 use self::explain::{explain, refusal};
 use self::header::Header;
-use self::literal::Arithmetic;
+use self::literal::IntegerArithmetic;
 use self::lower::Lowering;
-use self::places::Places;
+use self::places::LineIndex;
 use self::raw::{C, Matlab, Python, Surface};
-use self::syntax::{Builder, CAPACITY, Syntax};
-use self::token::Span;
-use self::tokens::{TokenSource, Tokens};
+use self::syntax::{CAPACITY, SyntaxBuilder, SyntaxTree};
+use self::token::SourceSpan;
+use self::tokens::{TokenSource, TokenStream};
 use robovec_ir::diagnostic::{Diagnostic, Report};
 use robovec_ir::{Module, Symbols};
 use robovec_num::limits::NumberLimit;
@@ -218,7 +218,7 @@ fn loops_of_robovec(text: &str) -> Option<Diagnostic> {
     ];
     kinds.into_iter().find_map(|(mark, message, note)| {
         let start = text.find(mark)?;
-        let span = Span::new(start, start + mark.len());
+        let span = SourceSpan::new(start, start + mark.len());
         Some(refusal(message, span, "the first of it", note))
     })
 }
@@ -236,28 +236,32 @@ fn limited(mut errors: Vec<Diagnostic>, warnings: Vec<Diagnostic>) -> Vec<Diagno
     errors
 }
 
-fn parse(text: &str, language: Language, symbols: &mut Symbols) -> Result<Syntax, Vec<Diagnostic>> {
-    let mut builder = Builder::default();
+fn parse(
+    text: &str,
+    language: Language,
+    symbols: &mut Symbols,
+) -> Result<SyntaxTree, Vec<Diagnostic>> {
+    let mut builder = SyntaxBuilder::default();
     builder.extents_from_zero = language != Language::Matlab;
     builder.arithmetic = match language {
-        Language::C => Arithmetic::C,
-        Language::Matlab => Arithmetic::Floats,
-        Language::Python => Arithmetic::Python,
+        Language::C => IntegerArithmetic::C,
+        Language::Matlab => IntegerArithmetic::Floats,
+        Language::Python => IntegerArithmetic::Python,
     };
     let errors = match language {
         Language::C => parse_tokens(
             text,
-            Tokens::<C>::new(text, language, symbols),
+            TokenStream::<C>::new(text, language, symbols),
             &mut builder,
         ),
         Language::Matlab => parse_tokens(
             text,
-            Tokens::<Matlab>::new(text, language, symbols),
+            TokenStream::<Matlab>::new(text, language, symbols),
             &mut builder,
         ),
         Language::Python => parse_tokens(
             text,
-            Tokens::<Python>::new(text, language, symbols),
+            TokenStream::<Python>::new(text, language, symbols),
             &mut builder,
         ),
     };
@@ -283,8 +287,8 @@ fn parse(text: &str, language: Language, symbols: &mut Symbols) -> Result<Syntax
 /// Parses all statements; behind one that cannot be read it starts anew.
 fn parse_tokens<'s, L: Surface<'s>>(
     text: &str,
-    mut tokens: Tokens<'s, '_, L>,
-    builder: &mut Builder,
+    mut tokens: TokenStream<'s, '_, L>,
+    builder: &mut SyntaxBuilder,
 ) -> Vec<Diagnostic> {
     let parser = grammar::FileParser::new();
     let mut errors = Vec::new();
@@ -310,10 +314,10 @@ fn build(
     text: &str,
     language: Language,
     mut module: Module,
-    syntax: Syntax,
+    syntax: SyntaxTree,
 ) -> (Module, Vec<Diagnostic>, Vec<Diagnostic>) {
     let file = module.tables.sources.add_file(name);
-    let mut places = Places::new(text, file);
+    let mut places = LineIndex::new(text, file);
     let blocks =
         match structure::functions(&syntax, language, &mut places, &module.tables.symbols, text) {
             Ok(blocks) => blocks,
@@ -334,7 +338,7 @@ fn build(
         );
     }
     errors.extend(header.refused.iter().map(|(span, reason)| {
-        let span = Span::new(span.start, span.end);
+        let span = SourceSpan::new(span.start, span.end);
         refusal(reason, span, "this size", "correct or remove the comment")
     }));
     let has_equations = !syntax.nodes.is_empty();
@@ -345,7 +349,7 @@ fn build(
         let end = text.trim_end().len();
         errors.push(refusal(
             "the file is cut short",
-            Span::new(end, end),
+            SourceSpan::new(end, end),
             "its closing comment is missing",
             &format!("generate or copy it again; if it is complete, add the comment `{mark}`"),
         ));

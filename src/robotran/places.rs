@@ -1,11 +1,11 @@
 //! Lines and columns of a text.
 
-use super::token::Span;
+use super::token::SourceSpan;
 use robovec_ir::Place;
 
 /// Finds lines and columns; quick when asked in order.
 #[derive(Debug)]
-pub(super) struct Places<'t> {
+pub(super) struct LineIndex<'t> {
     text: &'t str,
     starts: Vec<u32>,
     /// The line found last, from 0.
@@ -17,14 +17,14 @@ pub(super) struct Places<'t> {
     file: u32,
 }
 
-impl<'t> Places<'t> {
-    pub(super) fn new(text: &'t str, file: u32) -> Places<'t> {
+impl<'t> LineIndex<'t> {
+    pub(super) fn new(text: &'t str, file: u32) -> LineIndex<'t> {
         let after_breaks = text
             .bytes()
             .enumerate()
             .filter(|&(_, byte)| byte == b'\n')
             .map(|(at, _)| at as u32 + 1);
-        Places {
+        LineIndex {
             text,
             starts: std::iter::once(0).chain(after_breaks).collect(),
             line: 0,
@@ -67,7 +67,7 @@ impl<'t> Places<'t> {
     }
 
     /// The place of a span that is not empty.
-    pub(super) fn place(&mut self, span: Span) -> Place {
+    pub(super) fn place(&mut self, span: SourceSpan) -> Place {
         let (line, column) = self.location(span.start);
         let (end_line, after) = self.location(span.end.max(span.start + 1));
         Place {

@@ -72,7 +72,7 @@ pub(super) enum Expansion {
 
 /// An `#if` that is open.
 #[derive(Clone, Copy, Debug)]
-struct Condition {
+struct OpenConditional {
     /// Its text counts.
     live: bool,
     /// A part of it counted, or none may.
@@ -82,13 +82,13 @@ struct Condition {
 }
 
 /// Message and note of a refusal.
-pub(super) type Refusal = (&'static str, &'static str);
+pub(super) type PreprocessorRefusal = (&'static str, &'static str);
 
 /// The state of the preprocessor.
 #[derive(Default, Debug)]
 pub(super) struct Preprocessor {
     macros: HashMap<String, Macro, FxBuildHasher>,
-    conditions: Vec<Condition>,
+    conditions: Vec<OpenConditional>,
     /// How many of the conditions are false.
     skipping: usize,
 }
@@ -118,8 +118,8 @@ impl Preprocessor {
     }
 
     /// What a word stands for: `None` for itself.
-    pub(super) fn expand(&self, word: &str) -> Result<Option<Expansion>, Refusal> {
-        const OTHER: Refusal = (
+    pub(super) fn expand(&self, word: &str) -> Result<Option<Expansion>, PreprocessorRefusal> {
+        const OTHER: PreprocessorRefusal = (
             "a macro that is neither a name nor a number",
             "run the file through the preprocessor first (`cpp -P`), or write out what the macro stands for",
         );
@@ -153,7 +153,7 @@ impl Preprocessor {
     }
 
     /// Obeys a line, without its `#`.
-    pub(super) fn obey(&mut self, line: &str) -> Result<(), Refusal> {
+    pub(super) fn obey(&mut self, line: &str) -> Result<(), PreprocessorRefusal> {
         let line = without_comments(line);
         let line = line.trim();
         let length = line.find(|c: char| !c.is_ascii_alphabetic());
@@ -200,7 +200,7 @@ impl Preprocessor {
     fn open(&mut self, live: bool) {
         // Within text that does not count, no part of a condition counts.
         let taken = live || self.skips();
-        self.conditions.push(Condition {
+        self.conditions.push(OpenConditional {
             live,
             taken,
             last: false,
@@ -209,7 +209,7 @@ impl Preprocessor {
     }
 
     /// `#elif` with its condition, `#else` without one.
-    fn otherwise(&mut self, condition: Option<&str>) -> Result<(), Refusal> {
+    fn otherwise(&mut self, condition: Option<&str>) -> Result<(), PreprocessorRefusal> {
         let Some(&open) = self.conditions.last() else {
             return Err(("`#else` without `#if`", CANNOT_TELL.1));
         };
@@ -223,7 +223,7 @@ impl Preprocessor {
         };
         self.skipping = self.skipping + usize::from(!live) - usize::from(!open.live);
         if let Some(open) = self.conditions.last_mut() {
-            *open = Condition {
+            *open = OpenConditional {
                 live,
                 taken: open.taken || live,
                 last: condition.is_none(),
@@ -233,7 +233,7 @@ impl Preprocessor {
     }
 
     /// Whether a condition of one word, or one `defined`, holds.
-    fn holds(&self, text: &str) -> Result<bool, Refusal> {
+    fn holds(&self, text: &str) -> Result<bool, PreprocessorRefusal> {
         let (text, expected) = match text.strip_prefix('!') {
             Some(text) => (text.trim_start(), false),
             None => (text, true),
@@ -252,7 +252,7 @@ impl Preprocessor {
         Ok(held == expected)
     }
 
-    fn is_defined(&self, name: &str) -> Result<bool, Refusal> {
+    fn is_defined(&self, name: &str) -> Result<bool, PreprocessorRefusal> {
         if !is_word(name) {
             return Err(CANNOT_TELL);
         }
@@ -272,7 +272,7 @@ impl Preprocessor {
         Ok(false)
     }
 
-    fn define(&mut self, text: &str) -> Result<(), Refusal> {
+    fn define(&mut self, text: &str) -> Result<(), PreprocessorRefusal> {
         let length = text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
         let (name, body) = text.split_at(length.unwrap_or(text.len()));
         if !is_word(name) {

@@ -7,15 +7,17 @@
 use super::Language;
 use super::conventions::known_extent;
 use super::explain::refusal;
-use super::syntax::{Head, Kind, Leaf, LeafKind, Statement, Syntax};
-use super::token::{Name, Span};
+use super::syntax::{
+    FunctionHeader, LeafKind, StatementKind, SyntaxLeaf, SyntaxStatement, SyntaxTree,
+};
+use super::token::{RobotranName, SourceSpan};
 use hashbrown::{HashMap, HashSet};
 use robovec_ir::diagnostic::Diagnostic;
 use robovec_ir::{Shape, Symbol, Symbols};
 use rustc_hash::FxBuildHasher;
 use std::ops::Range;
 
-/// The rank in [`Use`] of what a pointer points at.
+/// The rank in [`ArrayUse`] of what a pointer points at.
 const POINTED_AT: u32 = 3;
 
 /// More elements than this are taken for a slip in an index.
@@ -36,7 +38,7 @@ pub(super) enum Initial {
 /// An array.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StoredArray {
-    pub(super) name: Name,
+    pub(super) name: RobotranName,
     pub(super) shape: Shape,
     /// The number of its first element.
     pub(super) offset: u32,
@@ -56,20 +58,20 @@ pub(super) struct Storage {
     pub(super) arrays: Vec<StoredArray>,
     /// How many elements they have together.
     pub(super) len: usize,
-    names: Vec<Name>,
-    numbers: HashMap<Name, u32, FxBuildHasher>,
+    names: Vec<RobotranName>,
+    numbers: HashMap<RobotranName, u32, FxBuildHasher>,
     /// Other names of an array (`Qq = phi`).
-    aliases: HashMap<Name, Name, FxBuildHasher>,
+    aliases: HashMap<RobotranName, RobotranName, FxBuildHasher>,
     /// Matlab's `frc = s.frc`: the statement, the copy and the original.
-    copies: Vec<(usize, Name, Name)>,
+    copies: Vec<(usize, RobotranName, RobotranName)>,
     /// Arrays that a statement of the prologue names.
-    bound: HashMap<Name, Name, FxBuildHasher>,
+    bound: HashMap<RobotranName, RobotranName, FxBuildHasher>,
     /// The arrays of the structure that are used under its name (`s->q`), and
     /// those that the prologue or a call gives.
     members: HashSet<Symbol, FxBuildHasher>,
     /// Pointers that are declared without an array, with the statement.
-    pointers: HashMap<Name, usize, FxBuildHasher>,
-    given: HashSet<Name, FxBuildHasher>,
+    pointers: HashMap<RobotranName, usize, FxBuildHasher>,
+    given: HashSet<RobotranName, FxBuildHasher>,
     /// The extents of the input arrays; several arrays may begin as the same
     /// one (Matlab's `frc` and `s.frc`).
     input_shapes: HashMap<Symbol, Shape, FxBuildHasher>,
@@ -78,16 +80,16 @@ pub(super) struct Storage {
 
 impl Storage {
     /// The name under which an array is stored.
-    pub(super) fn canonical(&self, name: Name) -> Name {
+    pub(super) fn canonical(&self, name: RobotranName) -> RobotranName {
         // `s->qd` is the array of the structure whatever `qd` means.
         if self.joined && name.is_of_data() {
-            return Name::local(name.symbol());
+            return RobotranName::local(name.symbol());
         }
         self.aliases.get(&name).copied().unwrap_or(name)
     }
 
     /// The number of an array.
-    pub(super) fn find(&self, name: Name) -> Option<u32> {
+    pub(super) fn find(&self, name: RobotranName) -> Option<u32> {
         self.numbers.get(&self.canonical(name)).copied()
     }
 
@@ -119,10 +121,10 @@ fn is_known_otherwise(name: &str, rank: u32) -> bool {
 /// Builds the storage of a function and replaces, in its elements, the column
 /// by the array's number and the row by the number of the element.
 pub(super) struct StorageBuilder<'a> {
-    pub(super) syntax: &'a mut Syntax,
+    pub(super) syntax: &'a mut SyntaxTree,
     pub(super) symbols: &'a Symbols,
     pub(super) language: Language,
-    pub(super) head: Option<&'a Head>,
+    pub(super) head: Option<&'a FunctionHeader>,
     pub(super) statements: Range<usize>,
     pub(super) elements: Range<usize>,
     pub(super) joints: u32,
@@ -135,7 +137,7 @@ pub(super) struct StorageBuilder<'a> {
 }
 
 #[derive(Clone, Copy, Default)]
-struct Use {
+struct ArrayUse {
     rank: u32,
     rows: u32,
     columns: u32,
@@ -163,7 +165,7 @@ impl StorageBuilder<'_> {
 
     /// Whole-array assignments of the prologue: `q = s->q;`, `Qq = phi`.
     fn find_aliases(&mut self, storage: &mut Storage) {
-        let mut first_uses: HashMap<Name, u32, FxBuildHasher> = HashMap::default();
+        let mut first_uses: HashMap<RobotranName, u32, FxBuildHasher> = HashMap::default();
         let mut arrays: HashSet<Symbol, FxBuildHasher> = HashSet::default();
         for index in self.elements.clone().rev() {
             let name = self.syntax.elements[index].name;
@@ -173,7 +175,7 @@ impl StorageBuilder<'_> {
         let statements = self.statements.clone();
         storage.pointers = (statements.clone())
             .filter_map(|index| match self.syntax.statements[index].kind {
-                Kind::Pointer(name) => Some((name, index)),
+                StatementKind::Pointer(name) => Some((name, index)),
                 _ => None,
             })
             .collect();
@@ -182,12 +184,12 @@ impl StorageBuilder<'_> {
             false => self.first_writings(),
         };
         let symbols = self.symbols;
-        let is_array = |name: Name| {
+        let is_array = |name: RobotranName| {
             arrays.contains(&name.symbol()) || is_array_name(symbols.text(name.symbol()))
         };
         for index in self.statements.clone() {
             let statement = self.syntax.statements[index];
-            let Kind::Equation { target, root, .. } = statement.kind else {
+            let StatementKind::Equation { target, root, .. } = statement.kind else {
                 continue;
             };
             let (LeafKind::Scalar(target), LeafKind::Scalar(root)) = (target.kind(), root.kind())
@@ -198,8 +200,8 @@ impl StorageBuilder<'_> {
             if !whole_array {
                 continue;
             }
-            self.syntax.statements[index].kind = Kind::Prologue;
-            let used = |name: Name| {
+            self.syntax.statements[index].kind = StatementKind::Prologue;
+            let used = |name: RobotranName| {
                 let first = first_uses.get(&name);
                 first.is_some_and(|&first| first < statement.elements)
             };
@@ -240,10 +242,10 @@ impl StorageBuilder<'_> {
     }
 
     /// For every array the statement that first sets an element of it.
-    fn first_writings(&self) -> HashMap<Name, usize, FxBuildHasher> {
+    fn first_writings(&self) -> HashMap<RobotranName, usize, FxBuildHasher> {
         let mut first = HashMap::default();
         for index in self.statements.clone() {
-            if let Kind::Equation { target, .. } = self.syntax.statements[index].kind
+            if let StatementKind::Equation { target, .. } = self.syntax.statements[index].kind
                 && let LeafKind::Element(element) = target.kind()
             {
                 let name = self.syntax.elements[element as usize].name;
@@ -253,7 +255,7 @@ impl StorageBuilder<'_> {
         first
     }
 
-    fn late_meaning(&mut self, name: Name, span: Span) {
+    fn late_meaning(&mut self, name: RobotranName, span: SourceSpan) {
         let text = self.symbols.text(name.symbol());
         self.errors.push(refusal(
             &format!("`{text}` means another array from here on"),
@@ -263,9 +265,9 @@ impl StorageBuilder<'_> {
         ));
     }
 
-    fn collect_uses(&mut self, storage: &mut Storage) -> Vec<Use> {
-        let mut uses: Vec<Use> = Vec::new();
-        let mut last = (Name::local(Symbol(u32::MAX >> 1)), 0);
+    fn collect_uses(&mut self, storage: &mut Storage) -> Vec<ArrayUse> {
+        let mut uses: Vec<ArrayUse> = Vec::new();
+        let mut last = (RobotranName::local(Symbol(u32::MAX >> 1)), 0);
         for index in self.elements.clone() {
             let element = self.syntax.elements[index];
             if element.name != last.0 && element.name.is_of_data() {
@@ -293,7 +295,7 @@ impl StorageBuilder<'_> {
         }
         self.check_extents(storage, &uses);
         for statement in self.statements.clone() {
-            if let Kind::Extent(extent) = self.syntax.statements[statement].kind {
+            if let StatementKind::Extent(extent) = self.syntax.statements[statement].kind {
                 let extent = self.syntax.extents[extent as usize];
                 if let Some(number) = storage.find(extent.name) {
                     let used = &mut uses[number as usize];
@@ -310,15 +312,15 @@ impl StorageBuilder<'_> {
 
     /// Refuses declarations that C and Python would take for other arrays
     /// than one per name, elements outside them, and `zeros` that come late.
-    fn check_extents(&mut self, storage: &Storage, uses: &[Use]) {
-        let mut first_uses: HashMap<Name, u32, FxBuildHasher> = HashMap::default();
+    fn check_extents(&mut self, storage: &Storage, uses: &[ArrayUse]) {
+        let mut first_uses: HashMap<RobotranName, u32, FxBuildHasher> = HashMap::default();
         for index in self.elements.clone().rev() {
             first_uses.insert(self.syntax.elements[index].name, index as u32);
         }
-        let mut declared: HashSet<Name, FxBuildHasher> = HashSet::default();
+        let mut declared: HashSet<RobotranName, FxBuildHasher> = HashSet::default();
         for statement in self.statements.clone() {
-            let Statement {
-                kind: Kind::Extent(extent),
+            let SyntaxStatement {
+                kind: StatementKind::Extent(extent),
                 span,
                 elements,
             } = self.syntax.statements[statement]
@@ -329,7 +331,7 @@ impl StorageBuilder<'_> {
             let first = first_uses.get(&extent.name);
             let late = first.is_some_and(|&first| first < elements);
             let twice = !declared.insert(extent.name);
-            let of_data = Name::of_data(extent.name.symbol());
+            let of_data = RobotranName::of_data(extent.name.symbol());
             let hides = storage.joined
                 && (storage.bound.contains_key(&extent.name)
                     || first_uses.contains_key(&of_data)
@@ -358,20 +360,20 @@ impl StorageBuilder<'_> {
     }
 
     /// The result of an external force has nine numbers.
-    fn add_results(&mut self, storage: &mut Storage, uses: &mut Vec<Use>) {
+    fn add_results(&mut self, storage: &mut Storage, uses: &mut Vec<ArrayUse>) {
         for statement in self.statements.clone() {
-            if let Kind::Call(call) = self.syntax.statements[statement].kind
+            if let StatementKind::Call(call) = self.syntax.statements[statement].kind
                 && let call = self.syntax.calls[call as usize]
-                && let Some(LeafKind::Scalar(target)) = call.target.map(Leaf::kind)
+                && let Some(LeafKind::Scalar(target)) = call.target.map(SyntaxLeaf::kind)
             {
                 let target = storage.canonical(target);
                 storage.given.insert(target);
             }
         }
         for statement in self.statements.clone() {
-            if let Kind::Call(call) = self.syntax.statements[statement].kind
+            if let StatementKind::Call(call) = self.syntax.statements[statement].kind
                 && let call = self.syntax.calls[call as usize]
-                && let Some(LeafKind::Scalar(target)) = call.target.map(Leaf::kind)
+                && let Some(LeafKind::Scalar(target)) = call.target.map(SyntaxLeaf::kind)
                 && matches!(
                     self.symbols.text(call.callee.symbol()),
                     "user_ExtForces" | "user_call_ExtForces" | "usrfun.fext"
@@ -385,7 +387,7 @@ impl StorageBuilder<'_> {
         }
     }
 
-    fn lay_out(&mut self, storage: &mut Storage, uses: &[Use]) {
+    fn lay_out(&mut self, storage: &mut Storage, uses: &[ArrayUse]) {
         let mut total = 0u64;
         for (name, used) in storage.names.clone().into_iter().zip(uses) {
             let text = self.symbols.text(name.symbol());
@@ -426,7 +428,7 @@ impl StorageBuilder<'_> {
     }
 
     /// Warns when the equations know more joints than the header.
-    fn check_joints(&mut self, text: &str, used: &Use) {
+    fn check_joints(&mut self, text: &str, used: &ArrayUse) {
         let joint = match text {
             "q" | "qd" | "qdd" | "m" | "c" | "Qq" => used.rows,
             "l" | "In" | "frc" | "trq" => used.columns,
@@ -447,7 +449,7 @@ impl StorageBuilder<'_> {
     }
 
     fn replace_elements(&mut self, storage: &mut Storage) {
-        let mut last = (Name::local(Symbol(u32::MAX >> 1)), 0);
+        let mut last = (RobotranName::local(Symbol(u32::MAX >> 1)), 0);
         for index in self.elements.clone() {
             let element = self.syntax.elements[index];
             if element.name != last.0 {
@@ -502,7 +504,7 @@ impl StorageBuilder<'_> {
                 storage.arrays[copy as usize].initial = begins;
                 storage.arrays[copy as usize].known = true;
             }
-            if let Kind::Extent(extent) = statement.kind
+            if let StatementKind::Extent(extent) = statement.kind
                 && let extent = self.syntax.extents[extent as usize]
                 && let Some(number) = storage.find(extent.name)
             {
@@ -530,7 +532,7 @@ impl StorageBuilder<'_> {
 
     /// True for an array whose first numbers are the caller's: one of
     /// Robotran's, a parameter, one that the prologue or a call gives.
-    fn is_known(&self, storage: &Storage, name: Name) -> bool {
+    fn is_known(&self, storage: &Storage, name: RobotranName) -> bool {
         let text = self.symbols.text(name.symbol());
         let structure = text.split_once('.').map(|(structure, _)| structure);
         let of_data = storage.members.contains(&name.symbol());
@@ -542,7 +544,7 @@ impl StorageBuilder<'_> {
             || storage.given.contains(&name)
     }
 
-    fn find_input_shapes(&mut self, storage: &mut Storage, uses: &[Use]) {
+    fn find_input_shapes(&mut self, storage: &mut Storage, uses: &[ArrayUse]) {
         for (number, used) in uses.iter().enumerate() {
             let array = storage.arrays[number];
             let Initial::Input(name) = array.initial else {
@@ -568,7 +570,7 @@ impl StorageBuilder<'_> {
     }
 
     /// True for an array the caller sees: a parameter or a result.
-    fn is_visible(&self, name: Name) -> bool {
+    fn is_visible(&self, name: RobotranName) -> bool {
         let Some(head) = self.head else {
             return true;
         };
@@ -580,7 +582,7 @@ impl StorageBuilder<'_> {
         })
     }
 
-    fn too_large(&mut self, name: Name, used: &Use) {
+    fn too_large(&mut self, name: RobotranName, used: &ArrayUse) {
         let mut elements = self.elements.clone();
         let largest = elements.find(|&index| {
             let element = self.syntax.elements[index];
@@ -598,7 +600,7 @@ impl StorageBuilder<'_> {
         ));
     }
 
-    fn unknown_rank(&mut self, storage: &Storage, name: Name) {
+    fn unknown_rank(&mut self, storage: &Storage, name: RobotranName) {
         let mut elements = self.elements.clone();
         let first =
             elements.find(|&index| storage.canonical(self.syntax.elements[index].name) == name);
@@ -613,7 +615,7 @@ impl StorageBuilder<'_> {
         ));
     }
 
-    fn wrong_rank(&mut self, element: usize, name: Name) {
+    fn wrong_rank(&mut self, element: usize, name: RobotranName) {
         let span = statement_of_element(self.syntax, self.statements.clone(), element as u32);
         let name = self.symbols.text(name.symbol());
         self.errors.push(refusal(
@@ -631,12 +633,12 @@ impl Storage {
         self.input_shapes.get(&name).copied()
     }
 
-    fn number(&mut self, name: Name, uses: &mut Vec<Use>) -> u32 {
+    fn number(&mut self, name: RobotranName, uses: &mut Vec<ArrayUse>) -> u32 {
         let name = self.canonical(name);
         let next = uses.len() as u32;
         let number = *self.numbers.entry(name).or_insert(next);
         if number == next {
-            uses.push(Use::default());
+            uses.push(ArrayUse::default());
             self.names.push(name);
         }
         number
@@ -644,9 +646,9 @@ impl Storage {
 }
 
 /// The statement that holds an element: for messages only.
-fn statement_of_element(syntax: &Syntax, statements: Range<usize>, element: u32) -> Span {
+fn statement_of_element(syntax: &SyntaxTree, statements: Range<usize>, element: u32) -> SourceSpan {
     for statement in &syntax.statements[statements.clone()] {
-        let Kind::Equation {
+        let StatementKind::Equation {
             target,
             root,
             first,
@@ -665,5 +667,5 @@ fn statement_of_element(syntax: &Syntax, statements: Range<usize>, element: u32)
         }
     }
     let first = syntax.statements.get(statements.start);
-    first.map_or(Span { start: 0, end: 0 }, |statement| statement.span)
+    first.map_or(SourceSpan { start: 0, end: 0 }, |statement| statement.span)
 }

@@ -5,9 +5,9 @@
 
 use super::Language;
 use super::explain::refusal;
-use super::places::Places;
-use super::syntax::{Kind, Statement, Syntax};
-use super::token::{Name, Span};
+use super::places::LineIndex;
+use super::syntax::{StatementKind, SyntaxStatement, SyntaxTree};
+use super::token::{RobotranName, SourceSpan};
 use robovec_ir::Symbols;
 use robovec_ir::diagnostic::{Diagnostic, Label};
 use std::ops::Range;
@@ -22,14 +22,14 @@ pub(super) enum Region {
     /// In the `else` behind conditions on these cases: in all others.
     Others(Vec<u32>),
     /// In a loop or a condition, whose head this is.
-    Control(Span),
+    Control(SourceSpan),
     /// Where control never comes: `default`, or behind a `return`.
     Dead,
 }
 
 /// Consecutive statements of one region.
 #[derive(Clone, Debug)]
-pub(super) struct Run {
+pub(super) struct StatementRun {
     pub(super) region: Region,
     pub(super) statements: Range<usize>,
 }
@@ -37,10 +37,10 @@ pub(super) struct Run {
 /// A function of the file.
 #[derive(Clone, Debug)]
 pub(super) struct FunctionBlock {
-    /// The entry of [`Syntax::heads`]; `None` for a file without a head.
+    /// The entry of [`SyntaxTree::heads`]; `None` for a file without a head.
     pub(super) head: Option<u32>,
-    pub(super) span: Span,
-    pub(super) runs: Vec<Run>,
+    pub(super) span: SourceSpan,
+    pub(super) runs: Vec<StatementRun>,
 }
 
 impl FunctionBlock {
@@ -63,7 +63,7 @@ impl FunctionBlock {
 }
 
 #[derive(Clone, Debug)]
-enum Block {
+enum BlockKind {
     Function,
     /// Braces that mean nothing more.
     Plain,
@@ -76,15 +76,15 @@ enum Block {
     SensorCase(u32),
     /// The `else` behind the conditions on these cases.
     Others(Vec<u32>),
-    Control(Span),
+    Control(SourceSpan),
     Dead,
 }
 
-struct Open {
-    block: Block,
+struct OpenBlock {
+    block: BlockKind,
     /// Where it starts: its column in Python, its statement's span for errors.
     column: u32,
-    span: Span,
+    span: SourceSpan,
     /// True for the body of an `if` without braces.
     single: bool,
     /// The place in the stack of the innermost block that is not plain.
@@ -95,9 +95,9 @@ struct Open {
 
 /// Cuts a file into functions.
 pub(super) fn functions(
-    syntax: &Syntax,
+    syntax: &SyntaxTree,
     language: Language,
-    places: &mut Places<'_>,
+    places: &mut LineIndex<'_>,
     symbols: &Symbols,
     text: &str,
 ) -> Result<Vec<FunctionBlock>, Vec<Diagnostic>> {
@@ -129,48 +129,51 @@ pub(super) fn functions(
 }
 
 struct Cutter<'a> {
-    syntax: &'a Syntax,
+    syntax: &'a SyntaxTree,
     language: Language,
     symbols: &'a Symbols,
     text: &'a str,
     functions: Vec<FunctionBlock>,
-    stack: Vec<Open>,
+    stack: Vec<OpenBlock>,
     /// A block whose `{` is to come, or its only statement.
-    pending: Option<(Block, Span)>,
+    pending: Option<(BlockKind, SourceSpan)>,
     returned: bool,
     /// The cases of the conditions that the statement before closed, to which
     /// an `else` may belong.
     chain: Option<Vec<u32>>,
     /// The cases of the conditions before the one whose block is open.
     earlier: Vec<u32>,
-    current: Option<Run>,
+    current: Option<StatementRun>,
     errors: Vec<Diagnostic>,
 }
 
 impl Cutter<'_> {
     fn statement(&mut self, index: usize, column: u32) {
-        let Statement { kind, span, .. } = self.syntax.statements[index];
+        let SyntaxStatement { kind, span, .. } = self.syntax.statements[index];
         if self.language == Language::Python {
             self.close_to_column(column);
         }
-        if !matches!(kind, Kind::BlockOpen) {
+        if !matches!(kind, StatementKind::BlockOpen) {
             self.open_pending_without_brace();
         }
         if !matches!(
             kind,
-            Kind::BlockOpen | Kind::BlockClose | Kind::Else | Kind::ElseIf
+            StatementKind::BlockOpen
+                | StatementKind::BlockClose
+                | StatementKind::Else
+                | StatementKind::ElseIf
         ) {
             self.chain = None;
         }
         match kind {
-            Kind::Head(head) => self.head(index, head, span, column),
-            Kind::BlockOpen => {
-                let (block, from) = self.pending.take().unwrap_or((Block::Plain, span));
+            StatementKind::Head(head) => self.head(index, head, span, column),
+            StatementKind::BlockOpen => {
+                let (block, from) = self.pending.take().unwrap_or((BlockKind::Plain, span));
                 self.open(block, 0, from, false);
             }
-            Kind::BlockClose => self.block_close(span),
-            Kind::Switch(name) => self.block(
-                Block::Switch {
+            StatementKind::BlockClose => self.block_close(span),
+            StatementKind::Switch(name) => self.block(
+                BlockKind::Switch {
                     cases: Vec::new(),
                     dead: false,
                     filled: false,
@@ -179,48 +182,48 @@ impl Cutter<'_> {
                 column,
                 Some(name),
             ),
-            Kind::Case(number) => self.case(number, span),
-            Kind::DefaultCase => self.default_case(span),
-            Kind::Break => self.leave(),
-            Kind::Return => {
+            StatementKind::Case(number) => self.case(number, span),
+            StatementKind::DefaultCase => self.default_case(span),
+            StatementKind::Break => self.leave(),
+            StatementKind::Return => {
                 self.give_back(span);
                 self.close_single();
             }
-            Kind::While => self.block(Block::Control(span), span, column, None),
-            Kind::If => {
+            StatementKind::While => self.block(BlockKind::Control(span), span, column, None),
+            StatementKind::If => {
                 let block = match self.sensor_case(span) {
-                    Some(number) => Block::SensorCase(number),
-                    None => Block::Control(span),
+                    Some(number) => BlockKind::SensorCase(number),
+                    None => BlockKind::Control(span),
                 };
                 self.block(block, span, column, None);
             }
-            Kind::ElseIf => {
+            StatementKind::ElseIf => {
                 self.close_for_else();
                 let chain = self.chain.take();
                 let block = match (self.sensor_case(span), chain) {
                     (Some(number), Some(chain)) if !chain.contains(&number) => {
                         self.earlier = chain;
-                        Block::SensorCase(number)
+                        BlockKind::SensorCase(number)
                     }
-                    (Some(_), Some(_)) => Block::Dead,
-                    _ => Block::Control(span),
+                    (Some(_), Some(_)) => BlockKind::Dead,
+                    _ => BlockKind::Control(span),
                 };
                 self.block(block, span, column, None);
             }
-            Kind::Else => {
+            StatementKind::Else => {
                 self.close_for_else();
                 let block = match self.chain.take() {
-                    Some(chain) => Block::Others(chain),
-                    None => Block::Control(span),
+                    Some(chain) => BlockKind::Others(chain),
+                    None => BlockKind::Control(span),
                 };
                 self.block(block, span, column, None);
             }
-            Kind::Equation { .. }
-            | Kind::Call(_)
-            | Kind::Extent(_)
-            | Kind::Counter(_)
-            | Kind::Pointer(_)
-            | Kind::Prologue => {
+            StatementKind::Equation { .. }
+            | StatementKind::Call(_)
+            | StatementKind::Extent(_)
+            | StatementKind::Counter(_)
+            | StatementKind::Pointer(_)
+            | StatementKind::Prologue => {
                 self.plain(index, span);
                 self.close_single();
             }
@@ -228,7 +231,7 @@ impl Cutter<'_> {
     }
 
     /// The number of a condition `isens == 3`.
-    fn sensor_case(&self, span: Span) -> Option<u32> {
+    fn sensor_case(&self, span: SourceSpan) -> Option<u32> {
         let text = self.text.get(span.range())?;
         let condition = text.trim_start_matches(|c: char| c.is_ascii_alphabetic());
         let bare: String = condition
@@ -243,14 +246,18 @@ impl Cutter<'_> {
 
     /// A `return`: nothing behind it in the function is reached. Within a case
     /// it would also skip what stands behind all cases.
-    fn give_back(&mut self, span: Span) {
+    fn give_back(&mut self, span: SourceSpan) {
         let innermost = self.stack.last().map(|open| open.meaning);
         match innermost.map(|place| &self.stack[place].block) {
-            Some(Block::Function) => {
+            Some(BlockKind::Function) => {
                 self.end_run();
                 self.returned = true;
             }
-            Some(Block::Switch { dead: false, .. } | Block::SensorCase(_) | Block::Others(_)) => {
+            Some(
+                BlockKind::Switch { dead: false, .. }
+                | BlockKind::SensorCase(_)
+                | BlockKind::Others(_),
+            ) => {
                 self.errors.push(refusal(
                     "a `return` within the equations of a sensor",
                     span,
@@ -259,7 +266,13 @@ impl Cutter<'_> {
                 ));
                 self.leave();
             }
-            Some(Block::Plain | Block::Switch { .. } | Block::Control(_) | Block::Dead) | None => {}
+            Some(
+                BlockKind::Plain
+                | BlockKind::Switch { .. }
+                | BlockKind::Control(_)
+                | BlockKind::Dead,
+            )
+            | None => {}
         }
     }
 
@@ -268,11 +281,11 @@ impl Cutter<'_> {
         if self.language == Language::Matlab
             && matches!(
                 self.stack.last(),
-                Some(Open {
-                    block: Block::SensorCase(_)
-                        | Block::Others(_)
-                        | Block::Control(_)
-                        | Block::Dead,
+                Some(OpenBlock {
+                    block: BlockKind::SensorCase(_)
+                        | BlockKind::Others(_)
+                        | BlockKind::Control(_)
+                        | BlockKind::Dead,
                     ..
                 })
             )
@@ -281,18 +294,18 @@ impl Cutter<'_> {
         }
     }
 
-    fn head(&mut self, index: usize, head: u32, span: Span, column: u32) {
+    fn head(&mut self, index: usize, head: u32, span: SourceSpan, column: u32) {
         if self.language == Language::C {
             let next = self.syntax.statements.get(index + 1).map(|next| next.kind);
-            if !matches!(next, Some(Kind::BlockOpen)) {
+            if !matches!(next, Some(StatementKind::BlockOpen)) {
                 return; // A prototype.
             }
         }
         if self.language == Language::Matlab {
             while matches!(
                 self.stack.last(),
-                Some(Open {
-                    block: Block::Function,
+                Some(OpenBlock {
+                    block: BlockKind::Function,
                     ..
                 })
             ) {
@@ -316,15 +329,23 @@ impl Cutter<'_> {
             runs: Vec::new(),
         });
         match self.language {
-            Language::C => self.pending = Some((Block::Function, span)),
-            Language::Matlab | Language::Python => self.open(Block::Function, column, span, false),
+            Language::C => self.pending = Some((BlockKind::Function, span)),
+            Language::Matlab | Language::Python => {
+                self.open(BlockKind::Function, column, span, false)
+            }
         }
     }
 
-    fn block(&mut self, block: Block, span: Span, column: u32, selector: Option<Name>) {
+    fn block(
+        &mut self,
+        block: BlockKind,
+        span: SourceSpan,
+        column: u32,
+        selector: Option<RobotranName>,
+    ) {
         let outer = self.stack.last();
         let (nested, inside_control) = outer.map_or((false, false), |open| open.inside);
-        let sensor = matches!(block, Block::SensorCase(_) | Block::Switch { .. });
+        let sensor = matches!(block, BlockKind::SensorCase(_) | BlockKind::Switch { .. });
         if nested || (sensor && inside_control) {
             self.errors.push(refusal(
                 "nested control flow around sensor cases",
@@ -332,7 +353,7 @@ impl Cutter<'_> {
                 "starts here",
                 "each case of a sensor file must be straight-line code",
             ));
-        } else if matches!(block, Block::Control(_)) && !self.may_decide() {
+        } else if matches!(block, BlockKind::Control(_)) && !self.may_decide() {
             self.errors.push(refusal(
                 "a condition or loop around equations",
                 span,
@@ -377,17 +398,17 @@ impl Cutter<'_> {
         })
     }
 
-    fn open(&mut self, block: Block, column: u32, span: Span, single: bool) {
+    fn open(&mut self, block: BlockKind, column: u32, span: SourceSpan, single: bool) {
         self.end_run();
         let outer = self.stack.last();
         let (sensor, control) = outer.map_or((false, false), |open| open.inside);
-        let is_sensor = matches!(block, Block::SensorCase(_) | Block::Switch { .. });
-        let is_control = matches!(block, Block::Control(_));
+        let is_sensor = matches!(block, BlockKind::SensorCase(_) | BlockKind::Switch { .. });
+        let is_control = matches!(block, BlockKind::Control(_));
         let meaning = match (&block, outer) {
-            (Block::Plain, Some(outer)) => outer.meaning,
+            (BlockKind::Plain, Some(outer)) => outer.meaning,
             _ => self.stack.len(),
         };
-        self.stack.push(Open {
+        self.stack.push(OpenBlock {
             block,
             column,
             span,
@@ -400,18 +421,24 @@ impl Cutter<'_> {
     fn close(&mut self) {
         self.end_run();
         match self.stack.pop().map(|open| open.block) {
-            Some(Block::Function) => self.returned = false,
-            Some(Block::SensorCase(number)) => {
+            Some(BlockKind::Function) => self.returned = false,
+            Some(BlockKind::SensorCase(number)) => {
                 let mut chain = std::mem::take(&mut self.earlier);
                 chain.push(number);
                 self.chain = Some(chain);
             }
             // `else if` of C: a condition within an `else`.
-            Some(Block::Others(mut chain)) => {
+            Some(BlockKind::Others(mut chain)) => {
                 chain.extend(self.chain.take().unwrap_or_default());
                 self.chain = Some(chain);
             }
-            Some(Block::Plain | Block::Switch { .. } | Block::Control(_) | Block::Dead) | None => {}
+            Some(
+                BlockKind::Plain
+                | BlockKind::Switch { .. }
+                | BlockKind::Control(_)
+                | BlockKind::Dead,
+            )
+            | None => {}
         }
     }
 
@@ -433,7 +460,7 @@ impl Cutter<'_> {
         }
     }
 
-    fn block_close(&mut self, span: Span) {
+    fn block_close(&mut self, span: SourceSpan) {
         if self.stack.is_empty() {
             self.errors.push(refusal(
                 "this closes nothing",
@@ -447,7 +474,7 @@ impl Cutter<'_> {
         self.close_single();
     }
 
-    fn misplaced(&mut self, span: Span) {
+    fn misplaced(&mut self, span: SourceSpan) {
         self.errors.push(refusal(
             "a case outside a switch",
             span,
@@ -456,13 +483,13 @@ impl Cutter<'_> {
         ));
     }
 
-    fn case(&mut self, number: u32, span: Span) {
+    fn case(&mut self, number: u32, span: SourceSpan) {
         self.end_run();
         let fresh = self.language == Language::Matlab;
         match self.stack.last_mut() {
-            Some(Open {
+            Some(OpenBlock {
                 block:
-                    Block::Switch {
+                    BlockKind::Switch {
                         cases,
                         dead,
                         filled,
@@ -488,17 +515,17 @@ impl Cutter<'_> {
         }
     }
 
-    fn default_case(&mut self, span: Span) {
+    fn default_case(&mut self, span: SourceSpan) {
         self.end_run();
         let runs_on = self.language != Language::Matlab;
         match self.stack.last_mut() {
             // A case without `break` runs into the statements of `default`.
-            Some(Open {
-                block: Block::Switch { cases, dead, .. },
+            Some(OpenBlock {
+                block: BlockKind::Switch { cases, dead, .. },
                 ..
             }) if runs_on && !*dead && !cases.is_empty() => {}
-            Some(Open {
-                block: Block::Switch { cases, dead, .. },
+            Some(OpenBlock {
+                block: BlockKind::Switch { cases, dead, .. },
                 ..
             }) => {
                 cases.clear();
@@ -511,8 +538,8 @@ impl Cutter<'_> {
     fn leave(&mut self) {
         self.end_run();
         let innermost = self.stack.last().map(|open| open.meaning);
-        if let Some(Open {
-            block: Block::Switch { cases, dead, .. },
+        if let Some(OpenBlock {
+            block: BlockKind::Switch { cases, dead, .. },
             ..
         }) = innermost.and_then(|place| self.stack.get_mut(place))
         {
@@ -528,14 +555,18 @@ impl Cutter<'_> {
         }
         let innermost = self.stack.last().map(|open| open.meaning);
         match innermost.map(|place| &self.stack[place].block) {
-            None | Some(Block::Function | Block::Plain) => Region::Common,
-            Some(Block::Switch { cases, dead, .. }) if *dead || cases.is_empty() => Region::Dead,
-            Some(Block::Switch { cases, .. }) => Region::Cases(cases.clone()),
-            Some(Block::SensorCase(number)) if self.excluded(innermost, *number) => Region::Dead,
-            Some(Block::SensorCase(number)) => Region::Cases(vec![*number]),
-            Some(Block::Others(chain)) => Region::Others(chain.clone()),
-            Some(Block::Control(span)) => Region::Control(*span),
-            Some(Block::Dead) => Region::Dead,
+            None | Some(BlockKind::Function | BlockKind::Plain) => Region::Common,
+            Some(BlockKind::Switch { cases, dead, .. }) if *dead || cases.is_empty() => {
+                Region::Dead
+            }
+            Some(BlockKind::Switch { cases, .. }) => Region::Cases(cases.clone()),
+            Some(BlockKind::SensorCase(number)) if self.excluded(innermost, *number) => {
+                Region::Dead
+            }
+            Some(BlockKind::SensorCase(number)) => Region::Cases(vec![*number]),
+            Some(BlockKind::Others(chain)) => Region::Others(chain.clone()),
+            Some(BlockKind::Control(span)) => Region::Control(*span),
+            Some(BlockKind::Dead) => Region::Dead,
         }
     }
 
@@ -545,10 +576,10 @@ impl Cutter<'_> {
         let around = place
             .and_then(|place| place.checked_sub(1))
             .map(|below| &self.stack[self.stack[below].meaning].block);
-        matches!(around, Some(Block::Others(chain)) if chain.contains(&number))
+        matches!(around, Some(BlockKind::Others(chain)) if chain.contains(&number))
     }
 
-    fn plain(&mut self, index: usize, span: Span) {
+    fn plain(&mut self, index: usize, span: SourceSpan) {
         if let Some(run) = &mut self.current {
             run.statements.end = index + 1;
             return;
@@ -564,7 +595,10 @@ impl Cutter<'_> {
         if outside {
             // Declarations may stand outside functions in C, calls in a
             // Python script; neither computes anything.
-            if matches!(self.syntax.statements[index].kind, Kind::Equation { .. }) {
+            if matches!(
+                self.syntax.statements[index].kind,
+                StatementKind::Equation { .. }
+            ) {
                 self.errors.push(refusal(
                     "an equation outside any function",
                     span,
@@ -575,14 +609,14 @@ impl Cutter<'_> {
             return;
         }
         let innermost = self.stack.last().map(|open| open.meaning);
-        if let Some(Open {
-            block: Block::Switch { filled, .. },
+        if let Some(OpenBlock {
+            block: BlockKind::Switch { filled, .. },
             ..
         }) = innermost.and_then(|place| self.stack.get_mut(place))
         {
             *filled = true;
         }
-        self.current = Some(Run {
+        self.current = Some(StatementRun {
             region: self.region(),
             statements: index..index + 1,
         });
@@ -604,7 +638,7 @@ impl Cutter<'_> {
             Language::Matlab => {
                 let mut inner = self.stack.iter().rev();
                 inner
-                    .find(|open| !matches!(open.block, Block::Function))
+                    .find(|open| !matches!(open.block, BlockKind::Function))
                     .map(|open| open.span)
             }
             Language::Python => None,

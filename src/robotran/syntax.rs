@@ -4,8 +4,8 @@
 //! Invariant: the nodes of an expression stand in one run of the arena, every
 //! operand before its user. Lowering is therefore one loop over the run.
 
-use super::literal::{Arithmetic, Literal, Unkept};
-use super::token::{Element, Name, Span, TypeWords};
+use super::literal::{IntegerArithmetic, Literal, Unkept};
+use super::token::{RobotranElement, RobotranName, SourceSpan, TypeWords};
 use super::tokens::LexicalError;
 use hashbrown::HashMap;
 use robovec_ir::{Operation, Symbol};
@@ -13,19 +13,19 @@ use rustc_hash::FxBuildHasher;
 
 /// What an expression reads, packed into 32 bits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Leaf(u32);
+pub(super) struct SyntaxLeaf(u32);
 
-/// A [`Leaf`] taken apart.
+/// A [`SyntaxLeaf`] taken apart.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum LeafKind {
     /// The result of a node of the arena.
     Node(u32),
-    /// An entry of [`Syntax::elements`].
+    /// An entry of [`SyntaxTree::elements`].
     Element(u32),
-    /// An entry of [`Syntax::numbers`].
+    /// An entry of [`SyntaxTree::numbers`].
     Number(u32),
     /// A bare name.
-    Scalar(Name),
+    Scalar(RobotranName),
 }
 
 const KIND_SHIFT: u32 = 30;
@@ -39,17 +39,17 @@ const SCALAR_OF_DATA: u32 = 1 << 29;
 /// within the size limit of the reader has fewer.
 pub(super) const CAPACITY: usize = 1 << 29;
 
-impl Leaf {
+impl SyntaxLeaf {
     /// The absent second operand.
-    pub(super) const NONE: Leaf = Leaf(u32::MAX);
+    pub(super) const NONE: SyntaxLeaf = SyntaxLeaf(u32::MAX);
 
-    pub(super) fn scalar(name: Name) -> Leaf {
+    pub(super) fn scalar(name: RobotranName) -> SyntaxLeaf {
         let of_data = if name.is_of_data() { SCALAR_OF_DATA } else { 0 };
-        Leaf(SCALAR | of_data | name.symbol().0)
+        SyntaxLeaf(SCALAR | of_data | name.symbol().0)
     }
 
-    pub(super) fn node(index: u32) -> Leaf {
-        Leaf(index)
+    pub(super) fn node(index: u32) -> SyntaxLeaf {
+        SyntaxLeaf(index)
     }
 
     pub(super) fn kind(self) -> LeafKind {
@@ -61,9 +61,9 @@ impl Leaf {
             _ => {
                 let symbol = Symbol(payload & !SCALAR_OF_DATA);
                 LeafKind::Scalar(if payload & SCALAR_OF_DATA == 0 {
-                    Name::local(symbol)
+                    RobotranName::local(symbol)
                 } else {
-                    Name::of_data(symbol)
+                    RobotranName::of_data(symbol)
                 })
             }
         }
@@ -73,7 +73,7 @@ impl Leaf {
 /// One operation of an expression.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SyntaxNode {
-    pub(super) operands: [Leaf; 2],
+    pub(super) operands: [SyntaxLeaf; 2],
     pub(super) operation: Operation,
     /// It stands in parentheses.
     pub(super) grouped: bool,
@@ -82,45 +82,45 @@ pub(super) struct SyntaxNode {
 }
 
 impl SyntaxNode {
-    pub(super) fn operands(&self) -> &[Leaf] {
+    pub(super) fn operands(&self) -> &[SyntaxLeaf] {
         &self.operands[..self.operation.arity()]
     }
 }
 
 /// A statement and where it stands.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Statement {
-    pub(super) kind: Kind,
-    pub(super) span: Span,
-    /// How many [`Syntax::elements`] stand before it and in it.
+pub(super) struct SyntaxStatement {
+    pub(super) kind: StatementKind,
+    pub(super) span: SourceSpan,
+    /// How many [`SyntaxTree::elements`] stand before it and in it.
     pub(super) elements: u32,
 }
 
 /// What a statement says.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Kind {
+pub(super) enum StatementKind {
     /// `target = root`, whose nodes are the run from `first` to `end`.
     Equation {
-        target: Leaf,
-        root: Leaf,
+        target: SyntaxLeaf,
+        root: SyntaxLeaf,
         first: u32,
         end: u32,
     },
-    /// An entry of [`Syntax::calls`].
+    /// An entry of [`SyntaxTree::calls`].
     Call(u32),
-    /// An entry of [`Syntax::extents`]: `M = zeros(6,6)` or `double P[4];`.
+    /// An entry of [`SyntaxTree::extents`]: `M = zeros(6,6)` or `double P[4];`.
     Extent(u32),
     /// An integer variable of the solver: `int iter = 0;`.
-    Counter(Name),
+    Counter(RobotranName),
     /// A pointer of C that is declared and points at nothing yet.
-    Pointer(Name),
+    Pointer(RobotranName),
     /// A whole-array assignment such as `q = s->q;`, already taken in.
     Prologue,
-    /// An entry of [`Syntax::heads`].
+    /// An entry of [`SyntaxTree::heads`].
     Head(u32),
     BlockOpen,
     BlockClose,
-    Switch(Name),
+    Switch(RobotranName),
     Case(u32),
     DefaultCase,
     Break,
@@ -133,24 +133,24 @@ pub(super) enum Kind {
 
 /// A call of a function that is not one of the three known ones.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Call {
-    pub(super) target: Option<Leaf>,
-    pub(super) callee: Name,
-    /// First and last-but-one entry of [`Syntax::arguments`].
+pub(super) struct FunctionCall {
+    pub(super) target: Option<SyntaxLeaf>,
+    pub(super) callee: RobotranName,
+    /// First and last-but-one entry of [`SyntaxTree::arguments`].
     pub(super) arguments: (u32, u32),
 }
 
-/// An argument of a call; [`Leaf::NONE`] when it is no expression.
+/// An argument of a call; [`SyntaxLeaf::NONE`] when it is no expression.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Argument {
-    pub(super) leaf: Leaf,
-    pub(super) span: Span,
+    pub(super) leaf: SyntaxLeaf,
+    pub(super) span: SourceSpan,
 }
 
 /// An array of known extent.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
-    pub(super) name: Name,
+pub(super) struct DeclaredArray {
+    pub(super) name: RobotranName,
     pub(super) rows: u32,
     pub(super) columns: u32,
     /// True for `zeros`, which also gives values.
@@ -159,34 +159,35 @@ pub(super) struct Extent {
 
 /// The head of a function.
 #[derive(Clone, Debug)]
-pub(super) struct Head {
+pub(super) struct FunctionHeader {
     pub(super) name: Symbol,
-    pub(super) parameters: Vec<Name>,
+    pub(super) parameters: Vec<RobotranName>,
     /// The parameters of C that are whole numbers.
-    pub(super) whole: Vec<Name>,
+    pub(super) whole: Vec<RobotranName>,
     /// What a Matlab function returns.
-    pub(super) outputs: Vec<Name>,
-    /// The first entry of [`Syntax::elements`] that belongs to the function.
+    pub(super) outputs: Vec<RobotranName>,
+    /// The first entry of [`SyntaxTree::elements`] that belongs to the function.
     pub(super) first_element: u32,
 }
 
 /// A file.
 #[derive(Default, Debug)]
-pub(super) struct Syntax {
+pub(super) struct SyntaxTree {
     pub(super) nodes: Vec<SyntaxNode>,
-    pub(super) elements: Vec<Element>,
+    pub(super) elements: Vec<RobotranElement>,
     pub(super) numbers: Vec<Literal>,
-    pub(super) statements: Vec<Statement>,
-    pub(super) calls: Vec<Call>,
+    pub(super) statements: Vec<SyntaxStatement>,
+    pub(super) calls: Vec<FunctionCall>,
     pub(super) arguments: Vec<Argument>,
-    pub(super) extents: Vec<Extent>,
-    pub(super) heads: Vec<Head>,
+    pub(super) extents: Vec<DeclaredArray>,
+    pub(super) heads: Vec<FunctionHeader>,
 }
 
 /// What an action of the grammar refuses with.
-pub(super) type ParseFailure = lalrpop_util::ParseError<u32, super::token::Token, LexicalError>;
+pub(super) type ParseFailure =
+    lalrpop_util::ParseError<u32, super::token::RobotranToken, LexicalError>;
 
-fn refused(span: Span, message: &'static str, note: &'static str) -> ParseFailure {
+fn refused(span: SourceSpan, message: &'static str, note: &'static str) -> ParseFailure {
     let error = LexicalError {
         span,
         message,
@@ -195,41 +196,41 @@ fn refused(span: Span, message: &'static str, note: &'static str) -> ParseFailur
     lalrpop_util::ParseError::User { error }
 }
 
-fn unkept(Unkept { message, note }: Unkept, span: Span) -> ParseFailure {
+fn unkept(Unkept { message, note }: Unkept, span: SourceSpan) -> ParseFailure {
     refused(span, message, note)
 }
 
 /// What the actions of the grammar write to.
 #[derive(Default, Debug)]
-pub(super) struct Builder {
-    pub(super) syntax: Syntax,
+pub(super) struct SyntaxBuilder {
+    pub(super) syntax: SyntaxTree,
     /// One past the number of `zeros` and declared extents: C and Python
     /// count from 0 and leave element 0 unused.
     pub(super) extents_from_zero: bool,
     /// Whose whole numbers the literals are.
-    pub(super) arithmetic: Arithmetic,
+    pub(super) arithmetic: IntegerArithmetic,
     /// Lengths of the arenas behind the last complete statement.
     complete: [usize; 4],
     /// Where the statements of the current chained assignment start.
     chain: usize,
-    outputs: Vec<Name>,
-    parameters: Vec<Name>,
-    parameter: Option<Name>,
+    outputs: Vec<RobotranName>,
+    parameters: Vec<RobotranName>,
+    parameter: Option<RobotranName>,
     parameter_types: TypeWords,
-    whole_parameters: Vec<Name>,
-    initialised: Vec<(Name, Leaf)>,
-    declared: Vec<Name>,
-    pointers: Vec<Name>,
+    whole_parameters: Vec<RobotranName>,
+    initialised: Vec<(RobotranName, SyntaxLeaf)>,
+    declared: Vec<RobotranName>,
+    pointers: Vec<RobotranName>,
     /// Arrays among the declarators of a statement of C.
     declares_array: bool,
     /// Rows of matrices that have names of their own in C
     /// (`double *dpt1 = s->dpt[1];`): the matrix and the row.
-    rows: HashMap<Name, Element, FxBuildHasher>,
+    rows: HashMap<RobotranName, RobotranElement, FxBuildHasher>,
     /// Names that are whole numbers in Python, with their bits.
-    whole_names: HashMap<Name, u8, FxBuildHasher>,
+    whole_names: HashMap<RobotranName, u8, FxBuildHasher>,
 }
 
-impl Builder {
+impl SyntaxBuilder {
     fn lengths(&self) -> [usize; 4] {
         let syntax = &self.syntax;
         [
@@ -264,22 +265,27 @@ impl Builder {
         self.chain = self.syntax.statements.len();
     }
 
-    fn statement(&mut self, kind: Kind, start: u32, end: u32) {
-        let span = Span { start, end };
+    fn statement(&mut self, kind: StatementKind, start: u32, end: u32) {
+        let span = SourceSpan { start, end };
         let elements = self.syntax.elements.len() as u32;
-        self.syntax.statements.push(Statement {
+        self.syntax.statements.push(SyntaxStatement {
             kind,
             span,
             elements,
         });
     }
 
-    fn simple(&mut self, kind: Kind, start: u32, end: u32) {
+    fn simple(&mut self, kind: StatementKind, start: u32, end: u32) {
         self.statement(kind, start, end);
         self.finish();
     }
 
-    fn push_node(&mut self, operation: Operation, left: Leaf, right: Leaf) -> Leaf {
+    fn push_node(
+        &mut self,
+        operation: Operation,
+        left: SyntaxLeaf,
+        right: SyntaxLeaf,
+    ) -> SyntaxLeaf {
         let index = self.syntax.nodes.len() as u32;
         self.syntax.nodes.push(SyntaxNode {
             operands: [left, right],
@@ -287,12 +293,12 @@ impl Builder {
             grouped: false,
             whole_bits: 0,
         });
-        Leaf::node(index)
+        SyntaxLeaf::node(index)
     }
 
     /// How many bits an operand may have as a whole number of Python, and 0
     /// for a float. Names stand for whole numbers where any equation says so.
-    fn whole_bits(&self, leaf: Leaf) -> u8 {
+    fn whole_bits(&self, leaf: SyntaxLeaf) -> u8 {
         match leaf.kind() {
             LeafKind::Node(index) => self.syntax.nodes[index as usize].whole_bits,
             LeafKind::Number(index) => match self.syntax.numbers[index as usize] {
@@ -306,7 +312,12 @@ impl Builder {
 
     /// An operation on whole numbers of Python: exact there, and in a 64-bit
     /// float up to 53 bits.
-    fn exact(&self, operation: Operation, left: Leaf, right: Leaf) -> Result<u8, Unkept> {
+    fn exact(
+        &self,
+        operation: Operation,
+        left: SyntaxLeaf,
+        right: SyntaxLeaf,
+    ) -> Result<u8, Unkept> {
         let (a, b) = (self.whole_bits(left), self.whole_bits(right));
         if a == 0 || b == 0 {
             return Ok(0);
@@ -326,7 +337,7 @@ impl Builder {
     }
 
     /// The literal that an operand is.
-    fn literal(&self, leaf: Leaf) -> Option<Literal> {
+    fn literal(&self, leaf: SyntaxLeaf) -> Option<Literal> {
         match leaf.kind() {
             LeafKind::Number(index) => Some(self.syntax.numbers[index as usize]),
             LeafKind::Node(_) | LeafKind::Element(_) | LeafKind::Scalar(_) => None,
@@ -338,11 +349,11 @@ impl Builder {
     pub(super) fn node(
         &mut self,
         operation: Operation,
-        (start, left): (u32, Leaf),
-        (right, end): (Leaf, u32),
-    ) -> Result<Leaf, ParseFailure> {
+        (start, left): (u32, SyntaxLeaf),
+        (right, end): (SyntaxLeaf, u32),
+    ) -> Result<SyntaxLeaf, ParseFailure> {
         if let (Some(a), Some(b)) = (self.literal(left), self.literal(right)) {
-            let span = Span { start, end };
+            let span = SourceSpan { start, end };
             let combined = a
                 .combined(operation, b, self.arithmetic)
                 .map_err(|error| unkept(error, span))?;
@@ -351,10 +362,10 @@ impl Builder {
             }
         }
         let whole_bits = match self.arithmetic {
-            Arithmetic::Python => self
+            IntegerArithmetic::Python => self
                 .exact(operation, left, right)
-                .map_err(|error| unkept(error, Span { start, end }))?,
-            Arithmetic::C | Arithmetic::Floats => 0,
+                .map_err(|error| unkept(error, SourceSpan { start, end }))?,
+            IntegerArithmetic::C | IntegerArithmetic::Floats => 0,
         };
         let node = self.push_node(operation, left, right);
         if let Some(last) = self.syntax.nodes.last_mut() {
@@ -364,19 +375,19 @@ impl Builder {
     }
 
     /// The sine, cosine or root of an operand.
-    pub(super) fn apply(&mut self, function: Operation, argument: Leaf) -> Leaf {
-        self.push_node(function, argument, Leaf::NONE)
+    pub(super) fn apply(&mut self, function: Operation, argument: SyntaxLeaf) -> SyntaxLeaf {
+        self.push_node(function, argument, SyntaxLeaf::NONE)
     }
 
     /// A minus before an operand, which may be a product.
     pub(super) fn negated(
         &mut self,
         start: u32,
-        operand: Leaf,
+        operand: SyntaxLeaf,
         end: u32,
-    ) -> Result<Leaf, ParseFailure> {
+    ) -> Result<SyntaxLeaf, ParseFailure> {
         if let Some(number) = self.literal(operand) {
-            let span = Span { start, end };
+            let span = SourceSpan { start, end };
             if let Some(negative) = number.negative().map_err(|error| unkept(error, span))? {
                 return Ok(self.number(negative));
             }
@@ -394,7 +405,7 @@ impl Builder {
             return Ok(operand);
         }
         let whole_bits = self.whole_bits(operand);
-        let node = self.push_node(Operation::Neg, operand, Leaf::NONE);
+        let node = self.push_node(Operation::Neg, operand, SyntaxLeaf::NONE);
         if let Some(last) = self.syntax.nodes.last_mut() {
             last.whole_bits = whole_bits;
         }
@@ -402,7 +413,7 @@ impl Builder {
     }
 
     /// An expression in parentheses.
-    pub(super) fn grouped(&mut self, leaf: Leaf) -> Leaf {
+    pub(super) fn grouped(&mut self, leaf: SyntaxLeaf) -> SyntaxLeaf {
         if let LeafKind::Node(index) = leaf.kind() {
             self.syntax.nodes[index as usize].grouped = true;
         }
@@ -415,12 +426,12 @@ impl Builder {
         &mut self,
         start: u32,
         words: TypeWords,
-        operand: Leaf,
+        operand: SyntaxLeaf,
         end: u32,
-    ) -> Result<Leaf, ParseFailure> {
+    ) -> Result<SyntaxLeaf, ParseFailure> {
         if !words.is_double() {
             return Err(refused(
-                Span { start, end },
+                SourceSpan { start, end },
                 "a conversion to another type than `double`",
                 "it would round the number; write the rounded number, or leave the conversion out",
             ));
@@ -431,9 +442,9 @@ impl Builder {
         })
     }
 
-    pub(super) fn element(&mut self, element: Element) -> Leaf {
+    pub(super) fn element(&mut self, element: RobotranElement) -> SyntaxLeaf {
         let element = match self.rows.get(&element.name) {
-            Some(row) if element.column == 0 && element.row > 0 => Element {
+            Some(row) if element.column == 0 && element.row > 0 => RobotranElement {
                 column: element.row,
                 ..*row
             },
@@ -441,37 +452,37 @@ impl Builder {
         };
         let index = self.syntax.elements.len() as u32;
         self.syntax.elements.push(element);
-        Leaf(ELEMENT | index)
+        SyntaxLeaf(ELEMENT | index)
     }
 
     /// What a pointer of C points at.
-    pub(super) fn pointed_at(&mut self, name: Name) -> Leaf {
-        self.element(Element {
+    pub(super) fn pointed_at(&mut self, name: RobotranName) -> SyntaxLeaf {
+        self.element(RobotranElement {
             name,
             row: 0,
             column: 0,
         })
     }
 
-    pub(super) fn number(&mut self, number: Literal) -> Leaf {
+    pub(super) fn number(&mut self, number: Literal) -> SyntaxLeaf {
         let index = self.syntax.numbers.len() as u32;
         self.syntax.numbers.push(number);
-        Leaf(NUMBER | index)
+        SyntaxLeaf(NUMBER | index)
     }
 
     /// The nodes since the last statement.
     fn run(&self) -> (u32, u32) {
         let from_chain = self.syntax.statements[self.chain..].last();
         let first = match from_chain.map(|statement| statement.kind) {
-            Some(Kind::Equation { end, .. }) => end,
+            Some(StatementKind::Equation { end, .. }) => end,
             _ => self.complete[0] as u32,
         };
         (first, self.syntax.nodes.len() as u32)
     }
 
-    fn push_equation(&mut self, start: u32, target: Leaf, root: Leaf) {
+    fn push_equation(&mut self, start: u32, target: SyntaxLeaf, root: SyntaxLeaf) {
         let bits = self.whole_bits(root);
-        if self.arithmetic == Arithmetic::Python
+        if self.arithmetic == IntegerArithmetic::Python
             && bits > 0
             && let LeafKind::Scalar(name) = target.kind()
         {
@@ -479,7 +490,7 @@ impl Builder {
             *known = bits.max(*known);
         }
         let (first, end) = self.run();
-        let kind = Kind::Equation {
+        let kind = StatementKind::Equation {
             target,
             root,
             first,
@@ -488,12 +499,17 @@ impl Builder {
         self.statement(kind, start, start);
     }
 
-    pub(super) fn chained(&mut self, start: u32, target: Leaf, root: Leaf) -> Leaf {
+    pub(super) fn chained(
+        &mut self,
+        start: u32,
+        target: SyntaxLeaf,
+        root: SyntaxLeaf,
+    ) -> SyntaxLeaf {
         self.push_equation(start, target, root);
         target
     }
 
-    pub(super) fn equation(&mut self, start: u32, target: Leaf, root: Leaf, end: u32) {
+    pub(super) fn equation(&mut self, start: u32, target: SyntaxLeaf, root: SyntaxLeaf, end: u32) {
         self.push_equation(start, target, root);
         for statement in &mut self.syntax.statements[self.chain..] {
             statement.span.end = end;
@@ -501,47 +517,47 @@ impl Builder {
         self.finish();
     }
 
-    pub(super) fn argument(&mut self, leaf: Leaf, start: u32, end: u32) {
-        let span = Span { start, end };
+    pub(super) fn argument(&mut self, leaf: SyntaxLeaf, start: u32, end: u32) {
+        let span = SourceSpan { start, end };
         self.syntax.arguments.push(Argument { leaf, span });
     }
 
     pub(super) fn call(
         &mut self,
         start: u32,
-        target: Option<Leaf>,
-        (callee, count): (Name, u32),
+        target: Option<SyntaxLeaf>,
+        (callee, count): (RobotranName, u32),
         end: u32,
     ) {
         let last = self.syntax.arguments.len() as u32;
         let index = self.syntax.calls.len() as u32;
-        self.syntax.calls.push(Call {
+        self.syntax.calls.push(FunctionCall {
             target,
             callee,
             arguments: (last - count, last),
         });
-        self.simple(Kind::Call(index), start, end);
+        self.simple(StatementKind::Call(index), start, end);
     }
 
-    fn extent(&mut self, extent: Extent) -> Kind {
+    fn extent(&mut self, extent: DeclaredArray) -> StatementKind {
         let shift = u32::from(self.extents_from_zero);
-        self.syntax.extents.push(Extent {
+        self.syntax.extents.push(DeclaredArray {
             rows: extent.rows.saturating_sub(shift),
             columns: extent.columns.saturating_sub(shift),
             ..extent
         });
-        Kind::Extent(self.syntax.extents.len() as u32 - 1)
+        StatementKind::Extent(self.syntax.extents.len() as u32 - 1)
     }
 
     pub(super) fn zeros(
         &mut self,
         start: u32,
-        target: Leaf,
+        target: SyntaxLeaf,
         (rows, columns): (u32, u32),
         end: u32,
     ) {
         if let LeafKind::Scalar(name) = target.kind() {
-            let kind = self.extent(Extent {
+            let kind = self.extent(DeclaredArray {
                 name,
                 rows,
                 columns,
@@ -552,15 +568,15 @@ impl Builder {
         self.finish();
     }
 
-    pub(super) fn declare_scalar(&mut self, pointer: bool, name: Name) {
+    pub(super) fn declare_scalar(&mut self, pointer: bool, name: RobotranName) {
         if pointer {
             self.pointers.push(name);
         }
         self.declared.push(name);
     }
 
-    pub(super) fn declare_array(&mut self, element: Element, zeroed: bool) {
-        let kind = self.extent(Extent {
+    pub(super) fn declare_array(&mut self, element: RobotranElement, zeroed: bool) {
+        let kind = self.extent(DeclaredArray {
             name: element.name,
             rows: element.row,
             columns: element.column,
@@ -581,7 +597,7 @@ impl Builder {
             return Ok(());
         }
         Err(refused(
-            Span { start, end },
+            SourceSpan { start, end },
             "an array with first values other than 0",
             "assign to its elements one by one",
         ))
@@ -589,7 +605,7 @@ impl Builder {
 
     /// `double *q = s->q` and `double *dpt1 = s->dpt[1]`, where a `pointer` is
     /// declared; else a number with its first value.
-    pub(super) fn initialise(&mut self, pointer: bool, name: Name, root: Leaf) {
+    pub(super) fn initialise(&mut self, pointer: bool, name: RobotranName, root: SyntaxLeaf) {
         if pointer
             && let LeafKind::Element(index) = root.kind()
             && let row = self.syntax.elements[index as usize]
@@ -612,7 +628,7 @@ impl Builder {
         };
         let arrays = self.syntax.statements[self.chain..].iter();
         let arrays = arrays.filter_map(|statement| match statement.kind {
-            Kind::Extent(extent) => Some(self.syntax.extents[extent as usize].name),
+            StatementKind::Extent(extent) => Some(self.syntax.extents[extent as usize].name),
             _ => None,
         });
         let initialised = self.initialised.iter().map(|&(name, _)| name);
@@ -631,7 +647,7 @@ impl Builder {
         words: TypeWords,
         end: u32,
     ) -> Result<(), ParseFailure> {
-        let span = Span { start, end };
+        let span = SourceSpan { start, end };
         let double = words.is_double();
         if words.is_other_float() || (self.declares_array && !double) {
             return Err(refused(
@@ -656,7 +672,7 @@ impl Builder {
         let last = self.syntax.nodes.len() as u32;
         for (name, root) in std::mem::take(&mut self.initialised) {
             if !double {
-                self.statement(Kind::Counter(name), start, end);
+                self.statement(StatementKind::Counter(name), start, end);
                 continue;
             }
             // The nodes of several initial values follow one another; each
@@ -665,8 +681,8 @@ impl Builder {
                 LeafKind::Node(index) => index + 1,
                 _ => first,
             };
-            let kind = Kind::Equation {
-                target: Leaf::scalar(name),
+            let kind = StatementKind::Equation {
+                target: SyntaxLeaf::scalar(name),
                 root,
                 first,
                 end: end_of_run.min(last),
@@ -676,11 +692,11 @@ impl Builder {
         }
         let declared = std::mem::take(&mut self.declared);
         for name in std::mem::take(&mut self.pointers) {
-            self.statement(Kind::Pointer(name), start, end);
+            self.statement(StatementKind::Pointer(name), start, end);
         }
         if !double {
             for name in declared {
-                self.statement(Kind::Counter(name), start, end);
+                self.statement(StatementKind::Counter(name), start, end);
             }
         }
         self.declares_array = false;
@@ -688,11 +704,11 @@ impl Builder {
         Ok(())
     }
 
-    pub(super) fn output(&mut self, name: Name) {
+    pub(super) fn output(&mut self, name: RobotranName) {
         self.outputs.push(name);
     }
 
-    pub(super) fn parameter_word(&mut self, name: Name) {
+    pub(super) fn parameter_word(&mut self, name: RobotranName) {
         self.parameter = Some(name);
     }
 
@@ -704,7 +720,7 @@ impl Builder {
         let words = std::mem::take(&mut self.parameter_types);
         if words.is_other_float() {
             return Err(refused(
-                Span { start, end },
+                SourceSpan { start, end },
                 "a parameter of another type than `double`",
                 "its numbers would be rounded; robovec computes in 64-bit floats",
             ));
@@ -716,8 +732,8 @@ impl Builder {
         Ok(())
     }
 
-    pub(super) fn head(&mut self, start: u32, name: Name, end: u32) {
-        let head = Head {
+    pub(super) fn head(&mut self, start: u32, name: RobotranName, end: u32) {
+        let head = FunctionHeader {
             name: name.symbol(),
             parameters: std::mem::take(&mut self.parameters),
             whole: std::mem::take(&mut self.whole_parameters),
@@ -727,19 +743,19 @@ impl Builder {
         self.rows.clear();
         let index = self.syntax.heads.len() as u32;
         self.syntax.heads.push(head);
-        self.simple(Kind::Head(index), start, end);
+        self.simple(StatementKind::Head(index), start, end);
     }
 
     pub(super) fn block_open(&mut self, start: u32) {
-        self.simple(Kind::BlockOpen, start, start + 1);
+        self.simple(StatementKind::BlockOpen, start, start + 1);
     }
 
     pub(super) fn block_close(&mut self, start: u32, length: u32) {
-        self.simple(Kind::BlockClose, start, start + length);
+        self.simple(StatementKind::BlockClose, start, start + length);
     }
 
-    pub(super) fn switch(&mut self, start: u32, name: Name, end: u32) {
-        self.simple(Kind::Switch(name), start, end);
+    pub(super) fn switch(&mut self, start: u32, name: RobotranName, end: u32) {
+        self.simple(StatementKind::Switch(name), start, end);
     }
 
     pub(super) fn case(
@@ -752,40 +768,40 @@ impl Builder {
         // Exact below 2^32, and nothing else is the number of a sensor.
         if whole.fract() != 0.0 || !(0.0..4e9).contains(&whole) {
             return Err(refused(
-                Span { start, end },
+                SourceSpan { start, end },
                 "a case that is not a whole number",
                 "the cases of a sensor file are the numbers of sensors",
             ));
         }
-        self.simple(Kind::Case(whole as u32), start, end);
+        self.simple(StatementKind::Case(whole as u32), start, end);
         Ok(())
     }
 
     pub(super) fn default_case(&mut self, start: u32, end: u32) {
-        self.simple(Kind::DefaultCase, start, end);
+        self.simple(StatementKind::DefaultCase, start, end);
     }
 
     pub(super) fn leave(&mut self, start: u32, end: u32) {
-        self.simple(Kind::Break, start, end);
+        self.simple(StatementKind::Break, start, end);
     }
 
     pub(super) fn give_back(&mut self, start: u32, end: u32) {
-        self.simple(Kind::Return, start, end);
+        self.simple(StatementKind::Return, start, end);
     }
 
     pub(super) fn repeat(&mut self, start: u32, end: u32) {
-        self.simple(Kind::While, start, end);
+        self.simple(StatementKind::While, start, end);
     }
 
     pub(super) fn condition(&mut self, start: u32, end: u32) {
-        self.simple(Kind::If, start, end);
+        self.simple(StatementKind::If, start, end);
     }
 
     pub(super) fn other_condition(&mut self, start: u32, end: u32) {
-        self.simple(Kind::ElseIf, start, end);
+        self.simple(StatementKind::ElseIf, start, end);
     }
 
     pub(super) fn otherwise(&mut self, start: u32, end: u32) {
-        self.simple(Kind::Else, start, end);
+        self.simple(StatementKind::Else, start, end);
     }
 }

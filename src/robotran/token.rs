@@ -9,15 +9,15 @@ use robovec_ir::{Operation, Symbol};
 
 /// A byte range of the source text; files are refused beyond 4 GiB.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Span {
+pub(super) struct SourceSpan {
     pub(super) start: u32,
     pub(super) end: u32,
 }
 
-impl Span {
-    pub(super) fn new(start: usize, end: usize) -> Span {
+impl SourceSpan {
+    pub(super) fn new(start: usize, end: usize) -> SourceSpan {
         // The reader refuses texts whose offsets do not fit.
-        Span {
+        SourceSpan {
             start: start as u32,
             end: end as u32,
         }
@@ -33,15 +33,15 @@ const OF_DATA: u32 = 1 << 31;
 /// An identifier, and whether it was reached through the data structure
 /// (`s->frc`, `s.frc`).
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub(super) struct Name(u32);
+pub(super) struct RobotranName(u32);
 
-impl Name {
-    pub(super) fn local(symbol: Symbol) -> Name {
-        Name(symbol.0)
+impl RobotranName {
+    pub(super) fn local(symbol: Symbol) -> RobotranName {
+        RobotranName(symbol.0)
     }
 
-    pub(super) fn of_data(symbol: Symbol) -> Name {
-        Name(symbol.0 | OF_DATA)
+    pub(super) fn of_data(symbol: Symbol) -> RobotranName {
+        RobotranName(symbol.0 | OF_DATA)
     }
 
     pub(super) fn symbol(self) -> Symbol {
@@ -56,8 +56,8 @@ impl Name {
 /// An array element; indices count from 1, the second is 0 for a vector, and
 /// both are for what a pointer of C points at (`*power`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Element {
-    pub(super) name: Name,
+pub(super) struct RobotranElement {
+    pub(super) name: RobotranName,
     pub(super) row: u32,
     pub(super) column: u32,
 }
@@ -103,9 +103,9 @@ impl TypeWords {
 
 /// A terminal of the grammar.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) enum Token {
-    Name(Name),
-    Element(Element),
+pub(super) enum RobotranToken {
+    Name(RobotranName),
+    Element(RobotranElement),
     Number(Literal),
     /// `sin`, `cos` or `sqrt`.
     Function(Operation),

@@ -9,7 +9,7 @@ use super::Language;
 use super::literal::{self, Literal};
 use super::preprocessor::{Expansion, Preprocessor};
 use super::raw::{Raw, Surface};
-use super::token::{Element, Name, Span, Token, TypeWords};
+use super::token::{RobotranElement, RobotranName, RobotranToken, SourceSpan, TypeWords};
 use logos::Lexer;
 use robovec_ir::{Operation, Symbols};
 
@@ -19,43 +19,43 @@ pub(super) const LARGEST_INDEX: u32 = 1_000_000;
 /// A lexeme that is no token, with the reason.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct LexicalError {
-    pub(super) span: Span,
+    pub(super) span: SourceSpan,
     pub(super) message: &'static str,
     pub(super) note: &'static str,
 }
 
 /// A token between its first byte and the byte after it.
-pub(super) type Spanned = (u32, Token, u32);
+pub(super) type SpannedToken = (u32, RobotranToken, u32);
 
 /// What a parser of tokens reads from, and what it must remember to explain
 /// an error.
-pub(super) trait TokenSource: Iterator<Item = Result<Spanned, LexicalError>> {
+pub(super) trait TokenSource: Iterator<Item = Result<SpannedToken, LexicalError>> {
     /// The token given last and the one before it.
-    fn recent(&self) -> [Option<Spanned>; 2];
+    fn recent(&self) -> [Option<SpannedToken>; 2];
     /// Goes on behind the end of the statement that could not be read.
     fn skip_statement(&mut self);
 }
 
 /// The tokens of a text.
-pub(super) struct Tokens<'s, 't, L: Surface<'s>> {
+pub(super) struct TokenStream<'s, 't, L: Surface<'s>> {
     lexer: Lexer<'s, L>,
     language: Language,
     symbols: &'t mut Symbols,
     /// Python and C let a statement go on while a parenthesis is open.
     open: Vec<u32>,
-    pending: Vec<Spanned>,
-    recent: [Option<Spanned>; 2],
+    pending: Vec<SpannedToken>,
+    recent: [Option<SpannedToken>; 2],
     preprocessor: Preprocessor,
     buffer: String,
 }
 
-impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
+impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
     pub(super) fn new(
         text: &'s str,
         language: Language,
         symbols: &'t mut Symbols,
-    ) -> Tokens<'s, 't, L> {
-        Tokens {
+    ) -> TokenStream<'s, 't, L> {
+        TokenStream {
             lexer: L::lexer(text),
             language,
             symbols,
@@ -67,12 +67,12 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         }
     }
 
-    fn span(&self) -> Span {
+    fn span(&self) -> SourceSpan {
         let span = self.lexer.span();
-        Span::new(span.start, span.end)
+        SourceSpan::new(span.start, span.end)
     }
 
-    fn step(&mut self) -> Option<Result<Spanned, LexicalError>> {
+    fn step(&mut self) -> Option<Result<SpannedToken, LexicalError>> {
         if let Some(token) = self.pending.pop() {
             return Some(Ok(token));
         }
@@ -106,7 +106,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         }
     }
 
-    fn unreadable(&mut self, span: Span) -> LexicalError {
+    fn unreadable(&mut self, span: SourceSpan) -> LexicalError {
         let text = &self.lexer.source()[span.range()];
         let (message, note) = if self.language == Language::C && text.starts_with("//") {
             (
@@ -148,12 +148,12 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
     }
 
     /// The end of the text: a line end where line ends count.
-    fn finish(&mut self) -> Option<Result<Spanned, LexicalError>> {
+    fn finish(&mut self) -> Option<Result<SpannedToken, LexicalError>> {
         let end = self.lexer.source().len() as u32;
         if let Some(start) = self.open.pop() {
             self.open.clear();
             return Some(Err(LexicalError {
-                span: Span {
+                span: SourceSpan {
                     start,
                     end: start + 1,
                 },
@@ -163,83 +163,83 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         }
         if self.preprocessor.end() {
             return Some(Err(LexicalError {
-                span: Span { start: end, end },
+                span: SourceSpan { start: end, end },
                 message: "the file ends inside an `#if`",
                 note: "close it with `#endif`, or check that the file is complete",
             }));
         }
-        let ended = matches!(self.recent[0], None | Some((_, Token::End, _)));
-        (self.language != Language::C && !ended).then_some(Ok((end, Token::End, end)))
+        let ended = matches!(self.recent[0], None | Some((_, RobotranToken::End, _)));
+        (self.language != Language::C && !ended).then_some(Ok((end, RobotranToken::End, end)))
     }
 
-    fn token(&mut self, raw: Raw) -> Result<Option<Token>, LexicalError> {
+    fn token(&mut self, raw: Raw) -> Result<Option<RobotranToken>, LexicalError> {
         Ok(Some(match raw {
             Raw::Word => return self.word(),
             Raw::Member => return self.member(self.lexer.slice()).map(Some),
             Raw::Element | Raw::MemberElement => return self.element(raw).map(Some),
             Raw::Zeros => {
                 let (_, rows, columns) = self.indices()?;
-                Token::Zeros((rows, columns))
+                RobotranToken::Zeros((rows, columns))
             }
-            Raw::Number | Raw::Numeral => Token::Number(self.number()?),
-            Raw::Text => Token::Text,
+            Raw::Number | Raw::Numeral => RobotranToken::Number(self.number()?),
+            Raw::Text => RobotranToken::Text,
             Raw::LineEnd => {
                 let inside = self.language == Language::Python && !self.open.is_empty();
-                if inside || matches!(self.recent[0], None | Some((_, Token::End, _))) {
+                if inside || matches!(self.recent[0], None | Some((_, RobotranToken::End, _))) {
                     return Ok(None);
                 }
-                Token::End
+                RobotranToken::End
             }
-            Raw::Plus => Token::Plus,
+            Raw::Plus => RobotranToken::Plus,
             Raw::Minus => return self.minus().map(Some),
-            Raw::Star => Token::Star,
-            Raw::Slash => Token::Slash,
-            Raw::Equals => Token::Equals,
+            Raw::Star => RobotranToken::Star,
+            Raw::Slash => RobotranToken::Slash,
+            Raw::Equals => RobotranToken::Equals,
             Raw::Open => {
                 self.open.push(self.lexer.span().start as u32);
-                Token::Open
+                RobotranToken::Open
             }
             Raw::Close => {
                 self.open.pop();
-                Token::Close
+                RobotranToken::Close
             }
-            Raw::BracketOpen => Token::BracketOpen,
-            Raw::BracketClose => Token::BracketClose,
-            Raw::BraceOpen => Token::BraceOpen,
-            Raw::BraceClose => Token::BraceClose,
-            Raw::Comma => Token::Comma,
+            Raw::BracketOpen => RobotranToken::BracketOpen,
+            Raw::BracketClose => RobotranToken::BracketClose,
+            Raw::BraceOpen => RobotranToken::BraceOpen,
+            Raw::BraceClose => RobotranToken::BraceClose,
+            Raw::Comma => RobotranToken::Comma,
             Raw::Semicolon => {
                 self.open.clear();
-                Token::End
+                RobotranToken::End
             }
-            Raw::Colon => Token::Colon,
-            Raw::Ampersand => Token::Ampersand,
+            Raw::Colon => RobotranToken::Colon,
+            Raw::Ampersand => RobotranToken::Ampersand,
             Raw::Other if self.language == Language::C && self.lexer.slice() == "**" => {
-                let Span { start, end } = self.span();
-                self.pending.push((start + 1, Token::Star, end));
-                Token::Star
+                let SourceSpan { start, end } = self.span();
+                self.pending.push((start + 1, RobotranToken::Star, end));
+                RobotranToken::Star
             }
-            Raw::Preprocessor | Raw::Other => Token::Other,
+            Raw::Preprocessor | Raw::Other => RobotranToken::Other,
         }))
     }
 
     /// A minus; but `(-2.0)` is a negative number, where `-(2.0)`, as Robotran
     /// writes it, is the operation on a positive one.
-    fn minus(&mut self) -> Result<Token, LexicalError> {
-        if !matches!(self.recent[0], Some((_, Token::Open, _))) {
-            return Ok(Token::Minus);
+    fn minus(&mut self) -> Result<RobotranToken, LexicalError> {
+        if !matches!(self.recent[0], Some((_, RobotranToken::Open, _))) {
+            return Ok(RobotranToken::Minus);
         }
         let mut ahead = self.lexer.clone();
         let mut next = || ahead.next().map(|raw| raw.map(Surface::raw));
         if !matches!(next(), Some(Ok(Raw::Number | Raw::Numeral))) || next() != Some(Ok(Raw::Close))
         {
-            return Ok(Token::Minus);
+            return Ok(RobotranToken::Minus);
         }
         self.lexer.next();
         let number = self.number()?;
         let negative = number.negative().map_err(|error| self.unkept(error))?;
         // A 64-bit float is left to here.
-        Ok(Token::Number(
+        Ok(RobotranToken::Number(
             negative.unwrap_or_else(|| Literal::Double(-number.number())),
         ))
     }
@@ -266,7 +266,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         }
     }
 
-    fn word(&mut self) -> Result<Option<Token>, LexicalError> {
+    fn word(&mut self) -> Result<Option<RobotranToken>, LexicalError> {
         let word = self.lexer.slice();
         if self.preprocessor.is_empty() {
             return self.plain_word(word);
@@ -275,16 +275,16 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         match expansion.map_err(|reason| self.refusal(reason))? {
             None => self.plain_word(word),
             Some(Expansion::Nothing) => Ok(None),
-            Some(Expansion::Number(number)) => Ok(Some(Token::Number(number))),
+            Some(Expansion::Number(number)) => Ok(Some(RobotranToken::Number(number))),
             Some(Expansion::Words(None, word)) => self.plain_word(&word),
-            Some(Expansion::Words(Some(structure), member)) => {
-                Ok(Some(Token::Name(self.member_name(&structure, &member))))
-            }
+            Some(Expansion::Words(Some(structure), member)) => Ok(Some(RobotranToken::Name(
+                self.member_name(&structure, &member),
+            ))),
         }
     }
 
     /// A word that is no macro.
-    fn plain_word(&mut self, word: &str) -> Result<Option<Token>, LexicalError> {
+    fn plain_word(&mut self, word: &str) -> Result<Option<RobotranToken>, LexicalError> {
         // Keywords and types start like this, hardly any name of Robotran's
         // does.
         let candidate = word.len() > 1 && (word.as_bytes()[0].is_ascii_lowercase())
@@ -293,46 +293,50 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         if candidate && let Some(token) = self.keyword(word) {
             return token;
         }
-        Ok(Some(Token::Name(Name::local(self.symbols.intern(word)))))
+        Ok(Some(RobotranToken::Name(RobotranName::local(
+            self.symbols.intern(word),
+        ))))
     }
 
-    fn keyword(&mut self, word: &str) -> Option<Result<Option<Token>, LexicalError>> {
+    fn keyword(&mut self, word: &str) -> Option<Result<Option<RobotranToken>, LexicalError>> {
         let language = self.language;
         let token = match (word, language) {
-            ("sin", _) => Token::Function(Operation::Sin),
-            ("cos", _) => Token::Function(Operation::Cos),
-            ("sqrt", _) => Token::Function(Operation::Sqrt),
-            ("double", Language::C) => Token::Type(TypeWords::DOUBLE),
-            ("float", Language::C) => Token::Type(TypeWords::SINGLE),
+            ("sin", _) => RobotranToken::Function(Operation::Sin),
+            ("cos", _) => RobotranToken::Function(Operation::Cos),
+            ("sqrt", _) => RobotranToken::Function(Operation::Sqrt),
+            ("double", Language::C) => RobotranToken::Type(TypeWords::DOUBLE),
+            ("float", Language::C) => RobotranToken::Type(TypeWords::SINGLE),
             ("int" | "unsigned" | "signed" | "long" | "short" | "char", Language::C) => {
-                Token::Type(TypeWords::WHOLE)
+                RobotranToken::Type(TypeWords::WHOLE)
             }
-            ("void", Language::C) => Token::Type(TypeWords::NOTHING),
+            ("void", Language::C) => RobotranToken::Type(TypeWords::NOTHING),
             (
                 "const" | "static" | "extern" | "inline" | "register" | "restrict" | "volatile",
                 Language::C,
-            ) => Token::Type(TypeWords::QUALIFIER),
+            ) => RobotranToken::Type(TypeWords::QUALIFIER),
             (
                 "struct" | "MbsData" | "MBSdataStruct" | "MbsSensor" | "MBSsensorStruct",
                 Language::C,
-            ) => Token::Type(TypeWords::STRUCTURE),
-            ("function", Language::Matlab) => Token::FunctionHead,
-            ("end" | "endfunction" | "endswitch" | "endif", Language::Matlab) => Token::BlockEnd,
-            ("def", Language::Python) => Token::Def,
+            ) => RobotranToken::Type(TypeWords::STRUCTURE),
+            ("function", Language::Matlab) => RobotranToken::FunctionHead,
+            ("end" | "endfunction" | "endswitch" | "endif", Language::Matlab) => {
+                RobotranToken::BlockEnd
+            }
+            ("def", Language::Python) => RobotranToken::Def,
             ("from" | "import", Language::Python) => return Some(self.import()),
             ("pass", Language::Python) => return Some(Ok(None)),
-            ("switch", Language::C | Language::Matlab) => Token::Switch,
-            ("case", Language::C | Language::Matlab) => Token::Case,
-            ("default", Language::C) | ("otherwise", Language::Matlab) => Token::Default,
-            ("break", _) => Token::Break,
-            ("return", _) => Token::Return,
-            ("else", _) => Token::Else,
-            ("while", _) => return Some(self.condition(Token::While)),
-            ("if", _) => return Some(self.condition(Token::If)),
+            ("switch", Language::C | Language::Matlab) => RobotranToken::Switch,
+            ("case", Language::C | Language::Matlab) => RobotranToken::Case,
+            ("default", Language::C) | ("otherwise", Language::Matlab) => RobotranToken::Default,
+            ("break", _) => RobotranToken::Break,
+            ("return", _) => RobotranToken::Return,
+            ("else", _) => RobotranToken::Else,
+            ("while", _) => return Some(self.condition(RobotranToken::While)),
+            ("if", _) => return Some(self.condition(RobotranToken::If)),
             ("elif", Language::Python) | ("elseif", Language::Matlab) => {
-                return Some(self.condition(Token::ElseIf));
+                return Some(self.condition(RobotranToken::ElseIf));
             }
-            ("for", _) | ("do" | "goto", Language::C) => Token::Refused,
+            ("for", _) | ("do" | "goto", Language::C) => RobotranToken::Refused,
             _ => return None,
         };
         Some(Ok(Some(token)))
@@ -340,7 +344,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
 
     /// Skips an import, to the line end, which stays to be read; one that
     /// gives another meaning to sines, cosines, roots or `zeros` is refused.
-    fn import(&mut self) -> Result<Option<Token>, LexicalError> {
+    fn import(&mut self) -> Result<Option<RobotranToken>, LexicalError> {
         let rest = self.lexer.remainder();
         let line = &rest[..rest.find('\n').unwrap_or(rest.len())];
         let statement = line.split('#').next().unwrap_or_default();
@@ -377,7 +381,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
     }
 
     /// Takes in the condition behind `if` or `while`.
-    fn condition(&mut self, token: Token) -> Result<Option<Token>, LexicalError> {
+    fn condition(&mut self, token: RobotranToken) -> Result<Option<RobotranToken>, LexicalError> {
         let start = self.span().start;
         let mut depth = 0u32;
         loop {
@@ -402,7 +406,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
                 | (Some(Ok(Raw::LineEnd)), Language::Matlab)
                 | (Some(Err(())) | None, _) => {
                     return Err(LexicalError {
-                        span: Span {
+                        span: SourceSpan {
                             start,
                             end: self.span().end,
                         },
@@ -415,14 +419,14 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
         }
     }
 
-    fn member(&mut self, text: &str) -> Result<Token, LexicalError> {
+    fn member(&mut self, text: &str) -> Result<RobotranToken, LexicalError> {
         let (structure, name) = split_member(text);
         self.refuse_macros([structure, name])?;
         Ok(match (structure, name) {
-            ("np" | "numpy" | "math", "sin") => Token::Function(Operation::Sin),
-            ("np" | "numpy" | "math", "cos") => Token::Function(Operation::Cos),
-            ("np" | "numpy" | "math", "sqrt") => Token::Function(Operation::Sqrt),
-            _ => Token::Name(self.member_name(structure, name)),
+            ("np" | "numpy" | "math", "sin") => RobotranToken::Function(Operation::Sin),
+            ("np" | "numpy" | "math", "cos") => RobotranToken::Function(Operation::Cos),
+            ("np" | "numpy" | "math", "sqrt") => RobotranToken::Function(Operation::Sqrt),
+            _ => RobotranToken::Name(self.member_name(structure, name)),
         })
     }
 
@@ -439,18 +443,18 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
 
     /// The name of a member: the data structure `s` is dropped, that of a
     /// sensor stays as `sens.P`.
-    fn member_name(&mut self, structure: &str, name: &str) -> Name {
+    fn member_name(&mut self, structure: &str, name: &str) -> RobotranName {
         if matches!(structure, "s" | "mbs_data" | "mbs") {
-            return Name::of_data(self.symbols.intern(name));
+            return RobotranName::of_data(self.symbols.intern(name));
         }
         self.buffer.clear();
         self.buffer.push_str(structure);
         self.buffer.push('.');
         self.buffer.push_str(name);
-        Name::local(self.symbols.intern(&self.buffer))
+        RobotranName::local(self.symbols.intern(&self.buffer))
     }
 
-    fn element(&mut self, raw: Raw) -> Result<Token, LexicalError> {
+    fn element(&mut self, raw: Raw) -> Result<RobotranToken, LexicalError> {
         let (word, row, column) = self.indices()?;
         if self.language == Language::Matlab && column == 0 {
             let function = match word {
@@ -464,7 +468,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
             }
         }
         if self.language == Language::Matlab && word == "zeros" {
-            return Ok(Token::Zeros((row, column)));
+            return Ok(RobotranToken::Zeros((row, column)));
         }
         if matches!(word, "sin" | "cos" | "sqrt") {
             return Err(self.refusal((
@@ -477,7 +481,7 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
             self.refuse_macros([structure, name])?;
             self.member_name(structure, name)
         } else if self.preprocessor.is_empty() {
-            Name::local(self.symbols.intern(word))
+            RobotranName::local(self.symbols.intern(word))
         } else {
             self.expanded(word)?
         };
@@ -488,15 +492,21 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
                 note: "Robotran counts from 1 in all languages; element 0 of its arrays is never used",
             });
         }
-        Ok(Token::Element(Element { name, row, column }))
+        Ok(RobotranToken::Element(RobotranElement {
+            name,
+            row,
+            column,
+        }))
     }
 
     /// The array that a word before an index means.
-    fn expanded(&mut self, word: &str) -> Result<Name, LexicalError> {
+    fn expanded(&mut self, word: &str) -> Result<RobotranName, LexicalError> {
         let expansion = self.preprocessor.expand(word);
         match expansion.map_err(|reason| self.refusal(reason))? {
-            None => Ok(Name::local(self.symbols.intern(word))),
-            Some(Expansion::Words(None, word)) => Ok(Name::local(self.symbols.intern(&word))),
+            None => Ok(RobotranName::local(self.symbols.intern(word))),
+            Some(Expansion::Words(None, word)) => {
+                Ok(RobotranName::local(self.symbols.intern(&word)))
+            }
             Some(Expansion::Words(Some(structure), member)) => {
                 Ok(self.member_name(&structure, &member))
             }
@@ -508,13 +518,13 @@ impl<'s, 't, L: Surface<'s>> Tokens<'s, 't, L> {
     }
 
     /// `sin(2)` of Matlab looks like an element; its parts come one by one.
-    fn function_of_integer(&mut self, function: Operation, argument: u32) -> Token {
-        let Span { start, end } = self.span();
-        self.pending.push((end - 1, Token::Close, end));
-        let number = Token::Number(Literal::Double(f64::from(argument)));
+    fn function_of_integer(&mut self, function: Operation, argument: u32) -> RobotranToken {
+        let SourceSpan { start, end } = self.span();
+        self.pending.push((end - 1, RobotranToken::Close, end));
+        let number = RobotranToken::Number(Literal::Double(f64::from(argument)));
         self.pending.push((start, number, end - 1));
-        self.pending.push((start, Token::Open, end - 1));
-        Token::Function(function)
+        self.pending.push((start, RobotranToken::Open, end - 1));
+        RobotranToken::Function(function)
     }
 
     fn has_second_index(&self) -> bool {
@@ -581,8 +591,8 @@ fn split_member(text: &str) -> (&str, &str) {
     parts.unwrap_or(("", text))
 }
 
-impl<'s, L: Surface<'s>> Iterator for Tokens<'s, '_, L> {
-    type Item = Result<Spanned, LexicalError>;
+impl<'s, L: Surface<'s>> Iterator for TokenStream<'s, '_, L> {
+    type Item = Result<SpannedToken, LexicalError>;
 
     fn next(&mut self) -> Option<Self::Item> {
         let item = self.step()?;
@@ -590,24 +600,24 @@ impl<'s, L: Surface<'s>> Iterator for Tokens<'s, '_, L> {
         // is part of is known to have begun.
         let token = match &item {
             Ok(token) => *token,
-            Err(error) => (error.span.start, Token::Other, error.span.end),
+            Err(error) => (error.span.start, RobotranToken::Other, error.span.end),
         };
         self.recent = [Some(token), self.recent[0]];
         Some(item)
     }
 }
 
-impl<'s, L: Surface<'s>> TokenSource for Tokens<'s, '_, L> {
-    fn recent(&self) -> [Option<Spanned>; 2] {
+impl<'s, L: Surface<'s>> TokenSource for TokenStream<'s, '_, L> {
+    fn recent(&self) -> [Option<SpannedToken>; 2] {
         self.recent
     }
 
     fn skip_statement(&mut self) {
         self.open.clear();
         let in_head = match self.recent[0] {
-            Some((_, Token::End, _)) => return,
+            Some((_, RobotranToken::End, _)) => return,
             // The head of C's `for` has semicolons of its own.
-            Some((_, Token::Refused, _)) => self.language == Language::C,
+            Some((_, RobotranToken::Refused, _)) => self.language == Language::C,
             _ => false,
         };
         let mut depth = 0u32;
@@ -616,10 +626,10 @@ impl<'s, L: Surface<'s>> TokenSource for Tokens<'s, '_, L> {
                 self.open.clear();
             }
             match item {
-                Ok((_, Token::Open, _)) if in_head => depth += 1,
-                Ok((_, Token::Close, _)) if in_head => depth = depth.saturating_sub(1),
-                Ok((_, Token::End, _)) if depth == 0 => break,
-                Ok((_, Token::BraceClose, _)) => break,
+                Ok((_, RobotranToken::Open, _)) if in_head => depth += 1,
+                Ok((_, RobotranToken::Close, _)) if in_head => depth = depth.saturating_sub(1),
+                Ok((_, RobotranToken::End, _)) if depth == 0 => break,
+                Ok((_, RobotranToken::BraceClose, _)) => break,
                 Ok(_) | Err(_) => {}
             }
         }

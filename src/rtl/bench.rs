@@ -1,7 +1,7 @@
 //! What a bench expects, from the simulator.
 
 use crate::simulate::mif::{Image, MifError};
-use crate::simulate::{Hazard, LoadError, Program, Trace};
+use crate::simulate::{Hazard, LoadError, LoadedProgram, Trace};
 use robovec_codegen::manifest::Manifest;
 use robovec_codegen::rtl::bench::{Bench, BenchError, BusResult, Load, Run};
 use robovec_ir::{Machine, View};
@@ -39,7 +39,7 @@ pub fn bench_files(
     images: &[(String, String)],
     inputs: &[Vec<f64>],
 ) -> Result<Vec<(String, String)>, BenchFailure> {
-    let program = Program::load(images, machine)?;
+    let program = LoadedProgram::load(images, machine)?;
     let manifest = manifest(images)?;
     let instructions = instructions(&manifest, images)?;
     let mut runs = Vec::with_capacity(inputs.len());

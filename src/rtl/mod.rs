@@ -11,4 +11,4 @@ mod bench;
 mod tools;
 
 pub use bench::{BenchFailure, bench_files};
-pub use tools::{CheckFailure, Checked, Door, Tool, check};
+pub use tools::{CheckFailure, Checked, Door, HardwareSimulator, check};

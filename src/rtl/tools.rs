@@ -1,13 +1,13 @@
 //! Running the benches with the simulators of hardware that are installed.
 
-use crate::process::{Call, Finished, ToolError};
+use crate::process::{FinishedProcess, ProgramCall, ToolError};
 use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// A simulator of hardware.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Tool {
+pub enum HardwareSimulator {
     /// Icarus Verilog, with the bench in plain Verilog.
     Icarus,
     /// Verilator, with the bench in C++.
@@ -26,7 +26,7 @@ pub enum Door {
     /// The AXI4-Lite subordinate.
     Axi4Lite,
     /// The machine's own host bus, the images being there from configuration
-    /// on; with [`Tool::Icarus`] only.
+    /// on; with [`HardwareSimulator::Icarus`] only.
     Configured,
 }
 
@@ -42,16 +42,20 @@ impl Door {
     }
 }
 
-impl Tool {
+impl HardwareSimulator {
     /// All of them.
-    pub const ALL: [Tool; 3] = [Tool::Icarus, Tool::Verilator, Tool::VerilatorVerilog];
+    pub const ALL: [HardwareSimulator; 3] = [
+        HardwareSimulator::Icarus,
+        HardwareSimulator::Verilator,
+        HardwareSimulator::VerilatorVerilog,
+    ];
 
     /// The programs it takes, with the argument that makes them tell their
     /// version.
     fn programs(self) -> &'static [(&'static str, &'static str)] {
         match self {
-            Tool::Icarus => &[("iverilog", "-V"), ("vvp", "-V")],
-            Tool::Verilator | Tool::VerilatorVerilog => {
+            HardwareSimulator::Icarus => &[("iverilog", "-V"), ("vvp", "-V")],
+            HardwareSimulator::Verilator | HardwareSimulator::VerilatorVerilog => {
                 &[("verilator", "--version"), ("make", "--version")]
             }
         }
@@ -61,7 +65,7 @@ impl Tool {
     pub fn missing(self) -> Option<&'static str> {
         let mut programs = self.programs().iter();
         let missing = |(program, version): &&(&str, &str)| {
-            let run = Call::version(program, version).run();
+            let run = ProgramCall::version(program, version).run();
             matches!(run, Err(ToolError::Start { .. }))
         };
         programs.find(missing).map(|(program, _)| *program)
@@ -71,8 +75,8 @@ impl Tool {
     pub fn doors(self) -> &'static [Door] {
         let all = &[Door::Bus, Door::Avalon, Door::Axi4Lite, Door::Configured];
         match self {
-            Tool::Icarus => all,
-            Tool::Verilator | Tool::VerilatorVerilog => &all[..3],
+            HardwareSimulator::Icarus => all,
+            HardwareSimulator::Verilator | HardwareSimulator::VerilatorVerilog => &all[..3],
         }
     }
 
@@ -84,13 +88,13 @@ impl Tool {
             ("make", vec!["-s".to_owned(), goal.to_owned(), windows])
         };
         match self {
-            Tool::Icarus => {
+            HardwareSimulator::Icarus => {
                 let names = names.iter().copied();
                 let words = std::iter::once("run_iverilog.sh").chain(names);
                 ("sh", words.map(str::to_owned).collect())
             }
-            Tool::Verilator => made("verilator"),
-            Tool::VerilatorVerilog => made("verilog-verilator"),
+            HardwareSimulator::Verilator => made("verilator"),
+            HardwareSimulator::VerilatorVerilog => made("verilog-verilator"),
         }
     }
 }
@@ -134,7 +138,7 @@ pub struct Checked {
 pub fn check(
     folder: &Path,
     hardware: &Path,
-    tool: Tool,
+    tool: HardwareSimulator,
     doors: &[Door],
 ) -> Result<Checked, CheckFailure> {
     if let Some(program) = tool.missing() {
@@ -146,7 +150,7 @@ pub fn check(
     let hardware = hardware
         .canonicalize()
         .map_err(|error| CheckFailure::Hardware(hardware.display().to_string(), error))?;
-    let output = Call::new(program)
+    let output = ProgramCall::new(program)
         .arguments(arguments)
         .variable("RTL", hardware)
         .folder(folder)
@@ -158,7 +162,7 @@ pub fn check(
 }
 
 /// A bench has passed when every way in says so and nothing says otherwise.
-fn judge(output: &Finished, doors: usize) -> Result<Vec<String>, CheckFailure> {
+fn judge(output: &FinishedProcess, doors: usize) -> Result<Vec<String>, CheckFailure> {
     let said = output.text();
     let is = |word: &'static str| move |line: &&str| line.starts_with(word);
     let verdicts: Vec<String> = (said.lines().filter(is("PASS")))
@@ -172,11 +176,11 @@ fn judge(output: &Finished, doors: usize) -> Result<Vec<String>, CheckFailure> {
         let all = format!("{said}{errors}");
         // A C++ compiler can say a great deal.
         let lines: Vec<&str> = all.lines().collect();
-        let last = lines.len().saturating_sub(MOST_LINES);
+        let last = lines.len().saturating_sub(MAX_LINES);
         return Err(CheckFailure::Build(lines[last..].join("\n")));
     }
     Ok(verdicts)
 }
 
 /// Lines of a tool's messages that are shown.
-const MOST_LINES: usize = 40;
+const MAX_LINES: usize = 40;

@@ -1,6 +1,6 @@
 //! The arrays a scene can speak of, and the names of what their indices count.
 
-use super::document::{Problems, Span};
+use super::document::{DocumentProblems, DocumentRange};
 use crate::model::{CutKind, Model};
 use robovec_framework::scene::{IndexPattern, Pattern};
 use robovec_ir::diagnostic::{clip, did_you_mean};
@@ -10,33 +10,33 @@ use robovec_ir::{Module, Shape};
 pub(super) struct KnownArray {
     pub(super) name: String,
     pub(super) shape: Shape,
-    /// Index into [`Arrays::names`] of what the last index counts.
+    /// Index into [`SceneArrays::names`] of what the last index counts.
     counts: Option<usize>,
 }
 
 /// What indices of a kind count: the word for it, and names with their
 /// numbers from 1.
-struct Names {
+struct IndexNames {
     what: &'static str,
     list: Vec<(String, u32)>,
 }
 
 /// The input arrays that a scene can speak of.
-pub(super) struct Arrays {
+pub(super) struct SceneArrays {
     pub(super) list: Vec<KnownArray>,
-    names: Vec<Names>,
+    names: Vec<IndexNames>,
     /// How many joints there are, where there is a model.
     joints: Option<u32>,
 }
 
-/// [`Arrays::names`] of joints, points and rods.
+/// [`SceneArrays::names`] of joints, points and rods.
 const JOINTS: usize = 0;
 const POINTS: usize = 1;
 const RODS: usize = 2;
 
-impl Arrays {
+impl SceneArrays {
     /// Those of a model's functions.
-    pub(super) fn of_model(model: &Model) -> Arrays {
+    pub(super) fn of_model(model: &Model) -> SceneArrays {
         let joints = model.joints.len() as u32;
         let rods = rods(model);
         let vector = |name: &str, length, counts| (name.to_owned(), Shape::Vector(length), counts);
@@ -68,8 +68,8 @@ impl Arrays {
                 counts,
             })
             .collect();
-        let named = |what, list| Names { what, list };
-        Arrays {
+        let named = |what, list| IndexNames { what, list };
+        SceneArrays {
             list,
             names: vec![
                 named("joint", joint_names(model)),
@@ -81,7 +81,7 @@ impl Arrays {
     }
 
     /// The input arrays of functions that were read.
-    pub(super) fn of_module(module: &Module) -> Arrays {
+    pub(super) fn of_module(module: &Module) -> SceneArrays {
         let mut list: Vec<KnownArray> = Vec::new();
         let inputs = module.functions.iter().flat_map(|f| f.inputs());
         for array in inputs {
@@ -94,7 +94,7 @@ impl Arrays {
                 });
             }
         }
-        Arrays {
+        SceneArrays {
             list,
             names: Vec::new(),
             joints: None,
@@ -102,7 +102,12 @@ impl Arrays {
     }
 
     /// The array of a name.
-    pub(super) fn find(&self, name: &str, span: &Span, problems: &mut Problems) -> Option<usize> {
+    pub(super) fn find(
+        &self,
+        name: &str,
+        span: &DocumentRange,
+        problems: &mut DocumentProblems,
+    ) -> Option<usize> {
         let found = self.list.iter().position(|array| array.name == name);
         if found.is_none() {
             let names: Vec<&str> = self.list.iter().map(|array| array.name.as_str()).collect();
@@ -117,8 +122,8 @@ impl Arrays {
         &self,
         array: usize,
         word: &str,
-        span: &Span,
-        problems: &mut Problems,
+        span: &DocumentRange,
+        problems: &mut DocumentProblems,
     ) -> Option<u32> {
         let array = &self.list[array];
         let extent = match array.shape {
@@ -142,7 +147,12 @@ impl Arrays {
     }
 
     /// The number of a joint, by name or number.
-    pub(super) fn joint(&self, word: &str, span: &Span, problems: &mut Problems) -> Option<u32> {
+    pub(super) fn joint(
+        &self,
+        word: &str,
+        span: &DocumentRange,
+        problems: &mut DocumentProblems,
+    ) -> Option<u32> {
         let array = self.list.iter().position(|array| array.name == "q");
         let Some(array) = array else {
             problems.add(span.clone(), "the functions read no joint positions 'q'");
@@ -162,8 +172,8 @@ impl Arrays {
     pub(super) fn pattern(
         &self,
         text: &str,
-        span: &Span,
-        problems: &mut Problems,
+        span: &DocumentRange,
+        problems: &mut DocumentProblems,
     ) -> Option<(usize, Pattern)> {
         let (name, indices) = split(text, span, problems)?;
         let array = self.find(name, span, problems)?;
@@ -178,8 +188,8 @@ impl Arrays {
         &self,
         outputs: &[(String, Shape)],
         text: &str,
-        span: &Span,
-        problems: &mut Problems,
+        span: &DocumentRange,
+        problems: &mut DocumentProblems,
     ) -> Option<Pattern> {
         let (name, indices) = split(text, span, problems)?;
         let Some((_, shape)) = outputs.iter().find(|(output, _)| output == name) else {
@@ -198,8 +208,8 @@ impl Arrays {
         shape: Shape,
         counts: Option<usize>,
         words: Option<&str>,
-        span: &Span,
-        problems: &mut Problems,
+        span: &DocumentRange,
+        problems: &mut DocumentProblems,
     ) -> Option<Pattern> {
         let mut pattern = Pattern::whole(name);
         let Some(words) = words else {
@@ -292,8 +302,8 @@ impl Arrays {
 /// The array and the text between the brackets of a pattern.
 fn split<'t>(
     text: &'t str,
-    span: &Span,
-    problems: &mut Problems,
+    span: &DocumentRange,
+    problems: &mut DocumentProblems,
 ) -> Option<(&'t str, Option<&'t str>)> {
     let Some((name, rest)) = text.split_once('[') else {
         return Some((text.trim(), None));

@@ -8,41 +8,46 @@ use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
 /// A range of bytes of the file.
-pub(super) type Span = Range<usize>;
+pub(super) type DocumentRange = Range<usize>;
 
 /// A table.
-pub(super) type Table<'t> = DeTable<'t>;
+pub(super) type DocumentTable<'t> = DeTable<'t>;
 
 /// A value with its place.
-pub(super) type Value<'t> = Spanned<DeValue<'t>>;
+pub(super) type DocumentValue<'t> = Spanned<DeValue<'t>>;
 
 /// The most messages about one file.
-const MOST_PROBLEMS: usize = 20;
+const MAX_PROBLEMS: usize = 20;
 
 /// Collects what is wrong with a file.
 #[derive(Default)]
-pub(super) struct Problems {
+pub(super) struct DocumentProblems {
     list: Vec<Diagnostic>,
 }
 
-impl Problems {
+impl DocumentProblems {
     /// Says that something is wrong at a place.
-    pub(super) fn add(&mut self, span: Span, message: impl Into<String>) {
+    pub(super) fn add(&mut self, span: DocumentRange, message: impl Into<String>) {
         self.advise(span, message, None);
     }
 
-    /// As [`Problems::add`], with what to do.
-    pub(super) fn advise(&mut self, span: Span, message: impl Into<String>, note: Option<String>) {
+    /// As [`DocumentProblems::add`], with what to do.
+    pub(super) fn advise(
+        &mut self,
+        span: DocumentRange,
+        message: impl Into<String>,
+        note: Option<String>,
+    ) {
         self.point(span, message, note, None);
     }
 
-    /// As [`Problems::advise`], with an earlier place that has to do with it.
+    /// As [`DocumentProblems::advise`], with an earlier place that has to do with it.
     pub(super) fn point(
         &mut self,
-        span: Span,
+        span: DocumentRange,
         message: impl Into<String>,
         note: Option<String>,
-        other: Option<(Span, &str)>,
+        other: Option<(DocumentRange, &str)>,
     ) {
         let mut labels = vec![Label::primary(0, span)];
         labels.extend(other.map(|(span, text)| Label::secondary(0, span).with_message(text)));
@@ -55,7 +60,7 @@ impl Problems {
     }
 
     /// A word that is none of those that can stand there.
-    pub(super) fn unknown(&mut self, span: Span, what: &str, word: &str, known: &[&str]) {
+    pub(super) fn unknown(&mut self, span: DocumentRange, what: &str, word: &str, known: &[&str]) {
         let mut notes: Vec<String> = did_you_mean(word, known.iter().copied())
             .map(|near| format!("did you mean '{near}'?"))
             .into_iter()
@@ -80,13 +85,13 @@ impl Problems {
     pub(super) fn into_diagnostics(mut self) -> Vec<Diagnostic> {
         self.list
             .sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.range.start));
-        self.list.truncate(MOST_PROBLEMS);
+        self.list.truncate(MAX_PROBLEMS);
         self.list
     }
 }
 
 /// Reads the text as TOML.
-pub(super) fn parse(text: &str) -> Result<Spanned<Table<'_>>, Diagnostic> {
+pub(super) fn parse(text: &str) -> Result<Spanned<DocumentTable<'_>>, Diagnostic> {
     DeTable::parse(text).map_err(|error| {
         Diagnostic::error()
             .with_message(error.message().to_owned())
@@ -96,7 +101,11 @@ pub(super) fn parse(text: &str) -> Result<Spanned<Table<'_>>, Diagnostic> {
 }
 
 /// Complains of keys that a table does not have.
-pub(super) fn only_keys(table: &Table<'_>, known: &[&str], problems: &mut Problems) {
+pub(super) fn only_keys(
+    table: &DocumentTable<'_>,
+    known: &[&str],
+    problems: &mut DocumentProblems,
+) {
     for key in table.keys() {
         let word = key.get_ref().as_ref();
         if !known.contains(&word) {
@@ -106,7 +115,10 @@ pub(super) fn only_keys(table: &Table<'_>, known: &[&str], problems: &mut Proble
 }
 
 /// What a key of a table holds.
-pub(super) fn get<'a, 't>(table: &'a Table<'t>, key: &str) -> Option<&'a Value<'t>> {
+pub(super) fn get<'a, 't>(
+    table: &'a DocumentTable<'t>,
+    key: &str,
+) -> Option<&'a DocumentValue<'t>> {
     let found = table
         .iter()
         .find(|(name, _)| name.get_ref().as_ref() == key);
@@ -114,7 +126,7 @@ pub(super) fn get<'a, 't>(table: &'a Table<'t>, key: &str) -> Option<&'a Value<'
 }
 
 /// A finite number.
-pub(super) fn number(value: &Value<'_>, problems: &mut Problems) -> Option<f64> {
+pub(super) fn number(value: &DocumentValue<'_>, problems: &mut DocumentProblems) -> Option<f64> {
     let number = match value.get_ref() {
         DeValue::Integer(integer) => match integer.radix() {
             10 => integer.as_str().parse::<f64>().ok(),
@@ -138,9 +150,9 @@ pub(super) fn number(value: &Value<'_>, problems: &mut Problems) -> Option<f64> 
 
 /// A number within a limit.
 pub(super) fn limited(
-    value: &Value<'_>,
+    value: &DocumentValue<'_>,
     (name, limit): (&str, NumberLimit),
-    problems: &mut Problems,
+    problems: &mut DocumentProblems,
 ) -> Option<f64> {
     let number = number(value, problems)?;
     match limit.check(Amount::Real(number)) {
@@ -153,7 +165,10 @@ pub(super) fn limited(
 }
 
 /// A text.
-pub(super) fn string<'a>(value: &'a Value<'_>, problems: &mut Problems) -> Option<&'a str> {
+pub(super) fn string<'a>(
+    value: &'a DocumentValue<'_>,
+    problems: &mut DocumentProblems,
+) -> Option<&'a str> {
     if let DeValue::String(text) = value.get_ref() {
         return Some(text.as_ref());
     }
@@ -164,9 +179,9 @@ pub(super) fn string<'a>(value: &'a Value<'_>, problems: &mut Problems) -> Optio
 
 /// A table.
 pub(super) fn table<'a, 't>(
-    value: &'a Value<'t>,
-    problems: &mut Problems,
-) -> Option<&'a Table<'t>> {
+    value: &'a DocumentValue<'t>,
+    problems: &mut DocumentProblems,
+) -> Option<&'a DocumentTable<'t>> {
     if let DeValue::Table(table) = value.get_ref() {
         return Some(table);
     }
@@ -177,8 +192,8 @@ pub(super) fn table<'a, 't>(
 
 /// A list.
 pub(super) fn array<'a, 't>(
-    value: &'a Value<'t>,
-    problems: &mut Problems,
+    value: &'a DocumentValue<'t>,
+    problems: &mut DocumentProblems,
 ) -> Option<&'a DeArray<'t>> {
     if let DeValue::Array(list) = value.get_ref() {
         return Some(list);
@@ -189,7 +204,10 @@ pub(super) fn array<'a, 't>(
 }
 
 /// A list of texts, or a single one.
-pub(super) fn strings<'a>(value: &'a Value<'_>, problems: &mut Problems) -> Vec<(&'a str, Span)> {
+pub(super) fn strings<'a>(
+    value: &'a DocumentValue<'_>,
+    problems: &mut DocumentProblems,
+) -> Vec<(&'a str, DocumentRange)> {
     if let DeValue::String(text) = value.get_ref() {
         return vec![(text.as_ref(), value.span())];
     }

@@ -1,6 +1,6 @@
 //! What a scene is worth: operations with more and more of it used.
 
-use super::{SceneFile, Subject};
+use super::{SceneFile, SceneSubject};
 use robovec_analysis::critical_path::critical_path;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::{Bindings, Scene};
@@ -11,7 +11,7 @@ use thiserror::Error;
 
 /// The function with a part of the scene used, after the usual pipeline.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Effect {
+pub struct SceneEffect {
     /// What is used.
     pub what: &'static str,
     /// Operations: everything but sines, cosines and copies.
@@ -45,14 +45,14 @@ pub const PIPELINE: &str = "atomise,specialise,zero-removal,balance,cse,dce";
 /// # Errors
 ///
 /// Those of the generator and of passes.
-pub fn effects(file: &SceneFile, machine: &Machine) -> Result<Vec<Effect>, EffectError> {
+pub fn effects(file: &SceneFile, machine: &Machine) -> Result<Vec<SceneEffect>, EffectError> {
     let sliced = Scene {
         bound: Bindings::default(),
         ..file.scene.clone()
     };
     let general = effect("the general function", file.general()?, None, machine)?;
     let mut effects = vec![general];
-    if matches!(file.subject, Subject::Model(_)) && !file.scene.joints.is_empty() {
+    if matches!(file.subject, SceneSubject::Model(_)) && !file.scene.joints.is_empty() {
         let held = effect("with joints held", file.module()?, None, machine)?;
         effects.push(held);
     }
@@ -70,7 +70,7 @@ fn effect(
     mut module: Module,
     scene: Option<&Scene>,
     machine: &Machine,
-) -> Result<Effect, EffectError> {
+) -> Result<SceneEffect, EffectError> {
     let pipeline = if scene.is_some() { PIPELINE } else { USUAL };
     let pipeline = REGISTRY
         .pipeline(pipeline)
@@ -81,7 +81,7 @@ fn effect(
         ..Config::new(machine, &mut log)
     };
     manager::run(&mut module, &pipeline, config)?;
-    let mut effect = Effect {
+    let mut effect = SceneEffect {
         what,
         operations: 0,
         sin_cos: 0,

@@ -2,9 +2,12 @@
 //! joints that are held.
 
 use super::INPUT;
-use super::arrays::Arrays;
-use super::document::{Problems, Span, Table, Value, array, get, limited, string, strings, table};
-use super::known::{Known, Rank, Words};
+use super::arrays::SceneArrays;
+use super::document::{
+    DocumentProblems, DocumentRange, DocumentTable, DocumentValue, array, get, limited, string,
+    strings, table,
+};
+use super::known::{ElementKnowledge, ElementStatements, Rank};
 use crate::model::Model;
 use crate::motion;
 use robovec_framework::scene::{HeldJoint, Hold, IndexPattern, Pattern};
@@ -13,26 +16,26 @@ use toml::de::DeValue;
 
 /// Reads all that a scene says of inputs.
 pub(super) struct InputReader<'r> {
-    pub(super) arrays: &'r Arrays,
+    pub(super) arrays: &'r SceneArrays,
     pub(super) model: Option<&'r Model>,
-    pub(super) words: Words,
-    pub(super) problems: &'r mut Problems,
+    pub(super) words: ElementStatements,
+    pub(super) problems: &'r mut DocumentProblems,
 }
 
 /// What the numbers of a section mean.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Section {
+enum InputSection {
     Bind,
     Range,
 }
 
 impl InputReader<'_> {
     /// Reads the sections in the order of how much they are about.
-    pub(super) fn read(&mut self, file: &Table<'_>) -> Vec<HeldJoint> {
+    pub(super) fn read(&mut self, file: &DocumentTable<'_>) -> Vec<HeldJoint> {
         if let Some(value) = get(file, "parameters") {
             self.parameters(value);
         }
-        for (section, key) in [(Section::Bind, "bind"), (Section::Range, "range")] {
+        for (section, key) in [(InputSection::Bind, "bind"), (InputSection::Range, "range")] {
             let entries = get(file, key).and_then(|value| table(value, self.problems));
             for (key, value) in entries.into_iter().flatten() {
                 self.entry(section, key.get_ref(), &key.span(), value);
@@ -41,20 +44,26 @@ impl InputReader<'_> {
         if let Some(value) = get(file, "free") {
             for (text, span) in strings(value, self.problems) {
                 if let Some((array, pattern)) = self.arrays.pattern(text, &span, self.problems) {
-                    self.say(array, &pattern, Known::Free, &span);
+                    self.say(array, &pattern, ElementKnowledge::Free, &span);
                 }
             }
         }
         self.joints(file)
     }
 
-    fn say(&mut self, array: usize, pattern: &Pattern, known: Known, span: &Span) {
+    fn say(
+        &mut self,
+        array: usize,
+        pattern: &Pattern,
+        known: ElementKnowledge,
+        span: &DocumentRange,
+    ) {
         let shape = self.arrays.list[array].shape;
         self.words.say(shape, pattern, known, span, self.problems);
     }
 
     /// `parameters = "from-model"`.
-    fn parameters(&mut self, value: &Value<'_>) {
+    fn parameters(&mut self, value: &DocumentValue<'_>) {
         match string(value, self.problems) {
             None => return,
             Some("from-model") => {}
@@ -77,7 +86,7 @@ impl InputReader<'_> {
                 let (indices, count) = known.shape.indices(offset);
                 let number = motion::parameter(model, &known.name, &indices[..count]);
                 let Some(number) = number else { continue };
-                let (rank, bound) = (Rank::Model, Known::Bound(number));
+                let (rank, bound) = (Rank::Model, ElementKnowledge::Bound(number));
                 let name = &known.name;
                 self.words
                     .element(name, indices, rank, bound, &value.span(), self.problems);
@@ -86,7 +95,13 @@ impl InputReader<'_> {
     }
 
     /// One entry of `[bind]` or `[range]`.
-    fn entry(&mut self, section: Section, key: &str, span: &Span, value: &Value<'_>) {
+    fn entry(
+        &mut self,
+        section: InputSection,
+        key: &str,
+        span: &DocumentRange,
+        value: &DocumentValue<'_>,
+    ) {
         let Some((array, pattern)) = self.arrays.pattern(key, span, self.problems) else {
             return;
         };
@@ -123,21 +138,21 @@ impl InputReader<'_> {
     /// The number, range or list of numbers of some elements.
     fn value(
         &mut self,
-        section: Section,
+        section: InputSection,
         place: usize,
         pattern: &Pattern,
-        span: &Span,
-        value: &Value<'_>,
+        span: &DocumentRange,
+        value: &DocumentValue<'_>,
     ) {
-        if section == Section::Range {
+        if section == InputSection::Range {
             if let Some([low, high]) = self.range(value) {
-                self.say(place, pattern, Known::Range(low, high), span);
+                self.say(place, pattern, ElementKnowledge::Range(low, high), span);
             }
             return;
         }
         let DeValue::Array(list) = value.get_ref() else {
             if let Some(number) = limited(value, ("bind", INPUT), self.problems) {
-                self.say(place, pattern, Known::Bound(number), span);
+                self.say(place, pattern, ElementKnowledge::Bound(number), span);
             }
             return;
         };
@@ -169,12 +184,12 @@ impl InputReader<'_> {
                 indices,
                 ..pattern.clone()
             };
-            self.say(place, &element, Known::Bound(number), span);
+            self.say(place, &element, ElementKnowledge::Bound(number), span);
         }
     }
 
     /// `[low, high]`.
-    fn range(&mut self, value: &Value<'_>) -> Option<[f64; 2]> {
+    fn range(&mut self, value: &DocumentValue<'_>) -> Option<[f64; 2]> {
         let list = array(value, self.problems)?;
         let [low, high] = list.as_ref() else {
             let message = format!("a range is [low, high], not {} numbers", list.len());
@@ -193,8 +208,8 @@ impl InputReader<'_> {
     }
 
     /// The joints that are locked or driven.
-    fn joints(&mut self, file: &Table<'_>) -> Vec<HeldJoint> {
-        let mut held: Vec<(HeldJoint, Span)> = Vec::new();
+    fn joints(&mut self, file: &DocumentTable<'_>) -> Vec<HeldJoint> {
+        let mut held: Vec<(HeldJoint, DocumentRange)> = Vec::new();
         let locked = get(file, "locked").and_then(|value| table(value, self.problems));
         for (word, value) in locked.into_iter().flatten() {
             let (name, span) = (word.get_ref().as_ref(), word.span());
@@ -218,7 +233,7 @@ impl InputReader<'_> {
             };
             for (array, number) in [("q", position), ("qd", 0.0), ("qdd", 0.0)] {
                 if self.arrays.list.iter().any(|known| known.name == array) {
-                    let (indices, known) = ([joint.number, 0], Known::Bound(number));
+                    let (indices, known) = ([joint.number, 0], ElementKnowledge::Bound(number));
                     let rank = Rank::Joint;
                     self.words
                         .element(array, indices, rank, known, span, self.problems);
@@ -228,7 +243,13 @@ impl InputReader<'_> {
         held.into_iter().map(|(joint, _)| joint).collect()
     }
 
-    fn add(&mut self, held: &mut Vec<(HeldJoint, Span)>, number: u32, hold: Hold, span: Span) {
+    fn add(
+        &mut self,
+        held: &mut Vec<(HeldJoint, DocumentRange)>,
+        number: u32,
+        hold: Hold,
+        span: DocumentRange,
+    ) {
         let name = self.arrays.joint_name(number);
         if let Some((_, other)) = held.iter().find(|(joint, _)| joint.number == number) {
             let message = format!("the joint '{name}' is held already");
@@ -240,7 +261,7 @@ impl InputReader<'_> {
     }
 
     /// Where a locked joint stays.
-    fn position(&mut self, joint: u32, value: &Value<'_>) -> Option<f64> {
+    fn position(&mut self, joint: u32, value: &DocumentValue<'_>) -> Option<f64> {
         let DeValue::String(text) = value.get_ref() else {
             return limited(value, ("locked", INPUT), self.problems);
         };

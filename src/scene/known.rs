@@ -1,6 +1,6 @@
 //! What a scene says of input elements, the more specific word winning.
 
-use super::document::{Problems, Span};
+use super::document::{DocumentProblems, DocumentRange};
 use robovec_framework::scene::{Bindings, Pattern};
 use robovec_ir::Shape;
 use robovec_ir::states::Ranges;
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 /// What is said of an element.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) enum Known {
+pub(super) enum ElementKnowledge {
     /// It is an input of any size.
     Free,
     /// It is a number.
@@ -48,34 +48,34 @@ impl Rank {
     }
 }
 
-struct Word {
+struct ElementStatement {
     rank: Rank,
-    known: Known,
-    span: Span,
+    known: ElementKnowledge,
+    span: DocumentRange,
 }
 
 /// What is said of every element.
 #[derive(Default)]
-pub(super) struct Words {
-    elements: BTreeMap<(String, [u32; 2]), Word>,
+pub(super) struct ElementStatements {
+    elements: BTreeMap<(String, [u32; 2]), ElementStatement>,
 }
 
 /// The most elements a scene can speak of: far more than any system has.
-const MOST_ELEMENTS: usize = 1_000_000;
+const MAX_ELEMENTS: usize = 1_000_000;
 
-impl Words {
+impl ElementStatements {
     /// Says something of the elements a pattern means.
     pub(super) fn say(
         &mut self,
         shape: Shape,
         pattern: &Pattern,
-        known: Known,
-        span: &Span,
-        problems: &mut Problems,
+        known: ElementKnowledge,
+        span: &DocumentRange,
+        problems: &mut DocumentProblems,
     ) {
         let rank = Rank::of(pattern, shape);
-        if shape.len() > MOST_ELEMENTS {
-            let message = format!("'{}' has more than {MOST_ELEMENTS} elements", pattern.array);
+        if shape.len() > MAX_ELEMENTS {
+            let message = format!("'{}' has more than {MAX_ELEMENTS} elements", pattern.array);
             problems.add(span.clone(), message);
             return;
         }
@@ -96,11 +96,11 @@ impl Words {
         array: &str,
         indices: [u32; 2],
         rank: Rank,
-        known: Known,
-        span: &Span,
-        problems: &mut Problems,
+        known: ElementKnowledge,
+        span: &DocumentRange,
+        problems: &mut DocumentProblems,
     ) -> bool {
-        let word = Word {
+        let word = ElementStatement {
             rank,
             known,
             span: span.clone(),
@@ -132,7 +132,7 @@ impl Words {
     }
 
     /// All elements something other than by the model is said of, in order.
-    pub(super) fn said(&self) -> impl Iterator<Item = (&str, [u32; 2], Known)> + '_ {
+    pub(super) fn said(&self) -> impl Iterator<Item = (&str, [u32; 2], ElementKnowledge)> + '_ {
         let words = self.elements.iter();
         let own = words.filter(|(_, word)| word.rank > Rank::Model);
         own.map(|((array, indices), word)| (array.as_str(), *indices, word.known))
@@ -143,9 +143,9 @@ impl Words {
         let (mut bound, mut ranges) = (Bindings::default(), Ranges::default());
         for ((array, indices), word) in self.elements {
             match word.known {
-                Known::Free => {}
-                Known::Bound(number) => bound.set(&array, indices, number),
-                Known::Range(low, high) => ranges.set(&array, indices, low, high),
+                ElementKnowledge::Free => {}
+                ElementKnowledge::Bound(number) => bound.set(&array, indices, number),
+                ElementKnowledge::Range(low, high) => ranges.set(&array, indices, low, high),
             }
         }
         (bound, ranges)

@@ -30,7 +30,7 @@
 //! ```
 //!
 //! The scene itself is [`robovec_framework::scene::Scene`]; here it is read,
-//! joined with its model or its equations ([`Subject`]), and every mistake is
+//! joined with its model or its equations ([`SceneSubject`]), and every mistake is
 //! told with its place. docs/scenes.md is the manual.
 
 mod arrays;
@@ -41,9 +41,9 @@ mod known;
 mod read;
 mod subject;
 
-pub use effect::{Effect, EffectError, PIPELINE, USUAL, effects};
+pub use effect::{EffectError, PIPELINE, SceneEffect, USUAL, effects};
 pub use read::read;
-pub use subject::{ModelSubject, Subject};
+pub use subject::{ModelSubject, SceneSubject};
 
 use crate::files::limited;
 use crate::generate::{Formulation, GenerateError};
@@ -91,7 +91,7 @@ pub struct SceneFile {
     /// What is needed.
     pub scene: Scene,
     /// The model or the equations.
-    pub subject: Subject,
+    pub subject: SceneSubject,
     /// What the user should know of the model.
     pub warnings: Report,
 }
@@ -117,8 +117,8 @@ impl SceneFile {
     /// Those of the generator.
     pub fn module(&self) -> Result<Module, GenerateError> {
         match &self.subject {
-            Subject::Equations(module) => Ok((**module).clone()),
-            Subject::Model(subject) => subject.equations(self.formulation()),
+            SceneSubject::Equations(module) => Ok((**module).clone()),
+            SceneSubject::Model(subject) => subject.equations(self.formulation()),
         }
     }
 
@@ -130,8 +130,8 @@ impl SceneFile {
     /// Those of the generator.
     pub fn general(&self) -> Result<Module, GenerateError> {
         match &self.subject {
-            Subject::Equations(module) => Ok((**module).clone()),
-            Subject::Model(subject) => subject.general_equations(self.formulation()),
+            SceneSubject::Equations(module) => Ok((**module).clone()),
+            SceneSubject::Model(subject) => subject.general_equations(self.formulation()),
         }
     }
 

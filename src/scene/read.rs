@@ -1,12 +1,13 @@
 //! From the text of a scene file to a scene and what it is about.
 
-use super::arrays::Arrays;
+use super::arrays::SceneArrays;
 use super::document::{
-    Problems, Span, Table, get, limited, only_keys, parse, string, strings, table,
+    DocumentProblems, DocumentRange, DocumentTable, get, limited, only_keys, parse, string,
+    strings, table,
 };
 use super::inputs::InputReader;
-use super::known::Words;
-use super::{DEADLINE, ERROR, ModelSubject, SceneFile, Subject};
+use super::known::ElementStatements;
+use super::{DEADLINE, ERROR, ModelSubject, SceneFile, SceneSubject};
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::sources;
 use robovec_framework::scene::{Hold, Measure, Need, Scene, Tolerance};
@@ -42,10 +43,10 @@ const KEYS: [&str; 16] = [
 /// Messages that point into the text, or into the text of a file that it
 /// names.
 pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> {
-    let failed = |problems: Problems| Report::of(name, text, problems.into_diagnostics());
+    let failed = |problems: DocumentProblems| Report::of(name, text, problems.into_diagnostics());
     let document = parse(text).map_err(|message| Report::of(name, text, vec![message]))?;
     let file = document.get_ref();
-    let mut problems = Problems::default();
+    let mut problems = DocumentProblems::default();
     only_keys(file, &KEYS, &mut problems);
     let mut scene = wishes(name, file, folder, &mut problems)?;
     let found = subject(file, &scene, folder, &mut problems)?;
@@ -53,21 +54,21 @@ pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> 
         return Err(failed(problems));
     };
     let arrays = match &subject {
-        Subject::Model(subject) => Arrays::of_model(&subject.general),
-        Subject::Equations(module) => Arrays::of_module(module),
+        SceneSubject::Model(subject) => SceneArrays::of_model(&subject.general),
+        SceneSubject::Equations(module) => SceneArrays::of_module(module),
     };
     let mut reader = InputReader {
         arrays: &arrays,
         model: match &subject {
-            Subject::Model(subject) => Some(&subject.general),
-            Subject::Equations(_) => None,
+            SceneSubject::Model(subject) => Some(&subject.general),
+            SceneSubject::Equations(_) => None,
         },
-        words: Words::default(),
+        words: ElementStatements::default(),
         problems: &mut problems,
     };
     scene.joints = reader.read(file);
     let words = reader.words;
-    if let Subject::Model(subject) = &mut subject {
+    if let SceneSubject::Model(subject) = &mut subject {
         subject.hold(&scene.joints);
         subject.keep_needed_symbols(&words);
     } else if let Some(joint) = scene.joints.iter().find(|joint| joint.hold == Hold::Driven) {
@@ -103,9 +104,9 @@ pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> 
 /// What a scene says of itself and of how it is compiled.
 fn wishes(
     name: &str,
-    file: &Table<'_>,
+    file: &DocumentTable<'_>,
     folder: &Path,
-    problems: &mut Problems,
+    problems: &mut DocumentProblems,
 ) -> Result<Scene, Report> {
     let mut text = |key: &str| -> Option<String> {
         get(file, key)
@@ -161,11 +162,11 @@ fn wishes(
 
 /// The model or the equations that a scene names.
 fn subject(
-    file: &Table<'_>,
+    file: &DocumentTable<'_>,
     scene: &Scene,
     folder: &Path,
-    problems: &mut Problems,
-) -> Result<Option<(Subject, Report)>, Report> {
+    problems: &mut DocumentProblems,
+) -> Result<Option<(SceneSubject, Report)>, Report> {
     let (model, equations) = (get(file, "model"), get(file, "equations"));
     let (key, value) = match (model, equations) {
         (Some(value), None) => ("model", value),
@@ -213,16 +214,19 @@ fn subject(
         }
         None => {}
     }
-    Ok(Some((Subject::Equations(Box::new(module)), read.warnings)))
+    Ok(Some((
+        SceneSubject::Equations(Box::new(module)),
+        read.warnings,
+    )))
 }
 
 fn model_subject(
     path: &Path,
     scene: &Scene,
-    file: &Table<'_>,
-    span: Span,
-    problems: &mut Problems,
-) -> Result<Option<(Subject, Report)>, Report> {
+    file: &DocumentTable<'_>,
+    span: DocumentRange,
+    problems: &mut DocumentProblems,
+) -> Result<Option<(SceneSubject, Report)>, Report> {
     let wish = scene.function.as_deref().unwrap_or("dirdyna");
     let Some(kind) = FunctionKind::with_name(wish) else {
         let names = FunctionKind::ALL.map(FunctionKind::name);
@@ -248,15 +252,15 @@ fn model_subject(
         name: wish.to_owned(),
         options: Options::default(),
     };
-    Ok(Some((Subject::Model(Box::new(subject)), warnings)))
+    Ok(Some((SceneSubject::Model(Box::new(subject)), warnings)))
 }
 
 /// The outputs that are needed.
 fn outputs(
-    file: &Table<'_>,
-    arrays: &Arrays,
+    file: &DocumentTable<'_>,
+    arrays: &SceneArrays,
     module: &Module,
-    problems: &mut Problems,
+    problems: &mut DocumentProblems,
 ) -> Vec<Need> {
     let Some(value) = get(file, "output") else {
         return Vec::new();
@@ -281,7 +285,7 @@ fn outputs(
             )
         })
         .collect();
-    let mut needs: Vec<(Need, Span)> = Vec::new();
+    let mut needs: Vec<(Need, DocumentRange)> = Vec::new();
     for entry in entries {
         let Some(section) = table(entry, problems) else {
             continue;
@@ -312,9 +316,9 @@ fn outputs(
 /// Complains of outputs that do not exist or come twice.
 fn check_need(
     module: &Module,
-    before: &[(Need, Span)],
-    (need, span): (&Need, &Span),
-    problems: &mut Problems,
+    before: &[(Need, DocumentRange)],
+    (need, span): (&Need, &DocumentRange),
+    problems: &mut DocumentProblems,
 ) {
     let set = module.functions.iter().any(|function| {
         let tables = &module.tables;
@@ -336,7 +340,7 @@ fn check_need(
 }
 
 /// The error that is allowed.
-fn tolerance(section: &Table<'_>, problems: &mut Problems) -> Option<Tolerance> {
+fn tolerance(section: &DocumentTable<'_>, problems: &mut DocumentProblems) -> Option<Tolerance> {
     let measure = get(section, "measure").and_then(|value| {
         let name = string(value, problems)?;
         let measure = Measure::from_name(name);

@@ -1,7 +1,9 @@
 //! What a scene is about: a model whose equations are made, or equations.
 
-use super::known::{Known, Words};
-use crate::generate::{Formulation, FunctionKind, GenerateError, Options, Request, generate};
+use super::known::{ElementKnowledge, ElementStatements};
+use crate::generate::{
+    Formulation, FunctionKind, GenerateError, GenerationRequest, Options, generate,
+};
 use crate::model::{Model, Nature};
 use crate::motion;
 use robovec_framework::scene::{HeldJoint, Hold};
@@ -9,7 +11,7 @@ use robovec_ir::Module;
 
 /// What a scene is about.
 #[derive(Debug)]
-pub enum Subject {
+pub enum SceneSubject {
     /// A model and a function of it.
     Model(Box<ModelSubject>),
     /// Equations as they were read: the one function of the scene.
@@ -52,7 +54,7 @@ impl ModelSubject {
     }
 
     fn generate(&self, model: &Model, formulation: Formulation) -> Result<Module, GenerateError> {
-        let request = Request {
+        let request = GenerationRequest {
             function: self.function,
             formulation,
             options: self.options.clone(),
@@ -87,11 +89,11 @@ impl ModelSubject {
 
     /// Keeps the symbols of parameters that are zero in the model but not in
     /// the scene.
-    pub(super) fn keep_needed_symbols(&mut self, words: &Words) {
+    pub(super) fn keep_needed_symbols(&mut self, words: &ElementStatements) {
         self.options.all_parameters = words.said().any(|(array, indices, known)| {
             let present = indices.iter().take_while(|&&index| index > 0).count();
             motion::parameter(&self.general, array, &indices[..present]) == Some(0.0)
-                && known != Known::Bound(0.0)
+                && known != ElementKnowledge::Bound(0.0)
         });
     }
 }

@@ -7,29 +7,29 @@ use std::collections::BTreeMap;
 
 /// Bits of a word; a field without bits always reads 0.
 #[derive(Clone, Copy, Default, Debug)]
-struct Bits {
+struct BitField {
     low: u32,
     width: u32,
 }
 
 /// Where the fields of an element's words are.
 #[derive(Clone, Debug)]
-pub(super) struct Fields {
-    issue: Bits,
-    operation: Bits,
+pub(super) struct WordFields {
+    issue: BitField,
+    operation: BitField,
     /// Left, right, addend; the last one without bits where nothing is fused.
-    reads: [Bits; 3],
+    reads: [BitField; 3],
     /// Memory (0 or 1), enable, address and select of every write port.
-    writes: Vec<(usize, [Bits; 3])>,
-    buffer_write: [Bits; 2],
-    buffer_reads: Vec<Bits>,
+    writes: Vec<(usize, [BitField; 3])>,
+    buffer_write: [BitField; 2],
+    buffer_reads: Vec<BitField>,
     /// The bits that some field covers.
     covered: Vec<u64>,
 }
 
-impl Fields {
+impl WordFields {
     /// Reads the layout of an element's words.
-    pub(super) fn new(element: &manifest::Element) -> Result<Fields, LoadError> {
+    pub(super) fn new(element: &manifest::Element) -> Result<WordFields, LoadError> {
         let fail = |problem: String| LoadError::Layout {
             element: element.name.clone(),
             problem,
@@ -54,7 +54,7 @@ impl Fields {
                 }
                 *limb |= mask;
             }
-            let bits = Bits {
+            let bits = BitField {
                 low: field.low,
                 width: field.width,
             };
@@ -63,7 +63,7 @@ impl Fields {
             }
         }
         let mut take = |name: &str| named.remove(name).unwrap_or_default();
-        let mut fields = Fields {
+        let mut fields = WordFields {
             issue: take("issue"),
             operation: take("operation"),
             reads: ["read.left", "read.right", "read.addend"].map(&mut take),
@@ -106,7 +106,7 @@ impl Fields {
     }
 }
 
-fn get(image: &Image, cycle: u32, bits: Bits) -> u32 {
+fn get(image: &Image, cycle: u32, bits: BitField) -> u32 {
     if bits.width == 0 {
         return 0;
     }
@@ -125,7 +125,7 @@ pub(super) struct Issue {
 
 /// A write port takes something from the crossbar.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Write {
+pub(super) struct MemoryWrite {
     /// Element that owns the memory.
     pub(super) element: u32,
     /// Which of its memories.
@@ -146,22 +146,22 @@ pub(super) struct BufferWrite {
 
 /// What happens, cycle after cycle and within a cycle element after element.
 #[derive(Clone, Debug)]
-pub(super) struct Steps {
+pub(super) struct DecodedSteps {
     issues: ByCycle<Issue>,
-    writes: ByCycle<Write>,
+    writes: ByCycle<MemoryWrite>,
     buffer_writes: ByCycle<BufferWrite>,
 }
 
-impl Steps {
+impl DecodedSteps {
     /// Decodes all words of all elements. Every image must have a word for
     /// each cycle, of the width the fields were laid out for.
     pub(super) fn decode(
         cycles: u32,
         names: &[&str],
         images: &[Image],
-        fields: &[Fields],
-    ) -> Result<Steps, LoadError> {
-        let mut found = Found::default();
+        fields: &[WordFields],
+    ) -> Result<DecodedSteps, LoadError> {
+        let mut found = ElementSteps::default();
         for (element, image) in images.iter().enumerate() {
             let name = || names[element].to_owned();
             if let Some(cycle) = (0..cycles).find(|&cycle| !image.is_defined(cycle)) {
@@ -185,7 +185,7 @@ impl Steps {
                 found.word(cycle, element, images, fields);
             }
         }
-        Ok(Steps {
+        Ok(DecodedSteps {
             issues: ByCycle::new(cycles, found.issues),
             writes: ByCycle::new(cycles, found.writes),
             buffer_writes: ByCycle::new(cycles, found.buffer_writes),
@@ -198,7 +198,7 @@ impl Steps {
     }
 
     /// The writes at the end of a cycle.
-    pub(super) fn writes(&self, cycle: u32) -> &[Write] {
+    pub(super) fn writes(&self, cycle: u32) -> &[MemoryWrite] {
         self.writes.of(cycle)
     }
 
@@ -248,16 +248,16 @@ impl<T: Copy> ByCycle<T> {
 
 /// Steps with their cycles, element after element.
 #[derive(Default)]
-struct Found {
+struct ElementSteps {
     issues: Vec<(u32, Issue)>,
-    writes: Vec<(u32, Write)>,
+    writes: Vec<(u32, MemoryWrite)>,
     buffer_writes: Vec<(u32, BufferWrite)>,
 }
 
-impl Found {
-    fn word(&mut self, cycle: u32, element: usize, images: &[Image], all: &[Fields]) {
+impl ElementSteps {
+    fn word(&mut self, cycle: u32, element: usize, images: &[Image], all: &[WordFields]) {
         let (image, fields) = (&images[element], &all[element]);
-        let own = |bits: Bits| get(image, cycle, bits);
+        let own = |bits: BitField| get(image, cycle, bits);
         let owner = element as u32;
         if own(fields.issue) == 1 {
             let issue = Issue {
@@ -275,7 +275,7 @@ impl Found {
                 let source = select as usize % images.len();
                 let port = (select as usize / images.len()).checked_sub(1);
                 let read = port.and_then(|port| all[source].buffer_reads.get(port));
-                let write = Write {
+                let write = MemoryWrite {
                     element: owner,
                     memory: memory as u32,
                     address: own(address),

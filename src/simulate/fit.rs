@@ -6,7 +6,7 @@ use robovec_codegen::manifest;
 use robovec_num::fnv::Fnv;
 
 /// Most elements.
-const MOST_ELEMENTS: usize = 1 << 14;
+const MAX_ELEMENTS: usize = 1 << 14;
 
 impl Loader<'_> {
     /// The manifest must describe a part of the machine.
@@ -21,7 +21,7 @@ impl Loader<'_> {
                 "it has another number format".to_owned(),
             ));
         }
-        if manifest.elements.len() > MOST_ELEMENTS {
+        if manifest.elements.len() > MAX_ELEMENTS {
             let count = manifest.elements.len();
             return Err(LoadError::TooLarge(format!("{count} elements")));
         }

@@ -1,9 +1,9 @@
 //! Images and manifest into a program, with every check that needs no run.
 
-use super::decode::{Fields, Steps};
+use super::decode::{DecodedSteps, WordFields};
 use super::error::LoadError;
 use super::mif::Image;
-use super::program::{ElementUnit, HostStep, MemoryUnit, OutputPlace, OutputUnit, Program};
+use super::program::{ElementUnit, HostStep, LoadedProgram, MemoryUnit, OutputPlace, OutputUnit};
 use robovec_codegen::manifest::{self, Manifest, OutputValue, Reference, WordAddress};
 use robovec_ir::{Machine, Operation};
 use robovec_num::soft_float::FormatArithmetic;
@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 
 /// Most words of all memories, of all buffers, of all instruction images in
 /// limbs of 64 bits, and of all pipelines.
-const MOST_WORDS: u64 = 1 << 24;
+const MAX_WORDS: u64 = 1 << 24;
 
-impl Program {
+impl LoadedProgram {
     /// Loads a program from its files, as (file name, text), and checks that
     /// they belong together, to this machine, and were not changed.
     ///
@@ -24,23 +24,23 @@ impl Program {
     /// # Errors
     ///
     /// The first thing that is wrong with files or machine.
-    pub fn load(files: &[(String, String)], machine: &Machine) -> Result<Program, LoadError> {
+    pub fn load(files: &[(String, String)], machine: &Machine) -> Result<LoadedProgram, LoadError> {
         let loader = Loader::new(files, machine)?;
         let program = loader.program()?;
         loader.check_hashes()?;
         Ok(program)
     }
 
-    /// As [`Program::load`] for images edited by hand: neither the hash of
+    /// As [`LoadedProgram::load`] for images edited by hand: neither the hash of
     /// the instruction images nor that of the machine is compared.
     ///
     /// # Errors
     ///
-    /// As [`Program::load`], without those of the hashes.
+    /// As [`LoadedProgram::load`], without those of the hashes.
     pub fn load_edited(
         files: &[(String, String)],
         machine: &Machine,
-    ) -> Result<Program, LoadError> {
+    ) -> Result<LoadedProgram, LoadError> {
         Loader::new(files, machine)?.program()
     }
 }
@@ -131,7 +131,7 @@ impl<'a> Loader<'a> {
                     offset: total as u32,
                 });
                 total += u64::from(memory.words);
-                if total > MOST_WORDS {
+                if total > MAX_WORDS {
                     return Err(LoadError::TooLarge(format!("{total} memory words")));
                 }
             }
@@ -140,7 +140,7 @@ impl<'a> Loader<'a> {
         Ok(())
     }
 
-    fn program(&self) -> Result<Program, LoadError> {
+    fn program(&self) -> Result<LoadedProgram, LoadError> {
         let manifest = &self.manifest;
         let steps = self.steps()?;
         let data = self.data()?;
@@ -172,7 +172,7 @@ impl<'a> Loader<'a> {
             })
         });
         let unit = unit.transpose()?;
-        Ok(Program {
+        Ok(LoadedProgram {
             function: manifest.function.clone(),
             cycles: manifest.cycles,
             arithmetic: FormatArithmetic::new(manifest.number),
@@ -214,14 +214,14 @@ impl<'a> Loader<'a> {
         Ok(image)
     }
 
-    fn steps(&self) -> Result<Steps, LoadError> {
+    fn steps(&self) -> Result<DecodedSteps, LoadError> {
         let manifest = &self.manifest;
         let cycles = manifest.cycles;
         let limbs = manifest.elements.iter().map(|element| {
             u64::from(cycles) * u64::from(element.instructions.width.div_ceil(64).max(1))
         });
         let total = limbs.fold(0u64, u64::saturating_add);
-        if total > MOST_WORDS {
+        if total > MAX_WORDS {
             return Err(LoadError::TooLarge(format!("{cycles} cycles")));
         }
         let mut images = Vec::new();
@@ -229,14 +229,14 @@ impl<'a> Loader<'a> {
         for element in &manifest.elements {
             let instructions = &element.instructions;
             images.push(self.image(&instructions.file, cycles, instructions.width)?);
-            fields.push(Fields::new(element)?);
+            fields.push(WordFields::new(element)?);
         }
         let names: Vec<&str> = manifest
             .elements
             .iter()
             .map(|element| element.name.as_str())
             .collect();
-        Steps::decode(cycles, &names, &images, &fields)
+        DecodedSteps::decode(cycles, &names, &images, &fields)
     }
 
     /// The words that the data images give a content.
@@ -286,7 +286,7 @@ impl<'a> Loader<'a> {
             });
             buffer_offset += u64::from(buffer_words);
             slots += u64::from(stages) + 1;
-            if buffer_offset.max(slots) > MOST_WORDS {
+            if buffer_offset.max(slots) > MAX_WORDS {
                 return Err(LoadError::TooLarge(format!(
                     "{buffer_offset} buffer words and {slots} pipeline stages"
                 )));

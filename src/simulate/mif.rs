@@ -12,11 +12,11 @@ use parser::Parser;
 use std::fmt;
 
 /// Most 64-bit limbs of one image: 128 MiB.
-const MOST_LIMBS: u64 = 1 << 24;
+const MAX_LIMBS: u64 = 1 << 24;
 
 /// Most bits of a word; an instruction word of the largest machines has some
 /// thousand.
-const MOST_BITS: u32 = 1 << 14;
+const MAX_BITS: u32 = 1 << 14;
 
 /// The content of a memory.
 #[derive(Clone, PartialEq, Eq, Debug)]

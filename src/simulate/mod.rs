@@ -26,7 +26,7 @@ mod run;
 mod trace;
 
 pub use error::{Hazard, LoadError};
-pub use occupation::{ElementOccupation, Occupation};
-pub use program::Program;
-pub use run::Outputs;
+pub use occupation::{ElementOccupation, MachineOccupation};
+pub use program::LoadedProgram;
+pub use run::SimulatedOutputs;
 pub use trace::{LoadedWord, Trace, TracedResult};

@@ -1,10 +1,10 @@
 //! Who is busy when: what a report draws.
 
-use super::program::Program;
+use super::program::LoadedProgram;
 
 /// The use a program makes of its machine.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Occupation {
+pub struct MachineOccupation {
     /// Length of the program.
     pub cycles: u32,
     /// Element by element, in order of the crossbar.
@@ -33,10 +33,10 @@ pub struct ElementOccupation {
     pub buffer_peak: u32,
 }
 
-impl Program {
+impl LoadedProgram {
     /// The use the program makes of its machine; the same in every run, since
     /// nothing in a program depends on values.
-    pub fn occupation(&self) -> Occupation {
+    pub fn occupation(&self) -> MachineOccupation {
         let mut elements: Vec<ElementOccupation> = self
             .elements
             .iter()
@@ -92,7 +92,7 @@ impl Program {
             element.buffer_words = words;
             element.buffer_peak = peak;
         }
-        Occupation {
+        MachineOccupation {
             cycles: self.cycles,
             elements,
         }
@@ -120,7 +120,7 @@ struct BufferUse {
 }
 
 impl BufferUse {
-    fn new(program: &Program) -> BufferUse {
+    fn new(program: &LoadedProgram) -> BufferUse {
         BufferUse {
             open: vec![None; program.buffer_words],
             intervals: vec![Vec::new(); program.elements.len()],
@@ -128,12 +128,12 @@ impl BufferUse {
         }
     }
 
-    fn place(program: &Program, element: usize, word: u32) -> Option<usize> {
+    fn place(program: &LoadedProgram, element: usize, word: u32) -> Option<usize> {
         let unit = &program.elements[element];
         (word < unit.buffer_words).then_some((unit.buffer_offset + word) as usize)
     }
 
-    fn write(&mut self, program: &Program, element: usize, word: u32, cycle: u32) {
+    fn write(&mut self, program: &LoadedProgram, element: usize, word: u32, cycle: u32) {
         if let Some(place) = BufferUse::place(program, element, word) {
             self.used[place] = true;
             // Held for one cycle at least, read or not.
@@ -142,7 +142,7 @@ impl BufferUse {
         }
     }
 
-    fn read(&mut self, program: &Program, element: usize, word: u32, cycle: u32) {
+    fn read(&mut self, program: &LoadedProgram, element: usize, word: u32, cycle: u32) {
         if let Some(place) = BufferUse::place(program, element, word)
             && let Some(interval) = &mut self.open[place]
         {
@@ -151,7 +151,7 @@ impl BufferUse {
     }
 
     /// For each element its words in use and the most at one time.
-    fn finish(mut self, program: &Program) -> Vec<(u32, u32)> {
+    fn finish(mut self, program: &LoadedProgram) -> Vec<(u32, u32)> {
         let mut uses = Vec::with_capacity(program.elements.len());
         for (unit, intervals) in program.elements.iter().zip(&mut self.intervals) {
             let range =

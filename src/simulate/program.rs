@@ -1,6 +1,6 @@
 //! A program as loaded from its images.
 
-use super::decode::Steps;
+use super::decode::DecodedSteps;
 use robovec_codegen::manifest::Reference;
 use robovec_ir::Operation;
 use robovec_num::soft_float::FormatArithmetic;
@@ -8,7 +8,7 @@ use robovec_num::trigonometry::host::Unit;
 
 /// A program in the simulator's memories, ready to be run any number of times.
 #[derive(Clone, Debug)]
-pub struct Program {
+pub struct LoadedProgram {
     pub(super) function: String,
     pub(super) cycles: u32,
     /// What elements and host compute in.
@@ -30,7 +30,7 @@ pub struct Program {
     /// What computes the host's sines and cosines, when it is said.
     pub(super) unit: Option<Unit>,
     pub(super) outputs: Vec<OutputUnit>,
-    pub(super) steps: Steps,
+    pub(super) steps: DecodedSteps,
 }
 
 /// A processing element.
@@ -89,7 +89,7 @@ pub(super) enum OutputPlace {
     Known(Reference),
 }
 
-impl Program {
+impl LoadedProgram {
     /// The function's name.
     pub fn function(&self) -> &str {
         &self.function
@@ -106,7 +106,7 @@ impl Program {
     }
 
     /// The names of the outputs and their places among the function's
-    /// flattened output elements, in the order of [`super::Outputs`].
+    /// flattened output elements, in the order of [`super::SimulatedOutputs`].
     pub fn outputs(&self) -> impl Iterator<Item = (&str, u32)> {
         self.outputs
             .iter()

@@ -5,18 +5,18 @@
 //! is written is written at the end of the cycle. Reads therefore see what
 //! was there when the cycle began.
 
-use super::decode::{BufferWrite, Issue, Write};
+use super::decode::{BufferWrite, Issue, MemoryWrite};
 use super::error::Hazard;
-use super::program::{OutputPlace, Program};
+use super::program::{LoadedProgram, OutputPlace};
 use super::trace::{Observer, Silent};
 use robovec_codegen::manifest::Reference;
 use robovec_num::arithmetic::Arithmetic;
 
 /// What a run gives.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Outputs {
+pub struct SimulatedOutputs {
     /// The output elements that the program sets, in order of
-    /// [`Program::outputs`]; numbers of the machine's format, held exactly.
+    /// [`LoadedProgram::outputs`]; numbers of the machine's format, held exactly.
     pub values: Vec<f64>,
     /// The same as words of the machine.
     pub words: Vec<u64>,
@@ -24,14 +24,14 @@ pub struct Outputs {
     pub cycles: u32,
 }
 
-impl Program {
+impl LoadedProgram {
     /// Loads the inputs and what the host computes from them, runs, and
     /// collects the outputs. Inputs are rounded to the machine's format.
     ///
     /// # Errors
     ///
     /// The first hazard, by cycle.
-    pub fn run(&self, inputs: &[f64]) -> Result<Outputs, Hazard> {
+    pub fn run(&self, inputs: &[f64]) -> Result<SimulatedOutputs, Hazard> {
         self.run_observed(inputs, &mut Silent)
     }
 
@@ -40,14 +40,14 @@ impl Program {
         &self,
         inputs: &[f64],
         observer: &mut O,
-    ) -> Result<Outputs, Hazard> {
+    ) -> Result<SimulatedOutputs, Hazard> {
         if inputs.len() != self.inputs.len() {
             return Err(Hazard::InputCount {
                 expected: self.inputs.len(),
                 given: inputs.len(),
             });
         }
-        Runner::new(self).run(inputs, observer)
+        ProgramRunner::new(self).run(inputs, observer)
     }
 }
 
@@ -58,7 +58,7 @@ const LOADED: u32 = u32::MAX - 1;
 
 /// A word of a memory or buffer.
 #[derive(Clone, Copy)]
-struct Cell {
+struct MemoryCell {
     number: f64,
     /// The cycle of the last write, [`LOADED`] or [`EMPTY`].
     written: u32,
@@ -66,10 +66,10 @@ struct Cell {
     read: bool,
 }
 
-struct Runner<'p> {
-    program: &'p Program,
-    memory: Vec<Cell>,
-    buffers: Vec<Cell>,
+struct ProgramRunner<'p> {
+    program: &'p LoadedProgram,
+    memory: Vec<MemoryCell>,
+    buffers: Vec<MemoryCell>,
     /// The pipelines: for each element as many slots as its latency, used in
     /// turn; a slot is taken when its result leaves.
     pipelines: Vec<Option<f64>>,
@@ -79,9 +79,9 @@ struct Runner<'p> {
     bus: Vec<Option<f64>>,
 }
 
-impl<'p> Runner<'p> {
-    fn new(program: &'p Program) -> Runner<'p> {
-        let empty = Cell {
+impl<'p> ProgramRunner<'p> {
+    fn new(program: &'p LoadedProgram) -> ProgramRunner<'p> {
+        let empty = MemoryCell {
             number: 0.0,
             written: EMPTY,
             read: false,
@@ -92,7 +92,7 @@ impl<'p> Runner<'p> {
             slots.push((next, 0));
             next += element.latency;
         }
-        Runner {
+        ProgramRunner {
             program,
             memory: vec![empty; program.words],
             buffers: vec![empty; program.buffer_words],
@@ -102,7 +102,11 @@ impl<'p> Runner<'p> {
         }
     }
 
-    fn run<O: Observer>(mut self, inputs: &[f64], observer: &mut O) -> Result<Outputs, Hazard> {
+    fn run<O: Observer>(
+        mut self,
+        inputs: &[f64],
+        observer: &mut O,
+    ) -> Result<SimulatedOutputs, Hazard> {
         let program = self.program;
         let known = self.load(inputs);
         let cells = self.memory.iter().zip(0..);
@@ -130,14 +134,14 @@ impl<'p> Runner<'p> {
     }
 
     /// Loads the memories; the values known before the run.
-    fn load(&mut self, inputs: &[f64]) -> Known {
+    fn load(&mut self, inputs: &[f64]) -> InitialValues {
         let program = self.program;
         let arithmetic = &program.arithmetic;
         for &(word, bits) in &program.data {
             self.put(word, arithmetic.from_word(bits));
         }
         let round = |number: &f64| arithmetic.convert(*number);
-        let mut known = Known {
+        let mut known = InitialValues {
             inputs: inputs.iter().map(round).collect(),
             constants: program.constants.iter().map(round).collect(),
             host: Vec::with_capacity(program.host.len()),
@@ -158,7 +162,7 @@ impl<'p> Runner<'p> {
     }
 
     fn put(&mut self, word: u32, number: f64) {
-        self.memory[word as usize] = Cell {
+        self.memory[word as usize] = MemoryCell {
             number,
             written: LOADED,
             read: false,
@@ -231,7 +235,7 @@ impl<'p> Runner<'p> {
         Ok((unit.offset + address) as usize)
     }
 
-    fn write(&mut self, cycle: u32, write: &Write) -> Result<(), Hazard> {
+    fn write(&mut self, cycle: u32, write: &MemoryWrite) -> Result<(), Hazard> {
         let program = self.program;
         let element = &program.elements[write.element as usize];
         let memory = element.memories[write.memory as usize];
@@ -253,7 +257,7 @@ impl<'p> Runner<'p> {
                 address: write.address,
             });
         }
-        *cell = Cell {
+        *cell = MemoryCell {
             number,
             written: cycle,
             read: false,
@@ -262,7 +266,7 @@ impl<'p> Runner<'p> {
     }
 
     /// What the crossbar brings to a write port.
-    fn source(&mut self, cycle: u32, write: &Write, memory: u32) -> Result<f64, Hazard> {
+    fn source(&mut self, cycle: u32, write: &MemoryWrite, memory: u32) -> Result<f64, Hazard> {
         let program = self.program;
         let name = || program.memories[memory as usize].name.clone();
         let elements = program.elements.len();
@@ -319,7 +323,7 @@ impl<'p> Runner<'p> {
                 word: write.word,
             });
         }
-        *cell = Cell {
+        *cell = MemoryCell {
             number,
             written: cycle,
             read: false,
@@ -340,7 +344,7 @@ impl<'p> Runner<'p> {
         Ok(())
     }
 
-    fn collect(&self, known: &Known) -> Result<Outputs, Hazard> {
+    fn collect(&self, known: &InitialValues) -> Result<SimulatedOutputs, Hazard> {
         let program = self.program;
         let mut numbers = Vec::with_capacity(program.outputs.len());
         for output in &program.outputs {
@@ -376,7 +380,7 @@ impl<'p> Runner<'p> {
             }
             numbers.push(cell.number);
         }
-        Ok(Outputs {
+        Ok(SimulatedOutputs {
             words: numbers
                 .iter()
                 .map(|&number| program.arithmetic.word(number))
@@ -397,13 +401,13 @@ fn overflow(cycle: u32, element: &super::program::ElementUnit, word: u32) -> Haz
 }
 
 /// The values known before the run.
-struct Known {
+struct InitialValues {
     inputs: Vec<f64>,
     constants: Vec<f64>,
     host: Vec<f64>,
 }
 
-impl Known {
+impl InitialValues {
     fn get(&self, reference: Reference) -> f64 {
         match reference {
             Reference::Input(index) => self.inputs[index as usize],

@@ -6,8 +6,8 @@
 //! machine's format. A test bench replays the former and compares the latter.
 
 use super::error::Hazard;
-use super::program::Program;
-use super::run::Outputs;
+use super::program::LoadedProgram;
+use super::run::SimulatedOutputs;
 use robovec_num::soft_float::FormatArithmetic;
 
 /// What a run tells while it goes on. A run without an observer
@@ -29,7 +29,7 @@ impl Observer for Silent {}
 /// A word that holds a value before the first cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LoadedWord {
-    /// The memory, by its place in [`Program::memories`].
+    /// The memory, by its place in [`LoadedProgram::memories`].
     pub memory: u32,
     /// The address in it, from 0.
     pub address: u32,
@@ -47,7 +47,7 @@ pub struct LoadedWord {
 pub struct TracedResult {
     /// The cycle in which it is on its element's bus.
     pub cycle: u32,
-    /// The element, by its place in [`Program::elements`].
+    /// The element, by its place in [`LoadedProgram::elements`].
     pub element: u32,
     /// The value, as a word of the machine's format.
     pub word: u64,
@@ -62,11 +62,11 @@ pub struct Trace {
     /// Every result, in order of cycle and element.
     pub results: Vec<TracedResult>,
     /// What the run gives.
-    pub outputs: Outputs,
+    pub outputs: SimulatedOutputs,
 }
 
 struct Recorder<'p> {
-    program: &'p Program,
+    program: &'p LoadedProgram,
     arithmetic: FormatArithmetic,
     loaded: Vec<LoadedWord>,
     /// Words of all memories together, in the order of `loaded`.
@@ -108,8 +108,8 @@ impl Observer for Recorder<'_> {
     }
 }
 
-impl Program {
-    /// As [`Program::run`], with every word that is loaded and every result.
+impl LoadedProgram {
+    /// As [`LoadedProgram::run`], with every word that is loaded and every result.
     ///
     /// # Errors
     ///

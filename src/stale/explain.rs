@@ -1,9 +1,9 @@
 //! Why a function is not the model's.
 
 use super::inputs::is_zero;
-use super::{Comparison, Element, element, extent, metadata, used};
+use super::{ArrayElement, Comparison, element, extent, metadata, used};
 use crate::align::replace;
-use crate::model::{Model, Point};
+use crate::model::{Model, ModelPoint};
 use robovec_analysis::class::NumericClass;
 use robovec_framework::check::check;
 use robovec_ir::states::States;
@@ -13,7 +13,7 @@ use robovec_ir::{Function, Module, Operand, Tables, View};
 const NAMED: usize = 6;
 
 /// True when a function depends on an input that it uses: terms may cancel.
-fn depends(tables: &Tables, function: &Function, on: &Element) -> bool {
+fn depends(tables: &Tables, function: &Function, on: &ArrayElement) -> bool {
     let mut without = function.clone();
     let constant = Operand::from(without.constant(0.0));
     let named = |input| element(tables, function, input) == *on;
@@ -30,7 +30,7 @@ fn depends(tables: &Tables, function: &Function, on: &Element) -> bool {
 }
 
 /// A parameter as a user knows it.
-fn describe(model: &Model, (array, indices): &Element) -> String {
+fn describe(model: &Model, (array, indices): &ArrayElement) -> String {
     let [first, second] = *indices;
     let name = match second {
         0 => format!("{array}[{first}]"),
@@ -48,7 +48,7 @@ fn describe(model: &Model, (array, indices): &Element) -> String {
             point
                 .and_then(|point| model.points.get(point))
                 .map(|point| {
-                    let Point { name, body, .. } = point;
+                    let ModelPoint { name, body, .. } = point;
                     let body = body.map_or("base", |body| &model.bodies[body].name);
                     format!("point {name} of {body}")
                 })
@@ -63,7 +63,7 @@ fn describe(model: &Model, (array, indices): &Element) -> String {
     }
 }
 
-fn describe_all<'a>(model: &Model, elements: impl Iterator<Item = &'a Element>) -> String {
+fn describe_all<'a>(model: &Model, elements: impl Iterator<Item = &'a ArrayElement>) -> String {
     let all: Vec<String> = elements.map(|element| describe(model, element)).collect();
     match all.len().checked_sub(NAMED) {
         Some(more @ 1..) => format!("{} and {more} more", all[..NAMED].join(", ")),
@@ -85,13 +85,13 @@ pub(super) fn reasons(
     let theirs = used(&equations.tables, function);
     let ours = used(&expected.tables, &expected.functions[index]);
     let expected_function = &expected.functions[index];
-    let missing: Vec<&Element> = ours
+    let missing: Vec<&ArrayElement> = ours
         .keys()
         .filter(|key| extent(model, &key.0).is_some() || key.0 == "g")
         .filter(|key| !theirs.contains_key(key))
         .filter(|key| depends(&expected.tables, expected_function, key))
         .collect();
-    let extra: Vec<&Element> = theirs
+    let extra: Vec<&ArrayElement> = theirs
         .keys()
         .filter(|key| !ours.contains_key(key) && is_zero(model, key))
         .collect();
@@ -141,7 +141,7 @@ pub(super) fn superfluous(
         return;
     }
     let theirs = used(&equations.tables, function);
-    let zeros: Vec<&Element> = theirs.keys().filter(|key| is_zero(model, key)).collect();
+    let zeros: Vec<&ArrayElement> = theirs.keys().filter(|key| is_zero(model, key)).collect();
     if let Some(first) = zeros.first() {
         comparison.remark(
             format!(

@@ -1,13 +1,13 @@
 //! Inputs of a function, and functions with other inputs.
 
-use super::{Element, element};
+use super::{ArrayElement, element};
 use crate::align::replace;
 use crate::model::{Joint, Model};
 use crate::motion::parameter;
 use robovec_ir::{Function, Input, Operand, Tables};
 
 /// True when an input is a constant zero for the model.
-pub(super) fn is_zero(model: &Model, (array, indices): &Element) -> bool {
+pub(super) fn is_zero(model: &Model, (array, indices): &ArrayElement) -> bool {
     let rank = indices.iter().filter(|&&index| index > 0).count();
     let symbol = |has: fn(&Joint) -> bool| {
         let joint = indices[0].checked_sub(1);

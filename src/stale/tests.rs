@@ -6,7 +6,7 @@ use crate::model::{JointKind, systems};
 fn equations(model: &Model, kinds: &[FunctionKind]) -> Module {
     let mut module = Module::new();
     for &kind in kinds {
-        generate_into(&mut module, model, &Request::new(kind)).expect("every model can");
+        generate_into(&mut module, model, &GenerationRequest::new(kind)).expect("every model can");
     }
     module
 }

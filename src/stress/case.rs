@@ -1,11 +1,11 @@
 //! Hard cases: what is built, and what is measured on it.
 
-use super::{StressError, Treatment, Verdict};
+use super::{ProgramTreatment, StressError, StressVerdict};
 use robovec_ir::Format;
 
 /// What a case makes hard.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Class {
+pub enum CaseClass {
     /// Nothing: what the others are compared with.
     Base,
     /// Long chains of bodies.
@@ -28,98 +28,100 @@ pub enum Class {
     Motion,
 }
 
-impl Class {
+impl CaseClass {
     /// All classes, in the order of reports.
-    pub const ALL: [Class; 10] = [
-        Class::Base,
-        Class::Chain,
-        Class::Ratio,
-        Class::Swamped,
-        Class::Scale,
-        Class::Pose,
-        Class::Cancellation,
-        Class::Loop,
-        Class::Series,
-        Class::Motion,
+    pub const ALL: [CaseClass; 10] = [
+        CaseClass::Base,
+        CaseClass::Chain,
+        CaseClass::Ratio,
+        CaseClass::Swamped,
+        CaseClass::Scale,
+        CaseClass::Pose,
+        CaseClass::Cancellation,
+        CaseClass::Loop,
+        CaseClass::Series,
+        CaseClass::Motion,
     ];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
-            Class::Base => "base",
-            Class::Chain => "chain",
-            Class::Ratio => "ratio",
-            Class::Swamped => "swamped",
-            Class::Scale => "scale",
-            Class::Pose => "pose",
-            Class::Cancellation => "cancellation",
-            Class::Loop => "loop",
-            Class::Series => "series",
-            Class::Motion => "motion",
+            CaseClass::Base => "base",
+            CaseClass::Chain => "chain",
+            CaseClass::Ratio => "ratio",
+            CaseClass::Swamped => "swamped",
+            CaseClass::Scale => "scale",
+            CaseClass::Pose => "pose",
+            CaseClass::Cancellation => "cancellation",
+            CaseClass::Loop => "loop",
+            CaseClass::Series => "series",
+            CaseClass::Motion => "motion",
         }
     }
 
     /// The class of a name.
-    pub fn from_name(name: &str) -> Option<Class> {
-        Class::ALL.into_iter().find(|class| class.name() == name)
+    pub fn from_name(name: &str) -> Option<CaseClass> {
+        CaseClass::ALL
+            .into_iter()
+            .find(|class| class.name() == name)
     }
 
     /// What its cases make hard, in one line.
     pub fn description(self) -> &'static str {
         match self {
-            Class::Base => "nothing in particular: what the others are compared with",
-            Class::Chain => "long chains, whose mass matrix loses its small eigenvalues",
-            Class::Ratio => "masses, inertias and lengths of very different sizes",
-            Class::Swamped => "velocity and gravity terms that swamp what inertia does",
-            Class::Scale => "sizes at the ends of the range of a format",
-            Class::Pose => "poses near a singular one",
-            Class::Cancellation => "sums whose terms cancel",
-            Class::Loop => "closed loops near dead points, and with redundant constraints",
-            Class::Series => "series in place of sine and cosine",
-            Class::Motion => "long simulations, step after step in one format",
+            CaseClass::Base => "nothing in particular: what the others are compared with",
+            CaseClass::Chain => "long chains, whose mass matrix loses its small eigenvalues",
+            CaseClass::Ratio => "masses, inertias and lengths of very different sizes",
+            CaseClass::Swamped => "velocity and gravity terms that swamp what inertia does",
+            CaseClass::Scale => "sizes at the ends of the range of a format",
+            CaseClass::Pose => "poses near a singular one",
+            CaseClass::Cancellation => "sums whose terms cancel",
+            CaseClass::Loop => "closed loops near dead points, and with redundant constraints",
+            CaseClass::Series => "series in place of sine and cosine",
+            CaseClass::Motion => "long simulations, step after step in one format",
         }
     }
 }
 
 /// A hard case.
-pub struct Case {
+pub struct StressCase {
     /// Its name on the command line.
     pub name: String,
     /// What it makes hard.
-    pub class: Class,
+    pub class: CaseClass,
     /// How it is built, in a few words.
     pub construction: String,
     /// What it breaks.
     pub breaks: &'static str,
     /// The verdict on the untreated program in binary32. Anything else than
     /// this makes `robovec stress` fail.
-    pub expected: Verdict,
+    pub expected: StressVerdict,
     /// True when it takes long without optimisation.
     pub long: bool,
     /// What is measured.
-    pub(super) subject: Box<dyn Subject>,
+    pub(super) subject: Box<dyn StressSubject>,
 }
 
 /// Something that can be computed with more or less error.
-pub(super) trait Subject: Send + Sync {
+pub(super) trait StressSubject: Send + Sync {
     /// The error that verdicts are about.
     fn metric(&self) -> &'static str;
 
     /// The program that nothing was done to, in binary32.
-    fn untreated(&self) -> Treatment {
-        Treatment::default()
+    fn untreated(&self) -> ProgramTreatment {
+        ProgramTreatment::default()
     }
 
     /// The program in binary64 that cures are compared with.
-    fn standard(&self) -> Treatment {
-        Treatment {
+    fn standard(&self) -> ProgramTreatment {
+        ProgramTreatment {
             format: Format::BINARY64,
             ..self.untreated()
         }
     }
 
     /// What may make the error smaller, beside wider formats of everything.
-    fn candidates(&self) -> Vec<Treatment>;
+    fn candidates(&self) -> Vec<ProgramTreatment>;
 
     /// True when the error is that of rounding, which wider formats reduce.
     fn rounds(&self) -> bool {
@@ -127,11 +129,11 @@ pub(super) trait Subject: Send + Sync {
     }
 
     /// Computes the reference.
-    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError>;
+    fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError>;
 }
 
 /// A subject with its reference.
-pub(super) trait Bench: Sync {
+pub(super) trait StressBench: Sync {
     /// How much the result changes, relatively, with the numbers it is
     /// computed from: of the mass matrix where accelerations are asked for.
     fn condition(&self) -> f64;
@@ -141,7 +143,7 @@ pub(super) trait Bench: Sync {
     fn floor(&self, format: Format) -> f64;
 
     /// Carries out a treatment.
-    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError>;
+    fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError>;
 }
 
 /// What a treatment led to.

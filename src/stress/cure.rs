@@ -1,15 +1,15 @@
 //! Examining a case: its error, its verdict and what cures it.
 
-use super::case::{Bench, Case};
-use super::{Measured, StressError, Treatment, Verdict, verdict};
+use super::case::{StressBench, StressCase};
+use super::{Measured, ProgramTreatment, StressError, StressVerdict, verdict};
 use robovec_ir::Format;
 use robovec_num::NumberFormat;
 
 /// A treatment that was tried.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Trial {
+pub struct TreatmentTrial {
     /// What was done.
-    pub treatment: Treatment,
+    pub treatment: ProgramTreatment,
     /// The same in a few words.
     pub label: String,
     /// What came of it.
@@ -22,7 +22,7 @@ pub struct Trial {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Findings {
     /// The program that nothing was done to.
-    pub untreated: Treatment,
+    pub untreated: ProgramTreatment,
     /// The error that verdicts are about.
     pub metric: &'static str,
     /// How much the result changes, relatively, with the data.
@@ -35,9 +35,9 @@ pub struct Findings {
     /// with true functions.
     pub long: Measured,
     /// The verdict on the untreated program in binary32.
-    pub verdict: Verdict,
+    pub verdict: StressVerdict,
     /// All that was tried, in the order of trying.
-    pub trials: Vec<Trial>,
+    pub trials: Vec<TreatmentTrial>,
     /// The cheapest trial within ten times the error of binary64.
     pub cure: Option<usize>,
     /// The cheapest trial within ten times the rounding of binary32, where
@@ -50,12 +50,12 @@ const CLOSE: f64 = 10.0;
 
 impl Findings {
     /// The cure.
-    pub fn cure(&self) -> Option<&Trial> {
+    pub fn cure(&self) -> Option<&TreatmentTrial> {
         self.cure.map(|index| &self.trials[index])
     }
 
     /// The cure for results in binary32.
-    pub fn short_cure(&self) -> Option<&Trial> {
+    pub fn short_cure(&self) -> Option<&TreatmentTrial> {
         self.short_cure.map(|index| &self.trials[index])
     }
 }
@@ -65,7 +65,7 @@ impl Findings {
 /// # Errors
 ///
 /// [`StressError`].
-pub fn judge(case: &Case) -> Result<Findings, StressError> {
+pub fn judge(case: &StressCase) -> Result<Findings, StressError> {
     let bench = case.subject.prepare()?;
     judged(case, bench.as_ref())
 }
@@ -75,7 +75,7 @@ pub fn judge(case: &Case) -> Result<Findings, StressError> {
 /// # Errors
 ///
 /// [`StressError`].
-pub fn examine(case: &Case) -> Result<Findings, StressError> {
+pub fn examine(case: &StressCase) -> Result<Findings, StressError> {
     let bench = case.subject.prepare()?;
     let mut findings = judged(case, bench.as_ref())?;
     let untreated = findings.untreated.clone();
@@ -119,23 +119,23 @@ pub fn examine(case: &Case) -> Result<Findings, StressError> {
 
 /// What was tried so far.
 struct Attempts<'a> {
-    bench: &'a dyn Bench,
-    untreated: &'a Treatment,
+    bench: &'a dyn StressBench,
+    untreated: &'a ProgramTreatment,
     /// Of the untreated program.
     cost: f64,
-    trials: Vec<Trial>,
+    trials: Vec<TreatmentTrial>,
 }
 
 impl Attempts<'_> {
     /// Tries a treatment, unless that was done: its error.
-    fn attempt(&mut self, treatment: Treatment) -> Result<f64, StressError> {
+    fn attempt(&mut self, treatment: ProgramTreatment) -> Result<f64, StressError> {
         let mut trials = self.trials.iter();
         if let Some(known) = trials.find(|trial| trial.treatment == treatment) {
             return Ok(known.measured.error);
         }
         let measured = self.bench.measure(&treatment)?;
         let error = measured.error;
-        self.trials.push(Trial {
+        self.trials.push(TreatmentTrial {
             label: treatment.label(self.untreated),
             cost: measured.cost / self.cost,
             treatment,
@@ -146,7 +146,7 @@ impl Attempts<'_> {
 
     /// The program of the least cost among those in the same format, when it
     /// is another than the untreated one.
-    fn shortest(&self) -> Option<Treatment> {
+    fn shortest(&self) -> Option<ProgramTreatment> {
         let others = self
             .trials
             .iter()
@@ -160,7 +160,7 @@ impl Attempts<'_> {
     /// bit, but for luck.
     fn narrowest(
         &mut self,
-        program: &Treatment,
+        program: &ProgramTreatment,
         exponent: u32,
         goal: f64,
     ) -> Result<(), StressError> {
@@ -172,7 +172,7 @@ impl Attempts<'_> {
                 mantissa,
                 subnormals: true,
             };
-            let error = self.attempt(Treatment {
+            let error = self.attempt(ProgramTreatment {
                 format: Format::Float(format),
                 ..program.clone()
             })?;
@@ -188,18 +188,19 @@ impl Attempts<'_> {
 
 /// The cheapest trial with an error that is small enough; the first of those
 /// that cost the same.
-fn cheapest(trials: &[Trial], error: f64) -> Option<usize> {
-    let good = |trial: &Trial| trial.measured.consistent && trial.measured.error <= error;
+fn cheapest(trials: &[TreatmentTrial], error: f64) -> Option<usize> {
+    let good = |trial: &TreatmentTrial| trial.measured.consistent && trial.measured.error <= error;
     let good = trials.iter().enumerate().filter(|(_, trial)| good(trial));
-    let order = |a: &(usize, &Trial), b: &(usize, &Trial)| a.1.cost.total_cmp(&b.1.cost);
+    let order =
+        |a: &(usize, &TreatmentTrial), b: &(usize, &TreatmentTrial)| a.1.cost.total_cmp(&b.1.cost);
     good.min_by(order).map(|(index, _)| index)
 }
 
-fn judged(case: &Case, bench: &dyn Bench) -> Result<Findings, StressError> {
+fn judged(case: &StressCase, bench: &dyn StressBench) -> Result<Findings, StressError> {
     let untreated = case.subject.untreated();
     let format = untreated.format;
     let in_format = |format: Format| {
-        bench.measure(&Treatment {
+        bench.measure(&ProgramTreatment {
             format,
             ..untreated.clone()
         })

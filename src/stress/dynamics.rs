@@ -11,17 +11,17 @@ mod errors;
 
 pub(super) use errors::{componentwise, normwise, perturb, worst};
 
-use super::case::{Bench, Measured, Subject};
+use super::case::{Measured, StressBench, StressSubject};
 use super::linear::{factorise, solve, substitute};
-use super::numbers::{Numbers, Wide, Work, rounded};
-use super::program::{Program, Recipe, shared};
+use super::numbers::{Wide, Work, WorkingPrecision, rounded};
+use super::program::{ModelProgram, ProgramRecipe, shared};
 use super::treatment::BALANCED;
 use super::units::Units;
-use super::{StressError, Treatment};
+use super::{ProgramTreatment, StressError};
 use crate::generate::{Formulation, FunctionKind};
 use crate::model::Model;
-use crate::motion::State;
-use errors::Errors;
+use crate::motion::MotionState;
+use errors::DynamicsErrors;
 use robovec_ir::Format;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
@@ -39,9 +39,9 @@ pub(super) enum Metric {
 }
 
 /// A model in some states.
-pub(super) struct Dynamics {
+pub(super) struct DynamicsSubject {
     pub(super) model: Model,
-    pub(super) states: Vec<State>,
+    pub(super) states: Vec<MotionState>,
     pub(super) metric: Metric,
     /// Too long for a mass matrix: accelerations come from articulated bodies.
     pub(super) articulated: bool,
@@ -50,9 +50,9 @@ pub(super) struct Dynamics {
 /// The largest matrix whose eigenvalues are computed by Jacobi's method.
 const JACOBI: usize = 140;
 
-impl Dynamics {
-    pub(super) fn new(model: Model, states: Vec<State>, metric: Metric) -> Dynamics {
-        Dynamics {
+impl DynamicsSubject {
+    pub(super) fn new(model: Model, states: Vec<MotionState>, metric: Metric) -> DynamicsSubject {
+        DynamicsSubject {
             model: shared_model(model),
             states: states.into_iter().map(shared_state).collect(),
             metric,
@@ -76,7 +76,7 @@ fn shared_model(mut model: Model) -> Model {
 }
 
 /// The state with every number rounded to what binary32 holds.
-fn shared_state(mut state: State) -> State {
+fn shared_state(mut state: MotionState) -> MotionState {
     for numbers in [&mut state.q, &mut state.qd, &mut state.qdd] {
         numbers
             .iter_mut()
@@ -86,27 +86,27 @@ fn shared_state(mut state: State) -> State {
 }
 
 /// The exact dynamics in a state.
-struct Exact {
+struct ExactDynamics {
     mass: Vec<Double>,
     bias: Vec<Double>,
     forces: Vec<Double>,
 }
 
-struct Workbench<'a> {
-    subject: &'a Dynamics,
-    exact: Vec<Exact>,
-    programs: Mutex<Vec<(Key, Arc<Program>)>>,
+struct DynamicsBench<'a> {
+    subject: &'a DynamicsSubject,
+    exact: Vec<ExactDynamics>,
+    programs: Mutex<Vec<(ProgramKey, Arc<ModelProgram>)>>,
 }
 
 #[derive(Clone, PartialEq)]
-struct Key {
+struct ProgramKey {
     kind: FunctionKind,
     formulation: Formulation,
     passes: &'static str,
     only: Option<&'static str>,
 }
 
-impl Subject for Dynamics {
+impl StressSubject for DynamicsSubject {
     fn metric(&self) -> &'static str {
         match self.metric {
             Metric::Masses => "M, normwise",
@@ -115,20 +115,20 @@ impl Subject for Dynamics {
         }
     }
 
-    fn untreated(&self) -> Treatment {
-        Treatment {
+    fn untreated(&self) -> ProgramTreatment {
+        ProgramTreatment {
             formulation: if self.articulated {
                 Formulation::Articulated
             } else {
                 Formulation::default()
             },
-            ..Treatment::default()
+            ..ProgramTreatment::default()
         }
     }
 
-    fn candidates(&self) -> Vec<Treatment> {
+    fn candidates(&self) -> Vec<ProgramTreatment> {
         let plain = self.untreated();
-        let with = |change: &dyn Fn(&mut Treatment)| {
+        let with = |change: &dyn Fn(&mut ProgramTreatment)| {
             let mut treatment = plain.clone();
             change(&mut treatment);
             treatment
@@ -167,21 +167,21 @@ impl Subject for Dynamics {
         list
     }
 
-    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
-        let mut bench = Workbench {
+    fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
+        let mut bench = DynamicsBench {
             subject: self,
             exact: Vec::new(),
             programs: Mutex::new(Vec::new()),
         };
-        let plain = Treatment::default();
+        let plain = ProgramTreatment::default();
         for state in &self.states {
             let [mass, bias] = if self.articulated {
                 [Vec::new(), Vec::new()]
             } else {
-                bench.masses(state, &plain, Numbers::Reference)?
+                bench.masses(state, &plain, WorkingPrecision::Reference)?
             };
-            bench.exact.push(Exact {
-                forces: bench.forces(state, &plain, Numbers::Reference)?,
+            bench.exact.push(ExactDynamics {
+                forces: bench.forces(state, &plain, WorkingPrecision::Reference)?,
                 mass,
                 bias,
             });
@@ -190,7 +190,7 @@ impl Subject for Dynamics {
     }
 }
 
-impl Workbench<'_> {
+impl DynamicsBench<'_> {
     fn joints(&self) -> usize {
         self.subject.model.joints.len()
     }
@@ -198,9 +198,9 @@ impl Workbench<'_> {
     fn program(
         &self,
         kind: FunctionKind,
-        treatment: &Treatment,
+        treatment: &ProgramTreatment,
         only: Option<&'static str>,
-    ) -> Result<Arc<Program>, StressError> {
+    ) -> Result<Arc<ModelProgram>, StressError> {
         // Articulated bodies give accelerations alone.
         let formulation = if treatment.formulation.gives(kind) {
             treatment.formulation
@@ -208,13 +208,13 @@ impl Workbench<'_> {
             Formulation::default()
         };
         let passes = treatment.passes;
-        let key = Key {
+        let key = ProgramKey {
             kind,
             formulation,
             passes,
             only,
         };
-        let found = |programs: &Vec<(Key, Arc<Program>)>| {
+        let found = |programs: &Vec<(ProgramKey, Arc<ModelProgram>)>| {
             let known = programs.iter().find(|(known, _)| *known == key);
             known.map(|(_, program)| program.clone())
         };
@@ -227,17 +227,17 @@ impl Workbench<'_> {
         if let Some(program) = found(&lock()) {
             return Ok(program);
         }
-        let recipe = Recipe {
+        let recipe = ProgramRecipe {
             formulation,
             passes,
             only,
         };
-        let program = Arc::new(Program::new(&self.subject.model, kind, recipe)?);
+        let program = Arc::new(ModelProgram::new(&self.subject.model, kind, recipe)?);
         lock().push((key, program.clone()));
         Ok(program)
     }
 
-    fn units(&self, treatment: &Treatment) -> Units {
+    fn units(&self, treatment: &ProgramTreatment) -> Units {
         if treatment.units {
             Units::of(&self.subject.model)
         } else {
@@ -248,9 +248,9 @@ impl Workbench<'_> {
     /// `M`, row by row, and `c`.
     fn masses(
         &self,
-        state: &State,
-        treatment: &Treatment,
-        numbers: Numbers,
+        state: &MotionState,
+        treatment: &ProgramTreatment,
+        numbers: WorkingPrecision,
     ) -> Result<[Vec<Double>; 2], StressError> {
         let joints = self.joints();
         // Where forces come from elsewhere only M is computed.
@@ -264,9 +264,9 @@ impl Workbench<'_> {
     /// The forces that the state's accelerations take.
     fn forces(
         &self,
-        state: &State,
-        treatment: &Treatment,
-        numbers: Numbers,
+        state: &MotionState,
+        treatment: &ProgramTreatment,
+        numbers: WorkingPrecision,
     ) -> Result<Vec<Double>, StressError> {
         let program = self.program(FunctionKind::Invdyna, treatment, None)?;
         let flat = program.evaluate(numbers, self.units(treatment), &program.inputs(state));
@@ -276,18 +276,18 @@ impl Workbench<'_> {
     /// The forces, in the format that the treatment has for them.
     fn treated_forces(
         &self,
-        state: &State,
-        treatment: &Treatment,
+        state: &MotionState,
+        treatment: &ProgramTreatment,
     ) -> Result<Vec<Double>, StressError> {
         let format = treatment.forces.unwrap_or(treatment.format);
-        self.forces(state, treatment, Numbers::In(format))
+        self.forces(state, treatment, WorkingPrecision::In(format))
     }
 
     /// Accelerations for the forces that were computed for those of the state.
     fn accelerations(
         &self,
-        state: &State,
-        treatment: &Treatment,
+        state: &MotionState,
+        treatment: &ProgramTreatment,
         masses: &[Vec<Double>; 2],
     ) -> Result<Vec<Double>, StressError> {
         let joints = self.joints();
@@ -309,7 +309,7 @@ impl Workbench<'_> {
             let missing: Vec<f64> = (0..joints)
                 .map(|i| rounded((forces[i] - reached[i]).high, format))
                 .collect();
-            let solution = Numbers::In(treatment.format).work(Solution {
+            let solution = WorkingPrecision::In(treatment.format).work(Solution {
                 size: joints,
                 mass,
                 right: &missing,
@@ -327,8 +327,8 @@ impl Workbench<'_> {
     /// Accelerations from articulated bodies, refined where that is asked for.
     fn articulated(
         &self,
-        state: &State,
-        treatment: &Treatment,
+        state: &MotionState,
+        treatment: &ProgramTreatment,
         forces: &[Double],
     ) -> Result<Vec<Double>, StressError> {
         let joints = self.joints();
@@ -338,7 +338,7 @@ impl Workbench<'_> {
             let mut state = state.clone();
             state.joint_forces = forces.to_vec();
             let inputs = program.inputs(&state);
-            let numbers = Numbers::In(treatment.format);
+            let numbers = WorkingPrecision::In(treatment.format);
             let flat = program.evaluate(numbers, units, &inputs);
             program.array("qdd", &flat, joints)
         };
@@ -367,7 +367,7 @@ impl Workbench<'_> {
     }
 
     /// Operations times bits.
-    fn cost(&self, treatment: &Treatment) -> Result<f64, StressError> {
+    fn cost(&self, treatment: &ProgramTreatment) -> Result<f64, StressError> {
         let joints = self.joints() as f64;
         let width = |format: Format| f64::from(format.width());
         let operations = |kind, only| -> Result<f64, StressError> {
@@ -397,7 +397,7 @@ impl Workbench<'_> {
         Ok(once + inverse * (1.0 + repeats))
     }
 
-    fn outside(&self, treatment: &Treatment) -> Result<f64, StressError> {
+    fn outside(&self, treatment: &ProgramTreatment) -> Result<f64, StressError> {
         let units = self.units(treatment);
         let mut counts = [0, 0];
         let kinds = if self.subject.articulated {
@@ -460,7 +460,7 @@ impl Work for Solution<'_> {
     }
 }
 
-impl Bench for Workbench<'_> {
+impl StressBench for DynamicsBench<'_> {
     fn condition(&self) -> f64 {
         match self.subject.metric {
             Metric::Accelerations => self.mass_condition(),
@@ -482,8 +482,8 @@ impl Bench for Workbench<'_> {
         }
     }
 
-    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
-        let mut most = Errors::default();
+    fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError> {
+        let mut most = DynamicsErrors::default();
         for (state, exact) in self.subject.states.iter().zip(&self.exact) {
             most.join(&self.errors(state, exact, treatment)?);
         }
@@ -523,16 +523,16 @@ mod tests {
     #[test]
     fn all_ways_to_accelerations_agree_in_exact_numbers() {
         let model = family::serial(9, 2);
-        let mut state = State::initial(&model);
+        let mut state = MotionState::initial(&model);
         for joint in 0..9 {
             state.qd[joint] = 0.5 - 0.1 * joint as f64;
             state.qdd[joint] = 0.3 * joint as f64 - 1.0;
         }
-        let dynamics = Dynamics::new(model, vec![state], Metric::Accelerations);
+        let dynamics = DynamicsSubject::new(model, vec![state], Metric::Accelerations);
         let bench = dynamics.prepare().expect("it has equations");
         let treatments = dynamics.candidates().into_iter();
-        for treatment in treatments.chain([Treatment::default()]) {
-            let wide = Treatment {
+        for treatment in treatments.chain([ProgramTreatment::default()]) {
+            let wide = ProgramTreatment {
                 format: Format::BINARY64,
                 ..treatment
             };

@@ -1,11 +1,11 @@
 //! Equations as text with given inputs.
 
-use super::case::{Bench, Measured, Subject};
+use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{componentwise, normwise, perturb, worst};
-use super::numbers::{Evaluation, Numbers};
+use super::numbers::{Evaluation, WorkingPrecision};
 use super::program::{is_normal, run_passes, shared};
 use super::treatment::BALANCED;
-use super::{StressError, Treatment};
+use super::{ProgramTreatment, StressError};
 use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate_nodes;
@@ -17,17 +17,17 @@ use robovec_num::double_double::Double;
 use robovec_passes::registry::REGISTRY;
 
 /// Equations, and the inputs they are evaluated for.
-pub(super) struct Equations {
+pub(super) struct EquationsSubject {
     /// A module of one function in the text form.
     pub(super) text: String,
     /// Sets of inputs.
     pub(super) inputs: Vec<Vec<f64>>,
 }
 
-impl Equations {
-    pub(super) fn new(text: String, inputs: Vec<Vec<f64>>) -> Equations {
+impl EquationsSubject {
+    pub(super) fn new(text: String, inputs: Vec<Vec<f64>>) -> EquationsSubject {
         let share = |inputs: Vec<f64>| inputs.into_iter().map(shared).collect();
-        Equations {
+        EquationsSubject {
             text,
             inputs: inputs.into_iter().map(share).collect(),
         }
@@ -62,39 +62,39 @@ impl Equations {
     }
 }
 
-struct Workbench<'a> {
-    subject: &'a Equations,
+struct EquationsBench<'a> {
+    subject: &'a EquationsSubject,
     module: Module,
     exact: Vec<Vec<Double>>,
 }
 
-impl Subject for Equations {
+impl StressSubject for EquationsSubject {
     fn metric(&self) -> &'static str {
         "sum"
     }
 
-    fn candidates(&self) -> Vec<Treatment> {
+    fn candidates(&self) -> Vec<ProgramTreatment> {
         let mut passes = vec![BALANCED];
         // Only where there is such a pass.
         if REGISTRY.find("accurate").is_some() {
             passes.push("atomise,accurate");
             passes.push("atomise,accurate{growth=1000 slack=1000}");
         }
-        let treatment = |passes| Treatment {
+        let treatment = |passes| ProgramTreatment {
             passes,
-            ..Treatment::default()
+            ..ProgramTreatment::default()
         };
         passes.into_iter().map(treatment).collect()
     }
 
-    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
+    fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
         let module = self.module("")?;
         let exact = self
             .inputs
             .iter()
-            .map(|inputs| evaluate(&module, Numbers::Reference, inputs))
+            .map(|inputs| evaluate(&module, WorkingPrecision::Reference, inputs))
             .collect();
-        Ok(Box::new(Workbench {
+        Ok(Box::new(EquationsBench {
             subject: self,
             module,
             exact,
@@ -102,12 +102,12 @@ impl Subject for Equations {
     }
 }
 
-fn evaluate(module: &Module, numbers: Numbers, inputs: &[f64]) -> Vec<Double> {
+fn evaluate(module: &Module, numbers: WorkingPrecision, inputs: &[f64]) -> Vec<Double> {
     let function = &module.functions[0];
     numbers.work(Evaluation { function, inputs })
 }
 
-impl Bench for Workbench<'_> {
+impl StressBench for EquationsBench<'_> {
     fn condition(&self) -> f64 {
         let format = Format::BINARY32;
         self.floor(format) / format.unit_roundoff()
@@ -121,20 +121,20 @@ impl Bench for Workbench<'_> {
         let moved = cases.flat_map(|(inputs, exact)| {
             (0..DRAWS).map(move |draw| {
                 let inputs = perturb(inputs, step, draw);
-                let found = evaluate(&self.module, Numbers::Reference, &inputs);
+                let found = evaluate(&self.module, WorkingPrecision::Reference, &inputs);
                 componentwise(&found, exact)
             })
         });
         worst(moved) * amount / step
     }
 
-    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
+    fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError> {
         let module = self.subject.module(treatment.passes)?;
         let function = &module.functions[0];
         let (mut outside, mut all) = (0u32, 0u32);
         let (mut worst_component, mut worst_norm) = (0.0, 0.0);
         for (inputs, exact) in self.subject.inputs.iter().zip(&self.exact) {
-            let found = evaluate(&module, Numbers::In(treatment.format), inputs);
+            let found = evaluate(&module, WorkingPrecision::In(treatment.format), inputs);
             let errors = [worst_component, componentwise(&found, exact)];
             worst_component = worst(errors.into_iter());
             worst_norm = worst([worst_norm, normwise(&found, exact)].into_iter());

@@ -1,7 +1,7 @@
 //! Small dense linear algebra in any arithmetic, and condition numbers.
 
 use super::numbers::Wide;
-use crate::motion::linear::Matrix;
+use crate::motion::linear::DenseMatrix;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 
@@ -107,7 +107,7 @@ const SWEEPS: usize = 40;
 
 /// The eigenvalues of a symmetric matrix, by cyclic Jacobi rotations (Golub
 /// and Van Loan, "Matrix Computations", 8.5).
-pub(super) fn eigenvalues(mut matrix: Matrix) -> Vec<f64> {
+pub(super) fn eigenvalues(mut matrix: DenseMatrix) -> Vec<f64> {
     let size = matrix.rows();
     let all = (0..size).flat_map(|row| matrix.row(row));
     let largest = all.fold(0.0f64, |most, x| most.max(x.abs()));
@@ -142,7 +142,7 @@ pub(super) fn eigenvalues(mut matrix: Matrix) -> Vec<f64> {
     (0..size).map(|i| matrix[(i, i)]).collect()
 }
 
-fn rotate(matrix: &mut Matrix, p: usize, q: usize, cosine: f64, sine: f64) {
+fn rotate(matrix: &mut DenseMatrix, p: usize, q: usize, cosine: f64, sine: f64) {
     for k in 0..matrix.rows() {
         let (x, y) = (matrix[(k, p)], matrix[(k, q)]);
         matrix[(k, p)] = cosine * x - sine * y;
@@ -156,7 +156,7 @@ fn rotate(matrix: &mut Matrix, p: usize, q: usize, cosine: f64, sine: f64) {
 }
 
 /// The condition number of a symmetric matrix in the spectral norm.
-pub(super) fn condition(matrix: Matrix) -> f64 {
+pub(super) fn condition(matrix: DenseMatrix) -> f64 {
     let sizes = eigenvalues(matrix).into_iter().map(f64::abs);
     let start = [0.0f64, f64::INFINITY];
     let [most, least] = sizes.fold(start, |[most, least], x| [most.max(x), least.min(x)]);
@@ -199,8 +199,8 @@ pub(super) fn estimated_condition(size: usize, entries: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    fn hilbert(size: usize) -> Matrix {
-        let mut matrix = Matrix::zeros(size, size);
+    fn hilbert(size: usize) -> DenseMatrix {
+        let mut matrix = DenseMatrix::zeros(size, size);
         for row in 0..size {
             for column in 0..size {
                 matrix[(row, column)] = 1.0 / (1 + row + column) as f64;
@@ -220,7 +220,7 @@ mod tests {
         let estimate = estimated_condition(5, &entries);
         assert!((estimate / exact - 1.0).abs() < 1e-6, "{estimate}");
         // A graded matrix keeps its small eigenvalue.
-        let mut graded = Matrix::zeros(2, 2);
+        let mut graded = DenseMatrix::zeros(2, 2);
         graded[(0, 0)] = 1e20;
         (graded[(0, 1)], graded[(1, 0)]) = (1.0, 1.0);
         graded[(1, 1)] = 1.0;

@@ -1,12 +1,12 @@
 //! Long simulations in one arithmetic.
 
-use super::case::{Bench, Measured, Subject};
-use super::dynamics::{Dynamics, Metric};
-use super::numbers::{Numbers, Wide, Work};
-use super::{StressError, Treatment};
-use crate::generate::{Formulation, FunctionKind, Request, generate};
+use super::case::{Measured, StressBench, StressSubject};
+use super::dynamics::{DynamicsSubject, Metric};
+use super::numbers::{Wide, Work, WorkingPrecision};
+use super::{ProgramTreatment, StressError};
+use crate::generate::{Formulation, FunctionKind, GenerationRequest, generate};
 use crate::model::Model;
-use crate::motion::{Calculus, Drift, FreeMotion, State, Stepping};
+use crate::motion::{Calculus, Drift, FreeMotion, MotionState, Stepping};
 use robovec_ir::Format;
 use robovec_ir::count::Counts;
 use robovec_num::arithmetic::Arithmetic;
@@ -24,7 +24,7 @@ pub(super) enum Kept {
 /// A model left to itself.
 pub(super) struct Long {
     model: Model,
-    initial: State,
+    initial: MotionState,
     kept: Kept,
     /// s.
     duration: f64,
@@ -35,12 +35,12 @@ pub(super) struct Long {
 impl Long {
     pub(super) fn new(
         model: Model,
-        initial: State,
+        initial: MotionState,
         kept: Kept,
         [duration, step]: [f64; 2],
     ) -> Long {
         // Rounds the numbers of both.
-        let mut shared = Dynamics::new(model, vec![initial], Metric::Accelerations);
+        let mut shared = DynamicsSubject::new(model, vec![initial], Metric::Accelerations);
         Long {
             initial: shared.states.remove(0),
             model: shared.model,
@@ -58,7 +58,7 @@ impl Long {
 /// More steps than this are not repeated for format after format.
 const MANY_STEPS: u64 = 500_000;
 
-impl Subject for Long {
+impl StressSubject for Long {
     fn metric(&self) -> &'static str {
         match self.kept {
             Kept::Energy => "energy drift",
@@ -66,21 +66,21 @@ impl Subject for Long {
         }
     }
 
-    fn untreated(&self) -> Treatment {
-        Treatment {
+    fn untreated(&self) -> ProgramTreatment {
+        ProgramTreatment {
             step: Some(self.step),
-            ..Treatment::default()
+            ..ProgramTreatment::default()
         }
     }
 
-    fn candidates(&self) -> Vec<Treatment> {
+    fn candidates(&self) -> Vec<ProgramTreatment> {
         let plain = self.untreated();
         let mut list = vec![
-            Treatment {
+            ProgramTreatment {
                 compensated: true,
                 ..plain.clone()
             },
-            Treatment {
+            ProgramTreatment {
                 state: Some(Format::BINARY64),
                 ..plain.clone()
             },
@@ -88,7 +88,7 @@ impl Subject for Long {
         // Another step, and how far it brings binary32.
         for step in [1e-2, 1e-3] {
             if step > self.step {
-                list.push(Treatment {
+                list.push(ProgramTreatment {
                     step: Some(step),
                     compensated: true,
                     ..plain.clone()
@@ -102,11 +102,11 @@ impl Subject for Long {
         self.steps(self.step) < MANY_STEPS
     }
 
-    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
-        let request = Request::new(FunctionKind::Accelred);
+    fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
+        let request = GenerationRequest::new(FunctionKind::Accelred);
         let module = generate(&self.model, &request)?;
         let operations = module.functions.iter().map(|f| Counts::of(f).operations);
-        Ok(Box::new(Workbench {
+        Ok(Box::new(LongBench {
             operations: operations.sum(),
             known: Mutex::new(Vec::new()),
             motion: FreeMotion::new(&self.model, Formulation::default())?,
@@ -115,24 +115,24 @@ impl Subject for Long {
     }
 }
 
-struct Workbench<'a> {
+struct LongBench<'a> {
     subject: &'a Long,
     motion: FreeMotion<'a>,
     operations: usize,
     /// Runs take long: none is made twice.
-    known: Mutex<Vec<(Treatment, Drift)>>,
+    known: Mutex<Vec<(ProgramTreatment, Drift)>>,
 }
 
 /// A run, for whatever arithmetic its slopes are computed in.
 struct Slopes<'a> {
-    bench: &'a Workbench<'a>,
-    state: Numbers,
+    bench: &'a LongBench<'a>,
+    state: WorkingPrecision,
     stepping: Stepping,
 }
 
 /// The same, for whatever its state is kept in.
-struct States<'a, A> {
-    bench: &'a Workbench<'a>,
+struct WithSlopes<'a, A> {
+    bench: &'a LongBench<'a>,
     slopes: &'a A,
     stepping: Stepping,
 }
@@ -141,7 +141,7 @@ impl Work for Slopes<'_> {
     type Result = Drift;
 
     fn run<A: Arithmetic<Number: Wide>>(self, slopes: &A) -> Drift {
-        self.state.work(States {
+        self.state.work(WithSlopes {
             bench: self.bench,
             slopes,
             stepping: self.stepping,
@@ -149,7 +149,7 @@ impl Work for Slopes<'_> {
     }
 }
 
-impl<A: Arithmetic<Number: Wide>> Work for States<'_, A> {
+impl<A: Arithmetic<Number: Wide>> Work for WithSlopes<'_, A> {
     type Result = Drift;
 
     fn run<S: Arithmetic<Number: Wide>>(self, state: &S) -> Drift {
@@ -168,7 +168,7 @@ impl<A: Arithmetic<Number: Wide>> Work for States<'_, A> {
     }
 }
 
-impl Bench for Workbench<'_> {
+impl StressBench for LongBench<'_> {
     /// Of a motion there is no one number.
     fn condition(&self) -> f64 {
         f64::NAN
@@ -177,14 +177,14 @@ impl Bench for Workbench<'_> {
     /// What the method leaves out at this step, and what reading the state in
     /// the format says of the energy.
     fn floor(&self, format: Format) -> f64 {
-        let treatment = Treatment {
+        let treatment = ProgramTreatment {
             format: Format::BINARY64,
             ..self.subject.untreated()
         };
         self.error(&treatment).0.max(format.unit_roundoff())
     }
 
-    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
+    fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError> {
         let (error, other) = self.error(treatment);
         let name = match self.subject.kept {
             Kept::Energy => "momentum drift",
@@ -210,9 +210,9 @@ impl Bench for Workbench<'_> {
     }
 }
 
-impl Workbench<'_> {
+impl LongBench<'_> {
     /// The drift that verdicts are about, and the other one.
-    fn error(&self, treatment: &Treatment) -> (f64, f64) {
+    fn error(&self, treatment: &ProgramTreatment) -> (f64, f64) {
         let drift = self.drift(treatment);
         match self.subject.kept {
             Kept::Energy => (drift.energy, drift.momentum),
@@ -220,7 +220,7 @@ impl Workbench<'_> {
         }
     }
 
-    fn drift(&self, treatment: &Treatment) -> Drift {
+    fn drift(&self, treatment: &ProgramTreatment) -> Drift {
         // A thread that panicked left nothing half done here.
         let lock = || self.known.lock().unwrap_or_else(|error| error.into_inner());
         let known = lock()
@@ -239,10 +239,10 @@ impl Workbench<'_> {
         };
         let slopes = Slopes {
             bench: self,
-            state: Numbers::In(treatment.state.unwrap_or(treatment.format)),
+            state: WorkingPrecision::In(treatment.state.unwrap_or(treatment.format)),
             stepping,
         };
-        let drift = Numbers::In(treatment.format).work(slopes);
+        let drift = WorkingPrecision::In(treatment.format).work(slopes);
         lock().push((treatment.clone(), drift));
         drift
     }

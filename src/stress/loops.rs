@@ -1,85 +1,90 @@
 //! Accelerations of closed loops.
 
-use super::case::{Bench, Measured, Subject};
-use super::dynamics::{Dynamics, Metric, normwise, perturb, worst};
+use super::case::{Measured, StressBench, StressSubject};
+use super::dynamics::{DynamicsSubject, Metric, normwise, perturb, worst};
 use super::linear::eigenvalues;
-use super::numbers::Numbers;
-use super::program::{Program, Recipe};
+use super::numbers::WorkingPrecision;
+use super::program::{ModelProgram, ProgramRecipe};
 use super::treatment::BALANCED;
 use super::units::Units;
-use super::{StressError, Treatment};
+use super::{ProgramTreatment, StressError};
 use crate::generate::{Formulation, FunctionKind};
 use crate::model::Model;
-use crate::motion::linear::{Matrix, dot};
-use crate::motion::{Equations, Setting, State};
+use crate::motion::linear::{DenseMatrix, dot};
+use crate::motion::{EquationSetting, MotionEquations, MotionState};
 use robovec_ir::Format;
 use robovec_num::double_double::Double;
 
 /// Models with closed loops.
-pub(super) struct Loops {
+pub(super) struct LoopsSubject {
     closed: Vec<Closed>,
 }
 
 /// A model in a state that closes its loops.
 struct Closed {
     model: Model,
-    state: State,
+    state: MotionState,
 }
 
-impl Loops {
+impl LoopsSubject {
     /// Models, closed in their initial states.
-    pub(super) fn new(models: impl IntoIterator<Item = Model>) -> Loops {
+    pub(super) fn new(models: impl IntoIterator<Item = Model>) -> LoopsSubject {
         let closed = models.into_iter().map(|model| {
-            let state = State::initial(&model);
+            let state = MotionState::initial(&model);
             // Rounds the numbers of both.
-            let mut shared = Dynamics::new(model, vec![state], Metric::Accelerations);
+            let mut shared = DynamicsSubject::new(model, vec![state], Metric::Accelerations);
             Closed {
                 state: shared.states.remove(0),
                 model: shared.model,
             }
         });
-        Loops {
+        LoopsSubject {
             closed: closed.collect(),
         }
     }
 }
 
 impl Closed {
-    fn program(&self, treatment: &Treatment) -> Result<Program, StressError> {
-        let recipe = Recipe {
+    fn program(&self, treatment: &ProgramTreatment) -> Result<ModelProgram, StressError> {
+        let recipe = ProgramRecipe {
             formulation: treatment.formulation,
             passes: treatment.passes,
             only: None,
         };
-        Program::new(&self.model, FunctionKind::Accelred, recipe)
+        ModelProgram::new(&self.model, FunctionKind::Accelred, recipe)
     }
 
-    fn accelerations(&self, program: &Program, numbers: Numbers, inputs: &[f64]) -> Vec<Double> {
+    fn accelerations(
+        &self,
+        program: &ModelProgram,
+        numbers: WorkingPrecision,
+        inputs: &[f64],
+    ) -> Vec<Double> {
         let flat = program.evaluate(numbers, Units::SI, inputs);
         program.array("qdd", &flat, self.model.joints.len())
     }
 }
 
-struct Workbench<'a> {
-    models: Vec<Prepared<'a>>,
+struct LoopsBench<'a> {
+    models: Vec<PreparedLoop<'a>>,
 }
 
 /// A model with its reference.
-struct Prepared<'a> {
+struct PreparedLoop<'a> {
     subject: &'a Closed,
-    plain: Program,
+    plain: ModelProgram,
     exact: Vec<Double>,
-    equations: Equations,
+    equations: MotionEquations,
 }
 
-impl Subject for Loops {
+impl StressSubject for LoopsSubject {
     fn metric(&self) -> &'static str {
         "qdd"
     }
 
-    fn candidates(&self) -> Vec<Treatment> {
-        let plain = Treatment::default();
-        let mut list = vec![Treatment {
+    fn candidates(&self) -> Vec<ProgramTreatment> {
+        let plain = ProgramTreatment::default();
+        let mut list = vec![ProgramTreatment {
             passes: BALANCED,
             ..plain.clone()
         }];
@@ -88,7 +93,7 @@ impl Subject for Loops {
             Formulation::CompositeBase,
             Formulation::ALL[3],
         ] {
-            list.push(Treatment {
+            list.push(ProgramTreatment {
                 formulation,
                 ..plain.clone()
             });
@@ -96,9 +101,9 @@ impl Subject for Loops {
         list
     }
 
-    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
-        let models: Result<_, _> = self.closed.iter().map(Prepared::new).collect();
-        Ok(Box::new(Workbench { models: models? }))
+    fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
+        let models: Result<_, _> = self.closed.iter().map(PreparedLoop::new).collect();
+        Ok(Box::new(LoopsBench { models: models? }))
     }
 }
 
@@ -106,16 +111,16 @@ impl Subject for Loops {
 /// say what others say.
 const REDUNDANT: f64 = 1e-13;
 
-impl Bench for Workbench<'_> {
+impl StressBench for LoopsBench<'_> {
     fn condition(&self) -> f64 {
-        worst(self.models.iter().map(Prepared::condition))
+        worst(self.models.iter().map(PreparedLoop::condition))
     }
 
     fn floor(&self, format: Format) -> f64 {
         worst(self.models.iter().map(|model| model.floor(format)))
     }
 
-    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
+    fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError> {
         let results: Result<Vec<Measured>, StressError> = self
             .models
             .iter()
@@ -137,13 +142,13 @@ impl Bench for Workbench<'_> {
     }
 }
 
-impl<'a> Prepared<'a> {
-    fn new(subject: &'a Closed) -> Result<Prepared<'a>, StressError> {
-        let plain = subject.program(&Treatment::default())?;
+impl<'a> PreparedLoop<'a> {
+    fn new(subject: &'a Closed) -> Result<PreparedLoop<'a>, StressError> {
+        let plain = subject.program(&ProgramTreatment::default())?;
         let inputs = plain.inputs(&subject.state);
-        Ok(Prepared {
-            exact: subject.accelerations(&plain, Numbers::Reference, &inputs),
-            equations: Equations::new(&subject.model, &Setting::default())?,
+        Ok(PreparedLoop {
+            exact: subject.accelerations(&plain, WorkingPrecision::Reference, &inputs),
+            equations: MotionEquations::new(&subject.model, &EquationSetting::default())?,
             subject,
             plain,
         })
@@ -156,7 +161,7 @@ impl<'a> Prepared<'a> {
         let (mass, _) = self.equations.dynamics(&self.subject.state);
         let (_, jacobian) = self.equations.constraints(&self.subject.state);
         let size = joints + jacobian.rows();
-        let mut matrix = Matrix::zeros(size, size);
+        let mut matrix = DenseMatrix::zeros(size, size);
         for i in 0..joints {
             for j in 0..joints {
                 matrix[(i, j)] = mass[(i, j)];
@@ -180,17 +185,17 @@ impl<'a> Prepared<'a> {
         let moved = (0..DRAWS).map(|draw| {
             let inputs = perturb(&inputs, step, draw);
             let subject = self.subject;
-            let found = subject.accelerations(&self.plain, Numbers::Reference, &inputs);
+            let found = subject.accelerations(&self.plain, WorkingPrecision::Reference, &inputs);
             normwise(&found, &self.exact)
         });
         worst(moved) * amount / step
     }
 
-    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
+    fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError> {
         let program = self.subject.program(treatment)?;
         let state = &self.subject.state;
         let inputs = program.inputs(state);
-        let numbers = Numbers::In(treatment.format);
+        let numbers = WorkingPrecision::In(treatment.format);
         let found = self.subject.accelerations(&program, numbers, &inputs);
         let error = normwise(&found, &self.exact);
         // All rows, those that were left out as redundant included.

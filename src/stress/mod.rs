@@ -1,10 +1,10 @@
 //! Hard cases: models and equations that are known to break floating point,
 //! measured, judged, and cured.
 //!
-//! A [`Case`] is built, computed in binary32 as it comes and compared with a
+//! A [`StressCase`] is built, computed in binary32 as it comes and compared with a
 //! reference in double-double numbers. Beside its error stand the condition of
 //! the problem and the error that rounding the data once would make; from
-//! these follows the [`Verdict`], whose fault the error is. Then candidates
+//! these follows the [`StressVerdict`], whose fault the error is. Then candidates
 //! for cures are tried (other recursions, passes, units, formats, refinement,
 //! compensated sums, steps), and the cheapest that comes close to binary64 is
 //! told. The constructions are described in `docs/stress.md`.
@@ -29,13 +29,13 @@ pub mod units;
 mod verdict;
 mod view;
 
-pub use case::{Case, Class, Measured};
+pub use case::{CaseClass, Measured, StressCase};
 pub use cases::cases;
-pub use cure::{Findings, Trial, examine, judge};
+pub use cure::{Findings, TreatmentTrial, examine, judge};
 pub use page::{figure, page};
-pub use treatment::Treatment;
-pub use verdict::{ALLOWANCE, Verdict, verdict};
-pub use view::{Finding, classes, steps, table, text};
+pub use treatment::ProgramTreatment;
+pub use verdict::{ALLOWANCE, StressVerdict, verdict};
+pub use view::{CaseFinding, classes, steps, table, text};
 
 use crate::generate::GenerateError;
 use crate::motion::MotionError;

@@ -8,7 +8,7 @@ use robovec_num::soft_float::FormatArithmetic;
 
 /// What something is computed in.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Numbers {
+pub(super) enum WorkingPrecision {
     /// A number format.
     In(Format),
     /// Double-double numbers, some 106 bits.
@@ -48,14 +48,14 @@ pub(super) trait Work {
     fn run<A: Arithmetic<Number: Wide>>(self, arithmetic: &A) -> Self::Result;
 }
 
-impl Numbers {
+impl WorkingPrecision {
     /// Does work in these numbers.
     pub(super) fn work<W: Work>(self, work: W) -> W::Result {
         match self {
-            Numbers::Reference => work.run(&DoubleDouble),
-            Numbers::In(Format::BINARY32) => work.run(&Binary32),
-            Numbers::In(Format::BINARY64) => work.run(&Binary64),
-            Numbers::In(format) => work.run(&FormatArithmetic::new(format)),
+            WorkingPrecision::Reference => work.run(&DoubleDouble),
+            WorkingPrecision::In(Format::BINARY32) => work.run(&Binary32),
+            WorkingPrecision::In(Format::BINARY64) => work.run(&Binary64),
+            WorkingPrecision::In(format) => work.run(&FormatArithmetic::new(format)),
         }
     }
 }

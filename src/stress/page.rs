@@ -1,7 +1,7 @@
 //! What was found, as a figure and as a page that needs nothing else.
 
 use super::view::short;
-use super::{Class, Finding, Findings};
+use super::{CaseClass, CaseFinding, Findings};
 use crate::present::escape::EscapedContent;
 use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke, plot};
 use std::fmt::Write;
@@ -22,7 +22,7 @@ summary{cursor:pointer}
 type Chosen = fn(&Findings) -> f64;
 
 /// Error against condition, and against the step of long simulations.
-pub fn figure(findings: &[Finding<'_>]) -> Figure {
+pub fn figure(findings: &[CaseFinding<'_>]) -> Figure {
     let errors: [(&str, Chosen); 3] = [
         ("f32", |found| found.short.error),
         ("f64", |found| found.long.error),
@@ -32,7 +32,7 @@ pub fn figure(findings: &[Finding<'_>]) -> Figure {
     ];
     let panel = |title: &str, axis: &str, stroke, at: &dyn Fn(&Findings) -> Option<f64>| {
         let curve = |(index, &(label, error)): (usize, &(&str, Chosen))| {
-            let mark = |(_, found): &Finding<'_>| {
+            let mark = |(_, found): &CaseFinding<'_>| {
                 let (x, y) = (at(found)?, error(found));
                 // What is exact, and what is no result, ends at the edges.
                 let drawable = x > 0.0 && x.is_finite() && !y.is_nan();
@@ -82,7 +82,7 @@ pub fn figure(findings: &[Finding<'_>]) -> Figure {
 }
 
 /// The findings as a page.
-pub fn page(findings: &[Finding<'_>]) -> String {
+pub fn page(findings: &[CaseFinding<'_>]) -> String {
     let mut text = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <title>Hard cases</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
@@ -103,8 +103,8 @@ pub fn page(findings: &[Finding<'_>]) -> String {
             EscapedContent(&figure.caption)
         );
     }
-    for class in Class::ALL {
-        let of_class: Vec<&Finding<'_>> = findings
+    for class in CaseClass::ALL {
+        let of_class: Vec<&CaseFinding<'_>> = findings
             .iter()
             .filter(|(case, _)| case.class == class)
             .collect();
@@ -125,7 +125,7 @@ pub fn page(findings: &[Finding<'_>]) -> String {
 }
 
 /// A case with all that was tried.
-fn section(text: &mut String, (case, found): &Finding<'_>) {
+fn section(text: &mut String, (case, found): &CaseFinding<'_>) {
     let colour = match found.verdict.name() {
         "fine" => "fine",
         "hard problem" => "hard",

@@ -1,11 +1,11 @@
 //! A function of a model, compiled and ready to be evaluated in any numbers.
 
 use super::StressError;
-use super::numbers::{Evaluation, Numbers, rounded};
+use super::numbers::{Evaluation, WorkingPrecision, rounded};
 use super::units::{Dimension, Units};
-use crate::generate::{Formulation, FunctionKind, Options, Request, generate};
+use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
 use crate::model::Model;
-use crate::motion::{Inputs, State};
+use crate::motion::{InputSources, MotionState};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
@@ -18,7 +18,7 @@ use robovec_passes::registry::REGISTRY;
 
 /// How a program is made.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) struct Recipe<'a> {
+pub(super) struct ProgramRecipe<'a> {
     /// The recursion.
     pub(super) formulation: Formulation,
     /// The passes that are run over it; none when empty.
@@ -28,9 +28,9 @@ pub(super) struct Recipe<'a> {
 }
 
 /// A function of a model.
-pub(super) struct Program {
+pub(super) struct ModelProgram {
     pub(super) function: Function,
-    inputs: Inputs,
+    inputs: InputSources,
     input_dimensions: Vec<Dimension>,
     outputs: Vec<(String, usize, usize)>,
     output_dimensions: Vec<Dimension>,
@@ -38,14 +38,14 @@ pub(super) struct Program {
     pub(super) operations: usize,
 }
 
-impl Program {
+impl ModelProgram {
     /// Generates a function and runs passes over it.
     pub(super) fn new(
         model: &Model,
         kind: FunctionKind,
-        recipe: Recipe<'_>,
-    ) -> Result<Program, StressError> {
-        let request = Request {
+        recipe: ProgramRecipe<'_>,
+    ) -> Result<ModelProgram, StressError> {
+        let request = GenerationRequest {
             function: kind,
             formulation: recipe.formulation,
             options: Options::default(),
@@ -71,7 +71,7 @@ impl Program {
             tables: &tables,
             function: &function,
         };
-        let inputs = Inputs::new(model, view).map_err(StressError::Passes)?;
+        let inputs = InputSources::new(model, view).map_err(StressError::Passes)?;
         let dimension = |(array, indices, rank): (&robovec_ir::Array, [u32; 2], usize)| {
             Dimension::of(model, tables.symbols.text(array.name), &indices[..rank])
         };
@@ -85,7 +85,7 @@ impl Program {
             let name = tables.symbols.text(array.name).to_owned();
             (name, array.offset as usize, array.shape.len())
         });
-        Ok(Program {
+        Ok(ModelProgram {
             outputs: outputs.collect(),
             operations: Counts::of(&function).operations,
             function,
@@ -97,13 +97,18 @@ impl Program {
 
     /// The flattened inputs in a state. Models and states are rounded before
     /// ([`shared`]), what a program is given by another is not.
-    pub(super) fn inputs(&self, state: &State) -> Vec<f64> {
+    pub(super) fn inputs(&self, state: &MotionState) -> Vec<f64> {
         self.inputs.gather(state)
     }
 
     /// The flattened outputs for given inputs, in SI units, computed in units
     /// of choice.
-    pub(super) fn evaluate(&self, numbers: Numbers, units: Units, inputs: &[f64]) -> Vec<Double> {
+    pub(super) fn evaluate(
+        &self,
+        numbers: WorkingPrecision,
+        units: Units,
+        inputs: &[f64],
+    ) -> Vec<Double> {
         if units == Units::SI {
             let function = &self.function;
             return numbers.work(Evaluation { function, inputs });
@@ -127,7 +132,7 @@ impl Program {
             .collect()
     }
 
-    /// An output array within what [`Program::evaluate`] gave; zeros where
+    /// An output array within what [`ModelProgram::evaluate`] gave; zeros where
     /// the function does not have it.
     pub(super) fn array(&self, name: &str, flat: &[Double], length: usize) -> Vec<Double> {
         let found = self.outputs.iter().find(|(array, ..)| array == name);

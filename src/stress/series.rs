@@ -1,26 +1,26 @@
 //! Inverse dynamics with series in place of sine and cosine.
 
-use super::case::{Bench, Measured, Subject};
-use super::dynamics::{Dynamics, Metric, componentwise, normwise, worst};
-use super::numbers::{Evaluation, Numbers, Wide, Work};
-use super::program::{Program, Recipe};
+use super::case::{Measured, StressBench, StressSubject};
+use super::dynamics::{DynamicsSubject, Metric, componentwise, normwise, worst};
+use super::numbers::{Evaluation, Wide, Work, WorkingPrecision};
+use super::program::{ModelProgram, ProgramRecipe};
 use super::units::Units;
-use super::{StressError, Treatment};
+use super::{ProgramTreatment, StressError};
 use crate::generate::{Formulation, FunctionKind};
 use crate::model::Model;
-use crate::motion::State;
+use crate::motion::MotionState;
 use robovec_ir::Format;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
 
 /// An arithmetic whose sine and cosine are Taylor polynomials.
-struct Series<'a, A> {
+struct SeriesArithmetic<'a, A> {
     inner: &'a A,
     /// The highest power.
     order: u32,
 }
 
-impl<A: Arithmetic> Series<'_, A> {
+impl<A: Arithmetic> SeriesArithmetic<'_, A> {
     /// `1 - x²/((first)(first+1)) (1 - x²/((first+2)(first+3)) (…))` with all
     /// powers up to the order that the sine (`first` 2) or cosine (1) has.
     fn series(&self, square: A::Number, first: u32) -> A::Number {
@@ -38,7 +38,7 @@ impl<A: Arithmetic> Series<'_, A> {
     }
 }
 
-impl<A: Arithmetic> Arithmetic for Series<'_, A> {
+impl<A: Arithmetic> Arithmetic for SeriesArithmetic<'_, A> {
     type Number = A::Number;
 
     fn literal(&self, number: f64) -> A::Number {
@@ -85,7 +85,7 @@ impl Work for WithSeries<'_> {
 
     fn run<A: Arithmetic<Number: Wide>>(self, inner: &A) -> Vec<Double> {
         let order = self.order;
-        self.evaluation.run(&Series { inner, order })
+        self.evaluation.run(&SeriesArithmetic { inner, order })
     }
 }
 
@@ -103,38 +103,38 @@ fn operations(order: Option<u32>) -> f64 {
 }
 
 /// A model with angles in a range.
-pub(super) struct Angles {
-    dynamics: Dynamics,
+pub(super) struct AnglesSubject {
+    dynamics: DynamicsSubject,
 }
 
-impl Angles {
-    pub(super) fn new(model: Model, states: Vec<State>) -> Angles {
-        Angles {
-            dynamics: Dynamics::new(model, states, Metric::Forces),
+impl AnglesSubject {
+    pub(super) fn new(model: Model, states: Vec<MotionState>) -> AnglesSubject {
+        AnglesSubject {
+            dynamics: DynamicsSubject::new(model, states, Metric::Forces),
         }
     }
 }
 
-struct Workbench<'a> {
-    dynamics: &'a Dynamics,
-    program: Program,
+struct AnglesBench<'a> {
+    dynamics: &'a DynamicsSubject,
+    program: ModelProgram,
     exact: Vec<Vec<Double>>,
 }
 
-impl Subject for Angles {
+impl StressSubject for AnglesSubject {
     fn metric(&self) -> &'static str {
         "Qq, normwise"
     }
 
-    fn untreated(&self) -> Treatment {
-        Treatment {
+    fn untreated(&self) -> ProgramTreatment {
+        ProgramTreatment {
             series: Some(1),
-            ..Treatment::default()
+            ..ProgramTreatment::default()
         }
     }
 
-    fn standard(&self) -> Treatment {
-        Treatment::in_format(Format::BINARY64)
+    fn standard(&self) -> ProgramTreatment {
+        ProgramTreatment::in_format(Format::BINARY64)
     }
 
     /// What the series leaves out no format brings back.
@@ -142,34 +142,38 @@ impl Subject for Angles {
         false
     }
 
-    fn candidates(&self) -> Vec<Treatment> {
+    fn candidates(&self) -> Vec<ProgramTreatment> {
         let mut list = Vec::new();
         for format in [Format::BINARY32, Format::BINARY64] {
             for order in [3, 5, 7, 9, 11, 13, 15, 17] {
-                list.push(Treatment {
+                list.push(ProgramTreatment {
                     series: Some(order),
-                    ..Treatment::in_format(format)
+                    ..ProgramTreatment::in_format(format)
                 });
             }
-            list.push(Treatment::in_format(format));
+            list.push(ProgramTreatment::in_format(format));
         }
         list
     }
 
-    fn prepare(&self) -> Result<Box<dyn Bench + '_>, StressError> {
+    fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
         let dynamics = &self.dynamics;
-        let recipe = Recipe {
+        let recipe = ProgramRecipe {
             formulation: Formulation::default(),
             passes: "",
             only: None,
         };
-        let program = Program::new(&dynamics.model, FunctionKind::Invdyna, recipe)?;
-        let forces = |state: &State| {
-            let flat = program.evaluate(Numbers::Reference, Units::SI, &program.inputs(state));
+        let program = ModelProgram::new(&dynamics.model, FunctionKind::Invdyna, recipe)?;
+        let forces = |state: &MotionState| {
+            let flat = program.evaluate(
+                WorkingPrecision::Reference,
+                Units::SI,
+                &program.inputs(state),
+            );
             program.array("Qq", &flat, dynamics.model.joints.len())
         };
         let exact = dynamics.states.iter().map(forces).collect();
-        Ok(Box::new(Workbench {
+        Ok(Box::new(AnglesBench {
             dynamics,
             program,
             exact,
@@ -177,14 +181,14 @@ impl Subject for Angles {
     }
 }
 
-impl Workbench<'_> {
-    fn forces(&self, state: &State, treatment: &Treatment) -> Vec<Double> {
+impl AnglesBench<'_> {
+    fn forces(&self, state: &MotionState, treatment: &ProgramTreatment) -> Vec<Double> {
         let inputs = self.program.inputs(state);
         let evaluation = Evaluation {
             function: &self.program.function,
             inputs: &inputs,
         };
-        let numbers = Numbers::In(treatment.format);
+        let numbers = WorkingPrecision::In(treatment.format);
         let flat = match treatment.series {
             None => numbers.work(evaluation),
             Some(order) => numbers.work(WithSeries { evaluation, order }),
@@ -194,7 +198,7 @@ impl Workbench<'_> {
     }
 }
 
-impl Bench for Workbench<'_> {
+impl StressBench for AnglesBench<'_> {
     fn condition(&self) -> f64 {
         let format = Format::BINARY32;
         self.floor(format) / format.unit_roundoff()
@@ -202,12 +206,12 @@ impl Bench for Workbench<'_> {
 
     /// That of true functions.
     fn floor(&self, format: Format) -> f64 {
-        let plain = Treatment::in_format(format);
+        let plain = ProgramTreatment::in_format(format);
         let states = self.dynamics.states.iter().zip(&self.exact);
         worst(states.map(|(state, exact)| normwise(&self.forces(state, &plain), exact)))
     }
 
-    fn measure(&self, treatment: &Treatment) -> Result<Measured, StressError> {
+    fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError> {
         let (mut norm, mut component) = (0.0, 0.0);
         for (state, exact) in self.dynamics.states.iter().zip(&self.exact) {
             let found = self.forces(state, treatment);
@@ -234,7 +238,7 @@ mod tests {
     #[test]
     fn series_are_those_of_taylor() {
         let x: f64 = 0.5;
-        let with = |order| Series {
+        let with = |order| SeriesArithmetic {
             inner: &Binary64,
             order,
         };

@@ -10,7 +10,7 @@ pub(super) const BALANCED: &str = "atomise,zero-removal,balance,cse,dce";
 /// How a program is made and run. The default is what one gets without
 /// asking: the recursion Robotran prints, in binary32.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Treatment {
+pub struct ProgramTreatment {
     /// The recursion the equations come from.
     pub formulation: Formulation,
     /// The passes that are run over them; none when empty.
@@ -37,9 +37,9 @@ pub struct Treatment {
     pub series: Option<u32>,
 }
 
-impl Default for Treatment {
-    fn default() -> Treatment {
-        Treatment {
+impl Default for ProgramTreatment {
+    fn default() -> ProgramTreatment {
+        ProgramTreatment {
             formulation: Formulation::default(),
             passes: "",
             format: Format::BINARY32,
@@ -54,18 +54,18 @@ impl Default for Treatment {
     }
 }
 
-impl Treatment {
+impl ProgramTreatment {
     /// The untreated program in a format.
-    pub fn in_format(format: Format) -> Treatment {
-        Treatment {
+    pub fn in_format(format: Format) -> ProgramTreatment {
+        ProgramTreatment {
             format,
-            ..Treatment::default()
+            ..ProgramTreatment::default()
         }
     }
 
     /// True when it is another program in the same format, and nothing else.
-    pub(super) fn is_another_program(&self, untreated: &Treatment) -> bool {
-        let same = Treatment {
+    pub(super) fn is_another_program(&self, untreated: &ProgramTreatment) -> bool {
+        let same = ProgramTreatment {
             formulation: untreated.formulation,
             passes: untreated.passes,
             ..self.clone()
@@ -74,7 +74,7 @@ impl Treatment {
     }
 
     /// What it does that another does not, in a few words.
-    pub fn label(&self, untreated: &Treatment) -> String {
+    pub fn label(&self, untreated: &ProgramTreatment) -> String {
         let mut words: Vec<String> = Vec::new();
         if self.formulation != untreated.formulation {
             words.push(self.formulation.name().to_owned());
@@ -126,8 +126,8 @@ impl Treatment {
     }
 }
 
-impl fmt::Display for Treatment {
+impl fmt::Display for ProgramTreatment {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(&self.label(&Treatment::default()))
+        formatter.write_str(&self.label(&ProgramTreatment::default()))
     }
 }

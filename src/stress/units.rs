@@ -130,11 +130,11 @@ fn scaled(number: f64, exponent: i32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::family::Family;
+    use crate::model::family::ModelFamily;
 
     #[test]
     fn units_are_exact_and_bring_the_model_to_one() {
-        let mut model = Family::DoublePendulum.build(2, 1);
+        let mut model = ModelFamily::DoublePendulum.build(2, 1);
         for point in &mut model.points {
             point.coordinates = point.coordinates.map(|x| x * 1e-9);
         }

@@ -6,7 +6,7 @@ use std::fmt;
 
 /// Whose fault an error is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Verdict {
+pub enum StressVerdict {
     /// At least half of the format's digits are right.
     Fine,
     /// The error is about what rounding the data to the format makes: nobody
@@ -23,29 +23,29 @@ pub enum Verdict {
     Inconsistent,
 }
 
-impl Verdict {
+impl StressVerdict {
     /// All verdicts.
-    pub const ALL: [Verdict; 5] = [
-        Verdict::Fine,
-        Verdict::HardProblem,
-        Verdict::BadCode,
-        Verdict::OutOfRange,
-        Verdict::Inconsistent,
+    pub const ALL: [StressVerdict; 5] = [
+        StressVerdict::Fine,
+        StressVerdict::HardProblem,
+        StressVerdict::BadCode,
+        StressVerdict::OutOfRange,
+        StressVerdict::Inconsistent,
     ];
 
     /// The verdict in words.
     pub fn name(self) -> &'static str {
         match self {
-            Verdict::Fine => "fine",
-            Verdict::HardProblem => "hard problem",
-            Verdict::BadCode => "bad code",
-            Verdict::OutOfRange => "out of range",
-            Verdict::Inconsistent => "inconsistent",
+            StressVerdict::Fine => "fine",
+            StressVerdict::HardProblem => "hard problem",
+            StressVerdict::BadCode => "bad code",
+            StressVerdict::OutOfRange => "out of range",
+            StressVerdict::Inconsistent => "inconsistent",
         }
     }
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for StressVerdict {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.pad(self.name())
     }
@@ -64,7 +64,12 @@ const RANGE_GAIN: f64 = 4.0;
 ///
 /// `floor` is the error of rounding the data once; `wide` the error with the
 /// same mantissa and the exponent of binary64, where it was measured.
-pub fn verdict(format: Format, measured: &Measured, floor: f64, wide: Option<f64>) -> Verdict {
+pub fn verdict(
+    format: Format,
+    measured: &Measured,
+    floor: f64,
+    wide: Option<f64>,
+) -> StressVerdict {
     let error = if measured.error.is_nan() {
         f64::INFINITY
     } else {
@@ -73,18 +78,18 @@ pub fn verdict(format: Format, measured: &Measured, floor: f64, wide: Option<f64
     // Half of the digits.
     let fine = format.unit_roundoff().sqrt();
     if error <= fine && measured.consistent {
-        return Verdict::Fine;
+        return StressVerdict::Fine;
     }
     if measured.outside > 0.0 && wide.is_some_and(|wide| wide * RANGE_GAIN < error) {
-        return Verdict::OutOfRange;
+        return StressVerdict::OutOfRange;
     }
     if !measured.consistent {
-        return Verdict::Inconsistent;
+        return StressVerdict::Inconsistent;
     }
     if error <= ALLOWANCE * floor {
-        return Verdict::HardProblem;
+        return StressVerdict::HardProblem;
     }
-    Verdict::BadCode
+    StressVerdict::BadCode
 }
 
 #[cfg(test)]
@@ -107,16 +112,28 @@ mod tests {
         let told = |error, outside, consistent, floor, wide| {
             verdict(f32, &measured(error, outside, consistent), floor, wide)
         };
-        assert_eq!(told(1e-4, 0.5, true, 0.0, None), Verdict::Fine);
-        assert_eq!(told(1e-2, 0.0, true, 1e-3, None), Verdict::HardProblem);
-        assert_eq!(told(1e-2, 0.0, true, 1e-5, None), Verdict::BadCode);
-        assert_eq!(told(1.0, 0.1, false, 1.0, Some(1e-5)), Verdict::OutOfRange);
-        assert_eq!(told(1.0, 0.1, true, 1.0, Some(0.9)), Verdict::HardProblem);
-        assert_eq!(told(1e-5, 0.0, false, 1.0, None), Verdict::Inconsistent);
+        assert_eq!(told(1e-4, 0.5, true, 0.0, None), StressVerdict::Fine);
+        assert_eq!(
+            told(1e-2, 0.0, true, 1e-3, None),
+            StressVerdict::HardProblem
+        );
+        assert_eq!(told(1e-2, 0.0, true, 1e-5, None), StressVerdict::BadCode);
+        assert_eq!(
+            told(1.0, 0.1, false, 1.0, Some(1e-5)),
+            StressVerdict::OutOfRange
+        );
+        assert_eq!(
+            told(1.0, 0.1, true, 1.0, Some(0.9)),
+            StressVerdict::HardProblem
+        );
+        assert_eq!(
+            told(1e-5, 0.0, false, 1.0, None),
+            StressVerdict::Inconsistent
+        );
         assert_eq!(
             told(f64::NAN, 0.1, true, 1.0, Some(1e-6)),
-            Verdict::OutOfRange
+            StressVerdict::OutOfRange
         );
-        assert_eq!(told(f64::NAN, 0.0, true, 1.0, None), Verdict::BadCode);
+        assert_eq!(told(f64::NAN, 0.0, true, 1.0, None), StressVerdict::BadCode);
     }
 }

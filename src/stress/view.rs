@@ -1,16 +1,16 @@
 //! What was found, as text, table, figure and page.
 
-use super::{Case, Class, Findings, Treatment};
+use super::{CaseClass, Findings, ProgramTreatment, StressCase};
 use crate::present::number::or_dash;
 use crate::present::{DataCell, DataTable, text_lines};
 use robovec_ir::Format;
 
 /// A case with what was found.
-pub type Finding<'a> = (&'a Case, Findings);
+pub type CaseFinding<'a> = (&'a StressCase, Findings);
 
 /// The findings as an aligned table; without the columns of cures where none
 /// were tried.
-pub fn text(findings: &[Finding<'_>]) -> String {
+pub fn text(findings: &[CaseFinding<'_>]) -> String {
     let mut head = "case | >cond | >f32 error | >f64 error | of | verdict".to_owned();
     let tried = findings.iter().any(|(_, found)| !found.trials.is_empty());
     if tried {
@@ -45,7 +45,7 @@ pub fn text(findings: &[Finding<'_>]) -> String {
 
 /// The step of long simulations against the drift, and the best step in
 /// binary32; empty without simulations of energy.
-pub fn steps(findings: &[Finding<'_>]) -> String {
+pub fn steps(findings: &[CaseFinding<'_>]) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
     let mut best: [Option<(f64, f64)>; 2] = [None, None];
     for (_, found) in findings {
@@ -57,7 +57,7 @@ pub fn steps(findings: &[Finding<'_>]) -> String {
         }
         // The trials at this step with nothing else changed.
         let trial = |compensated: bool, state: Option<Format>| {
-            let wanted = Treatment {
+            let wanted = ProgramTreatment {
                 compensated,
                 state,
                 ..found.untreated.clone()
@@ -113,10 +113,10 @@ pub(super) fn short(number: f64) -> String {
 
 /// How many cases of each class have which verdict, and whether a cure comes
 /// close to binary64.
-pub fn classes(findings: &[Finding<'_>]) -> String {
+pub fn classes(findings: &[CaseFinding<'_>]) -> String {
     let mut text = String::new();
-    for class in Class::ALL {
-        let of_class: Vec<&Finding<'_>> = findings
+    for class in CaseClass::ALL {
+        let of_class: Vec<&CaseFinding<'_>> = findings
             .iter()
             .filter(|(case, _)| case.class == class)
             .collect();
@@ -135,7 +135,7 @@ pub fn classes(findings: &[Finding<'_>]) -> String {
 }
 
 /// The same for programs: one row for each case and treatment.
-pub fn table(findings: &[Finding<'_>]) -> DataTable {
+pub fn table(findings: &[CaseFinding<'_>]) -> DataTable {
     let number = |number: f64| {
         if number.is_finite() {
             DataCell::text(format!("{number:.3e}"))

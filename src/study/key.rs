@@ -1,6 +1,6 @@
 //! What a placement depends on.
 
-use super::plan::{NamedMachine, NamedPipeline, Request};
+use super::plan::{NamedMachine, NamedPipeline, PlacementRequest};
 use crate::explore::store::PointKey;
 
 /// The key of a placement, given that of the equations.
@@ -9,7 +9,7 @@ pub fn key(
     build: PointKey,
     pipeline: &NamedPipeline,
     machine: &NamedMachine,
-    request: &Request,
+    request: &PlacementRequest,
 ) -> PointKey {
     let machine = serde_json::to_string(&machine.machine).expect("a machine is plain data");
     equations
@@ -28,7 +28,13 @@ mod tests {
     use robovec_passes::registry::REGISTRY;
 
     /// Keys of equations and build, pipeline, machine and request.
-    type All = (PointKey, PointKey, NamedPipeline, NamedMachine, Request);
+    type All = (
+        PointKey,
+        PointKey,
+        NamedPipeline,
+        NamedMachine,
+        PlacementRequest,
+    );
 
     fn example() -> All {
         let pipeline = NamedPipeline {
@@ -41,7 +47,7 @@ mod tests {
             machine: Machine::built_in("thesis").expect("it ships"),
             couple: None,
         };
-        let request = Request {
+        let request = PlacementRequest {
             model: 0,
             pipeline: 0,
             machine: 0,

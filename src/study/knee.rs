@@ -1,7 +1,7 @@
 //! How many elements a program is worth: the knee, the zones around it, and
 //! what limits each (thesis 3.3).
 
-use super::results::{Placed, Results};
+use super::results::{Results, StudyPlacement};
 use super::zone::{Zone, is_saturated, zone};
 use serde::Serialize;
 
@@ -44,7 +44,7 @@ pub struct Split {
 }
 
 impl Split {
-    fn of(placed: Placed<'_>) -> Split {
+    fn of(placed: StudyPlacement<'_>) -> Split {
         Split {
             n_add: placed.request.n_add,
             n_multi: placed.request.n_multi,
@@ -67,12 +67,12 @@ impl Split {
 /// The knee of a program on a machine; `None` when it was not placed.
 pub fn knee(results: &Results, model: usize, pipeline: usize, machine: usize) -> Option<Knee> {
     let facts = results.program(model, pipeline, machine)?;
-    let mut placed: Vec<Placed<'_>> = results.usual(model, pipeline, machine).collect();
+    let mut placed: Vec<StudyPlacement<'_>> = results.usual(model, pipeline, machine).collect();
     placed.sort_by_key(|placed| (placed.elements(), placed.point.cycles, placed.request.n_add));
     if placed.is_empty() {
         return None;
     }
-    let reaches = |placed: &&Placed<'_>| is_saturated(facts, placed.point.cycles);
+    let reaches = |placed: &&StudyPlacement<'_>| is_saturated(facts, placed.point.cycles);
     let equal = || placed.iter().filter(|placed| placed.is_equal());
     let knee = equal().find(reaches);
     let short =
@@ -81,8 +81,8 @@ pub fn knee(results: &Results, model: usize, pipeline: usize, machine: usize) ->
         1 => true,
         count => short(count - 1),
     });
-    let busy = |placed: &&Placed<'_>| zone(facts, **placed) == Zone::Parallelisation;
-    let split = |placed: Option<&Placed<'_>>| placed.copied().map(Split::of);
+    let busy = |placed: &&StudyPlacement<'_>| zone(facts, **placed) == Zone::Parallelisation;
+    let split = |placed: Option<&StudyPlacement<'_>>| placed.copied().map(Split::of);
     Some(Knee {
         chain: facts.asap_cycle,
         number_y: facts.number_y(),

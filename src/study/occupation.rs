@@ -13,9 +13,9 @@ pub const SAMPLES: u32 = 201;
 
 /// Occupation at [`SAMPLES`] moments, in thousandths.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
-pub struct Occupation(pub Vec<u16>);
+pub struct OccupationCurve(pub Vec<u16>);
 
-impl Occupation {
+impl OccupationCurve {
     /// Share of the run that has passed, and occupation, both from 0 to 1.
     pub fn curve(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let last = f64::from(SAMPLES - 1);
@@ -29,7 +29,7 @@ impl Occupation {
 /// The occupation of the elements of one kind, by its index in the schedule.
 ///
 /// The window is centred, and cut off at the ends of the run.
-pub fn occupation(schedule: &Schedule, kind: usize) -> Occupation {
+pub fn occupation(schedule: &Schedule, kind: usize) -> OccupationCurve {
     let before: u32 = schedule.kinds[..kind].iter().map(|kind| kind.count).sum();
     let count = schedule.kinds[kind].count;
     // issued[c] counts the operations issued before cycle c.
@@ -52,7 +52,7 @@ pub fn occupation(schedule: &Schedule, kind: usize) -> Occupation {
         // Rounded to the nearest thousandth.
         ((2000 * used + slots) / (2 * slots).max(1)) as u16
     };
-    Occupation((0..SAMPLES).map(share).collect())
+    OccupationCurve((0..SAMPLES).map(share).collect())
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 //! One placement, measured.
 
-use super::occupation::{Occupation, occupation};
-use super::plan::{NamedMachine, Request};
+use super::occupation::{OccupationCurve, occupation};
+use super::plan::{NamedMachine, PlacementRequest};
 use super::program::StudyProgram;
 use crate::explore::placing::{verified, with_counts};
 use robovec_ir::Operation;
 use robovec_schedule::Spread;
 use serde::{Deserialize, Serialize};
 
-/// What is kept of a placement. Names and numbers of its [`Request`] are not
+/// What is kept of a placement. Names and numbers of its [`PlacementRequest`] are not
 /// part of it: a point is found by its key.
 #[derive(Clone, PartialEq, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -44,12 +44,16 @@ pub struct KindPoint {
     /// Words of buffer per element: least, mean, most.
     pub buffer: [f64; 3],
     /// Occupation over normalised time.
-    pub occupation: Occupation,
+    pub occupation: OccupationCurve,
 }
 
 /// Places a program and measures the placement, which the verifier has
 /// accepted.
-pub fn measure(program: &StudyProgram, machine: &NamedMachine, request: &Request) -> PlacedPoint {
+pub fn measure(
+    program: &StudyProgram,
+    machine: &NamedMachine,
+    request: &PlacementRequest,
+) -> PlacedPoint {
     // Fused elements are as many as the machine has.
     let counts = [
         (Operation::Add, request.n_add),

@@ -16,7 +16,7 @@ pub struct Thesis {
     pub table_2_2: Orders,
     /// Table 3.1, in its order.
     #[serde(rename = "system")]
-    pub systems: Vec<System>,
+    pub systems: Vec<PrintedSystem>,
 }
 
 /// Table 2.2: cycles of the bogie.
@@ -34,24 +34,24 @@ pub struct Orders {
 /// A system of Table 3.1.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct System {
+pub struct PrintedSystem {
     /// Its name in the table.
     pub name: String,
     /// Degrees of freedom.
     pub dof: u32,
     /// Its topology.
-    pub topology: Topology,
+    pub topology: SystemTopology,
     /// The row of the system as Robotran wrote it.
-    pub original: Row,
+    pub original: PrintedRow,
     /// The row "modified", where there is one.
     #[serde(default)]
-    pub modified: Option<Row>,
+    pub modified: Option<PrintedRow>,
 }
 
 /// How the bodies of a system hang together.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Topology {
+pub enum SystemTopology {
     /// The railway bogie.
     Bogie,
     /// One chain.
@@ -64,15 +64,15 @@ pub enum Topology {
     Mixed,
 }
 
-impl Topology {
+impl SystemTopology {
     /// The topology's name.
     pub fn name(self) -> &'static str {
         match self {
-            Topology::Bogie => "bogie",
-            Topology::Serial => "serial",
-            Topology::SemiSerial => "semi-serial",
-            Topology::Parallel => "parallel",
-            Topology::Mixed => "70-dof system",
+            SystemTopology::Bogie => "bogie",
+            SystemTopology::Serial => "serial",
+            SystemTopology::SemiSerial => "semi-serial",
+            SystemTopology::Parallel => "parallel",
+            SystemTopology::Mixed => "70-dof system",
         }
     }
 }
@@ -80,7 +80,7 @@ impl Topology {
 /// A row of Table 3.1.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Row {
+pub struct PrintedRow {
     /// Operations.
     pub operations: u32,
     /// The longest chain, in operations.
@@ -97,16 +97,16 @@ pub struct Row {
     pub remark: String,
 }
 
-impl Row {
+impl PrintedRow {
     /// True when a cell is one to rely on.
     pub fn is_sound(&self, cell: &str) -> bool {
         self.doubtful.iter().all(|doubtful| doubtful != cell)
     }
 }
 
-impl System {
+impl PrintedSystem {
     /// The row that a pipeline's result is compared with.
-    pub fn row(&self, printed: Printed) -> Option<&Row> {
+    pub fn row(&self, printed: Printed) -> Option<&PrintedRow> {
         match printed {
             Printed::Original => Some(&self.original),
             Printed::Modified => self.modified.as_ref(),
@@ -129,7 +129,7 @@ pub fn systems() -> impl Iterator<Item = &'static str> {
 }
 
 /// The system of a name.
-pub fn system(name: &str) -> Option<&'static System> {
+pub fn system(name: &str) -> Option<&'static PrintedSystem> {
     thesis().systems.iter().find(|system| system.name == name)
 }
 

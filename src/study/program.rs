@@ -1,7 +1,7 @@
 //! From a model to what is placed: read or generate it, run a pipeline,
 //! measure the result.
 
-use super::plan::{NamedMachine, NamedPipeline, Subject};
+use super::plan::{NamedMachine, NamedPipeline, StudySubject};
 use crate::explore::program::{transformed, view};
 use crate::explore::store::PointKey;
 use robovec_analysis::critical_path::critical_path;
@@ -17,13 +17,13 @@ use std::sync::Arc;
 const SEED: u64 = 1;
 
 /// Where programs come from: the caller knows files and models.
-pub trait Sources: Sync {
+pub trait ProgramSources: Sync {
     /// The equations of a source: a file, a model, a built-in name.
     ///
     /// # Errors
     ///
     /// Messages for the user.
-    fn equations(&self, subject: &Subject) -> Result<Module, Report>;
+    fn equations(&self, subject: &StudySubject) -> Result<Module, Report>;
 }
 
 /// What is counted of a program before placement.
@@ -86,7 +86,7 @@ impl ProgramFacts {
 }
 
 /// The equations of one model.
-pub struct Equations {
+pub struct StudyEquations {
     /// The function studied, alone in its module.
     pub module: Module,
     /// Stands for the text.
@@ -96,13 +96,16 @@ pub struct Equations {
     rounding: Arc<Rounding>,
 }
 
-impl Equations {
+impl StudyEquations {
     /// Reads or generates a model and picks the function.
     ///
     /// # Errors
     ///
     /// Messages for the user.
-    pub fn load(subject: &Subject, sources: &dyn Sources) -> Result<Equations, Report> {
+    pub fn load(
+        subject: &StudySubject,
+        sources: &dyn ProgramSources,
+    ) -> Result<StudyEquations, Report> {
         let mut module = sources.equations(subject)?;
         pick(&mut module, subject)?;
         let mut key = PointKey::new();
@@ -111,7 +114,7 @@ impl Equations {
         let function = &module.functions[0];
         let counts = Counts::of(function);
         let states = usual_states(counts.operations);
-        Ok(Equations {
+        Ok(StudyEquations {
             rounding: Arc::new(rounding(view(&module), &States::new(SEED), states)),
             module,
             key,
@@ -127,7 +130,7 @@ impl Equations {
     /// The pass manager's message.
     pub fn optimise(
         &self,
-        subject: &Subject,
+        subject: &StudySubject,
         pipeline: &NamedPipeline,
         machine: &NamedMachine,
     ) -> Result<StudyProgram, String> {
@@ -167,7 +170,7 @@ pub struct StudyProgram {
 }
 
 /// Leaves the wanted function alone in the module.
-fn pick(module: &mut Module, subject: &Subject) -> Result<(), Report> {
+fn pick(module: &mut Module, subject: &StudySubject) -> Result<(), Report> {
     let names: Vec<String> = module.functions.iter().map(|f| f.name.clone()).collect();
     let wanted = match (&subject.function, &names[..]) {
         (Some(name), _) => name.clone(),

@@ -1,8 +1,8 @@
 //! A plan and what it gave, with the questions that tables and figures ask.
 
-use super::plan::{Plan, Printed, Request};
+use super::plan::{PlacementRequest, Printed, StudyPlan};
 use super::point::PlacedPoint;
-use super::printed::{self, Row, System};
+use super::printed::{self, PrintedRow, PrintedSystem};
 use super::program::ProgramFacts;
 use super::run::StudyOutcome;
 use serde_json::{Value, json};
@@ -11,21 +11,21 @@ use serde_json::{Value, json};
 #[derive(Clone, Debug)]
 pub struct Results {
     /// The plan.
-    pub plan: Plan,
+    pub plan: StudyPlan,
     /// Its outcome.
     pub outcome: StudyOutcome,
 }
 
 /// A placement: what was asked for and what it gave.
 #[derive(Clone, Copy, Debug)]
-pub struct Placed<'a> {
+pub struct StudyPlacement<'a> {
     /// The request.
-    pub request: &'a Request,
+    pub request: &'a PlacementRequest,
     /// The result.
     pub point: &'a PlacedPoint,
 }
 
-impl Placed<'_> {
+impl StudyPlacement<'_> {
     /// All elements.
     pub fn elements(&self) -> u32 {
         self.request.n_add + self.request.n_multi
@@ -39,14 +39,14 @@ impl Placed<'_> {
 
 impl Results {
     /// The placements that succeeded, in the plan's order.
-    pub fn placed(&self) -> impl Iterator<Item = Placed<'_>> {
+    pub fn placed(&self) -> impl Iterator<Item = StudyPlacement<'_>> {
         let all = self.outcome.points.iter();
-        let all = all.map(|(request, point)| Placed { request, point });
+        let all = all.map(|(request, point)| StudyPlacement { request, point });
         all.filter(|placed| placed.point.failure.is_none())
     }
 
     /// The placements that failed, with the reason.
-    pub fn failures(&self) -> impl Iterator<Item = (&Request, &str)> {
+    pub fn failures(&self) -> impl Iterator<Item = (&PlacementRequest, &str)> {
         let all = self.outcome.points.iter();
         all.filter_map(|(request, point)| Some((request, point.failure.as_deref()?)))
     }
@@ -58,7 +58,7 @@ impl Results {
         model: usize,
         pipeline: usize,
         machine: usize,
-    ) -> impl Iterator<Item = Placed<'_>> {
+    ) -> impl Iterator<Item = StudyPlacement<'_>> {
         self.placed().filter(move |placed| {
             let request = placed.request;
             (request.model, request.pipeline, request.machine) == (model, pipeline, machine)
@@ -80,12 +80,12 @@ impl Results {
     }
 
     /// The system of the thesis a model stands for.
-    pub fn system(&self, model: usize) -> Option<&'static System> {
+    pub fn system(&self, model: usize) -> Option<&'static PrintedSystem> {
         printed::system(self.plan.models[model].printed.as_deref()?)
     }
 
     /// The row of Table 3.1 that a program is compared with.
-    pub fn row(&self, model: usize, pipeline: usize) -> Option<&'static Row> {
+    pub fn row(&self, model: usize, pipeline: usize) -> Option<&'static PrintedRow> {
         self.system(model)?
             .row(self.plan.pipelines[pipeline].printed?)
     }

@@ -6,9 +6,9 @@
 //! order of their requests, whatever the order of work.
 
 use super::key::key;
-use super::plan::{ChoiceKey, Plan, PriorityKey, Request};
+use super::plan::{ChoiceKey, PlacementRequest, PriorityKey, StudyPlan};
 use super::point::{PlacedPoint, measure};
-use super::program::{Equations, ProgramFacts, Sources, StudyProgram};
+use super::program::{ProgramFacts, ProgramSources, StudyEquations, StudyProgram};
 use super::zone::is_saturated;
 use crate::explore::ExplorationProgress;
 use crate::explore::store::{PointKey, PointStore, build_key};
@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct StudyOutcome {
     /// Every placement, those that the search for knees added included.
-    pub points: BTreeMap<Request, PlacedPoint>,
+    pub points: BTreeMap<PlacementRequest, PlacedPoint>,
     /// Programs by model, pipeline, machine.
     pub programs: BTreeMap<(usize, usize, usize), ProgramFacts>,
     /// Points that were found on disk.
@@ -36,12 +36,12 @@ pub struct StudyOutcome {
 /// stored. A program that a machine cannot hold is no error: its point says
 /// so.
 pub fn run(
-    plan: &Plan,
-    sources: &dyn Sources,
+    plan: &StudyPlan,
+    sources: &dyn ProgramSources,
     store: &PointStore,
     progress: ExplorationProgress<'_>,
 ) -> Result<StudyOutcome, Report> {
-    let runner = Runner {
+    let runner = StudyRunner {
         plan,
         sources,
         store,
@@ -72,9 +72,9 @@ pub fn run(
     Ok(outcome)
 }
 
-struct Runner<'a> {
-    plan: &'a Plan,
-    sources: &'a dyn Sources,
+struct StudyRunner<'a> {
+    plan: &'a StudyPlan,
+    sources: &'a dyn ProgramSources,
     store: &'a PointStore,
     progress: ExplorationProgress<'a>,
     /// Of this robovec; absent when it cannot be known, and then no point is
@@ -83,7 +83,7 @@ struct Runner<'a> {
 }
 
 /// A model made ready.
-struct Prepared {
+struct PreparedModel {
     model: usize,
     key: PointKey,
     programs: Vec<StudyProgram>,
@@ -93,9 +93,9 @@ struct Prepared {
 }
 
 /// A placement, and whether it was found on disk.
-type Found = (Request, PlacedPoint, bool);
+type FoundPlacement = (PlacementRequest, PlacedPoint, bool);
 
-impl Runner<'_> {
+impl StudyRunner<'_> {
     /// The models that requests ask for.
     fn models(&self) -> Vec<usize> {
         let mut models: Vec<usize> = self.plan.requests.iter().map(|r| r.model).collect();
@@ -103,14 +103,14 @@ impl Runner<'_> {
         models
     }
 
-    fn requests(&self, model: usize) -> impl Iterator<Item = &Request> {
+    fn requests(&self, model: usize) -> impl Iterator<Item = &PlacementRequest> {
         let requests = self.plan.requests.iter();
         requests.filter(move |request| request.model == model)
     }
 
-    fn prepare(&self, model: usize) -> Result<Prepared, Report> {
+    fn prepare(&self, model: usize) -> Result<PreparedModel, Report> {
         let subject = &self.plan.models[model];
-        let equations = Equations::load(subject, self.sources)?;
+        let equations = StudyEquations::load(subject, self.sources)?;
         // Machines with equal latencies share a program.
         let mut variants: Vec<(usize, usize, Weights)> = Vec::new();
         let mut variant_of: BTreeMap<(usize, usize), usize> = BTreeMap::new();
@@ -149,7 +149,7 @@ impl Runner<'_> {
             facts.machine.clone_from(&self.plan.machines[machine].name);
             ((model, pipeline, machine), facts)
         });
-        Ok(Prepared {
+        Ok(PreparedModel {
             model,
             key: equations.key,
             facts: facts.collect(),
@@ -159,16 +159,16 @@ impl Runner<'_> {
     }
 
     /// Places a model as the plan asks, then searches for its knees.
-    fn place(&self, prepared: &Prepared) -> Result<Vec<Found>, Report> {
-        let requests: Vec<&Request> = self.requests(prepared.model).collect();
-        let placed: Result<Vec<Found>, Report> = requests
+    fn place(&self, prepared: &PreparedModel) -> Result<Vec<FoundPlacement>, Report> {
+        let requests: Vec<&PlacementRequest> = self.requests(prepared.model).collect();
+        let placed: Result<Vec<FoundPlacement>, Report> = requests
             .par_iter()
             .map(|request| self.point(prepared, **request))
             .collect();
         let mut placed = placed?;
         if self.plan.exact_knees {
             let pairs: Vec<&(usize, usize)> = prepared.variant_of.keys().collect();
-            let searches: Result<Vec<Vec<Found>>, Report> = pairs
+            let searches: Result<Vec<Vec<FoundPlacement>>, Report> = pairs
                 .par_iter()
                 .map(|&&(pipeline, machine)| self.knee(prepared, pipeline, machine, &placed))
                 .collect();
@@ -178,7 +178,11 @@ impl Runner<'_> {
     }
 
     /// One placement, from disk if it is there.
-    fn point(&self, prepared: &Prepared, request: Request) -> Result<Found, Report> {
+    fn point(
+        &self,
+        prepared: &PreparedModel,
+        request: PlacementRequest,
+    ) -> Result<FoundPlacement, Report> {
         let pipeline = &self.plan.pipelines[request.pipeline];
         let machine = &self.plan.machines[request.machine];
         let key = self
@@ -202,11 +206,11 @@ impl Runner<'_> {
     /// neighbours.
     fn knee(
         &self,
-        prepared: &Prepared,
+        prepared: &PreparedModel,
         pipeline: usize,
         machine: usize,
-        placed: &[Found],
-    ) -> Result<Vec<Found>, Report> {
+        placed: &[FoundPlacement],
+    ) -> Result<Vec<FoundPlacement>, Report> {
         let facts = &prepared.facts[&(prepared.model, pipeline, machine)];
         let usual = placed.iter().filter(|(request, point, _)| {
             (request.pipeline, request.machine) == (pipeline, machine)
@@ -226,7 +230,7 @@ impl Runner<'_> {
         let mut low = shorter.map(|(count, _)| *count).max().unwrap_or(0);
         while low + 1 < high {
             let middle = low.midpoint(high);
-            let request = Request {
+            let request = PlacementRequest {
                 model: prepared.model,
                 pipeline,
                 machine,

@@ -1,7 +1,7 @@
 //! Models of a study that are one system with equations by several
 //! formulations.
 
-use super::plan::{Printed, Subject};
+use super::plan::{Printed, StudySubject};
 use super::results::Results;
 
 /// Models with the same source, in the plan's order; groups of one are left
@@ -31,7 +31,7 @@ pub(super) fn is_variant(results: &Results, model: usize) -> bool {
 }
 
 /// What tells a model from others of its group.
-pub(super) fn label(subject: &Subject) -> String {
+pub(super) fn label(subject: &StudySubject) -> String {
     let style = &subject.style;
     match (
         style.formulation.as_str(),

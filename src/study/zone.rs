@@ -1,7 +1,7 @@
 //! The three zones of thesis 3.3: what more elements do for a program.
 
 use super::program::ProgramFacts;
-use super::results::Placed;
+use super::results::StudyPlacement;
 use crate::present::{MarkFill, MarkZone};
 
 /// How far above its longest chain a schedule may be to count as saturated,
@@ -49,7 +49,7 @@ impl Zone {
 /// The zone that a placement lies in: saturated when it takes no longer than
 /// the longest chain, parallel when the scarcer kind of elements is busy nearly
 /// all the time, and in transition otherwise.
-pub fn zone(facts: &ProgramFacts, placed: Placed<'_>) -> Zone {
+pub fn zone(facts: &ProgramFacts, placed: StudyPlacement<'_>) -> Zone {
     let cycles = f64::from(placed.point.cycles);
     let request = placed.request;
     let add = facts.add_sub as f64 / f64::from(request.n_add);

@@ -12,7 +12,7 @@ const SINGLE_CAP_MHZ: f64 = 240.0;
 
 /// One machine, and how many instances it evaluates at once.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
-pub struct Design {
+pub struct MachineDesign {
     /// Adders.
     pub adders: u32,
     /// Multipliers.
@@ -31,7 +31,7 @@ pub struct Design {
     pub interconnect: Interconnect,
 }
 
-impl Design {
+impl MachineDesign {
     /// The design as a machine.
     pub fn machine(&self) -> Machine {
         let kinds = [Operation::Add, Operation::Mul];
@@ -64,9 +64,9 @@ impl Design {
 }
 
 /// What is tried: every combination, but for numbers of adders and
-/// multipliers that differ by more than a factor of [`Space::ratio`].
+/// multipliers that differ by more than a factor of [`DesignSpace::ratio`].
 #[derive(Clone, PartialEq, Debug)]
-pub struct Space {
+pub struct DesignSpace {
     /// Numbers of adders.
     pub adders: Vec<u32>,
     /// Numbers of multipliers.
@@ -85,9 +85,9 @@ pub struct Space {
     pub interconnects: Vec<Interconnect>,
 }
 
-impl Default for Space {
-    fn default() -> Space {
-        Space {
+impl Default for DesignSpace {
+    fn default() -> DesignSpace {
+        DesignSpace {
             adders: vec![1, 2, 4, 8, 16],
             multipliers: vec![1, 2, 4, 8, 16],
             ratio: 2,
@@ -100,15 +100,15 @@ impl Default for Space {
     }
 }
 
-impl Space {
+impl DesignSpace {
     /// All designs, in order.
-    pub fn designs(&self) -> Vec<Design> {
+    pub fn designs(&self) -> Vec<MachineDesign> {
         let pairs: Vec<(u32, u32)> = self.pairs().collect();
         let axes = self.axes(pairs.len()).combinations();
         axes.map(|[pair, couple, memory, buffer, interconnect, instances]| {
             let (adders, multipliers) = pairs[pair];
             let couple = &self.couples[couple];
-            Design {
+            MachineDesign {
                 adders,
                 multipliers,
                 stages: couple.stages(),

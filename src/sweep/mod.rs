@@ -16,26 +16,26 @@ pub mod page;
 pub mod text;
 
 use crate::explore::device::{self, DeviceShare};
-use crate::explore::pareto::{self, Ties};
+use crate::explore::pareto::{self, EqualPoints};
 use crate::explore::placing::verified;
 use crate::explore::processor;
 use crate::explore::program::{ExplorationError, transformed_by};
-use design::{Design, Space};
+use design::{DesignSpace, MachineDesign};
 use rayon::prelude::*;
 use robovec_ir::{Machine, Module, View};
 use robovec_schedule::PlaceOptions;
 use serde::Serialize;
 
 /// The most operations times designs that are placed at once.
-pub const MOST_WORK: u64 = 6_000_000_000;
+pub const MAX_WORK: u64 = 6_000_000_000;
 /// Most designs of a sweep.
-pub const MOST_DESIGNS: u64 = 1_000_000;
+pub const MAX_DESIGNS: u64 = 1_000_000;
 
 /// A design with what came of it.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct SweepPoint {
     /// The design.
-    pub design: Design,
+    pub design: MachineDesign,
     /// Clock of the elements, MHz.
     pub clock_mhz: f64,
     /// Length of the schedule of all instances, cycles.
@@ -58,7 +58,7 @@ pub struct SweepPoint {
 
 /// What came of all designs for one function.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Sweep {
+pub struct FunctionSweep {
     /// The model or file.
     pub name: String,
     /// Operations of the program that was placed.
@@ -68,7 +68,7 @@ pub struct Sweep {
     /// The points, by design.
     pub points: Vec<SweepPoint>,
     /// Designs the program could not be placed on, and why.
-    pub failures: Vec<(Design, String)>,
+    pub failures: Vec<(MachineDesign, String)>,
     /// Time of one evaluation in binary64 by the fastest generated C on one
     /// core of this computer, µs.
     pub cpu_us: Option<f64>,
@@ -106,13 +106,13 @@ pub enum SweepError {
 pub fn sweep(
     name: &str,
     module: &Module,
-    space: &Space,
+    space: &DesignSpace,
     processor: Option<View<'_>>,
-) -> Result<Sweep, SweepError> {
+) -> Result<FunctionSweep, SweepError> {
     let function = &module.functions[0];
     let operations = robovec_ir::count::Counts::of(function).operations;
     let (designs, instances) = space.count();
-    if designs > MOST_DESIGNS || instances.saturating_mul(operations as u64) > MOST_WORK {
+    if designs > MAX_DESIGNS || instances.saturating_mul(operations as u64) > MAX_WORK {
         return Err(SweepError::TooMuch {
             designs,
             operations,
@@ -120,7 +120,7 @@ pub fn sweep(
     }
     let designs = space.designs();
     let programs = programs(module, space)?;
-    let program = |design: &Design| {
+    let program = |design: &MachineDesign| {
         let place = space.instances.iter().position(|&k| k == design.instances);
         &programs[place.expect("a design has instances of the space")]
     };
@@ -143,7 +143,7 @@ pub fn sweep(
     });
     let times = cpu.clone().and_then(Result::ok).unwrap_or_default();
     let path = robovec_analysis::critical_path::critical_path(function, &thesis());
-    Ok(Sweep {
+    Ok(FunctionSweep {
         name: name.to_owned(),
         operations,
         path: path.asap_cycle,
@@ -156,7 +156,7 @@ pub fn sweep(
 }
 
 /// The program for every number of instances.
-fn programs(module: &Module, space: &Space) -> Result<Vec<Module>, SweepError> {
+fn programs(module: &Module, space: &DesignSpace) -> Result<Vec<Module>, SweepError> {
     let machine = thesis();
     let one = |&count: &u32| match count {
         1 => Ok(module.clone()),
@@ -174,7 +174,7 @@ fn thesis() -> Machine {
 }
 
 /// Places a program for one design.
-fn measure(program: &Module, design: &Design) -> Result<SweepPoint, String> {
+fn measure(program: &Module, design: &MachineDesign) -> Result<SweepPoint, String> {
     let machine = design.machine();
     let placed = verified(program, &machine, PlaceOptions::default())?;
     // What the statistics count together lies in as many memories.
@@ -201,12 +201,12 @@ fn measure(program: &Module, design: &Design) -> Result<SweepPoint, String> {
 fn mark_front(points: &mut [SweepPoint]) {
     let measures = |point: &SweepPoint| [point.share, point.us_per_evaluation];
     let all: Vec<[f64; 2]> = points.iter().map(measures).collect();
-    for index in pareto::front(&all, Ties::First) {
+    for index in pareto::front(&all, EqualPoints::First) {
         points[index].on_front = true;
     }
 }
 
-impl Sweep {
+impl FunctionSweep {
     /// The points of the front, from the smallest on.
     pub fn front(&self) -> Vec<&SweepPoint> {
         let mut front: Vec<&SweepPoint> =
@@ -237,11 +237,11 @@ mod tests {
 
     #[test]
     fn a_front_has_no_point_that_another_one_beats() {
-        let space = Space {
+        let space = DesignSpace {
             adders: vec![1, 2],
             multipliers: vec![1, 2],
             instances: vec![1, 4],
-            ..Space::default()
+            ..DesignSpace::default()
         };
         let sweep = sweep("f", &program(), &space, None).expect("it is small");
         assert_eq!(sweep.failures, []);
@@ -262,10 +262,10 @@ mod tests {
 
     #[test]
     fn too_much_work_is_refused_before_it_starts() {
-        let space = Space {
+        let space = DesignSpace {
             adders: (1..=4096).collect(),
             multipliers: (1..=4096).collect(),
-            ..Space::default()
+            ..DesignSpace::default()
         };
         let error = sweep("f", &program(), &space, None).expect_err("it is too much");
         assert!(matches!(error, SweepError::TooMuch { .. }), "{error}");

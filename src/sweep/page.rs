@@ -1,13 +1,13 @@
 //! Sweeps as a page.
 
-use super::Sweep;
+use super::FunctionSweep;
 use super::text::{figure, points_table};
 use crate::present::DataCell;
 use crate::present::json::json_script;
 use crate::present::page::{self, PointsPage};
 
 /// The page of some sweeps.
-pub fn page(sweeps: &[Sweep]) -> String {
+pub fn page(sweeps: &[FunctionSweep]) -> String {
     let names: Vec<&str> = sweeps.iter().map(|sweep| sweep.name.as_str()).collect();
     let mut fronts = points_table(sweeps);
     let last = fronts.columns.len() - 1;

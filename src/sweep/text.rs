@@ -1,6 +1,6 @@
 //! A sweep as aligned text, as a table for programs, and as a figure.
 
-use super::{Sweep, SweepPoint};
+use super::{FunctionSweep, SweepPoint};
 use crate::present::number::or_dash;
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_table,
@@ -8,7 +8,7 @@ use crate::present::{
 use robovec_ir::machine::MemoryStyle;
 
 /// The front with the processor's time beside it, and what did not work.
-pub fn text(sweep: &Sweep) -> String {
+pub fn text(sweep: &FunctionSweep) -> String {
     let head = ">share % | >ALUT | >M10K | >DSP | add+multi | stages | >MHz | memory | buffer | \
          >instances | interconnect | >cycles | >bound | >latency us | >us/evaluation | \
          >CPU/FPGA";
@@ -60,7 +60,7 @@ fn row(point: &SweepPoint, cpu_us: Option<f64>) -> Vec<String> {
 }
 
 /// Which wins, in a sentence.
-fn verdict(sweep: &Sweep) -> String {
+fn verdict(sweep: &FunctionSweep) -> String {
     let fitting = sweep.points.iter().filter(|point| point.share <= 1.0);
     let fastest = fitting.min_by(|a, b| a.us_per_evaluation.total_cmp(&b.us_per_evaluation));
     let Some(fastest) = fastest else {
@@ -101,7 +101,7 @@ fn buffer_name(buffer: Option<u32>) -> String {
 }
 
 /// All points of all functions as one table.
-pub fn points_table(sweeps: &[Sweep]) -> DataTable {
+pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
     let rows = sweeps.iter().flat_map(|sweep| {
         sweep.points.iter().map(|point| {
             let design = &point.design;
@@ -147,7 +147,7 @@ pub fn points_table(sweeps: &[Sweep]) -> DataTable {
 }
 
 /// One panel per function: share of the device against time per evaluation.
-pub fn figure(sweeps: &[Sweep]) -> Figure {
+pub fn figure(sweeps: &[FunctionSweep]) -> Figure {
     let panels: Vec<Panel> = sweeps.iter().map(panel).collect();
     Figure::new(
         "sweep",
@@ -159,7 +159,7 @@ pub fn figure(sweeps: &[Sweep]) -> Figure {
     )
 }
 
-fn panel(sweep: &Sweep) -> Panel {
+fn panel(sweep: &FunctionSweep) -> Panel {
     let mark = |point: &SweepPoint| Mark::at(100.0 * point.share, point.us_per_evaluation);
     let mut instances: Vec<u32> = sweep.points.iter().map(|p| p.design.instances).collect();
     instances.sort_unstable();

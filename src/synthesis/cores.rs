@@ -3,8 +3,8 @@
 //! Every operator is mapped between registers, as the thesis measured its
 //! own for Tables 1.1 and 1.2.
 
-use super::timing::{FAST_NET, Path, Paths, SLOW_NET, Timing};
-use super::{Design, SynthesisError, Tool, count};
+use super::timing::{FAST_NET, NetlistTiming, Path, PathSelection, SLOW_NET};
+use super::{SynthesisDesign, SynthesisError, Yosys, count};
 use robovec_codegen::hardware::{Resources, operator};
 use robovec_codegen::rtl::cores::{Core, SOURCES, cuts};
 use robovec_ir::Format;
@@ -41,7 +41,7 @@ pub struct Delays {
 }
 
 /// The Verilog of an operator.
-pub fn design(core: Core, format: NumberFormat, stages: u32) -> Design {
+pub fn design(core: Core, format: NumberFormat, stages: u32) -> SynthesisDesign {
     let cuts = cuts(core, format, stages);
     let parameters = [
         ("EXPONENT", format.exponent.to_string()),
@@ -51,7 +51,7 @@ pub fn design(core: Core, format: NumberFormat, stages: u32) -> Design {
         ("EXTRA", cuts.extra.to_string()),
     ];
     let files = SOURCES.iter();
-    Design {
+    SynthesisDesign {
         top: core.module().to_owned(),
         parameters: parameters
             .map(|(name, value)| (name.to_owned(), value))
@@ -71,7 +71,7 @@ pub fn design(core: Core, format: NumberFormat, stages: u32) -> Design {
 ///
 /// When yosys cannot be run or refuses it.
 pub fn map(
-    tool: &Tool,
+    tool: &Yosys,
     core: Core,
     format: NumberFormat,
     stages: u32,
@@ -80,7 +80,7 @@ pub fn map(
     let top = netlist.top()?.to_owned();
     let counts = count::count(&netlist, &top)?;
     let counted = counts.last().map(|count| count.total).unwrap_or_default();
-    let timing = Timing::new(&netlist, &top)?;
+    let timing = NetlistTiming::new(&netlist, &top)?;
     Ok(Mapped {
         core,
         stages,
@@ -88,21 +88,21 @@ pub fn map(
         estimated: operator(core, Format::Float(format), stages),
         quick: delays(&timing, FAST_NET),
         slow: delays(&timing, SLOW_NET),
-        path: timing.longest(FAST_NET, Paths::ENCLOSED),
+        path: timing.longest(FAST_NET, PathSelection::ENCLOSED),
     })
 }
 
-fn delays(timing: &Timing<'_>, net: u32) -> Delays {
+fn delays(timing: &NetlistTiming<'_>, net: u32) -> Delays {
     let longest = |paths| timing.longest(net, paths).map_or(0, |path| path.delay);
     Delays {
-        first: longest(Paths {
+        first: longest(PathSelection {
             from_registers: false,
             from_inputs: Some(0),
             to_registers: true,
             to_outputs: false,
         }),
-        inner: longest(Paths::INSIDE),
-        enclosed: longest(Paths::ENCLOSED),
+        inner: longest(PathSelection::INSIDE),
+        enclosed: longest(PathSelection::ENCLOSED),
     }
 }
 
@@ -115,7 +115,7 @@ mod tests {
     #[test]
     #[ignore = "needs yosys; cargo test -- --ignored tabulated"]
     fn the_tabulated_delays_are_those_of_the_mapping() {
-        let tool = Tool::find().expect("yosys is installed");
+        let tool = Yosys::find().expect("yosys is installed");
         for (core, stages) in [(Core::Add, 1), (Core::Add, 10), (Core::Multiply, 5)] {
             let mapped =
                 map(&tool, core, NumberFormat::BINARY32, stages).expect("it can be mapped");

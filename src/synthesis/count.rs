@@ -9,7 +9,7 @@
 
 use super::SynthesisError;
 use super::delays::TRUE_DUAL_PORT;
-use super::netlist::{Bit, Cell, Module, Netlist, readable};
+use super::netlist::{Bit, Netlist, NetlistCell, NetlistModule, readable};
 use robovec_codegen::hardware::{Resources, true_dual_port_blocks};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -82,7 +82,7 @@ fn instances<'a>(netlist: &'a Netlist, order: &[&'a str], top: &'a str) -> BTree
 }
 
 /// What a module's own cells take.
-fn own(module: &Module) -> Resources {
+fn own(module: &NetlistModule) -> Resources {
     let mut taken = Resources::default();
     let mut mlabs: BTreeMap<String, usize> = BTreeMap::new();
     for cell in module.cells.values() {
@@ -109,13 +109,13 @@ fn own(module: &Module) -> Resources {
 }
 
 /// A parameter that is a number: binary digits.
-fn parameter(cell: &Cell, name: &str) -> u32 {
+fn parameter(cell: &NetlistCell, name: &str) -> u32 {
     let digits = cell.parameters.get(name).and_then(|value| value.as_str());
     digits.map_or(0, |digits| u32::from_str_radix(digits, 2).unwrap_or(0))
 }
 
 /// What the cells of one block of an MLAB have in common.
-fn addresses(cell: &Cell) -> String {
+fn addresses(cell: &NetlistCell) -> String {
     let of =
         |port: &str| -> Vec<&Bit> { cell.connections.get(port).into_iter().flatten().collect() };
     format!("{:?} {:?} {:?}", of("A1ADDR"), of("A1EN"), of("B1ADDR"))

@@ -10,7 +10,7 @@ use super::netlist::readable;
 
 /// How a cell's delays are laid out.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Model {
+pub(super) enum DelayModel {
     /// Outputs follow inputs: pairs of an input and its delay; every input
     /// reaches every output.
     Logic(&'static [(&'static str, u32)]),
@@ -67,9 +67,9 @@ pub(super) const REGISTER: u32 = 731;
 pub(super) const TRUE_DUAL_PORT: &str = "true_dual_port_memory";
 
 /// The delays of a primitive; none for an unknown one.
-pub(super) fn model(kind: &str) -> Option<Model> {
+pub(super) fn model(kind: &str) -> Option<DelayModel> {
     Some(match readable(kind) {
-        "MISTRAL_ALUT6" => Model::Logic(&[
+        "MISTRAL_ALUT6" => DelayModel::Logic(&[
             ("A", 605),
             ("B", 583),
             ("C", 510),
@@ -78,17 +78,17 @@ pub(super) fn model(kind: &str) -> Option<Model> {
             ("F", 97),
         ]),
         "MISTRAL_ALUT5" => {
-            Model::Logic(&[("A", 583), ("B", 510), ("C", 512), ("D", 400), ("E", 97)])
+            DelayModel::Logic(&[("A", 583), ("B", 510), ("C", 512), ("D", 400), ("E", 97)])
         }
-        "MISTRAL_ALUT4" => Model::Logic(&[("A", 510), ("B", 512), ("C", 400), ("D", 97)]),
-        "MISTRAL_ALUT3" => Model::Logic(&[("A", 510), ("B", 400), ("C", 97)]),
-        "MISTRAL_ALUT2" => Model::Logic(&[("A", 400), ("B", 97)]),
-        "MISTRAL_NOT" => Model::Logic(&[("A", 97)]),
-        "MISTRAL_MUL27X27" => Model::Logic(&[("A", 3732), ("B", 3928)]),
-        "MISTRAL_MUL18X18" => Model::Logic(&[("A", 3180), ("B", 3982)]),
-        "MISTRAL_MUL9X9" => Model::Logic(&[("A", 2818), ("B", 3051)]),
-        "MISTRAL_ALUT_ARITH" => Model::Carry,
-        "MISTRAL_FF" => Model::Clocked {
+        "MISTRAL_ALUT4" => DelayModel::Logic(&[("A", 510), ("B", 512), ("C", 400), ("D", 97)]),
+        "MISTRAL_ALUT3" => DelayModel::Logic(&[("A", 510), ("B", 400), ("C", 97)]),
+        "MISTRAL_ALUT2" => DelayModel::Logic(&[("A", 400), ("B", 97)]),
+        "MISTRAL_NOT" => DelayModel::Logic(&[("A", 97)]),
+        "MISTRAL_MUL27X27" => DelayModel::Logic(&[("A", 3732), ("B", 3928)]),
+        "MISTRAL_MUL18X18" => DelayModel::Logic(&[("A", 3180), ("B", 3982)]),
+        "MISTRAL_MUL9X9" => DelayModel::Logic(&[("A", 2818), ("B", 3051)]),
+        "MISTRAL_ALUT_ARITH" => DelayModel::Carry,
+        "MISTRAL_FF" => DelayModel::Clocked {
             outputs: &["Q"],
             delay: REGISTER,
             setup: &[
@@ -99,7 +99,7 @@ pub(super) fn model(kind: &str) -> Option<Model> {
                 ("SDATA", 0),
             ],
         },
-        "MISTRAL_M10K" => Model::Clocked {
+        "MISTRAL_M10K" => DelayModel::Clocked {
             outputs: &["B1DATA"],
             delay: 1004,
             setup: &[
@@ -111,7 +111,7 @@ pub(super) fn model(kind: &str) -> Option<Model> {
             ],
         },
         // Closed, since yosys has no cell for it: a block memory all the same.
-        TRUE_DUAL_PORT => Model::Clocked {
+        TRUE_DUAL_PORT => DelayModel::Clocked {
             outputs: &["a_word", "b_word"],
             delay: 1004,
             setup: &[
@@ -123,8 +123,8 @@ pub(super) fn model(kind: &str) -> Option<Model> {
                 ("b_write", 140),
             ],
         },
-        "MISTRAL_MLAB" => Model::LookUpMemory,
-        "MISTRAL_CLKBUF" | "MISTRAL_IB" | "MISTRAL_OB" | "MISTRAL_IO" => Model::Ignored,
+        "MISTRAL_MLAB" => DelayModel::LookUpMemory,
+        "MISTRAL_CLKBUF" | "MISTRAL_IB" | "MISTRAL_OB" | "MISTRAL_IO" => DelayModel::Ignored,
         _ => return None,
     })
 }

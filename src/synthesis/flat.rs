@@ -6,11 +6,11 @@
 //! of a union-find). Instances are opened from a stack, not by recursion.
 
 use super::SynthesisError;
-use super::netlist::{Bit, Cell, Direction, Module, Netlist};
+use super::netlist::{Bit, Netlist, NetlistCell, NetlistModule, PortDirection};
 use std::collections::BTreeMap;
 
 /// The most primitives that are taken apart.
-const MOST_CELLS: usize = 8_000_000;
+const MAX_CELLS: usize = 8_000_000;
 
 /// A net of the flat design; `None` is a constant or nothing at all.
 pub(super) type Net = Option<u32>;
@@ -19,7 +19,7 @@ pub(super) type Net = Option<u32>;
 #[derive(Debug)]
 pub(super) struct Primitive<'a> {
     /// The cell.
-    pub(super) cell: &'a Cell,
+    pub(super) cell: &'a NetlistCell,
     /// Its name in its module.
     pub(super) name: &'a str,
     /// The instance it stands in, an index into [`Flat::instances`].
@@ -89,9 +89,9 @@ impl Classes {
 
 /// The nets of one instance, by the numbers of its module.
 #[derive(Default)]
-struct Scope(BTreeMap<u32, u32>);
+struct InstanceNets(BTreeMap<u32, u32>);
 
-impl Scope {
+impl InstanceNets {
     fn net(&mut self, bit: &Bit, classes: &mut Classes) -> u32 {
         match bit {
             Bit::Net(number) => *self.0.entry(*number).or_insert_with(|| classes.fresh()),
@@ -121,7 +121,7 @@ pub(super) fn flatten<'a>(netlist: &'a Netlist, top: &'a str) -> Result<Flat<'a>
         .modules
         .get(top)
         .ok_or_else(|| SynthesisError::Netlist(format!("there is no module {top}")))?;
-    let mut scope = Scope::default();
+    let mut scope = InstanceNets::default();
     ports(module, &mut scope, &mut classes, &mut flat);
     let mut open = vec![(top, String::new(), scope)];
     while let Some((name, path, mut scope)) = open.pop() {
@@ -140,7 +140,7 @@ pub(super) fn flatten<'a>(netlist: &'a Netlist, top: &'a str) -> Result<Flat<'a>
                 bits.iter().map(|bit| scope.net(bit, classes)).collect()
             };
             if let Some(inside) = netlist.module_of(cell) {
-                let mut inner = Scope::default();
+                let mut inner = InstanceNets::default();
                 for (port, bits) in &cell.connections {
                     let outside = nets(bits, &mut classes);
                     let Some(declared) = inside.ports.get(port) else {
@@ -154,9 +154,9 @@ pub(super) fn flatten<'a>(netlist: &'a Netlist, top: &'a str) -> Result<Flat<'a>
                 open.push((&cell.kind, format!("{below}{cell_name}"), inner));
                 continue;
             }
-            if flat.primitives.len() >= MOST_CELLS {
+            if flat.primitives.len() >= MAX_CELLS {
                 return Err(SynthesisError::Netlist(format!(
-                    "it has more than {MOST_CELLS} primitives"
+                    "it has more than {MAX_CELLS} primitives"
                 )));
             }
             let connections = cell.connections.iter();
@@ -179,7 +179,12 @@ pub(super) fn flatten<'a>(netlist: &'a Netlist, top: &'a str) -> Result<Flat<'a>
 }
 
 /// The nets of the top's ports.
-fn ports(module: &Module, scope: &mut Scope, classes: &mut Classes, flat: &mut Flat<'_>) {
+fn ports(
+    module: &NetlistModule,
+    scope: &mut InstanceNets,
+    classes: &mut Classes,
+    flat: &mut Flat<'_>,
+) {
     for (name, port) in &module.ports {
         for (place, bit) in port.bits.iter().enumerate() {
             let net = scope.net(bit, classes);
@@ -188,9 +193,9 @@ fn ports(module: &Module, scope: &mut Scope, classes: &mut Classes, flat: &mut F
                 _ => format!("{name}[{place}]"),
             };
             match port.direction {
-                Direction::Input => flat.inputs.push((name, net)),
-                Direction::Output => flat.outputs.push((name, net)),
-                Direction::Inout => {}
+                PortDirection::Input => flat.inputs.push((name, net)),
+                PortDirection::Output => flat.outputs.push((name, net)),
+                PortDirection::Inout => {}
             }
         }
     }

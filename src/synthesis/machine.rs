@@ -6,8 +6,8 @@
 //! without them the elements are more alike.
 
 use super::netlist::{Netlist, readable};
-use super::timing::{FAST_NET, Path, Paths, SLOW_NET, Timing};
-use super::{Design, SynthesisError, Tool, count};
+use super::timing::{FAST_NET, NetlistTiming, Path, PathSelection, SLOW_NET};
+use super::{SynthesisDesign, SynthesisError, Yosys, count};
 use robovec_codegen::hardware::{Part, PartKind, Resources, Shape, parts};
 use robovec_codegen::rtl::cores::Core;
 use std::collections::BTreeMap;
@@ -62,7 +62,7 @@ impl MappedMachine {
 }
 
 /// The design for a machine's files: name and text of every Verilog file.
-pub fn design(files: &[(String, String)]) -> Design {
+pub fn design(files: &[(String, String)]) -> SynthesisDesign {
     let (closed, sources) = files
         .iter()
         .filter(|(name, _)| name.ends_with(".v"))
@@ -70,7 +70,7 @@ pub fn design(files: &[(String, String)]) -> Design {
         .partition(|(name, _)| name == CLOSED);
     let parts = MODULES.iter().map(|(name, _)| *name);
     let operators = Core::ALL.iter().map(|core| core.module());
-    Design {
+    SynthesisDesign {
         top: TOP.to_owned(),
         parameters: vec![("INITIAL".to_owned(), "0".to_owned())],
         sources,
@@ -91,7 +91,7 @@ pub fn design(files: &[(String, String)]) -> Design {
 /// When yosys cannot be run, refuses the design, or leaves a memory or
 /// another cell unmapped.
 pub fn map(
-    tool: &Tool,
+    tool: &Yosys,
     shape: &Shape,
     files: &[(String, String)],
 ) -> Result<MappedMachine, SynthesisError> {
@@ -117,12 +117,12 @@ fn measure(netlist: &Netlist, shape: &Shape) -> Result<MappedMachine, SynthesisE
             by_part.get(&key).copied().unwrap_or_default()
         })
         .collect();
-    let timing = Timing::new(netlist, TOP)?;
+    let timing = NetlistTiming::new(netlist, TOP)?;
     Ok(MappedMachine {
         counted,
         estimated,
-        quick: timing.longest(FAST_NET, Paths::INSIDE),
-        slow: timing.longest(SLOW_NET, Paths::INSIDE),
+        quick: timing.longest(FAST_NET, PathSelection::INSIDE),
+        slow: timing.longest(SLOW_NET, PathSelection::INSIDE),
         phases: shape.phases(),
     })
 }

@@ -22,5 +22,5 @@ pub mod timing;
 pub mod tool;
 
 pub use error::SynthesisError;
-pub use script::Design;
-pub use tool::Tool;
+pub use script::SynthesisDesign;
+pub use tool::Yosys;

@@ -14,28 +14,28 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, Deserialize)]
 pub struct Netlist {
     /// The modules, those of the cell library included.
-    pub modules: BTreeMap<String, Module>,
+    pub modules: BTreeMap<String, NetlistModule>,
 }
 
 /// A module.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Module {
+pub struct NetlistModule {
     /// Attributes: `top`, `blackbox`, `hdlname` and others.
     #[serde(default)]
     pub attributes: BTreeMap<String, Value>,
     /// Its ports.
     #[serde(default)]
-    pub ports: BTreeMap<String, Port>,
+    pub ports: BTreeMap<String, NetlistPort>,
     /// Its cells by name.
     #[serde(default)]
-    pub cells: BTreeMap<String, Cell>,
+    pub cells: BTreeMap<String, NetlistCell>,
 }
 
 /// A port of a module.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Port {
+pub struct NetlistPort {
     /// Which way signals go.
-    pub direction: Direction,
+    pub direction: PortDirection,
     /// Its bits, lowest first.
     pub bits: Vec<Bit>,
 }
@@ -43,7 +43,7 @@ pub struct Port {
 /// Which way signals go through a port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Direction {
+pub enum PortDirection {
     /// Into the module.
     Input,
     /// Out of it.
@@ -54,7 +54,7 @@ pub enum Direction {
 
 /// A cell: a primitive of the device or an instance of a module.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Cell {
+pub struct NetlistCell {
     /// The primitive or module.
     #[serde(rename = "type")]
     pub kind: String,
@@ -160,14 +160,14 @@ impl Netlist {
     }
 
     /// The module of an instance, unless it is a library cell.
-    pub fn module_of(&self, cell: &Cell) -> Option<&Module> {
+    pub fn module_of(&self, cell: &NetlistCell) -> Option<&NetlistModule> {
         self.modules
             .get(&cell.kind)
             .filter(|module| !module.is_library())
     }
 }
 
-impl Module {
+impl NetlistModule {
     /// True for cells of the device, whose inside is not part of the design.
     pub fn is_library(&self) -> bool {
         ["blackbox", "whitebox"]

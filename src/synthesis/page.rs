@@ -1,6 +1,6 @@
 //! A mapped machine as a page: parts, totals, the clock.
 
-use super::Tool;
+use super::Yosys;
 use super::machine::MappedMachine;
 use super::timing::{FAST_NET, Path, SLOW_NET};
 use crate::present::text_table;
@@ -30,7 +30,7 @@ fn printed(part: PartKind, kind: Option<&str>) -> [Option<&'static str>; 4] {
 const PRINTED: [&str; 4] = ["4413 ALM", "", "120", "20"];
 
 /// The page of a mapped machine.
-pub fn page(machine: &MappedMachine, tool: &Tool) -> String {
+pub fn page(machine: &MappedMachine, tool: &Yosys) -> String {
     let mut text = format!(
         "{} {}, synth_intel_alm for Cyclone V. Nothing was placed, routed or given to Quartus.\n\n",
         tool.program, tool.version

@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 /// A design for the mapping.
 #[derive(Clone, Debug)]
-pub struct Design {
+pub struct SynthesisDesign {
     /// The module to map.
     pub top: String,
     /// Parameters of the top that differ from their defaults.
@@ -34,7 +34,7 @@ pub(super) const NETLIST: &str = "netlist.json";
 pub(super) const UNMAPPED: &str = "unmapped.txt";
 
 /// The script for a design.
-pub fn script(design: &Design) -> String {
+pub fn script(design: &SynthesisDesign) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     for (name, _) in &design.sources {
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn the_script_stops_before_memories_become_registers() {
-        let design = Design {
+        let design = SynthesisDesign {
             top: "machine".to_owned(),
             parameters: vec![("CUTS".to_owned(), "5".to_owned())],
             sources: vec![("a.v".to_owned(), String::new())],

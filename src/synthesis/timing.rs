@@ -16,7 +16,7 @@
 //! first in order of names wins.
 
 use super::SynthesisError;
-use super::delays::{self, Model};
+use super::delays::{self, DelayModel};
 use super::flat::{self, Flat, Net, Primitive};
 use super::netlist::{Netlist, readable};
 use std::collections::VecDeque;
@@ -29,7 +29,7 @@ pub const SLOW_NET: u32 = 900;
 
 /// Which paths count.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Paths {
+pub struct PathSelection {
     /// Those that start at a register or memory.
     pub from_registers: bool,
     /// Those that start at an input, which changes that long after the
@@ -42,9 +42,9 @@ pub struct Paths {
     pub to_outputs: bool,
 }
 
-impl Paths {
+impl PathSelection {
     /// From register to register inside the design.
-    pub const INSIDE: Paths = Paths {
+    pub const INSIDE: PathSelection = PathSelection {
         from_registers: true,
         from_inputs: None,
         to_registers: true,
@@ -53,7 +53,7 @@ impl Paths {
 
     /// The design between registers: one before every input, one behind
     /// every output.
-    pub const ENCLOSED: Paths = Paths {
+    pub const ENCLOSED: PathSelection = PathSelection {
         from_registers: true,
         from_inputs: Some(delays::REGISTER),
         to_registers: true,
@@ -63,7 +63,7 @@ impl Paths {
 
 /// A cell on a path.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Step {
+pub struct PathCell {
     /// The primitive, or `input` and `output` for ports.
     pub kind: String,
     /// Its name with the instances above it, parts separated by dots.
@@ -80,7 +80,7 @@ pub struct Path {
     /// Its delay with the set-up time at its end, ps.
     pub delay: u32,
     /// From its start to its end.
-    pub steps: Vec<Step>,
+    pub steps: Vec<PathCell>,
 }
 
 impl Path {
@@ -92,9 +92,9 @@ impl Path {
 
 /// A design whose paths can be asked for.
 #[derive(Debug)]
-pub struct Timing<'a> {
+pub struct NetlistTiming<'a> {
     flat: Flat<'a>,
-    models: Vec<Model>,
+    models: Vec<DelayModel>,
     /// Primitives of logic, each after those that drive it.
     order: Vec<u32>,
 }
@@ -112,14 +112,14 @@ struct Arrival {
 /// Stands for an input of the top in place of a primitive.
 const INPUT: u32 = u32::MAX;
 
-impl<'a> Timing<'a> {
+impl<'a> NetlistTiming<'a> {
     /// Opens a design and puts its logic in order.
     ///
     /// # Errors
     ///
     /// When a cell is unknown, logic goes in circles, or the design cannot be
     /// opened.
-    pub fn new(netlist: &'a Netlist, top: &'a str) -> Result<Timing<'a>, SynthesisError> {
+    pub fn new(netlist: &'a Netlist, top: &'a str) -> Result<NetlistTiming<'a>, SynthesisError> {
         let flat = flat::flatten(netlist, top)?;
         let model = |primitive: &Primitive<'_>| {
             delays::model(&primitive.cell.kind).ok_or_else(|| {
@@ -127,13 +127,13 @@ impl<'a> Timing<'a> {
                 SynthesisError::Netlist(format!("the cell {kind} has no published delays"))
             })
         };
-        let models: Vec<Model> = flat
+        let models: Vec<DelayModel> = flat
             .primitives
             .iter()
             .map(model)
             .collect::<Result<_, _>>()?;
         let order = in_order(&flat, &models)?;
-        Ok(Timing {
+        Ok(NetlistTiming {
             flat,
             models,
             order,
@@ -142,7 +142,7 @@ impl<'a> Timing<'a> {
 
     /// The longest path when every net takes so many picoseconds; none when
     /// no path is of the kinds asked for.
-    pub fn longest(&self, net: u32, paths: Paths) -> Option<Path> {
+    pub fn longest(&self, net: u32, paths: PathSelection) -> Option<Path> {
         let arrivals = self.arrivals(net, paths);
         let mut worst: Option<(u32, u32, Net)> = None;
         let mut end = |time: u32, primitive: u32, at: Net| {
@@ -153,8 +153,8 @@ impl<'a> Timing<'a> {
         if paths.to_registers {
             for (index, primitive) in self.flat.primitives.iter().enumerate() {
                 let setup = match self.models[index] {
-                    Model::Clocked { setup, .. } => setup,
-                    Model::LookUpMemory => &delays::LOOK_UP_SETUP,
+                    DelayModel::Clocked { setup, .. } => setup,
+                    DelayModel::LookUpMemory => &delays::LOOK_UP_SETUP,
                     _ => continue,
                 };
                 for (port, setup) in setup {
@@ -181,7 +181,7 @@ impl<'a> Timing<'a> {
     }
 
     /// The latest change of every net.
-    fn arrivals(&self, net: u32, paths: Paths) -> Vec<Option<Arrival>> {
+    fn arrivals(&self, net: u32, paths: PathSelection) -> Vec<Option<Arrival>> {
         let mut arrivals = vec![None; self.flat.nets as usize];
         if let Some(time) = paths.from_inputs {
             for (_, at) in &self.flat.inputs {
@@ -193,7 +193,7 @@ impl<'a> Timing<'a> {
             }
         }
         for (index, primitive) in self.flat.primitives.iter().enumerate() {
-            if let (Model::Clocked { outputs, delay, .. }, true) =
+            if let (DelayModel::Clocked { outputs, delay, .. }, true) =
                 (self.models[index], paths.from_registers)
             {
                 for at in outputs
@@ -227,7 +227,7 @@ impl<'a> Timing<'a> {
             through(pins, arrivals, index)
         };
         let changes = match self.models[index as usize] {
-            Model::Logic(delays) => {
+            DelayModel::Logic(delays) => {
                 let outputs = if primitive.port("Q").is_empty() {
                     "Y"
                 } else {
@@ -235,18 +235,18 @@ impl<'a> Timing<'a> {
                 };
                 vec![(outputs, latest(delays))]
             }
-            Model::Carry => vec![
+            DelayModel::Carry => vec![
                 ("SO", latest(&delays::CARRY_SUM)),
                 ("CO", latest(&delays::CARRY_OUT)),
             ],
-            Model::LookUpMemory => {
+            DelayModel::LookUpMemory => {
                 let address = primitive.port("B1ADDR").iter();
                 let pins = address
                     .zip(delays::LOOK_UP_READ)
                     .map(|(at, delay)| (*at, delay + net));
                 vec![("B1DATA", through(pins, arrivals, index))]
             }
-            Model::Clocked { .. } | Model::Ignored => Vec::new(),
+            DelayModel::Clocked { .. } | DelayModel::Ignored => Vec::new(),
         };
         for (port, arrival) in changes {
             for at in primitive.port(port).iter().flatten() {
@@ -256,7 +256,7 @@ impl<'a> Timing<'a> {
     }
 
     /// The steps to the latest change of a net, from the start.
-    fn trace(&self, arrivals: &[Option<Arrival>], mut at: Net) -> Vec<Step> {
+    fn trace(&self, arrivals: &[Option<Arrival>], mut at: Net) -> Vec<PathCell> {
         let mut steps = Vec::new();
         while let Some(arrival) = arrival(arrivals, at) {
             steps.push(match (arrival.driver, at) {
@@ -273,7 +273,7 @@ impl<'a> Timing<'a> {
     }
 
     /// A primitive, or an output numbered behind them, as a step.
-    fn step(&self, index: u32, at: u32) -> Step {
+    fn step(&self, index: u32, at: u32) -> PathCell {
         let index = index as usize;
         let Some(primitive) = self.flat.primitives.get(index) else {
             let output = self.flat.outputs.get(index - self.flat.primitives.len());
@@ -284,7 +284,7 @@ impl<'a> Timing<'a> {
             "" => primitive.name.to_owned(),
             path => format!("{path}.{}", primitive.name),
         };
-        Step {
+        PathCell {
             kind: primitive.cell.kind.clone(),
             name,
             module: readable(instance.module).to_owned(),
@@ -293,8 +293,8 @@ impl<'a> Timing<'a> {
     }
 }
 
-fn port(kind: &str, name: &str, at: u32) -> Step {
-    Step {
+fn port(kind: &str, name: &str, at: u32) -> PathCell {
+    PathCell {
         kind: kind.to_owned(),
         name: name.to_owned(),
         module: String::new(),
@@ -330,17 +330,17 @@ fn through(
 
 /// The ports of a primitive of logic that its outputs follow, and its
 /// outputs; none for cells that paths do not go through.
-fn logic_ports(model: Model) -> Option<(&'static [&'static str], &'static [&'static str])> {
+fn logic_ports(model: DelayModel) -> Option<(&'static [&'static str], &'static [&'static str])> {
     match model {
-        Model::Logic(_) => Some((&["A", "B", "C", "D", "E", "F"], &["Q", "Y"])),
-        Model::Carry => Some((&["A", "B", "C", "D0", "D1", "CI"], &["SO", "CO"])),
-        Model::LookUpMemory => Some((&["B1ADDR"], &["B1DATA"])),
-        Model::Clocked { .. } | Model::Ignored => None,
+        DelayModel::Logic(_) => Some((&["A", "B", "C", "D", "E", "F"], &["Q", "Y"])),
+        DelayModel::Carry => Some((&["A", "B", "C", "D0", "D1", "CI"], &["SO", "CO"])),
+        DelayModel::LookUpMemory => Some((&["B1ADDR"], &["B1DATA"])),
+        DelayModel::Clocked { .. } | DelayModel::Ignored => None,
     }
 }
 
 /// The primitives of logic, each after all that drive it.
-fn in_order(flat: &Flat<'_>, models: &[Model]) -> Result<Vec<u32>, SynthesisError> {
+fn in_order(flat: &Flat<'_>, models: &[DelayModel]) -> Result<Vec<u32>, SynthesisError> {
     let mut driver = vec![u32::MAX; flat.nets as usize];
     for (index, primitive) in flat.primitives.iter().enumerate() {
         let Some((_, outputs)) = logic_ports(models[index]) else {
@@ -424,8 +424,10 @@ mod tests {
     #[test]
     fn a_path_crosses_modules_and_adds_up() {
         let netlist = netlist(SMALL);
-        let timing = Timing::new(&netlist, "all").expect("it has an order");
-        let path = timing.longest(500, Paths::INSIDE).expect("there is one");
+        let timing = NetlistTiming::new(&netlist, "all").expect("it has an order");
+        let path = timing
+            .longest(500, PathSelection::INSIDE)
+            .expect("there is one");
         // Register, net, table, net; no set-up time.
         assert_eq!(path.delay, 731 + 500 + 400 + 500);
         let names: Vec<&str> = path.steps.iter().map(|step| step.name.as_str()).collect();
@@ -435,7 +437,9 @@ mod tests {
         assert_eq!(path.steps[1].module, "leaf");
         // With registers outside: the second's output through the carry
         // chain, whose wire takes nothing, and a net to the register behind.
-        let path = timing.longest(500, Paths::ENCLOSED).expect("there is one");
+        let path = timing
+            .longest(500, PathSelection::ENCLOSED)
+            .expect("there is one");
         assert_eq!(path.delay, 731 + 500 + 1082 + 368 + 500);
         assert_eq!(
             path.steps.last().map(|step| step.name.as_str()),
@@ -454,8 +458,10 @@ mod tests {
             "product": {"type": "MISTRAL_MUL9X9", "connections": {"A": [6], "B": [5], "Y": [7]}},
             "next": {"type": "MISTRAL_M10K", "connections": {"A1DATA": [7], "B1DATA": [8]}}}}}}"#,
         );
-        let timing = Timing::new(&netlist, "all").expect("it has an order");
-        let path = timing.longest(900, Paths::INSIDE).expect("there is one");
+        let timing = NetlistTiming::new(&netlist, "all").expect("it has an order");
+        let path = timing
+            .longest(900, PathSelection::INSIDE)
+            .expect("there is one");
         assert_eq!(path.delay, 1004 + 900 + 487 + 900 + 2818 + 900 + 97);
         assert_eq!(path.steps.len(), 4);
     }
@@ -467,13 +473,13 @@ mod tests {
             "a": {"type": "MISTRAL_NOT", "connections": {"A": [2], "Q": [3]}},
             "b": {"type": "MISTRAL_NOT", "connections": {"A": [3], "Q": [2]}}}}}}"#,
         );
-        let error = Timing::new(&turning, "all").expect_err("it turns");
+        let error = NetlistTiming::new(&turning, "all").expect_err("it turns");
         assert!(matches!(error, SynthesisError::Loop(_)), "{error}");
         let unmapped = netlist(
             r#"{"modules": {"all": {"attributes": {"top": "1"}, "cells": {
             "a": {"type": "$add", "connections": {"A": [2]}}}}}}"#,
         );
-        assert!(Timing::new(&unmapped, "all").is_err());
+        assert!(NetlistTiming::new(&unmapped, "all").is_err());
     }
 
     #[test]
@@ -489,8 +495,10 @@ mod tests {
                 "second": {"type": "MISTRAL_FF",
                            "connections": {"DATAIN": [3], "ENA": [4], "Q": [5]}}}}}}"#,
         );
-        let timing = Timing::new(&netlist, "all").expect("it has an order");
-        let path = timing.longest(500, Paths::INSIDE).expect("there is one");
+        let timing = NetlistTiming::new(&netlist, "all").expect("it has an order");
+        let path = timing
+            .longest(500, PathSelection::INSIDE)
+            .expect("there is one");
         assert_eq!((path.delay, path.steps.len()), (1231, 2));
     }
 }

@@ -6,9 +6,9 @@
 
 use super::SynthesisError;
 use super::netlist::Netlist;
-use super::script::{Design, NETLIST, UNMAPPED, script};
+use super::script::{NETLIST, SynthesisDesign, UNMAPPED, script};
 use crate::files::{Replace, TemporaryFolder, make_folder, write_whole};
-use crate::process::{Call, Finished, ToolError};
+use crate::process::{FinishedProcess, ProgramCall, ToolError};
 use std::fs;
 use std::io;
 use std::path::Path;
@@ -24,23 +24,23 @@ pub const TRIED: &str = "0.70";
 
 /// A yosys that can be run.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Tool {
+pub struct Yosys {
     /// The program.
     pub program: String,
     /// Its version.
     pub version: String,
 }
 
-impl Tool {
+impl Yosys {
     /// The first installed one that is new enough.
     ///
     /// # Errors
     ///
     /// When there is none, or only an old one.
-    pub fn find() -> Result<Tool, SynthesisError> {
+    pub fn find() -> Result<Yosys, SynthesisError> {
         let mut old = None;
         for program in PROGRAMS {
-            let output = match Call::version(program, "-V").run() {
+            let output = match ProgramCall::version(program, "-V").run() {
                 Err(ToolError::Start { .. }) => continue,
                 result => result?,
             };
@@ -57,7 +57,7 @@ impl Tool {
     /// # Errors
     ///
     /// When yosys refuses the design or a memory is not mapped.
-    pub fn map(&self, design: &Design) -> Result<Netlist, SynthesisError> {
+    pub fn map(&self, design: &SynthesisDesign) -> Result<Netlist, SynthesisError> {
         let folder = TemporaryFolder::new()?;
         let files = design
             .sources
@@ -72,7 +72,7 @@ impl Tool {
             write_text(&path, text)?;
         }
         write_text(&folder.path().join("map.ys"), &script(design))?;
-        let output = Call::new(&self.program)
+        let output = ProgramCall::new(&self.program)
             .arguments(["-q", "-l", "log.txt", "map.ys"])
             .folder(folder.path())
             .run()?;
@@ -92,7 +92,7 @@ impl Tool {
 }
 
 /// Whether what a program says of itself is a version that will do.
-fn judge(program: &str, answer: &str) -> Result<Tool, SynthesisError> {
+fn judge(program: &str, answer: &str) -> Result<Yosys, SynthesisError> {
     let version = answer.split_whitespace().nth(1).unwrap_or("unknown");
     let numbers = version.split(|other: char| !other.is_ascii_digit());
     let mut numbers = numbers.map(|number| number.parse().unwrap_or(0));
@@ -104,7 +104,7 @@ fn judge(program: &str, answer: &str) -> Result<Tool, SynthesisError> {
             least: format!("{}.{}", LEAST.0, LEAST.1),
         });
     }
-    Ok(Tool {
+    Ok(Yosys {
         program: program.to_owned(),
         version: version.to_owned(),
     })
@@ -134,7 +134,7 @@ fn readable_memory(line: &str) -> String {
 }
 
 /// The error of a run that failed.
-fn complaint(log: &str, output: &Finished) -> String {
+fn complaint(log: &str, output: &FinishedProcess) -> String {
     let said = output.messages();
     let line = log
         .lines()

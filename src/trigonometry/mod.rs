@@ -14,7 +14,7 @@ pub use view::{figure, table, text};
 use crate::explore::program::transformed;
 use crate::explore::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
 use crate::model::Model;
-use crate::motion::{Inputs, State};
+use crate::motion::{InputSources, MotionState};
 use robovec_analysis::critical_path::critical_path;
 use robovec_framework::manager::RunError;
 use robovec_framework::options::OptionValue;
@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 /// What is measured.
 #[derive(Clone, Debug)]
-pub struct Setting {
+pub struct TrigonometrySetting {
     /// How sines and cosines are computed.
     pub method: Method,
     /// Orders of the polynomials.
@@ -46,7 +46,7 @@ pub struct Setting {
 
 /// The outputs of one function for one range and one way to compute sines.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Row {
+pub struct TrigonometryRow {
     /// The range of the joints.
     pub angle: f64,
     /// The order; `None` for true sines and cosines.
@@ -62,13 +62,13 @@ pub struct Row {
 
 /// All rows of one function.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Effect {
+pub struct TrigonometryEffect {
     /// The function, or the model and the function.
     pub name: String,
     /// Names of its output arrays.
     pub arrays: Vec<String>,
     /// One row for every range and order.
-    pub rows: Vec<Row>,
+    pub rows: Vec<TrigonometryRow>,
 }
 
 /// Why nothing was measured.
@@ -96,14 +96,14 @@ pub fn measure(
     module: &Module,
     model: Option<&Model>,
     machine: &Machine,
-    setting: &Setting,
-) -> Result<Vec<Effect>, MeasureError> {
+    setting: &TrigonometrySetting,
+) -> Result<Vec<TrigonometryEffect>, MeasureError> {
     let mut machine = machine.clone();
     machine.number = setting.format;
-    let mut effects: Vec<Effect> = Vec::new();
+    let mut effects: Vec<TrigonometryEffect> = Vec::new();
     for function in &module.functions {
         let arrays = function.outputs().iter();
-        effects.push(Effect {
+        effects.push(TrigonometryEffect {
             name: match module.functions.len() {
                 1 => name.to_owned(),
                 _ => format!("{name} {}", function.name),
@@ -142,7 +142,7 @@ pub fn measure(
                 };
                 let path = critical_path(function, &machine).asap_cycle;
                 let counts = robovec_ir::count::Counts::of(function);
-                effect.rows.push(Row {
+                effect.rows.push(TrigonometryRow {
                     angle,
                     order,
                     proved,
@@ -158,7 +158,7 @@ pub fn measure(
 fn replaced(
     module: &Module,
     machine: &Machine,
-    setting: &Setting,
+    setting: &TrigonometrySetting,
     order: u32,
     angle: f64,
 ) -> Result<Module, RunError> {
@@ -176,7 +176,7 @@ fn replaced(
 
 /// The proved errors of sine and cosine; an order that is given always gives
 /// polynomials.
-fn proved(machine: &Machine, setting: &Setting, order: u32, angle: f64) -> [f64; 2] {
+fn proved(machine: &Machine, setting: &TrigonometrySetting, order: u32, angle: f64) -> [f64; 2] {
     let pass = Trigonometry {
         method: setting.method,
         order,
@@ -193,7 +193,7 @@ fn yardstick(
     view: View<'_>,
     model: Option<&Model>,
     angle: f64,
-    setting: &Setting,
+    setting: &TrigonometrySetting,
 ) -> Result<Yardstick, MeasureError> {
     let ranges = ranges(view, model, angle)?;
     let source = States::new(setting.seed).within(Arc::new(ranges));
@@ -212,8 +212,8 @@ fn ranges(view: View<'_>, model: Option<&Model>, angle: f64) -> Result<Ranges, M
     let parameters = match model {
         None => None,
         Some(model) => {
-            let inputs = Inputs::new(model, view).map_err(MeasureError::Input)?;
-            Some(inputs.gather(&State::initial(model)))
+            let inputs = InputSources::new(model, view).map_err(MeasureError::Input)?;
+            Some(inputs.gather(&MotionState::initial(model)))
         }
     };
     for index in 0..view.function.input_len() {

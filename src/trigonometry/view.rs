@@ -1,13 +1,13 @@
 //! Effects of series as text, table and figure.
 
-use super::{Effect, Row};
+use super::{TrigonometryEffect, TrigonometryRow};
 use crate::present::number::exponential;
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_lines,
 };
 
 /// The rows of one function, for people.
-pub fn text(effect: &Effect) -> String {
+pub fn text(effect: &TrigonometryEffect) -> String {
     let mut head =
         "angles ± | order | >error of sin | >error of cos | >operations | >path".to_owned();
     for array in &effect.arrays {
@@ -17,7 +17,7 @@ pub fn text(effect: &Effect) -> String {
     format!("{}:\n{}", effect.name, text_lines(&head, &rows))
 }
 
-fn cells(row: &Row) -> Vec<String> {
+fn cells(row: &TrigonometryRow) -> Vec<String> {
     let mut cells = vec![row.angle.to_string()];
     match row.order {
         None => cells.extend(["true".to_owned(), String::new(), String::new()]),
@@ -34,9 +34,9 @@ fn cells(row: &Row) -> Vec<String> {
 }
 
 /// The same as a table for programs: one row for every output array.
-pub fn table(effects: &[Effect]) -> DataTable {
+pub fn table(effects: &[TrigonometryEffect]) -> DataTable {
     let exact = |number: f64| DataCell::text(format!("{number:e}"));
-    let line = |effect: &Effect, row: &Row, array: usize| {
+    let line = |effect: &TrigonometryEffect, row: &TrigonometryRow, array: usize| {
         vec![
             DataCell::text(&effect.name),
             exact(row.angle),
@@ -70,7 +70,7 @@ pub fn table(effects: &[Effect]) -> DataTable {
 }
 
 /// Median errors against the range, one curve for every order.
-pub fn figure(effects: &[Effect]) -> Figure {
+pub fn figure(effects: &[TrigonometryEffect]) -> Figure {
     let mut panels = Vec::new();
     for effect in effects {
         for (index, array) in effect.arrays.iter().enumerate() {
@@ -93,7 +93,7 @@ pub fn figure(effects: &[Effect]) -> Figure {
     )
 }
 
-fn curves(effect: &Effect, array: usize) -> Vec<Curve> {
+fn curves(effect: &TrigonometryEffect, array: usize) -> Vec<Curve> {
     let mut orders: Vec<Option<u32>> = effect.rows.iter().map(|row| row.order).collect();
     orders.sort_unstable();
     orders.dedup();

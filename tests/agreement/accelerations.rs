@@ -5,19 +5,19 @@ use super::{Case, Outputs, PLAIN, each};
 use crate::reference::dynamics::{bias, mass_matrix};
 use crate::reference::loops::constraints;
 use crate::reference::random::Recipe;
-use robovec::generate::{Formulation, FunctionKind, Request};
+use robovec::generate::{Formulation, FunctionKind, GenerationRequest};
 use robovec::model::{Model, Nature, mbs::read_mbs};
-use robovec::motion::linear::{Matrix, solve_square};
-use robovec::motion::{Laws, Setting, System};
+use robovec::motion::linear::{DenseMatrix, solve_square};
+use robovec::motion::{EquationSetting, Laws, MultibodySystem};
 use robovec_num::double_double::Double;
 use std::path::Path;
 
 /// Accelerations of all joints by a formulation; those of driven ones are
 /// given.
 fn accelerations(case: &Case, formulation: Formulation, forces: &[f64]) -> Vec<f64> {
-    let module = case.generate(&Request {
+    let module = case.generate(&GenerationRequest {
         formulation,
-        ..Request::new(FunctionKind::Accelred)
+        ..GenerationRequest::new(FunctionKind::Accelred)
     });
     let mut inputs = case.inputs();
     inputs.joint_forces.copy_from_slice(forces);
@@ -101,7 +101,8 @@ fn accelerations_with_loops_leave_what_the_loops_can_carry() {
     for name in ["four-bar.mbs", "slider-crank.mbs", "quarter-car.mbs"] {
         let model = example(name);
         let laws = Laws::none(&model);
-        let (system, closed) = System::new(&model, laws, &Setting::default()).expect("a system");
+        let (system, closed) =
+            MultibodySystem::new(&model, laws, &EquationSetting::default()).expect("a system");
         let roles = system.partition().clone();
         let state = crate::reference::State {
             q: closed.q,
@@ -138,7 +139,10 @@ fn accelerations_with_loops_leave_what_the_loops_can_carry() {
                 .collect();
             assert_eq!(changing.len(), roles.rows.len());
             let count = changing.len();
-            let (mut square, mut right) = (Matrix::zeros(count, count), Matrix::zeros(count, 1));
+            let (mut square, mut right) = (
+                DenseMatrix::zeros(count, count),
+                DenseMatrix::zeros(count, 1),
+            );
             for (i, &joint) in roles.dependent.iter().enumerate() {
                 right[(i, 0)] = rest[joint].high;
                 for (k, row) in changing.iter().enumerate() {

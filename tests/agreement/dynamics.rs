@@ -4,14 +4,14 @@ use super::{Case, Outputs, PLAIN, each, requests};
 use crate::reference::dynamics::{bias, cholesky, inverse_dynamics, mass_matrix};
 use crate::reference::random::Recipe;
 use robovec::align::align;
-use robovec::generate::{Formulation, FunctionKind, Request};
+use robovec::generate::{Formulation, FunctionKind, GenerationRequest};
 use robovec_analysis::class::NumericClass;
 use robovec_framework::check::check;
 use robovec_ir::View;
 use robovec_ir::states::States;
 use robovec_num::double_double::Double;
 
-fn check_direct(case: &Case, request: &Request, matrix: &[Double], forces: &[Double]) {
+fn check_direct(case: &Case, request: &GenerationRequest, matrix: &[Double], forces: &[Double]) {
     let module = case.generate(request);
     let outputs = Outputs::of(case, &module, "dirdyna", &case.inputs());
     let none = vec![0.0; matrix.len()];
@@ -78,16 +78,16 @@ fn the_mass_matrix_is_symmetric_and_positive_definite() {
 fn formulations_are_equal_over_the_real_numbers() {
     each(PLAIN, |case| {
         for function in [FunctionKind::Dirdyna, FunctionKind::Invdyna] {
-            let mut first = case.generate(&Request::new(function));
+            let mut first = case.generate(&GenerationRequest::new(function));
             let others = Formulation::ALL.into_iter().filter(|&formulation| {
                 let needs = formulation.requirements(function);
                 let polynomial = !needs.division && !needs.square_root;
                 formulation.gives(function) && polynomial && formulation != Formulation::default()
             });
             for formulation in others {
-                let mut other = case.generate(&Request {
+                let mut other = case.generate(&GenerationRequest {
                     formulation,
-                    ..Request::new(function)
+                    ..GenerationRequest::new(function)
                 });
                 let (before, after) = align(
                     (&first.functions[0], &mut first.tables),

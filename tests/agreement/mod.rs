@@ -12,7 +12,7 @@ mod loops;
 use crate::reference::random::{self, Random, Recipe};
 use crate::reference::{State, Tree};
 use robovec::generate::{
-    Binding, Formulation, FunctionKind, Options, Request, TermOrder, generate,
+    Formulation, FunctionKind, GenerationRequest, Options, ParameterBinding, TermOrder, generate,
 };
 use robovec::model::Model;
 use robovec::motion;
@@ -40,8 +40,8 @@ impl Case {
     }
 
     /// The state as the equations' inputs are gathered from it.
-    pub(crate) fn inputs(&self) -> motion::State {
-        let mut inputs = motion::State::initial(&self.model);
+    pub(crate) fn inputs(&self) -> motion::MotionState {
+        let mut inputs = motion::MotionState::initial(&self.model);
         inputs.q.clone_from(&self.state.q);
         inputs.qd.clone_from(&self.state.qd);
         inputs.qdd.clone_from(&self.state.qdd);
@@ -51,7 +51,7 @@ impl Case {
     }
 
     /// Generates a function.
-    pub(crate) fn generate(&self, request: &Request) -> Module {
+    pub(crate) fn generate(&self, request: &GenerationRequest) -> Module {
         generate(&self.model, request)
             .unwrap_or_else(|error| panic!("seed {}, {request:?}: {error}", self.seed))
     }
@@ -112,7 +112,7 @@ pub(crate) const PLAIN: Recipe = Recipe {
 
 /// All requests for a function: every formulation of the dynamics, and each
 /// option that changes the equations.
-pub(crate) fn requests(function: FunctionKind) -> Vec<Request> {
+pub(crate) fn requests(function: FunctionKind) -> Vec<GenerationRequest> {
     let default = Options::default();
     let options = [
         default.clone(),
@@ -121,7 +121,7 @@ pub(crate) fn requests(function: FunctionKind) -> Vec<Request> {
             ..default.clone()
         },
         Options {
-            parameters: Binding::Numbers,
+            parameters: ParameterBinding::Numbers,
             ..default.clone()
         },
         Options {
@@ -141,7 +141,7 @@ pub(crate) fn requests(function: FunctionKind) -> Vec<Request> {
     formulations
         .filter(|formulation| formulation.gives(function))
         .flat_map(|formulation| {
-            options.iter().map(move |options| Request {
+            options.iter().map(move |options| GenerationRequest {
                 function,
                 formulation,
                 options: Options {
@@ -163,7 +163,12 @@ pub(crate) struct Outputs {
 
 impl Outputs {
     /// Evaluates a function of a module.
-    pub(crate) fn of(case: &Case, module: &Module, name: &str, inputs: &motion::State) -> Outputs {
+    pub(crate) fn of(
+        case: &Case,
+        module: &Module,
+        name: &str,
+        inputs: &motion::MotionState,
+    ) -> Outputs {
         let function = module
             .function(name)
             .unwrap_or_else(|| panic!("seed {}: no function {name}", case.seed));
@@ -171,7 +176,7 @@ impl Outputs {
             tables: &module.tables,
             function,
         };
-        let sources = motion::Inputs::new(&case.model, view)
+        let sources = motion::InputSources::new(&case.model, view)
             .unwrap_or_else(|name| panic!("seed {}: no input {name}", case.seed));
         let numbers = evaluate(function, &Binary64, &sources.gather(inputs));
         let mut flat = vec![0.0; function.output_len()];

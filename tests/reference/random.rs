@@ -2,7 +2,7 @@
 
 use super::State;
 use robovec::model::{
-    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, Nature, Point, Sensor,
+    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, ModelPoint, Nature, Sensor,
 };
 
 /// A source of random numbers (SplitMix64).
@@ -76,7 +76,7 @@ pub(crate) fn model(random: &mut Random, recipe: &Recipe) -> Model {
     let owners = std::iter::once(None).chain((0..recipe.bodies).map(Some));
     for body in owners {
         for number in 0..POINTS {
-            model.points.push(Point {
+            model.points.push(ModelPoint {
                 name: format!("p{number}"),
                 body,
                 coordinates: random.vector(recipe.zeros),

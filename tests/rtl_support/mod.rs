@@ -1,13 +1,13 @@
 //! What the tests of hardware share: tools, and images to be edited.
 
-use robovec::rtl::Tool;
+use robovec::rtl::HardwareSimulator;
 use robovec_codegen::manifest::Manifest;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
 /// Whether a tool is installed; says so when not.
-pub(crate) fn is_there(tool: Tool) -> bool {
+pub(crate) fn is_there(tool: HardwareSimulator) -> bool {
     if let Some(program) = tool.missing() {
         eprintln!("SKIPPED: {program} is not installed, nothing was checked with {tool:?}");
         return false;

@@ -2,7 +2,7 @@
 
 use super::models::{double_pendulum, four_bar, run, runge_kutta, spatial_chain};
 use robovec::model::Model;
-use robovec::motion::{Method, Run};
+use robovec::motion::{IntegrationMethod, SimulationRun};
 
 /// Demands that the error of energy falls with the fourth power of the step.
 fn assert_order(model: &Model) {
@@ -31,7 +31,7 @@ fn a_four_bar_linkage_conserves_energy_to_fourth_order() {
 }
 
 /// The largest difference of positions over all samples.
-fn distance(left: &Run, right: &Run) -> f64 {
+fn distance(left: &SimulationRun, right: &SimulationRun) -> f64 {
     let samples = left.samples.iter().zip(&right.samples);
     let positions = samples.flat_map(|(left, right)| left.state.q.iter().zip(&right.state.q));
     let differences = positions.map(|(left, right)| (left - right).abs());
@@ -57,7 +57,7 @@ fn the_integrators_agree_and_the_adaptive_one_meets_its_tolerance() {
             let adaptive = run(
                 &model,
                 1.0,
-                Method::DormandPrince {
+                IntegrationMethod::DormandPrince {
                     relative: tolerance,
                     absolute: tolerance,
                 },

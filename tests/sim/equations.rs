@@ -5,7 +5,7 @@ use super::models::{
 };
 use robovec::generate::Formulation;
 use robovec::model::{Model, Nature};
-use robovec::motion::{Laws, Run, Setting};
+use robovec::motion::{EquationSetting, Laws, SimulationRun};
 use robovec_ir::{Format, Machine};
 use robovec_passes::registry::REGISTRY;
 
@@ -19,14 +19,14 @@ fn models() -> [Model; 4] {
 }
 
 /// The largest difference of positions over all samples.
-fn distance(left: &Run, right: &Run) -> f64 {
+fn distance(left: &SimulationRun, right: &SimulationRun) -> f64 {
     let samples = left.samples.iter().zip(&right.samples);
     let positions = samples.flat_map(|(left, right)| left.state.q.iter().zip(&right.state.q));
     let differences = positions.map(|(left, right)| (left - right).abs());
     differences.fold(0.0, f64::max)
 }
 
-fn with(model: &Model, setting: &Setting<'_>) -> Run {
+fn with(model: &Model, setting: &EquationSetting<'_>) -> SimulationRun {
     run_with(model, Laws::none(model), setting, 1.0, runge_kutta(0.005))
 }
 
@@ -36,9 +36,9 @@ fn narrow_numbers_move_the_trajectory_by_their_rounding() {
         let wide = run(&model, 1.0, runge_kutta(0.005));
         let narrow = with(
             &model,
-            &Setting {
+            &EquationSetting {
                 format: Format::BINARY32,
-                ..Setting::default()
+                ..EquationSetting::default()
             },
         );
         let moved = distance(&wide, &narrow);
@@ -64,9 +64,9 @@ fn passes_leave_the_trajectory_where_it_is() {
             let plain = run(&model, 1.0, runge_kutta(0.005));
             let passed = with(
                 &model,
-                &Setting {
+                &EquationSetting {
                     passes: Some((&pipeline, &machine)),
-                    ..Setting::default()
+                    ..EquationSetting::default()
                 },
             );
             let moved = distance(&plain, &passed);
@@ -84,10 +84,10 @@ fn formulations_give_the_same_motion() {
             }
             let plain = run(&model, 1.0, runge_kutta(0.01));
             for accelerations in [false, true] {
-                let setting = Setting {
+                let setting = EquationSetting {
                     formulation,
                     accelerations,
-                    ..Setting::default()
+                    ..EquationSetting::default()
                 };
                 let laws = Laws::none(&model);
                 let other = run_with(&model, laws, &setting, 1.0, runge_kutta(0.01));
@@ -107,14 +107,14 @@ fn solved_accelerations_do_the_same_work() {
     let text = "[[driven]]\nname = 'R2_1'\namplitude = 0.4\nfrequency = 7.0\n";
     let [plain, solved] = [false, true].map(|accelerations| {
         let laws = Laws::parse(&model, text).expect("laws");
-        let setting = Setting {
+        let setting = EquationSetting {
             accelerations,
-            ..Setting::default()
+            ..EquationSetting::default()
         };
         run_with(&model, laws, &setting, 1.0, runge_kutta(0.001))
     });
     assert!(distance(&plain, &solved) < 1e-11);
-    let work = |run: &Run| run.samples.last().map_or(0.0, |sample| sample.work);
+    let work = |run: &SimulationRun| run.samples.last().map_or(0.0, |sample| sample.work);
     assert!(work(&plain).abs() > 0.1);
     assert!((work(&plain) - work(&solved)).abs() < 1e-9);
     assert!(solved.energy_drift() < 1e-7, "{:e}", solved.energy_drift());

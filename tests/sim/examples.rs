@@ -1,7 +1,9 @@
 //! The models under `examples/` run.
 
 use robovec::model::{Model, mbs::read_mbs};
-use robovec::motion::{Laws, Method, Plan, Setting, System, simulate};
+use robovec::motion::{
+    EquationSetting, IntegrationMethod, Laws, MultibodySystem, SimulationPlan, simulate,
+};
 use std::fs;
 use std::path::Path;
 
@@ -33,14 +35,14 @@ fn all_example_models_keep_their_energy() {
         for (index, joint) in model.joints.iter_mut().enumerate() {
             joint.initial[1] += 0.01 * (index % 5) as f64;
         }
-        let plan = Plan {
+        let plan = SimulationPlan {
             duration: if joints < 30 { 0.2 } else { 1e-3 },
             samples: 1,
-            method: Method::RungeKutta { step: 1e-3 },
+            method: IntegrationMethod::RungeKutta { step: 1e-3 },
             step_limit: 1000,
         };
         let laws = Laws::none(&model);
-        let run = System::new(&model, laws, &Setting::default())
+        let run = MultibodySystem::new(&model, laws, &EquationSetting::default())
             .and_then(|(mut system, state)| simulate(&mut system, &state, &plan, &mut |_| {}))
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         let total = run.samples[0].energy;
@@ -65,16 +67,16 @@ fn example_laws_bring_their_models_to_rest() {
         };
         tried += 1;
         let laws = Laws::parse(model, &text).unwrap_or_else(|errors| panic!("{errors:?}"));
-        let plan = Plan {
+        let plan = SimulationPlan {
             duration: 1.5,
             samples: 15,
-            method: Method::DormandPrince {
+            method: IntegrationMethod::DormandPrince {
                 relative: 1e-7,
                 absolute: 1e-7,
             },
             step_limit: 20_000,
         };
-        let run = System::new(model, laws, &Setting::default())
+        let run = MultibodySystem::new(model, laws, &EquationSetting::default())
             .and_then(|(mut system, state)| simulate(&mut system, &state, &plan, &mut |_| {}))
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         let last = run.samples.last().expect("samples");

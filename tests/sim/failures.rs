@@ -2,17 +2,20 @@
 
 use super::models::{Builder, Solid, double_pendulum, four_bar, runge_kutta};
 use robovec::model::{CutKind, Model, Nature};
-use robovec::motion::{Laws, Method, MotionError, Partition, Plan, Setting, System, simulate};
+use robovec::motion::{
+    EquationSetting, IntegrationMethod, Laws, MotionError, MultibodySystem, Partition,
+    SimulationPlan, simulate,
+};
 
-fn error(model: &Model, text: &str, method: Method, limit: u64) -> MotionError {
+fn error(model: &Model, text: &str, method: IntegrationMethod, limit: u64) -> MotionError {
     let laws = Laws::parse(model, text).expect("laws");
-    let plan = Plan {
+    let plan = SimulationPlan {
         duration: 1.0,
         samples: 10,
         method,
         step_limit: limit,
     };
-    System::new(model, laws, &Setting::default())
+    MultibodySystem::new(model, laws, &EquationSetting::default())
         .and_then(|(mut system, initial)| simulate(&mut system, &initial, &plan, &mut |_| {}))
         .expect_err("it cannot move")
 }
@@ -93,7 +96,8 @@ fn dependent_joints_are_chosen_where_the_models_do_not_serve() {
             joint.nature = nature;
         }
         let laws = Laws::none(&model);
-        let (system, _) = System::new(&model, laws, &Setting::default()).expect("a system");
+        let (system, _) =
+            MultibodySystem::new(&model, laws, &EquationSetting::default()).expect("a system");
         let Partition {
             independent,
             dependent,
@@ -134,7 +138,7 @@ fn laws_that_are_too_stiff_end_the_run() {
     let stiff = "[[joint]]\nname = '*'\nstiffness = 1e9\nneutral = 0.0\n";
     let error = error(&model, stiff, runge_kutta(0.01), 10_000);
     assert!(matches!(error, MotionError::NotFinite { .. }), "{error}");
-    let adaptive = Method::DormandPrince {
+    let adaptive = IntegrationMethod::DormandPrince {
         relative: 1e-8,
         absolute: 1e-8,
     };

@@ -4,9 +4,11 @@ use super::models::{
     Builder, Solid, double_pendulum, four_bar, run_with, runge_kutta, spring_mechanism,
 };
 use robovec::model::{Model, Nature};
-use robovec::motion::{Equations, Laws, Method, Run, Setting, State};
+use robovec::motion::{
+    EquationSetting, IntegrationMethod, Laws, MotionEquations, MotionState, SimulationRun,
+};
 
-const FINE: Method = Method::DormandPrince {
+const FINE: IntegrationMethod = IntegrationMethod::DormandPrince {
     relative: 1e-11,
     absolute: 1e-11,
 };
@@ -15,12 +17,18 @@ fn laws(model: &Model, text: &str) -> Laws {
     Laws::parse(model, text).unwrap_or_else(|errors| panic!("{text}: {errors:?}"))
 }
 
-fn run(model: &Model, text: &str) -> Run {
-    run_with(model, laws(model, text), &Setting::default(), 2.0, FINE)
+fn run(model: &Model, text: &str) -> SimulationRun {
+    run_with(
+        model,
+        laws(model, text),
+        &EquationSetting::default(),
+        2.0,
+        FINE,
+    )
 }
 
 /// Demands that energy changes by the work alone, and that there is some.
-fn assert_balance(run: &Run) {
+fn assert_balance(run: &SimulationRun) {
     let drift = run.energy_drift();
     assert!(drift < 1e-8 * run.energy_scale().max(1.0), "{drift:e}");
     assert!(run.samples.iter().any(|sample| sample.work.abs() > 1e-2));
@@ -99,8 +107,8 @@ fn inner_forces_leave_momentum() {
                 [[joint]]\nname = 'R1_7'\ndamping = 0.1\n";
     let run = run(&model, text);
     assert_balance(&run);
-    let equations = Equations::new(&model, &Setting::default()).expect("equations");
-    let momentum = |state: &State| {
+    let equations = MotionEquations::new(&model, &EquationSetting::default()).expect("equations");
+    let momentum = |state: &MotionState| {
         let momentum = equations.dynamics(state).0.times(&state.qd);
         [momentum[0], momentum[1], momentum[2]]
     };
@@ -132,9 +140,15 @@ fn gravity_along_an_axis_leaves_the_momentum_about_it() {
     let mut model = builder.model;
     model.joints[0].initial[1] = 2.0;
     let plain = Laws::none(&model);
-    let run = run_with(&model, plain, &Setting::default(), 2.0, runge_kutta(0.001));
-    let equations = Equations::new(&model, &Setting::default()).expect("equations");
-    let momentum = |state: &State| equations.dynamics(state).0.times(&state.qd)[0];
+    let run = run_with(
+        &model,
+        plain,
+        &EquationSetting::default(),
+        2.0,
+        runge_kutta(0.001),
+    );
+    let equations = MotionEquations::new(&model, &EquationSetting::default()).expect("equations");
+    let momentum = |state: &MotionState| equations.dynamics(state).0.times(&state.qd)[0];
     let start = momentum(&run.samples[0].state);
     for sample in &run.samples {
         assert!((momentum(&sample.state) - start).abs() < 1e-9);

@@ -1,9 +1,12 @@
 //! Small models for simulations.
 
 use robovec::model::{
-    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, Nature, Point, Sensor,
+    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, ModelPoint, Nature, Sensor,
 };
-use robovec::motion::{Laws, Method, Plan, Run, Setting, System, simulate};
+use robovec::motion::{
+    EquationSetting, IntegrationMethod, Laws, MultibodySystem, SimulationPlan, SimulationRun,
+    simulate,
+};
 
 /// A builder of models body by body.
 pub(crate) struct Builder {
@@ -30,7 +33,7 @@ impl Builder {
 
     fn points(&mut self, body: Option<usize>, points: &[[f64; 3]]) {
         for (number, &coordinates) in points.iter().enumerate() {
-            self.model.points.push(Point {
+            self.model.points.push(ModelPoint {
                 name: format!("p{number}"),
                 body,
                 coordinates,
@@ -220,11 +223,11 @@ pub(crate) fn four_bar() -> Model {
 }
 
 /// A run of a model in its default equations.
-pub(crate) fn run(model: &Model, duration: f64, method: Method) -> Run {
+pub(crate) fn run(model: &Model, duration: f64, method: IntegrationMethod) -> SimulationRun {
     run_with(
         model,
         Laws::none(model),
-        &Setting::default(),
+        &EquationSetting::default(),
         duration,
         method,
     )
@@ -234,21 +237,21 @@ pub(crate) fn run(model: &Model, duration: f64, method: Method) -> Run {
 pub(crate) fn run_with(
     model: &Model,
     laws: Laws,
-    setting: &Setting<'_>,
+    setting: &EquationSetting<'_>,
     duration: f64,
-    method: Method,
-) -> Run {
-    let plan = Plan {
+    method: IntegrationMethod,
+) -> SimulationRun {
+    let plan = SimulationPlan {
         duration,
         samples: 20,
         method,
         step_limit: 1_000_000,
     };
-    let (mut system, initial) = System::new(model, laws, setting).expect("a system");
+    let (mut system, initial) = MultibodySystem::new(model, laws, setting).expect("a system");
     simulate(&mut system, &initial, &plan, &mut |_| {}).expect("a run")
 }
 
 /// Runge-Kutta with a step.
-pub(crate) fn runge_kutta(step: f64) -> Method {
-    Method::RungeKutta { step }
+pub(crate) fn runge_kutta(step: f64) -> IntegrationMethod {
+    IntegrationMethod::RungeKutta { step }
 }

@@ -11,7 +11,7 @@
 //! ```
 
 use robovec::simulate::mif::Image;
-use robovec::simulate::{Hazard, LoadError, Program};
+use robovec::simulate::{Hazard, LoadError, LoadedProgram};
 use robovec_codegen::images;
 use robovec_codegen::manifest::Manifest;
 use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
@@ -175,11 +175,11 @@ impl Edited {
         }
     }
 
-    pub(crate) fn load(&self) -> Result<Program, LoadError> {
+    pub(crate) fn load(&self) -> Result<LoadedProgram, LoadError> {
         let mut files = self.files.clone();
         let text = serde_json::to_string(&self.manifest).expect("it is JSON");
         files.last_mut().expect("the manifest").1 = text;
-        Program::load_edited(&files, &self.machine)
+        LoadedProgram::load_edited(&files, &self.machine)
     }
 
     pub(crate) fn hazard(&self) -> Hazard {

@@ -3,7 +3,7 @@
 use super::float;
 use super::hand::{Edited, mif};
 use robovec::simulate::mif::Image;
-use robovec::simulate::{LoadError, Program};
+use robovec::simulate::{LoadError, LoadedProgram};
 use robovec_codegen::manifest::{HostElement, Reference};
 use robovec_ir::Machine;
 use robovec_ir::machine::{BufferDescription, MemoryStyle};
@@ -18,7 +18,7 @@ fn refused(change: impl FnOnce(&mut Edited)) -> LoadError {
 #[test]
 fn files_that_are_not_there() {
     let images = Edited::new();
-    let load = |files: &[(String, String)]| Program::load(files, &images.machine);
+    let load = |files: &[(String, String)]| LoadedProgram::load(files, &images.machine);
     assert_eq!(load(&[]).expect_err("nothing"), LoadError::NoManifest);
     let missing = load(&images.files[1..]).expect_err("one is missing");
     let file = "hand.add0.instructions.mif".to_owned();
@@ -38,7 +38,7 @@ fn directories_before_file_names_do_not_matter() {
     for (name, _) in &mut files {
         name.insert_str(0, "some/where/");
     }
-    assert!(Program::load(&files, &images.machine).is_ok());
+    assert!(LoadedProgram::load(&files, &images.machine).is_ok());
 }
 
 #[test]
@@ -46,7 +46,7 @@ fn manifests_that_are_none() {
     let images = Edited::new();
     let load = |text: &str| {
         let files = [("manifest.json".to_owned(), text.to_owned())];
-        Program::load(&files, &images.machine).expect_err("no manifest")
+        LoadedProgram::load(&files, &images.machine).expect_err("no manifest")
     };
     assert!(matches!(load("{"), LoadError::Manifest { .. }));
     assert!(matches!(
@@ -71,17 +71,17 @@ fn changed_images_and_other_machines() {
     machine.clock_mhz = 1.0;
     machine.elements[0].count = 9;
     assert!(
-        Program::load(&images.files, &machine).is_ok(),
+        LoadedProgram::load(&images.files, &machine).is_ok(),
         "not of interest"
     );
     machine.elements[0].stages = 9;
     assert!(matches!(
-        Program::load(&images.files, &machine),
+        LoadedProgram::load(&images.files, &machine),
         Err(LoadError::OtherMachine { .. })
     ));
     images.set("add0", 1, "read.left", 1);
     assert!(matches!(
-        Program::load(&images.files, &images.machine),
+        LoadedProgram::load(&images.files, &images.machine),
         Err(LoadError::OtherFile { .. })
     ));
     // With the hash of the file set right, that of the schedule is wrong.
@@ -92,7 +92,7 @@ fn changed_images_and_other_machines() {
     let manifest = serde_json::to_string(&images.manifest).expect("it is JSON");
     *images.file("manifest.json") = manifest;
     assert!(matches!(
-        Program::load(&images.files, &images.machine),
+        LoadedProgram::load(&images.files, &images.machine),
         Err(LoadError::OtherSchedule { .. })
     ));
 }
@@ -102,11 +102,11 @@ fn data_images_that_were_changed_are_refused() {
     for name in ["add0.data.mif", "multi0.data.mif", "multi1.data.mif"] {
         let mut images = Edited::new();
         images.file(name).push_str("-- the same words\n");
-        let error = Program::load(&images.files, &images.machine).expect_err(name);
+        let error = LoadedProgram::load(&images.files, &images.machine).expect_err(name);
         assert!(matches!(error, LoadError::OtherFile { .. }), "{error}");
         let mut images = Edited::new();
         images.files.retain(|(file, _)| !file.ends_with(name));
-        let error = Program::load(&images.files, &images.machine).expect_err(name);
+        let error = LoadedProgram::load(&images.files, &images.machine).expect_err(name);
         assert!(matches!(error, LoadError::NoFile(_)), "{error}");
     }
 }

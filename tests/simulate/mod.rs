@@ -10,7 +10,7 @@ mod rooms;
 mod trace;
 
 use naive::Random;
-use robovec::simulate::Program;
+use robovec::simulate::LoadedProgram;
 use robovec_codegen::images;
 use robovec_framework::manager::{self, Config};
 use robovec_ir::evaluate::evaluate_mixed;
@@ -45,10 +45,10 @@ fn random_placed(seed: u64, operations: usize, machine: &Machine) -> Module {
 }
 
 /// The simulator's outputs must be the evaluator's, bit for bit.
-fn check(module: &Module, machine: &Machine, inputs: &[f64]) -> Program {
+fn check(module: &Module, machine: &Machine, inputs: &[f64]) -> LoadedProgram {
     let function = &module.functions[0];
     let files = images(view(module), machine, None).expect("it has images");
-    let program = Program::load(&files, machine).expect("they can be loaded");
+    let program = LoadedProgram::load(&files, machine).expect("they can be loaded");
     let outputs = program.run(inputs).expect("no hazard");
     let values = &outputs.values;
     assert!(values.iter().all(|value| value.is_finite()), "{values:?}");
@@ -179,7 +179,7 @@ fn machines_without_subnormal_numbers_flush() {
     let module = hand::module();
     let run = |machine: &Machine, inputs: &[f64]| {
         let files = images(view(&module), machine, None).expect("it has images");
-        let program = Program::load(&files, machine).expect("they can be loaded");
+        let program = LoadedProgram::load(&files, machine).expect("they can be loaded");
         program.run(inputs).expect("no hazard").values
     };
     // (a + b)*b is 2e-40, below the least normal binary32 number.

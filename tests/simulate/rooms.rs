@@ -2,7 +2,7 @@
 //! are outputs, buffer words that change hands.
 
 use super::{check, random_placed, view};
-use robovec::simulate::Program;
+use robovec::simulate::LoadedProgram;
 use robovec_codegen::images;
 use robovec_ir::machine::BufferDescription;
 use robovec_ir::parse::parse_module;
@@ -77,7 +77,7 @@ fn buffer_words_are_counted_while_they_hold_a_value() {
     );
     let machine = Machine::built_in("thesis").expect("it ships");
     let files = images(view(&module), &machine, None).expect("it has images");
-    let program = Program::load(&files, &machine).expect("they can be loaded");
+    let program = LoadedProgram::load(&files, &machine).expect("they can be loaded");
     let adder = &program.occupation().elements[0];
     // The first value is read in the cycle at the end of which the second one
     // comes in.

@@ -2,7 +2,7 @@
 
 use super::naive::Random;
 use super::{hand, random_placed, view};
-use robovec::simulate::{Program, TracedResult};
+use robovec::simulate::{LoadedProgram, TracedResult};
 use robovec_codegen::images;
 use robovec_ir::Machine;
 use robovec_ir::evaluate::evaluate_nodes;
@@ -14,7 +14,7 @@ fn a_trace_holds_what_is_loaded_and_every_result_in_its_cycle() {
     let machine = Machine::built_in("thesis").expect("it ships");
     let module = hand::module();
     let files = images(view(&module), &machine, None).expect("it has images");
-    let program = Program::load(&files, &machine).expect("they can be loaded");
+    let program = LoadedProgram::load(&files, &machine).expect("they can be loaded");
     let trace = program.run_traced(&[1.5, 2.0]).expect("no hazard");
     let word = |number: f32| u64::from(number.to_bits());
     let result = |cycle, element, number| TracedResult {
@@ -63,7 +63,7 @@ fn traces_are_schedules_with_the_evaluators_values() {
         let mut random = Random(5);
         let inputs: Vec<f64> = (0..5).map(|_| random.number()).collect();
         let files = images(view(&module), &machine, None).expect("it has images");
-        let program = Program::load(&files, &machine).expect("they can be loaded");
+        let program = LoadedProgram::load(&files, &machine).expect("they can be loaded");
         let trace = program.run_traced(&inputs).expect("no hazard");
         assert_eq!(trace.outputs, program.run(&inputs).expect("no hazard"));
 

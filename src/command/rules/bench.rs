@@ -1,6 +1,6 @@
 //! `robovec rules bench`.
 
-use super::super::{Failure, input};
+use super::super::{CommandFailure, input};
 use super::read;
 use crate::present::text_table;
 use clap::Args;
@@ -17,7 +17,7 @@ use std::path::PathBuf;
 
 /// What is measured.
 #[derive(Args, Debug)]
-pub(super) struct BenchArguments {
+pub(super) struct RuleBenchArguments {
     /// Equations or models (.mbs) to try the rules on
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
@@ -44,30 +44,30 @@ pub(super) struct BenchArguments {
 
 /// Size of a program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-struct Size {
+struct ProgramSize {
     cycles: u32,
     operations: usize,
 }
 
 /// One rule, or several that say the same.
-struct Row {
+struct RuleRow {
     rules: Vec<String>,
     /// With no other rule.
-    alone: Size,
+    alone: ProgramSize,
     /// With all rules but this.
-    without: Size,
+    without: ProgramSize,
 }
 
 /// All rules on one input.
-struct Table {
+struct RuleTable {
     input: String,
-    none: Size,
-    all: Size,
-    rows: Vec<Row>,
+    none: ProgramSize,
+    all: ProgramSize,
+    rows: Vec<RuleRow>,
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &BenchArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &RuleBenchArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
     let before = input::passes(&arguments.before)?;
     let passes = input::passes(&arguments.passes)?;
@@ -98,14 +98,15 @@ fn compile(
     passes: &Pipeline,
     machine: &Machine,
     rules: &RuleSet,
-) -> Result<Size, Failure> {
+) -> Result<ProgramSize, CommandFailure> {
     let mut log = Vec::new();
     let config = Config {
         rules: Some(rules),
         ..Config::new(machine, &mut log)
     };
-    manager::run(module, passes, config).map_err(|error| Failure::plain(error.to_string()))?;
-    let mut size = Size {
+    manager::run(module, passes, config)
+        .map_err(|error| CommandFailure::plain(error.to_string()))?;
+    let mut size = ProgramSize {
         cycles: 0,
         operations: 0,
     };
@@ -135,22 +136,22 @@ fn measure(
     machine: &Machine,
     rules: &RuleSet,
     kinds: &[Vec<String>],
-) -> Result<Table, Failure> {
+) -> Result<RuleTable, CommandFailure> {
     let with = |rules: &RuleSet| compile(&mut module.clone(), passes, machine, rules);
     let none = with(&RuleSet::default())?;
     let all = with(rules)?;
     // Side by side; the rows stay in order of the rules.
-    let rows: Result<Vec<Row>, Failure> = kinds
+    let rows: Result<Vec<RuleRow>, CommandFailure> = kinds
         .par_iter()
         .map(|names| {
-            Ok(Row {
+            Ok(RuleRow {
                 rules: names.clone(),
                 alone: with(&subset(rules, names, true))?,
                 without: with(&subset(rules, names, false))?,
             })
         })
         .collect();
-    Ok(Table {
+    Ok(RuleTable {
         input,
         none,
         all,
@@ -166,14 +167,14 @@ fn change(from: i64, to: i64) -> String {
     }
 }
 
-fn changes(from: Size, to: Size) -> [String; 2] {
+fn changes(from: ProgramSize, to: ProgramSize) -> [String; 2] {
     [
         change(from.cycles.into(), to.cycles.into()),
         change(from.operations as i64, to.operations as i64),
     ]
 }
 
-fn to_text(tables: &[Table], unused: &[String]) -> String {
+fn to_text(tables: &[RuleTable], unused: &[String]) -> String {
     let mut text = String::new();
     for found in tables {
         let (none, all) = (found.none, found.all);
@@ -212,8 +213,8 @@ fn to_text(tables: &[Table], unused: &[String]) -> String {
     text
 }
 
-fn to_json(tables: &[Table], unused: &[String]) -> Value {
-    let size = |size: Size| json!({"cycles": size.cycles, "operations": size.operations});
+fn to_json(tables: &[RuleTable], unused: &[String]) -> Value {
+    let size = |size: ProgramSize| json!({"cycles": size.cycles, "operations": size.operations});
     let tables: Vec<Value> = tables
         .iter()
         .map(|found| {

@@ -1,7 +1,7 @@
 //! `robovec rules check`.
 
 use super::super::flags::whole;
-use super::super::{Failure, output};
+use super::super::{CommandFailure, output};
 use super::{list, read};
 use crate::present::text_table;
 use clap::Args;
@@ -12,7 +12,7 @@ use std::fmt::Write;
 
 /// What is checked.
 #[derive(Args, Debug)]
-pub(super) struct CheckArguments {
+pub(super) struct RuleCheckArguments {
     /// Rule files, or names of files that ship; all that ship by default
     files: Vec<String>,
     /// Random trials in floating point per rule
@@ -26,7 +26,7 @@ pub(super) struct CheckArguments {
 
 /// Runs the command: findings go to the standard output, what is wrong also,
 /// with its place, to the standard error.
-pub(super) fn run(arguments: &CheckArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &RuleCheckArguments) -> Result<String, CommandFailure> {
     let names = if arguments.files.is_empty() {
         list::shipped()
     } else {
@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<String, Failure> {
         return Ok(text);
     }
     output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))?;
-    Err(Failure(report))
+    Err(CommandFailure(report))
 }
 
 fn verdict(finding: &Finding) -> &'static str {

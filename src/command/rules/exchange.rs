@@ -1,6 +1,6 @@
 //! `robovec rules import` and `robovec rules export`.
 
-use super::super::{Failure, input, output};
+use super::super::{CommandFailure, input, output};
 use super::{list, read};
 use crate::files::limited;
 use clap::{Args, ValueEnum};
@@ -59,11 +59,11 @@ pub(super) struct ExportArguments {
 /// Reads rules of another tool, finds their classes, and gives them as a rule
 /// file. Rules that are false or not proved are told and become comments; a
 /// false one is an error, which comes after all others have been written.
-pub(super) fn import(arguments: &ImportArguments) -> Result<String, Failure> {
+pub(super) fn import(arguments: &ImportArguments) -> Result<String, CommandFailure> {
     let text = input::text(&arguments.file, &limited::RULES)?;
     let name = arguments.file.display().to_string();
     let (mut set, mut report) =
-        syntax::import(&text, &name, arguments.syntax.syntax()).map_err(Failure)?;
+        syntax::import(&text, &name, arguments.syntax.syntax()).map_err(CommandFailure)?;
     let mut lines = String::new();
     for rule in &mut set.rules {
         let finding = check(rule, TRIALS);
@@ -85,7 +85,7 @@ pub(super) fn import(arguments: &ImportArguments) -> Result<String, Failure> {
     let text = deliver(lines, arguments.output.as_deref())?;
     if report.has_errors() {
         output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))?;
-        return Err(Failure(report));
+        return Err(CommandFailure(report));
     }
     // When the standard error is closed there is nobody left to tell.
     report.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();
@@ -93,7 +93,7 @@ pub(super) fn import(arguments: &ImportArguments) -> Result<String, Failure> {
 }
 
 /// Writes rules for another tool.
-pub(super) fn export(arguments: &ExportArguments) -> Result<String, Failure> {
+pub(super) fn export(arguments: &ExportArguments) -> Result<String, CommandFailure> {
     let names = if arguments.files.is_empty() {
         list::shipped()
     } else {
@@ -105,7 +105,7 @@ pub(super) fn export(arguments: &ExportArguments) -> Result<String, Failure> {
 }
 
 /// Writes a text to a file, or hands it on for the standard output.
-pub(super) fn deliver(text: String, path: Option<&Path>) -> Result<String, Failure> {
+pub(super) fn deliver(text: String, path: Option<&Path>) -> Result<String, CommandFailure> {
     match path {
         Some(path) if path != Path::new("-") => {
             output::write_file(path, |writer| writer.write_all(text.as_bytes()))?;

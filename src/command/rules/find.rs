@@ -2,10 +2,10 @@
 
 use super::super::flags::{NUMBER, whole};
 use super::super::subjects::{built_in, check_number};
-use super::super::{Failure, input};
+use super::super::{CommandFailure, input};
 use super::exchange::deliver;
 use super::{list, read};
-use crate::generate::{FunctionKind, Request, generate};
+use crate::generate::{FunctionKind, GenerationRequest, generate};
 use crate::present::text_table;
 use clap::Args;
 use robovec_framework::manager::{self, Config};
@@ -68,9 +68,9 @@ pub(super) struct FindArguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &FindArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &FindArguments) -> Result<String, CommandFailure> {
     if let Some(odd) = arguments.numbers.iter().find(|number| !number.is_finite()) {
-        return Err(Failure::plain(format!(
+        return Err(CommandFailure::plain(format!(
             "a term cannot hold the number {odd}"
         )));
     }
@@ -122,16 +122,16 @@ pub(super) fn run(arguments: &FindArguments) -> Result<String, Failure> {
     Ok(to_text(&search, all))
 }
 
-fn modules(arguments: &FindArguments, machine: &Machine) -> Result<Vec<Module>, Failure> {
+fn modules(arguments: &FindArguments, machine: &Machine) -> Result<Vec<Module>, CommandFailure> {
     let pipeline = REGISTRY
         .pipeline(PIPELINE)
-        .map_err(|error| Failure(error.0))?;
+        .map_err(|error| CommandFailure(error.0))?;
     let mut modules = Vec::new();
     for name in &arguments.files {
         check_number(name)?;
         let mut module = match built_in(name) {
-            Some(model) => generate(&model, &Request::new(FunctionKind::Dirdyna))
-                .map_err(|error| Failure::plain(format!("{name}: {error}")))?,
+            Some(model) => generate(&model, &GenerationRequest::new(FunctionKind::Dirdyna))
+                .map_err(|error| CommandFailure::plain(format!("{name}: {error}")))?,
             None => input::equations_or_model(Path::new(name), None, None)?.module,
         };
         manager::run(
@@ -139,7 +139,7 @@ fn modules(arguments: &FindArguments, machine: &Machine) -> Result<Vec<Module>, 
             &pipeline,
             Config::new(machine, &mut io::sink()),
         )
-        .map_err(|error| Failure::plain(format!("{name}: {error}")))?;
+        .map_err(|error| CommandFailure::plain(format!("{name}: {error}")))?;
         modules.push(module);
     }
     Ok(modules)

@@ -1,6 +1,6 @@
 //! `robovec rules list`.
 
-use super::super::Failure;
+use super::super::CommandFailure;
 use super::read;
 use clap::Args;
 use robovec_rules::{BUILT_IN, DEFAULT};
@@ -22,7 +22,7 @@ pub(super) fn shipped() -> Vec<String> {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &ListArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &ListArguments) -> Result<String, CommandFailure> {
     let names = if arguments.files.is_empty() {
         shipped()
     } else {

@@ -12,22 +12,22 @@ mod why_not;
 
 pub(crate) use read::sound;
 
-use super::Failure;
+use super::CommandFailure;
 use clap::{Args, Subcommand};
 
 /// A bench for rules of rewriting
 #[derive(Args, Debug)]
 pub(super) struct RulesArguments {
     #[command(subcommand)]
-    command: Command,
+    command: RulesCommand,
 }
 
 #[derive(Subcommand, Debug)]
-enum Command {
+enum RulesCommand {
     /// Tell which rule earns how many cycles and operations on equations
-    Bench(bench::BenchArguments),
+    Bench(bench::RuleBenchArguments),
     /// Prove or refute rules, and tell what they do to numbers
-    Check(check::CheckArguments),
+    Check(check::RuleCheckArguments),
     /// Write rules in the syntax of another tool
     Export(exchange::ExportArguments),
     /// Find new rules and rank them by what they would gain
@@ -45,16 +45,16 @@ enum Command {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &RulesArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &RulesArguments) -> Result<String, CommandFailure> {
     match &arguments.command {
-        Command::Bench(arguments) => bench::run(arguments),
-        Command::Check(arguments) => check::run(arguments),
-        Command::Export(arguments) => exchange::export(arguments),
-        Command::Find(arguments) => find::run(arguments),
-        Command::Import(arguments) => exchange::import(arguments),
-        Command::List(arguments) => list::run(arguments),
-        Command::Profile(arguments) => profile::run(arguments),
-        Command::Why(arguments) => why::run(arguments),
-        Command::WhyNot(arguments) => why_not::run(arguments),
+        RulesCommand::Bench(arguments) => bench::run(arguments),
+        RulesCommand::Check(arguments) => check::run(arguments),
+        RulesCommand::Export(arguments) => exchange::export(arguments),
+        RulesCommand::Find(arguments) => find::run(arguments),
+        RulesCommand::Import(arguments) => exchange::import(arguments),
+        RulesCommand::List(arguments) => list::run(arguments),
+        RulesCommand::Profile(arguments) => profile::run(arguments),
+        RulesCommand::Why(arguments) => why::run(arguments),
+        RulesCommand::WhyNot(arguments) => why_not::run(arguments),
     }
 }

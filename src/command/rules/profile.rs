@@ -1,7 +1,7 @@
 //! `robovec rules profile`.
 
 use super::super::flags::whole;
-use super::super::{Failure, input};
+use super::super::{CommandFailure, input};
 use super::{list, read};
 use crate::present::text_table;
 use clap::Args;
@@ -33,7 +33,7 @@ pub(super) struct ProfileArguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &ProfileArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &ProfileArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
     let names = if arguments.files.is_empty() {
         list::shipped()

@@ -1,26 +1,26 @@
 //! Which rules a command works with.
 
-use super::super::{Failure, input};
+use super::super::{CommandFailure, input};
 use crate::files::limited;
 use robovec_ir::diagnostic::{did_you_mean, termcolor::ColorChoice};
 use robovec_rules::{BUILT_IN, RuleSet};
 use std::path::Path;
 
 /// The rules of some files, or of names of files that ship.
-pub(super) fn read(names: &[String]) -> Result<RuleSet, Failure> {
+pub(super) fn read(names: &[String]) -> Result<RuleSet, CommandFailure> {
     let mut all = RuleSet::default();
     for (index, name) in names.iter().enumerate() {
         // Naming a file twice is no mistake.
         if names[..index].contains(name) {
             continue;
         }
-        all.extend(one(name)?).map_err(Failure)?;
+        all.extend(one(name)?).map_err(CommandFailure)?;
     }
     Ok(all)
 }
 
 /// The rules of one file, or of one that ships.
-fn one(name: &str) -> Result<RuleSet, Failure> {
+fn one(name: &str) -> Result<RuleSet, CommandFailure> {
     if let Some(set) = RuleSet::named(name) {
         return Ok(set);
     }
@@ -32,18 +32,18 @@ fn one(name: &str) -> Result<RuleSet, Failure> {
             .into_iter()
             .collect();
         notes.push(format!("rules: {}, or a .rules file", names.join(", ")));
-        return Err(Failure::advised(
+        return Err(CommandFailure::advised(
             format!("there are no rules '{name}'"),
             notes,
         ));
     }
     let text = input::text(path, &limited::RULES)?;
-    RuleSet::parse(&text, name).map_err(Failure)
+    RuleSet::parse(&text, name).map_err(CommandFailure)
 }
 
 /// The rules that passes use: those of the names and, unless they are not
 /// wanted, those that ship. What is false is told and left out.
-pub(crate) fn sound(names: &[String], with_default: bool) -> Result<RuleSet, Failure> {
+pub(crate) fn sound(names: &[String], with_default: bool) -> Result<RuleSet, CommandFailure> {
     let mut all = match with_default {
         // Tests prove that what ships is sound.
         true => RuleSet::built_in(),
@@ -59,6 +59,6 @@ pub(crate) fn sound(names: &[String], with_default: bool) -> Result<RuleSet, Fai
     warnings
         .emit_to_stderr(ColorChoice::Auto)
         .unwrap_or_default();
-    all.extend(sound).map_err(Failure)?;
+    all.extend(sound).map_err(CommandFailure)?;
     Ok(all)
 }

@@ -1,7 +1,7 @@
 //! `robovec rules why`.
 
 use super::super::flags::whole;
-use super::super::{Failure, input};
+use super::super::{CommandFailure, input};
 use super::{read, why_not};
 use clap::Args;
 use hashbrown::HashMap;
@@ -44,7 +44,7 @@ pub(super) struct WhyArguments {
 const LARGEST: usize = 60;
 
 /// Runs the command.
-pub(super) fn run(arguments: &WhyArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &WhyArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
     let rules = read::sound(&arguments.rules, true)?;
     let mut module = input::equations_or_model(&arguments.input, None, None)?.module;
@@ -55,7 +55,7 @@ pub(super) fn run(arguments: &WhyArguments) -> Result<String, Failure> {
             ..Config::new(&machine, &mut log)
         };
         let done = manager::run(module, passes, config);
-        done.map_err(|error| Failure::plain(error.to_string()))
+        done.map_err(|error| CommandFailure::plain(error.to_string()))
     };
     compile(&mut module, &input::passes(&arguments.before)?)?;
     let before = module.clone();
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &WhyArguments) -> Result<String, Failure> {
             return Ok(explain(&module.tables, old, new, value, &rules, arguments));
         }
     }
-    Err(Failure::advised(
+    Err(CommandFailure::advised(
         format!("there is no value '{wanted}' after the passes"),
         vec![format!(
             "robovec-opt -passes={},{} prints them",

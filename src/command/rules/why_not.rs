@@ -1,6 +1,6 @@
 //! `robovec rules why-not`.
 
-use super::super::Failure;
+use super::super::CommandFailure;
 use super::super::flags::whole;
 use super::read;
 use clap::Args;
@@ -39,7 +39,7 @@ pub(super) struct WhyNotArguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &WhyNotArguments) -> Result<String, Failure> {
+pub(super) fn run(arguments: &WhyNotArguments) -> Result<String, CommandFailure> {
     let rules = read::sound(&arguments.rules, !arguments.only)?;
     let class = match arguments.trig {
         true => NumericClass::RealTrig,
@@ -49,9 +49,9 @@ pub(super) fn run(arguments: &WhyNotArguments) -> Result<String, Failure> {
         "rule question: {} => {} class={};",
         arguments.left, arguments.right, class
     );
-    let question = RuleSet::parse(&text, "<question>").map_err(Failure)?;
+    let question = RuleSet::parse(&text, "<question>").map_err(CommandFailure)?;
     let Some(rule) = question.rules.first() else {
-        return Err(Failure::plain("there is no question".to_owned()));
+        return Err(CommandFailure::plain("there is no question".to_owned()));
     };
     let finding = check::check(rule, 0);
     match finding.verdict {

@@ -16,17 +16,17 @@ fn assert_possible(inertia: [f64; 6]) {
 fn known_topologies_have_the_joints_and_operations_of_the_thesis() {
     // Operations of Table 3.1 at 72.5 for each pair.
     let table = [
-        (Topology::semi_serial(23), 23, 9150.0),
-        (Topology::parallel(23), 23, 6410.0),
-        (Topology::semi_serial(50), 50, 40348.0),
-        (Topology::parallel(50), 50, 15187.0),
-        (Topology::thesis_70(), 70, 100_143.0),
-        (Topology::semi_serial(70), 70, 37847.0),
-        (Topology::parallel(70), 70, 19444.0),
-        (Topology::semi_serial(100), 100, 66960.0),
-        (Topology::parallel(100), 100, 42676.0),
-        (Topology::semi_serial(130), 130, 140_783.0),
-        (Topology::parallel(130), 130, 68844.0),
+        (TrunkTree::semi_serial(23), 23, 9150.0),
+        (TrunkTree::parallel(23), 23, 6410.0),
+        (TrunkTree::semi_serial(50), 50, 40348.0),
+        (TrunkTree::parallel(50), 50, 15187.0),
+        (TrunkTree::thesis_70(), 70, 100_143.0),
+        (TrunkTree::semi_serial(70), 70, 37847.0),
+        (TrunkTree::parallel(70), 70, 19444.0),
+        (TrunkTree::semi_serial(100), 100, 66960.0),
+        (TrunkTree::parallel(100), 100, 42676.0),
+        (TrunkTree::semi_serial(130), 130, 140_783.0),
+        (TrunkTree::parallel(130), 130, 68844.0),
     ];
     for (topology, joints, operations) in table {
         assert_eq!(topology.joints(), joints);
@@ -41,7 +41,7 @@ fn known_topologies_have_the_joints_and_operations_of_the_thesis() {
 #[test]
 fn every_number_of_joints_has_its_trees() {
     for joints in 1..200 {
-        for topology in [Topology::semi_serial(joints), Topology::parallel(joints)] {
+        for topology in [TrunkTree::semi_serial(joints), TrunkTree::parallel(joints)] {
             assert_eq!(topology.joints(), joints, "{topology:?}");
             assert!(!topology.branches.contains(&0), "{topology:?}");
         }
@@ -72,7 +72,7 @@ fn the_serial_model_is_the_frozen_one() {
 
 #[test]
 fn axes_of_successive_joints_differ_on_every_path() {
-    let model = tree("t", &Topology::semi_serial(50), 3);
+    let model = tree("t", &TrunkTree::semi_serial(50), 3);
     for joint in &model.joints {
         if let Some(parent) = joint.parent {
             assert_ne!(joint.kind, model.joints[parent].kind);

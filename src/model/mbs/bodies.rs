@@ -1,10 +1,10 @@
 //! The base and the bodies with their masses.
 
-use super::fields::{Fields, Messages, place, second};
+use super::fields::{ElementFields, Messages, place, second};
 use super::joints::{read_joint, repeated_joints};
 use super::number::{coordinates, number, numbers};
 use super::points::read_point;
-use super::scope::{BASE, Scope, body_title};
+use super::scope::{BASE, ModelScope, body_title};
 use super::tree::hang;
 use super::{JOINT_LIMIT, JOINTS};
 use crate::model::{Body, Model};
@@ -12,8 +12,12 @@ use robovec_ir::diagnostic::clip;
 use roxmltree::Node;
 
 /// Reads base and bodies into the model.
-pub(super) fn read(root: &Fields<'_>, model: &mut Model, messages: &mut Messages) -> Option<Scope> {
-    let mut scope = Scope::default();
+pub(super) fn read(
+    root: &ElementFields<'_>,
+    model: &mut Model,
+    messages: &mut Messages,
+) -> Option<ModelScope> {
+    let mut scope = ModelScope::default();
     if let Some(base) = root.one("base") {
         read_base(base, &mut scope, model, messages);
     } else {
@@ -26,7 +30,9 @@ pub(super) fn read(root: &Fields<'_>, model: &mut Model, messages: &mut Messages
     }
     let tree = root.one("bodytree");
     let bodies: Vec<Node<'_, '_>> = match tree {
-        Some(tree) => Fields::of(tree, &[], &["body"], messages).all().collect(),
+        Some(tree) => ElementFields::of(tree, &[], &["body"], messages)
+            .all()
+            .collect(),
         None => Vec::new(),
     };
     if bodies.is_empty() {
@@ -44,7 +50,7 @@ pub(super) fn read(root: &Fields<'_>, model: &mut Model, messages: &mut Messages
     let mut all = Vec::with_capacity(bodies.len());
     for (index, &node) in bodies.iter().enumerate() {
         let one = ["bodyname", "parent", "mass", "com", "inertia"];
-        let fields = Fields::of(node, &one, &["joint", "point"], messages);
+        let fields = ElementFields::of(node, &one, &["joint", "point"], messages);
         read_body(index, &fields, &mut scope, model, messages);
         all.push(fields);
     }
@@ -85,11 +91,16 @@ fn within_limit(bodies: &[Node<'_, '_>], messages: &mut Messages) -> bool {
     false
 }
 
-fn read_base(node: Node<'_, '_>, scope: &mut Scope, model: &mut Model, messages: &mut Messages) {
-    let base = Fields::of(node, &["gravity"], &["point"], messages);
+fn read_base(
+    node: Node<'_, '_>,
+    scope: &mut ModelScope,
+    model: &mut Model,
+    messages: &mut Messages,
+) {
+    let base = ElementFields::of(node, &["gravity"], &["point"], messages);
     match base.one("gravity") {
         Some(gravity) => {
-            let gravity = Fields::of(gravity, &["coordinates"], &[], messages);
+            let gravity = ElementFields::of(gravity, &["coordinates"], &[], messages);
             model.gravity = coordinates(&gravity, "the gravity", messages);
         }
         None => messages.warn(
@@ -106,8 +117,8 @@ fn read_base(node: Node<'_, '_>, scope: &mut Scope, model: &mut Model, messages:
 
 fn read_body(
     index: usize,
-    fields: &Fields<'_>,
-    scope: &mut Scope,
+    fields: &ElementFields<'_>,
+    scope: &mut ModelScope,
     model: &mut Model,
     messages: &mut Messages,
 ) {
@@ -164,12 +175,12 @@ fn read_body(
 const INERTIA: [&str; 6] = ["Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"];
 
 fn read_mass(
-    fields: &Fields<'_>,
+    fields: &ElementFields<'_>,
     title: &str,
     messages: &mut Messages,
 ) -> (f64, [f64; 3], [f64; 6]) {
     let center = fields.one("com").map_or([0.0; 3], |com| {
-        let com_fields = Fields::of(com, &["coordinates"], &[], messages);
+        let com_fields = ElementFields::of(com, &["coordinates"], &[], messages);
         coordinates(
             &com_fields,
             &format!("the centre of mass of {title}"),

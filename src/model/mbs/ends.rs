@@ -1,24 +1,30 @@
 //! Cuts of loops and links: what has two ends.
 
-use super::fields::{Fields, Messages, place};
+use super::fields::{ElementFields, Messages, place};
 use super::number::number;
-use super::scope::Scope;
+use super::scope::ModelScope;
 use crate::model::{Anchor, Cut, CutKind, Link, Model};
 use robovec_ir::diagnostic::clip;
 use roxmltree::Node;
 
 /// Reads cuts and links into the model.
-pub(super) fn read(root: &Fields<'_>, scope: &Scope, model: &mut Model, messages: &mut Messages) {
+pub(super) fn read(
+    root: &ElementFields<'_>,
+    scope: &ModelScope,
+    model: &mut Model,
+    messages: &mut Messages,
+) {
     if let Some(cuts) = root.one("cuts") {
-        for node in Fields::of(cuts, &[], &["ball", "rod", "solid"], messages).all() {
+        for node in ElementFields::of(cuts, &[], &["ball", "rod", "solid"], messages).all() {
             if let Some(cut) = read_cut(node, scope, model, messages) {
                 model.cuts.push(cut);
             }
         }
     }
     if let Some(links) = root.one("links") {
-        for node in Fields::of(links, &[], &["link", "link3D"], messages).all() {
-            let fields = Fields::of(node, &["name", "endpoint1", "endpoint2"], &[], messages);
+        for node in ElementFields::of(links, &[], &["link", "link3D"], messages).all() {
+            let fields =
+                ElementFields::of(node, &["name", "endpoint1", "endpoint2"], &[], messages);
             let (name, ends) = name_and_ends(&fields, scope, model, messages);
             if let Some(ends) = ends {
                 if node.tag_name().name() == "link3D" {
@@ -35,7 +41,7 @@ pub(super) fn read(root: &Fields<'_>, scope: &Scope, model: &mut Model, messages
 }
 
 /// Remembers that no function is generated for a link with a torque.
-fn leave_out(name: &str, fields: &Fields<'_>, messages: &mut Messages) {
+fn leave_out(name: &str, fields: &ElementFields<'_>, messages: &mut Messages) {
     messages.leave_out(
         place(fields.one("name").unwrap_or(fields.node)),
         &format!("link3D '{}' is left out of the equations", clip(name)),
@@ -46,7 +52,7 @@ fn leave_out(name: &str, fields: &Fields<'_>, messages: &mut Messages) {
 
 fn read_cut(
     node: Node<'_, '_>,
-    scope: &Scope,
+    scope: &ModelScope,
     model: &Model,
     messages: &mut Messages,
 ) -> Option<Cut> {
@@ -55,7 +61,7 @@ fn read_cut(
         "rod" => &["name", "endpoint1", "endpoint2", "length"],
         _ => &["name", "endpoint1", "endpoint2", "ignore"],
     };
-    let fields = Fields::of(node, one, &[], messages);
+    let fields = ElementFields::of(node, one, &[], messages);
     let (name, ends) = name_and_ends(&fields, scope, model, messages);
     let owner = format!("{kind} '{}'", clip(&name));
     let kind = match kind {
@@ -75,7 +81,7 @@ fn read_cut(
         );
     } else if let Some(node) = fields.one("ignore") {
         let axes = ["x", "y", "z"];
-        let listed = Fields::of(node, &axes, &[], messages);
+        let listed = ElementFields::of(node, &axes, &[], messages);
         ignore = axes.map(|axis| listed.one(axis).is_some());
         if ignore == [true; 3] {
             messages.error(
@@ -103,7 +109,7 @@ fn read_cut(
     })
 }
 
-fn length(fields: &Fields<'_>, owner: &str, messages: &mut Messages) -> f64 {
+fn length(fields: &ElementFields<'_>, owner: &str, messages: &mut Messages) -> f64 {
     let Some(node) = fields.one("length") else {
         messages.error(
             place(fields.node),
@@ -127,8 +133,8 @@ fn length(fields: &Fields<'_>, owner: &str, messages: &mut Messages) -> f64 {
 
 /// The name of a cut or link, and its ends when they exist.
 fn name_and_ends(
-    fields: &Fields<'_>,
-    scope: &Scope,
+    fields: &ElementFields<'_>,
+    scope: &ModelScope,
     model: &Model,
     messages: &mut Messages,
 ) -> (String, Option<[Anchor; 2]>) {
@@ -145,7 +151,7 @@ fn name_and_ends(
             );
             return None;
         };
-        let end = Fields::of(node, &["bodyname", "pointname"], &[], messages);
+        let end = ElementFields::of(node, &["bodyname", "pointname"], &[], messages);
         scope.anchor(&end, &owner, model, messages)
     };
     let ends = [end("endpoint1"), end("endpoint2")];

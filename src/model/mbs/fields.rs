@@ -162,7 +162,7 @@ pub(super) fn content(node: Node<'_, '_>) -> String {
 }
 
 /// The children of an element, told apart by name.
-pub(super) struct Fields<'a> {
+pub(super) struct ElementFields<'a> {
     /// The element itself.
     pub(super) node: Node<'a, 'a>,
     children: Vec<Node<'a, 'a>>,
@@ -179,7 +179,7 @@ const IGNORED: [&str; 6] = [
     "baseBodyName",
 ];
 
-impl<'a> Fields<'a> {
+impl<'a> ElementFields<'a> {
     /// The children of an element that may hold each of `one` once and each
     /// of `many` any number of times. Others are warned of.
     pub(super) fn of(
@@ -187,7 +187,7 @@ impl<'a> Fields<'a> {
         one: &[&str],
         many: &[&str],
         messages: &mut Messages,
-    ) -> Fields<'a> {
+    ) -> ElementFields<'a> {
         let mut children: Vec<Node<'a, 'a>> = Vec::new();
         let mut single: Vec<Node<'a, 'a>> = Vec::new();
         let parent = node.tag_name().name();
@@ -229,11 +229,14 @@ impl<'a> Fields<'a> {
                 messages.warn(range, &message, "passed over", &help);
             }
         }
-        Fields { node, children }
+        ElementFields { node, children }
     }
 
     /// The children of the root, when it is a model's.
-    pub(super) fn of_root(root: Node<'a, 'a>, messages: &mut Messages) -> Option<Fields<'a>> {
+    pub(super) fn of_root(
+        root: Node<'a, 'a>,
+        messages: &mut Messages,
+    ) -> Option<ElementFields<'a>> {
         let name = root.tag_name().name();
         if name != "mbsDescR7" {
             messages.error(
@@ -252,7 +255,7 @@ impl<'a> Fields<'a> {
             "links",
             "user_models",
         ];
-        Some(Fields::of(root, &one, &[], messages))
+        Some(ElementFields::of(root, &one, &[], messages))
     }
 
     /// The only child of this name.
@@ -309,7 +312,11 @@ impl<'a> Fields<'a> {
 
 /// The name of the project, which is also the suffix of the files of
 /// equations.
-pub(super) fn project_name(root: &Fields<'_>, file: &str, messages: &mut Messages) -> String {
+pub(super) fn project_name(
+    root: &ElementFields<'_>,
+    file: &str,
+    messages: &mut Messages,
+) -> String {
     if root.one("mbsname").is_none() {
         let stem = file.strip_suffix(".mbs").unwrap_or(file).trim();
         let usable = !stem.is_empty() && !stem.contains(['/', '\\', '\n', '\r', '\t']);

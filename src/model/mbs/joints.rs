@@ -1,6 +1,6 @@
 //! Joints.
 
-use super::fields::{Fields, Messages, place, second};
+use super::fields::{ElementFields, Messages, place, second};
 use super::number::numbers;
 use super::scope::body_title;
 use crate::model::{Joint, JointKind, Model, Nature};
@@ -24,7 +24,7 @@ pub(super) fn read_joint(
         "initialvalue",
         "actuated",
     ];
-    let fields = Fields::of(node, &one, &[], messages);
+    let fields = ElementFields::of(node, &one, &[], messages);
     let name = fields.name("jointname", &format!("a joint of {title}"), messages);
     let owner = format!("joint '{}' of {title}", clip(&name));
     let kind = word(
@@ -64,7 +64,7 @@ pub(super) fn read_joint(
 
 /// A word out of a short list; `None`, with an error, for any other.
 fn word<T>(
-    fields: &Fields<'_>,
+    fields: &ElementFields<'_>,
     field: &str,
     owner: &str,
     from_name: impl Fn(&str) -> Option<T>,
@@ -91,7 +91,7 @@ fn word<T>(
 /// without, and only by listing those it has: a list that is absent forbids
 /// nothing.
 fn symbols(
-    fields: &Fields<'_>,
+    fields: &ElementFields<'_>,
     nature: Nature,
     owner: &str,
     messages: &mut Messages,
@@ -99,7 +99,7 @@ fn symbols(
     let Some(node) = fields.one("symbols") else {
         return (true, true);
     };
-    let listed = Fields::of(node, &["q", "qd", "qdd"], &[], messages);
+    let listed = ElementFields::of(node, &["q", "qd", "qdd"], &[], messages);
     let has = |name| listed.one(name).is_some();
     if nature == Nature::Driven {
         return (has("qd"), has("qdd"));
@@ -116,7 +116,11 @@ fn symbols(
 }
 
 /// Refuses two joints of one name: the user's functions find joints by it.
-pub(super) fn repeated_joints(bodies: &[Fields<'_>], model: &Model, messages: &mut Messages) {
+pub(super) fn repeated_joints(
+    bodies: &[ElementFields<'_>],
+    model: &Model,
+    messages: &mut Messages,
+) {
     let mut seen: FxHashMap<&str, Range<usize>> = FxHashMap::default();
     let nodes = bodies.iter().flat_map(|body| body.many("joint"));
     for (joint, node) in model.joints.iter().zip(nodes) {

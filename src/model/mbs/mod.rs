@@ -154,7 +154,7 @@ fn read_document(
     document: &roxmltree::Document<'_>,
     messages: &mut fields::Messages,
 ) -> Option<Model> {
-    let root = fields::Fields::of_root(document.root_element(), messages)?;
+    let root = fields::ElementFields::of_root(document.root_element(), messages)?;
     let mut model = Model::new(&fields::project_name(&root, name, messages));
     let scope = bodies::read(&root, &mut model, messages)?;
     ends::read(&root, &scope, &mut model, messages);

@@ -1,7 +1,7 @@
 //! Numbers and triples of numbers.
 
 use super::NUMBER;
-use super::fields::{Fields, Messages, content, place};
+use super::fields::{ElementFields, Messages, content, place};
 use robovec_ir::diagnostic::clip;
 use robovec_num::limits::Amount;
 use roxmltree::Node;
@@ -60,7 +60,7 @@ pub(super) fn numbers<const N: usize>(
     owner: &str,
     messages: &mut Messages,
 ) -> [f64; N] {
-    let fields = Fields::of(node, &names, &[], messages);
+    let fields = ElementFields::of(node, &names, &[], messages);
     names.map(|name| {
         fields
             .one(name)
@@ -69,7 +69,11 @@ pub(super) fn numbers<const N: usize>(
 }
 
 /// The triple in the `coordinates` of an element.
-pub(super) fn coordinates(fields: &Fields<'_>, owner: &str, messages: &mut Messages) -> [f64; 3] {
+pub(super) fn coordinates(
+    fields: &ElementFields<'_>,
+    owner: &str,
+    messages: &mut Messages,
+) -> [f64; 3] {
     match fields.one("coordinates") {
         Some(node) => numbers(node, ["x", "y", "z"], owner, messages),
         None => {

@@ -1,11 +1,11 @@
 //! Remarks on models that can be read but hardly be meant.
 
 use super::fields::Messages;
-use super::scope::{Scope, body_title};
+use super::scope::{ModelScope, body_title};
 use crate::model::{Body, Model, Nature};
 
 /// Warns of massless ends of the tree and of impossible inertias.
-pub(super) fn remark(model: &Model, scope: &Scope, messages: &mut Messages) {
+pub(super) fn remark(model: &Model, scope: &ModelScope, messages: &mut Messages) {
     massless(model, scope, messages);
     for (body, place) in model.bodies.iter().zip(&scope.body_places) {
         let scale = scale(&body.inertia);
@@ -33,7 +33,7 @@ fn is_massless(body: &Body) -> bool {
 /// A body that carries no mass, directly or on bodies that hang on it, makes
 /// the rows of its joints in `M` zero. Only the first such body of a branch is
 /// named.
-fn massless(model: &Model, scope: &Scope, messages: &mut Messages) {
+fn massless(model: &Model, scope: &ModelScope, messages: &mut Messages) {
     let mut carries: Vec<bool> = model.bodies.iter().map(|body| !is_massless(body)).collect();
     for (index, body) in model.bodies.iter().enumerate().rev() {
         if let Some(parent) = body.parent {

@@ -1,9 +1,9 @@
 //! Points, and the sensors and external forces on them.
 
-use super::fields::{Fields, Messages, place};
+use super::fields::{ElementFields, Messages, place};
 use super::number::coordinates;
-use super::scope::Scope;
-use crate::model::{Asks, Model, Point, Sensor};
+use super::scope::ModelScope;
+use crate::model::{Asks, Model, ModelPoint, Sensor};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
 
@@ -12,12 +12,12 @@ pub(super) fn read_point(
     node: Node<'_, '_>,
     body: Option<usize>,
     owner: &str,
-    scope: &mut Scope,
+    scope: &mut ModelScope,
     model: &mut Model,
     messages: &mut Messages,
 ) {
     let one = ["pointname", "coordinates"];
-    let fields = Fields::of(node, &one, &["sensor", "extforce"], messages);
+    let fields = ElementFields::of(node, &one, &["sensor", "extforce"], messages);
     let name = fields.name("pointname", &format!("a point of {owner}"), messages);
     let title = format!("point '{}' of {owner}", clip(&name));
     let coordinates = coordinates(&fields, &title, messages);
@@ -30,7 +30,7 @@ pub(super) fn read_point(
             "give one of them another name",
         );
     }
-    model.points.push(Point {
+    model.points.push(ModelPoint {
         name,
         body,
         coordinates,

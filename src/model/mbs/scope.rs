@@ -1,6 +1,6 @@
 //! Names, and the places they tell.
 
-use super::fields::{Fields, Messages, place};
+use super::fields::{ElementFields, Messages, place};
 use crate::model::{Anchor, Model};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use rustc_hash::FxHashMap;
@@ -13,7 +13,7 @@ pub(super) const ORIGIN: &str = "origin";
 
 /// The names of a model, for what refers to them.
 #[derive(Default)]
-pub(super) struct Scope {
+pub(super) struct ModelScope {
     pub(super) bodies: FxHashMap<String, usize>,
     pub(super) points: FxHashMap<(Option<usize>, String), usize>,
     /// Where each body's name is written.
@@ -25,12 +25,12 @@ pub(super) fn body_title(name: &str) -> String {
     format!("body '{}'", clip(name))
 }
 
-impl Scope {
+impl ModelScope {
     /// The place that `bodyname` and `pointname` of an element tell; `None`,
     /// with an error, when there is no such place.
     pub(super) fn anchor(
         &self,
-        fields: &Fields<'_>,
+        fields: &ElementFields<'_>,
         owner: &str,
         model: &Model,
         messages: &mut Messages,
@@ -58,7 +58,13 @@ impl Scope {
     }
 }
 
-fn no_body(fields: &Fields<'_>, owner: &str, name: &str, model: &Model, messages: &mut Messages) {
+fn no_body(
+    fields: &ElementFields<'_>,
+    owner: &str,
+    name: &str,
+    model: &Model,
+    messages: &mut Messages,
+) {
     // The search for similar names takes time.
     if !messages.has_room() {
         return messages.count_error();
@@ -80,7 +86,7 @@ fn no_body(fields: &Fields<'_>, owner: &str, name: &str, model: &Model, messages
 }
 
 fn no_point(
-    fields: &Fields<'_>,
+    fields: &ElementFields<'_>,
     owner: &str,
     body: Option<usize>,
     name: &str,

@@ -1,14 +1,14 @@
 //! What hangs on what.
 
-use super::fields::{Fields, Messages, place};
-use super::scope::{Scope, body_title};
+use super::fields::{ElementFields, Messages, place};
+use super::scope::{ModelScope, body_title};
 use crate::model::Model;
 use robovec_ir::diagnostic::clip;
 
 /// Hangs every body on its parent, and every joint on the one before it.
 pub(super) fn hang(
-    bodies: &[Fields<'_>],
-    scope: &Scope,
+    bodies: &[ElementFields<'_>],
+    scope: &ModelScope,
     model: &mut Model,
     messages: &mut Messages,
 ) {
@@ -24,7 +24,7 @@ pub(super) fn hang(
             );
             continue;
         };
-        let parent = Fields::of(node, &["bodyname", "pointname"], &[], messages);
+        let parent = ElementFields::of(node, &["bodyname", "pointname"], &[], messages);
         let owner = format!("the parent of {title}");
         if let Some(anchor) = scope.anchor(&parent, &owner, model, messages) {
             parents[index] = anchor.body;
@@ -41,7 +41,12 @@ pub(super) fn hang(
 
 /// Complains of parents that are declared after their children, on a cycle or
 /// not.
-fn order(bodies: &[Fields<'_>], parents: &[Option<usize>], model: &Model, messages: &mut Messages) {
+fn order(
+    bodies: &[ElementFields<'_>],
+    parents: &[Option<usize>],
+    model: &Model,
+    messages: &mut Messages,
+) {
     let mut on_known_cycle = vec![false; bodies.len()];
     for (index, fields) in bodies.iter().enumerate() {
         let Some(parent) = parents[index].filter(|&parent| parent >= index) else {

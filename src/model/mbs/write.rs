@@ -8,7 +8,7 @@ use crate::model::{Anchor, Asks, Body, CutKind, Joint, Link, Model, Nature, Sens
 /// that names are not empty and hold neither line breaks nor blanks at their
 /// ends.
 pub fn write_mbs(model: &Model) -> String {
-    let mut writer = Writer {
+    let mut writer = ModelWriter {
         text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(),
         depth: 0,
     };
@@ -36,7 +36,7 @@ pub fn write_mbs(model: &Model) -> String {
     writer.text
 }
 
-struct Writer {
+struct ModelWriter {
     text: String,
     depth: usize,
 }
@@ -94,7 +94,7 @@ fn sensors(element: &str, sensors: &[Sensor], point: usize) -> String {
     text
 }
 
-impl Writer {
+impl ModelWriter {
     fn line(&mut self, line: &str) {
         self.text.extend(std::iter::repeat_n("  ", self.depth));
         self.text.push_str(line);

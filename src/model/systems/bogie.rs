@@ -1,7 +1,7 @@
 //! A railway bogie with 23 degrees of freedom.
 
 use super::super::Model;
-use super::super::build::{BASE, BodyRef, Builder, Place};
+use super::super::build::{BASE, BodyPlace, BodyRef, ModelBuilder};
 use super::{FREE, MOTION, R2, RIDE, principal};
 
 /// Half the distance between the axles, m.
@@ -22,7 +22,7 @@ const FRAME_HEIGHT: f64 = 0.15;
 /// bracket are links, the four contacts of wheel and rail external forces;
 /// sensors measure the ride.
 pub fn bogie() -> Model {
-    let mut builder = Builder::new("bogie");
+    let mut builder = ModelBuilder::new("bogie");
     let bogie = add_bogie(&mut builder, "", BASE.origin(), RADIUS + FRAME_HEIGHT);
     builder.sensor("Ride", bogie.center, RIDE);
     builder.finish()
@@ -31,14 +31,19 @@ pub fn bogie() -> Model {
 /// A bogie in a model.
 pub(super) struct Bogie {
     /// The centre of the frame, where the car body sits.
-    pub(super) center: Place,
+    pub(super) center: BodyPlace,
     /// Where the secondary springs stand, left and right.
-    pub(super) seats: [Place; 2],
+    pub(super) seats: [BodyPlace; 2],
 }
 
 /// Adds a bogie whose frame stands at a height above a place, or hangs on it.
 /// Names end in `suffix`.
-pub(super) fn add_bogie(builder: &mut Builder, suffix: &str, on: Place, height: f64) -> Bogie {
+pub(super) fn add_bogie(
+    builder: &mut ModelBuilder,
+    suffix: &str,
+    on: BodyPlace,
+    height: f64,
+) -> Bogie {
     let frame = builder.body(&format!("Frame{suffix}"), on, &FREE);
     builder.mass(
         frame,
@@ -63,7 +68,7 @@ pub(super) fn add_bogie(builder: &mut Builder, suffix: &str, on: Place, height: 
     Bogie { center, seats }
 }
 
-fn add_wheelset(builder: &mut Builder, suffix: &str, frame: BodyRef, end: &str, along: f64) {
+fn add_wheelset(builder: &mut ModelBuilder, suffix: &str, frame: BodyRef, end: &str, along: f64) {
     let place = builder.point(frame, &format!("Axle_{end}"), [along, 0.0, -FRAME_HEIGHT]);
     let wheelset = builder.body(&format!("Wheelset_{end}{suffix}"), place, &FREE);
     builder.mass(wheelset, 1500.0, [0.0; 3], principal(900.0, 100.0, 900.0));

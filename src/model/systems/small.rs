@@ -1,12 +1,12 @@
 //! Small mechanisms, open and closed.
 
-use super::super::build::{BASE, Builder};
+use super::super::build::{BASE, ModelBuilder};
 use super::super::{Asks, CutKind, Model, Nature};
 use super::{MOTION, R1, R2, T1, T3, principal};
 
 /// Two rods that swing in the plane of the second and third axis.
 pub fn double_pendulum() -> Model {
-    let mut builder = Builder::new("double_pendulum");
+    let mut builder = ModelBuilder::new("double_pendulum");
     let upper = builder.body("Upper", BASE.origin(), &[R1]);
     // A slender rod of 2 kg and 1 m: m l^2 / 12.
     builder.mass(upper, 2.0, [0.0, 0.0, -0.5], principal(0.167, 0.167, 0.001));
@@ -33,7 +33,7 @@ pub fn double_pendulum() -> Model {
 /// closed by a ball. The crank turns freely: the shortest and the longest side
 /// are together shorter than the other two.
 pub fn four_bar() -> Model {
-    let mut builder = Builder::new("four_bar");
+    let mut builder = ModelBuilder::new("four_bar");
     let pivot = builder.point(BASE, "Rocker_pivot", [0.9, 0.0, 0.0]);
     let crank = builder.body("Crank", BASE.origin(), &[R2]);
     builder.mass(
@@ -78,7 +78,7 @@ const FOUR_BAR_ANGLES: [f64; 2] = [0.550_918, -1.599_521];
 /// A crank and a slider, with the connecting rod as a constraint of length
 /// instead of a body.
 pub fn slider_crank() -> Model {
-    let mut builder = Builder::new("slider_crank");
+    let mut builder = ModelBuilder::new("slider_crank");
     let crank = builder.body("Crank", BASE.origin(), &[R2]);
     builder.mass(crank, 3.0, [0.05, 0.0, 0.0], principal(0.004, 0.012, 0.012));
     builder.joint(crank, 0).initial[0] = 0.5;
@@ -104,7 +104,7 @@ pub fn slider_crank() -> Model {
 /// `examples/suspension`: its equations are the files there. The loop is closed
 /// where all angles are zero.
 pub fn quarter_car() -> Model {
-    let mut builder = Builder::new("suspension");
+    let mut builder = ModelBuilder::new("suspension");
     let chassis = builder.body("Chassis", BASE.origin(), &[T3]);
     builder.mass(chassis, 320.0, [0.0; 3], [0.0; 6]);
     builder.joint(chassis, 0).initial[0] = 0.45;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::model::family::Family;
+use crate::model::family::ModelFamily;
 use crate::model::mbs::{read_mbs, write_mbs};
 use crate::model::{Anchor, CutKind, Model};
 
@@ -46,14 +46,14 @@ fn loops_are_closed_at_the_initial_positions() {
 
 #[test]
 fn systems_have_their_joints_and_survive_their_files() {
-    for family in Family::ALL {
+    for family in ModelFamily::ALL {
         let joints = family.joints().unwrap_or(12);
         let model = family.build(joints, 5);
         assert_eq!(model.joints.len(), joints, "{}", model.name);
         let read = read_mbs("m.mbs", write_mbs(&model).as_bytes()).expect("ours");
         assert_eq!(read.model, model);
         assert_eq!(read.warnings.render_plain(), "");
-        assert_eq!(Family::from_name(family.name()), Some(family));
+        assert_eq!(ModelFamily::from_name(family.name()), Some(family));
     }
 }
 

@@ -1,7 +1,7 @@
 //! A rail car with 70 degrees of freedom.
 
 use super::super::Model;
-use super::super::build::{BASE, BodyRef, Builder};
+use super::super::build::{BASE, BodyRef, ModelBuilder};
 use super::bogie::add_bogie;
 use super::{Asks, FREE, R1, R2, RIDE, T3, principal};
 
@@ -15,7 +15,7 @@ const HALF_PIVOTS: f64 = 8.0;
 /// relative to the car body, so that the equations have long paths as well as
 /// many branches.
 pub fn train() -> Model {
-    let mut builder = Builder::new("train");
+    let mut builder = ModelBuilder::new("train");
     let car = builder.body("Car", BASE.origin(), &FREE);
     builder.mass(
         car,
@@ -37,7 +37,7 @@ pub fn train() -> Model {
 
 /// A bogie below the car body, the secondary springs, and the second motor (24
 /// joints).
-fn add_running_gear(builder: &mut Builder, car: BodyRef, suffix: &str, along: f64) {
+fn add_running_gear(builder: &mut ModelBuilder, car: BodyRef, suffix: &str, along: f64) {
     let pivot = builder.point(car, &format!("Pivot{suffix}"), [along, 0.0, -1.1]);
     let bogie = add_bogie(builder, suffix, pivot, 0.0);
     for (seat, (side, across)) in bogie
@@ -63,7 +63,7 @@ fn add_running_gear(builder: &mut Builder, car: BodyRef, suffix: &str, along: f6
 }
 
 /// Lower arm, upper arm and head (3 joints), raised by a link.
-fn add_pantograph(builder: &mut Builder, car: BodyRef) {
+fn add_pantograph(builder: &mut ModelBuilder, car: BodyRef) {
     let foot = builder.point(car, "Pantograph", [7.0, 0.0, 1.9]);
     let lower = builder.body("Lower_arm", foot, &[R2]);
     builder.mass(lower, 32.0, [-0.8, 0.0, 0.0], principal(0.6, 8.5, 8.7));
@@ -89,7 +89,7 @@ fn add_pantograph(builder: &mut Builder, car: BodyRef) {
 
 /// A person on a sprung seat: seat up and down, trunk to the sides and fore and
 /// aft, head to and fro and, for the driver, to the sides (4 or 5 joints).
-fn add_person(builder: &mut Builder, car: BodyRef, name: &str, at: [f64; 3], driver: bool) {
+fn add_person(builder: &mut ModelBuilder, car: BodyRef, name: &str, at: [f64; 3], driver: bool) {
     let floor = builder.point(car, &format!("Seat_{name}"), at);
     let seat = builder.body(&format!("Seat_{name}"), floor, &[T3]);
     builder.mass(seat, 24.0, [0.0, 0.0, 0.35], principal(0.9, 0.8, 0.7));

@@ -3,13 +3,13 @@
 use super::labels::spread;
 use super::paint::fill;
 use super::scale::Ruler;
-use super::svg::{Anchor, Svg};
-use super::{Frame, axis_titles};
+use super::svg::{Svg, TextAnchor};
+use super::{PlotFrame, axis_titles};
 use crate::present::number::trimmed;
 use crate::present::{Curve, Mark, MarkFill, Panel, Stroke};
 
 /// Draws a panel.
-pub(super) fn draw(svg: &mut Svg, frame: Frame, panel: &Panel, curves: &[Curve]) {
+pub(super) fn draw(svg: &mut Svg, frame: PlotFrame, panel: &Panel, curves: &[Curve]) {
     let marks = || curves.iter().flat_map(|curve| &curve.marks);
     let heights = marks().flat_map(|mark| mark.range.into_iter().flatten().chain([mark.y]));
     let plane = Plane {
@@ -37,7 +37,7 @@ pub(super) fn draw(svg: &mut Svg, frame: Frame, panel: &Panel, curves: &[Curve])
 }
 
 struct Plane {
-    frame: Frame,
+    frame: PlotFrame,
     x: Ruler,
     y: Ruler,
 }
@@ -60,7 +60,12 @@ impl Plane {
             let half = super::svg::text_width(&text) / 2.0;
             // Numbers that would run into each other are left out.
             if x - half > last_end + 4.0 {
-                svg.text([x, frame.bottom() + 15.0], Anchor::Middle, "tick", &text);
+                svg.text(
+                    [x, frame.bottom() + 15.0],
+                    TextAnchor::Middle,
+                    "tick",
+                    &text,
+                );
                 last_end = x + half;
             }
         }
@@ -69,7 +74,7 @@ impl Plane {
             svg.line([frame.left, y], [frame.right(), y], "grid");
             svg.text(
                 [frame.left - 6.0, y + 4.0],
-                Anchor::End,
+                TextAnchor::End,
                 "tick",
                 &self.y.text(tick),
             );

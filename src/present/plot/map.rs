@@ -1,13 +1,13 @@
 //! Panels that are maps.
 
 use super::paint::sequence;
-use super::svg::{Anchor, Svg};
-use super::{Frame, axis_titles};
+use super::svg::{Svg, TextAnchor};
+use super::{PlotFrame, axis_titles};
 use crate::present::number::trimmed;
 use crate::present::{Panel, TileMap};
 
 /// Draws a map: light squares are small values, which are the good ones.
-pub(super) fn draw(svg: &mut Svg, frame: Frame, panel: &Panel, map: &TileMap) {
+pub(super) fn draw(svg: &mut Svg, frame: PlotFrame, panel: &Panel, map: &TileMap) {
     let found = map.values.iter().flatten();
     let (low, high) = found.fold((f64::INFINITY, 0f64), |(low, high), &value| {
         (low.min(value), high.max(value))
@@ -65,28 +65,33 @@ pub(super) fn draw(svg: &mut Svg, frame: Frame, panel: &Panel, map: &TileMap) {
         let x = frame.left + (index as f64 + 0.5) * size[0];
         svg.text(
             [x, frame.bottom() + 15.0],
-            Anchor::Middle,
+            TextAnchor::Middle,
             "tick",
             &column.to_string(),
         );
     }
     for (index, row) in map.rows.iter().enumerate() {
         let y = frame.bottom() - (index as f64 + 0.5) * size[1] + 4.0;
-        svg.text([frame.left - 6.0, y], Anchor::End, "tick", &row.to_string());
+        svg.text(
+            [frame.left - 6.0, y],
+            TextAnchor::End,
+            "tick",
+            &row.to_string(),
+        );
     }
     axis_titles(svg, frame, panel);
     scale(svg, frame, map, [low, high]);
 }
 
 /// The bar that says which shade is which value.
-fn scale(svg: &mut Svg, frame: Frame, map: &TileMap, [low, high]: [f64; 2]) {
+fn scale(svg: &mut Svg, frame: PlotFrame, map: &TileMap, [low, high]: [f64; 2]) {
     const STEPS: usize = 24;
     let left = frame.right() + 16.0;
     let height = frame.height * 0.8 / STEPS as f64;
     let top = frame.top + frame.height * 0.15;
     svg.text(
         [frame.right() + 8.0, frame.top + 8.0],
-        Anchor::Start,
+        TextAnchor::Start,
         "tick",
         &map.quantity,
     );
@@ -103,6 +108,6 @@ fn scale(svg: &mut Svg, frame: Frame, map: &TileMap, [low, high]: [f64; 2]) {
     let value = |place: f64| trimmed((high * (low / high).powf(place)).round());
     for place in [0.0, 0.5, 1.0] {
         let y = top + place * (height * STEPS as f64) + 4.0;
-        svg.text([left + 17.0, y], Anchor::Start, "tick", &value(place));
+        svg.text([left + 17.0, y], TextAnchor::Start, "tick", &value(place));
     }
 }

@@ -13,7 +13,7 @@ mod scale;
 mod svg;
 
 use crate::present::{Figure, Panel, PanelContent};
-use svg::{Anchor, Svg};
+use svg::{Svg, TextAnchor};
 
 /// Size of a panel's axes in a figure of one column, and of several.
 const WIDE: [f64; 2] = [520.0, 320.0];
@@ -26,14 +26,14 @@ const ABOVE: f64 = 26.0;
 
 /// The part of the drawing a panel's axes span.
 #[derive(Clone, Copy, Debug)]
-struct Frame {
+struct PlotFrame {
     left: f64,
     top: f64,
     width: f64,
     height: f64,
 }
 
-impl Frame {
+impl PlotFrame {
     fn right(&self) -> f64 {
         self.left + self.width
     }
@@ -56,7 +56,7 @@ pub fn draw(figure: &Figure) -> String {
         &figure.title,
     );
     for (index, panel) in figure.panels.iter().enumerate() {
-        let frame = Frame {
+        let frame = PlotFrame {
             left: cell[0] * (index % columns) as f64 + LEFT,
             top: cell[1] * (index / columns) as f64 + ABOVE,
             width,
@@ -64,7 +64,7 @@ pub fn draw(figure: &Figure) -> String {
         };
         svg.text(
             [frame.left, frame.top - 9.0],
-            Anchor::Start,
+            TextAnchor::Start,
             "panel",
             &panel.title,
         );
@@ -88,11 +88,11 @@ fn label_room(panel: &Panel) -> f64 {
 }
 
 /// The titles of both axes.
-fn axis_titles(svg: &mut Svg, frame: Frame, panel: &Panel) {
+fn axis_titles(svg: &mut Svg, frame: PlotFrame, panel: &Panel) {
     let middle = frame.left + frame.width / 2.0;
     svg.text(
         [middle, frame.bottom() + 38.0],
-        Anchor::Middle,
+        TextAnchor::Middle,
         "axis",
         &panel.x.title,
     );

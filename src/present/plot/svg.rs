@@ -5,18 +5,18 @@ use std::fmt::Write;
 
 /// Where a text stands relative to its point.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Anchor {
+pub(super) enum TextAnchor {
     Start,
     Middle,
     End,
 }
 
-impl Anchor {
+impl TextAnchor {
     fn name(self) -> &'static str {
         match self {
-            Anchor::Start => "start",
-            Anchor::Middle => "middle",
-            Anchor::End => "end",
+            TextAnchor::Start => "start",
+            TextAnchor::Middle => "middle",
+            TextAnchor::End => "end",
         }
     }
 }
@@ -39,7 +39,7 @@ impl Svg {
         let mut svg = Svg {
             text: String::new(),
         };
-        let (width, height) = (Number(width), Number(height));
+        let (width, height) = (SvgNumber(width), SvgNumber(height));
         svg.write(format_args!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
              width=\"{width}\" height=\"{height}\" role=\"img\" aria-label=\"{}\">\n\
@@ -58,10 +58,10 @@ impl Svg {
     pub(super) fn line(&mut self, from: [f64; 2], to: [f64; 2], class: &str) {
         self.write(format_args!(
             "<line class=\"{class}\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n",
-            Number(from[0]),
-            Number(from[1]),
-            Number(to[0]),
-            Number(to[1]),
+            SvgNumber(from[0]),
+            SvgNumber(from[1]),
+            SvgNumber(to[0]),
+            SvgNumber(to[1]),
         ));
     }
 
@@ -69,7 +69,7 @@ impl Svg {
     pub(super) fn polyline(&mut self, points: &[[f64; 2]], style: &str, title: &str) {
         self.write(format_args!("<polyline fill=\"none\" {style} points=\""));
         for [x, y] in points {
-            self.write(format_args!("{},{} ", Number(*x), Number(*y)));
+            self.write(format_args!("{},{} ", SvgNumber(*x), SvgNumber(*y)));
         }
         self.write(format_args!("\">{}</polyline>\n", Title(title)));
     }
@@ -78,10 +78,10 @@ impl Svg {
     pub(super) fn rectangle(&mut self, at: [f64; 2], size: [f64; 2], style: &str, title: &str) {
         self.write(format_args!(
             "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" {style}>{}</rect>\n",
-            Number(at[0]),
-            Number(at[1]),
-            Number(size[0]),
-            Number(size[1]),
+            SvgNumber(at[0]),
+            SvgNumber(at[1]),
+            SvgNumber(size[0]),
+            SvgNumber(size[1]),
             Title(title),
         ));
     }
@@ -90,18 +90,18 @@ impl Svg {
     pub(super) fn shape(&mut self, at: [f64; 2], path: &str, style: &str, title: &str) {
         self.write(format_args!(
             "<path transform=\"translate({} {})\" d=\"{path}\" {style}>{}</path>\n",
-            Number(at[0]),
-            Number(at[1]),
+            SvgNumber(at[0]),
+            SvgNumber(at[1]),
             Title(title),
         ));
     }
 
     /// A text of a class.
-    pub(super) fn text(&mut self, at: [f64; 2], anchor: Anchor, class: &str, text: &str) {
+    pub(super) fn text(&mut self, at: [f64; 2], anchor: TextAnchor, class: &str, text: &str) {
         self.write(format_args!(
             "<text class=\"{class}\" x=\"{}\" y=\"{}\" text-anchor=\"{}\">{}</text>\n",
-            Number(at[0]),
-            Number(at[1]),
+            SvgNumber(at[0]),
+            SvgNumber(at[1]),
             anchor.name(),
             Escaped(text),
         ));
@@ -111,8 +111,8 @@ impl Svg {
     pub(super) fn label(&mut self, at: [f64; 2], colour: &str, text: &str) {
         self.write(format_args!(
             "<text x=\"{}\" y=\"{}\" style=\"fill:{colour}\">{}</text>\n",
-            Number(at[0]),
-            Number(at[1]),
+            SvgNumber(at[0]),
+            SvgNumber(at[1]),
             Escaped(text),
         ));
     }
@@ -123,8 +123,8 @@ impl Svg {
         self.write(format_args!(
             "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\" \
              style=\"font-size:9px;fill:{colour};pointer-events:none\">{}</text>\n",
-            Number(at[0]),
-            Number(at[1]),
+            SvgNumber(at[0]),
+            SvgNumber(at[1]),
             Escaped(text),
         ));
     }
@@ -134,8 +134,8 @@ impl Svg {
         self.write(format_args!(
             "<text class=\"{class}\" transform=\"translate({} {}) rotate(-90)\" \
              text-anchor=\"middle\">{}</text>\n",
-            Number(at[0]),
-            Number(at[1]),
+            SvgNumber(at[0]),
+            SvgNumber(at[1]),
             Escaped(text),
         ));
     }
@@ -153,9 +153,9 @@ pub(super) fn text_width(text: &str) -> f64 {
 }
 
 /// A coordinate with a tenth of a pixel.
-struct Number(f64);
+struct SvgNumber(f64);
 
-impl std::fmt::Display for Number {
+impl std::fmt::Display for SvgNumber {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let tenths = (self.0 * 10.0).round() as i64;
         if tenths % 10 == 0 {
@@ -190,14 +190,14 @@ mod tests {
     #[test]
     fn coordinates_are_short_and_signed() {
         for (value, text) in [(1.0, "1"), (-0.26, "-0.3"), (-1.04, "-1"), (12.345, "12.3")] {
-            assert_eq!(Number(value).to_string(), text);
+            assert_eq!(SvgNumber(value).to_string(), text);
         }
     }
 
     #[test]
     fn hostile_texts_stay_text() {
         let mut svg = Svg::new(10.0, 10.0, "a\"b");
-        svg.text([0.0, 0.0], Anchor::End, "axis", "</text><script>&\u{1}");
+        svg.text([0.0, 0.0], TextAnchor::End, "axis", "</text><script>&\u{1}");
         let text = svg.finish();
         let document = roxmltree::Document::parse(&text).expect("well formed");
         let found = document

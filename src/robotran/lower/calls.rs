@@ -4,16 +4,16 @@
 //! input. Robotran passes arrays it has filled, the scalars `Z` and `Zd`, and
 //! words that mean nothing here (`s`, `tsim`, the number of the call).
 
-use super::emit::Emitter;
+use super::emit::FunctionEmitter;
 use crate::robotran::explain::refusal;
-use crate::robotran::syntax::{Leaf, LeafKind};
-use crate::robotran::token::Span;
+use crate::robotran::syntax::{LeafKind, SyntaxLeaf};
+use crate::robotran::token::SourceSpan;
 use robovec_ir::diagnostic::{Diagnostic, Label};
 use robovec_ir::{Assignment, Boundary, Operand, Output, Shape, SourceSet, Symbol};
 
-impl Emitter<'_, '_, '_> {
+impl FunctionEmitter<'_, '_, '_> {
     /// Turns the call of a user function into a boundary.
-    pub(super) fn call(&mut self, call: u32, span: Span) {
+    pub(super) fn call(&mut self, call: u32, span: SourceSpan) {
         let syntax = self.shared.syntax;
         let call = syntax.calls[call as usize];
         let callee = self
@@ -27,10 +27,11 @@ impl Emitter<'_, '_, '_> {
             let arguments = &syntax.arguments[first as usize..last as usize];
             // What is handed over by its place may be changed.
             let shared = arguments.iter().any(|argument| {
-                argument.leaf == Leaf::NONE || matches!(argument.leaf.kind(), LeafKind::Scalar(_))
+                argument.leaf == SyntaxLeaf::NONE
+                    || matches!(argument.leaf.kind(), LeafKind::Scalar(_))
             });
             self.unknown_call(&callee, (call.target.is_some(), shared), span);
-            if let Some(LeafKind::Scalar(name)) = call.target.map(Leaf::kind) {
+            if let Some(LeafKind::Scalar(name)) = call.target.map(SyntaxLeaf::kind) {
                 // One message about it is enough.
                 self.missing_known.insert(name.symbol());
             }
@@ -42,7 +43,7 @@ impl Emitter<'_, '_, '_> {
         for argument in &syntax.arguments[first as usize..last as usize] {
             let text = &self.shared.text[argument.span.range()];
             arguments.push(text.split_whitespace().collect::<Vec<_>>().join(" "));
-            if argument.leaf != Leaf::NONE {
+            if argument.leaf != SyntaxLeaf::NONE {
                 self.argument(argument.leaf, argument.span);
             }
         }
@@ -55,7 +56,7 @@ impl Emitter<'_, '_, '_> {
         });
     }
 
-    fn argument(&mut self, leaf: Leaf, span: Span) {
+    fn argument(&mut self, leaf: SyntaxLeaf, span: SourceSpan) {
         match leaf.kind() {
             LeafKind::Scalar(name) => {
                 let value = self.shared.definitions[name.symbol().index()];
@@ -103,7 +104,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// The input that holds the result of a call.
-    fn result(&mut self, target: Leaf, sources: SourceSet) -> String {
+    fn result(&mut self, target: SyntaxLeaf, sources: SourceSet) -> String {
         match target.kind() {
             LeafKind::Element(element) => {
                 let slot = self.shared.syntax.elements[element as usize].row;
@@ -138,7 +139,7 @@ impl Emitter<'_, '_, '_> {
     /// Refuses a call whose result is read or which may change a number, and
     /// warns of any other; `shared` when an array, a structure or the place of
     /// a number is handed over.
-    fn unknown_call(&mut self, callee: &str, (has_target, shared): (bool, bool), span: Span) {
+    fn unknown_call(&mut self, callee: &str, (has_target, shared): (bool, bool), span: SourceSpan) {
         let message = matches!(
             callee,
             "mbs_msg"

@@ -1,10 +1,10 @@
 //! Names that are read before, or without, a definition.
 
-use super::Block;
+use super::StatementBlock;
 use crate::robotran::explain::refusal;
 use crate::robotran::storage::Storage;
-use crate::robotran::syntax::{Kind, LeafKind, Syntax};
-use crate::robotran::token::{Name, Span};
+use crate::robotran::syntax::{LeafKind, StatementKind, SyntaxTree};
+use crate::robotran::token::{RobotranName, SourceSpan};
 use hashbrown::HashMap;
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
@@ -21,10 +21,10 @@ struct Definitions {
 /// Explains every name that had no definition where it was read.
 pub(super) fn explain_missing(
     missing: &[(Symbol, usize)],
-    syntax: &Syntax,
+    syntax: &SyntaxTree,
     storage: &Storage,
     symbols: &Symbols,
-    block: &Block<'_>,
+    block: &StatementBlock<'_>,
     text: &str,
 ) -> Vec<Diagnostic> {
     if missing.is_empty() {
@@ -44,7 +44,7 @@ pub(super) fn explain_missing(
     for &(symbol, statement) in missing.iter().take(crate::robotran::ERROR_LIMIT) {
         let name = symbols.text(symbol);
         let span = occurrence(text, syntax.statements[statement].span, name);
-        if storage.find(Name::local(symbol)).is_some() {
+        if storage.find(RobotranName::local(symbol)).is_some() {
             diagnostics.push(refusal(
                 &format!("the array `{name}` is read without an index"),
                 span,
@@ -70,13 +70,13 @@ pub(super) fn explain_missing(
     diagnostics
 }
 
-fn definitions(syntax: &Syntax, block: &Block<'_>) -> Definitions {
+fn definitions(syntax: &SyntaxTree, block: &StatementBlock<'_>) -> Definitions {
     let mut definitions = Definitions {
         order: Vec::new(),
         statements: HashMap::default(),
     };
     for index in block.runs.iter().cloned().flatten() {
-        if let Kind::Equation { target, .. } = syntax.statements[index].kind
+        if let StatementKind::Equation { target, .. } = syntax.statements[index].kind
             && let LeafKind::Scalar(name) = target.kind()
         {
             definitions.order.push((name.symbol(), index));
@@ -86,10 +86,10 @@ fn definitions(syntax: &Syntax, block: &Block<'_>) -> Definitions {
     definitions
 }
 
-type Cycles = HashMap<Symbol, (usize, Vec<Symbol>), FxBuildHasher>;
+type DefinitionCycles = HashMap<Symbol, (usize, Vec<Symbol>), FxBuildHasher>;
 
 /// The groups of equations that need one another.
-fn cycles(syntax: &Syntax, definitions: &Definitions) -> Cycles {
+fn cycles(syntax: &SyntaxTree, definitions: &Definitions) -> DefinitionCycles {
     let mut graph: DiGraph<Symbol, ()> = DiGraph::new();
     let mut nodes: HashMap<Symbol, NodeIndex, FxBuildHasher> = HashMap::default();
     for &(symbol, _) in &definitions.order {
@@ -98,7 +98,7 @@ fn cycles(syntax: &Syntax, definitions: &Definitions) -> Cycles {
             .or_insert_with(|| graph.add_node(symbol));
     }
     for &(symbol, statement) in &definitions.order {
-        let Kind::Equation {
+        let StatementKind::Equation {
             root, first, end, ..
         } = syntax.statements[statement].kind
         else {
@@ -113,7 +113,7 @@ fn cycles(syntax: &Syntax, definitions: &Definitions) -> Cycles {
             }
         }
     }
-    let mut cycles = Cycles::default();
+    let mut cycles = DefinitionCycles::default();
     for (number, group) in kosaraju_scc(&graph).into_iter().enumerate() {
         let alone = group.len() == 1;
         if alone && !graph.contains_edge(group[0], group[0]) {
@@ -132,7 +132,7 @@ fn cycles(syntax: &Syntax, definitions: &Definitions) -> Cycles {
 fn cycle(
     members: &[Symbol],
     definitions: &Definitions,
-    syntax: &Syntax,
+    syntax: &SyntaxTree,
     symbols: &Symbols,
 ) -> Diagnostic {
     let labels = members.iter().enumerate().map(|(index, symbol)| {
@@ -153,7 +153,7 @@ fn cycle(
         .with_note("there is no order in which they could be evaluated; look for a misspelt name")
 }
 
-fn too_early(name: &str, used: Span, defined: Span) -> Diagnostic {
+fn too_early(name: &str, used: SourceSpan, defined: SourceSpan) -> Diagnostic {
     Diagnostic::error()
         .with_message(format!("`{name}` is read before it is defined"))
         .with_labels(vec![
@@ -163,7 +163,12 @@ fn too_early(name: &str, used: Span, defined: Span) -> Diagnostic {
         .with_note("move its equation before the first that reads it")
 }
 
-fn undefined(name: &str, span: Span, definitions: &Definitions, symbols: &Symbols) -> Diagnostic {
+fn undefined(
+    name: &str,
+    span: SourceSpan,
+    definitions: &Definitions,
+    symbols: &Symbols,
+) -> Diagnostic {
     if ["nan", "inf", "infinity", "pi"].contains(&name.to_ascii_lowercase().as_str()) {
         return refusal(
             &format!("`{name}` is not understood"),
@@ -190,7 +195,7 @@ fn undefined(name: &str, span: Span, definitions: &Definitions, symbols: &Symbol
 
 /// Where a name occurs in a statement, as a whole word and not on its left
 /// side; the statement when it cannot be found.
-fn occurrence(text: &str, span: Span, name: &str) -> Span {
+fn occurrence(text: &str, span: SourceSpan, name: &str) -> SourceSpan {
     let statement = &text[span.range()];
     let word = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
     let bytes = statement.as_bytes();
@@ -202,6 +207,6 @@ fn occurrence(text: &str, span: Span, name: &str) -> Span {
     let hit = found.find(|&(at, _)| at > from);
     hit.map_or(span, |(at, _)| {
         let start = span.start as usize + at;
-        Span::new(start, start + name.len())
+        SourceSpan::new(start, start + name.len())
     })
 }

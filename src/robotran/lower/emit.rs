@@ -4,15 +4,15 @@
 //! arena, so the node `first + k` of the arena is the value `base + k` of the
 //! function.
 
-use super::names::Names;
+use super::names::GivenNames;
 use super::scan::{READ_BACK, REWRITTEN, Scan};
 use crate::robotran::Language;
 use crate::robotran::conventions::{INPUT_ORDER, SENSOR_FIELDS};
 use crate::robotran::explain::refusal;
-use crate::robotran::places::Places;
+use crate::robotran::places::LineIndex;
 use crate::robotran::storage::{Initial, Storage};
-use crate::robotran::syntax::{Kind, Leaf, LeafKind, Syntax};
-use crate::robotran::token::{Name as SyntaxName, Span};
+use crate::robotran::syntax::{LeafKind, StatementKind, SyntaxLeaf, SyntaxTree};
+use crate::robotran::token::{RobotranName, SourceSpan};
 use hashbrown::{HashMap, HashSet};
 use robovec_ir::diagnostic::{Diagnostic, Label};
 use robovec_ir::{
@@ -27,29 +27,29 @@ pub(super) type SymbolSet = HashSet<Symbol, FxBuildHasher>;
 
 /// The scalars that pass between the parts of a function with loops.
 #[derive(Default, Debug)]
-pub(super) struct Crossing {
+pub(super) struct CrossingScalars {
     pub(super) inputs: SymbolSet,
     pub(super) outputs: SymbolSet,
 }
 
 /// What the head and the declarations of a function say.
 #[derive(Debug)]
-pub(super) struct Signature {
+pub(super) struct FunctionSignature {
     /// Results and parameters, under the names the equations use.
-    pub(super) parameters: Vec<SyntaxName>,
+    pub(super) parameters: Vec<RobotranName>,
     /// Whole numbers declared in the function.
     pub(super) counters: SymbolSet,
     /// The parameters as the head names them, and those of whole numbers.
-    pub(super) given: Vec<SyntaxName>,
-    pub(super) whole: Vec<SyntaxName>,
+    pub(super) given: Vec<RobotranName>,
+    pub(super) whole: Vec<RobotranName>,
 }
 
 /// What all functions of a file share.
 pub(super) struct Shared<'a, 't> {
-    pub(super) syntax: &'a Syntax,
+    pub(super) syntax: &'a SyntaxTree,
     pub(super) text: &'t str,
     pub(super) tables: &'a mut Tables,
-    pub(super) places: &'a mut Places<'t>,
+    pub(super) places: &'a mut LineIndex<'t>,
     pub(super) language: Language,
     /// The definition of every scalar, by symbol; empty between functions.
     pub(super) definitions: Vec<Operand>,
@@ -69,17 +69,17 @@ pub(super) struct Later {
 }
 
 /// Writes one function.
-pub(super) struct Emitter<'e, 'a, 't> {
+pub(super) struct FunctionEmitter<'e, 'a, 't> {
     pub(super) shared: &'e mut Shared<'a, 't>,
     pub(super) storage: &'e Storage,
     pub(super) scan: &'e Scan,
-    pub(super) parameters: HashMap<SyntaxName, usize, FxBuildHasher>,
-    pub(super) signature: &'e Signature,
+    pub(super) parameters: HashMap<RobotranName, usize, FxBuildHasher>,
+    pub(super) signature: &'e FunctionSignature,
     /// `None` for a whole function.
-    pub(super) crossing: Option<&'e Crossing>,
+    pub(super) crossing: Option<&'e CrossingScalars>,
     pub(super) function: Function,
     pub(super) later: Later,
-    pub(super) names: Names,
+    pub(super) names: GivenNames,
     /// The input and output array of every stored array.
     pub(super) declared: HashMap<Symbol, Array, FxBuildHasher>,
     pub(super) inputs: Vec<Option<Array>>,
@@ -99,18 +99,18 @@ pub(super) struct Emitter<'e, 'a, 't> {
     pub(super) statement: usize,
 }
 
-impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
+impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
     pub(super) fn new(
         function: Function,
         shared: &'e mut Shared<'a, 't>,
         storage: &'e Storage,
         scan: &'e Scan,
-        signature: &'e Signature,
-        crossing: Option<&'e Crossing>,
-    ) -> Emitter<'e, 'a, 't> {
+        signature: &'e FunctionSignature,
+        crossing: Option<&'e CrossingScalars>,
+    ) -> FunctionEmitter<'e, 'a, 't> {
         let arrays = storage.arrays.len();
         let known = shared.tables.symbols.len();
-        let mut emitter = Emitter {
+        let mut emitter = FunctionEmitter {
             shared,
             storage,
             scan,
@@ -119,7 +119,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
             crossing,
             function,
             later: Later::default(),
-            names: Names::new(known),
+            names: GivenNames::new(known),
             declared: HashMap::default(),
             inputs: vec![None; arrays],
             outputs: vec![None; arrays],
@@ -212,13 +212,13 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
             self.statement = index;
             let statement = self.shared.syntax.statements[index];
             match statement.kind {
-                Kind::Equation {
+                StatementKind::Equation {
                     target,
                     root,
                     first,
                     end,
                 } => self.equation(target, root, first..end, statement.span),
-                Kind::Call(call) => self.call(call, statement.span),
+                StatementKind::Call(call) => self.call(call, statement.span),
                 _ => {}
             }
             if self.errors.len() >= crate::robotran::ERROR_LIMIT {
@@ -227,12 +227,18 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         }
     }
 
-    pub(super) fn sources(&mut self, span: Span) -> SourceSet {
+    pub(super) fn sources(&mut self, span: SourceSpan) -> SourceSet {
         let place = self.shared.places.place(span);
         self.shared.tables.sources.single(place)
     }
 
-    fn equation(&mut self, target: Leaf, root: Leaf, run: Range<u32>, span: Span) {
+    fn equation(
+        &mut self,
+        target: SyntaxLeaf,
+        root: SyntaxLeaf,
+        run: Range<u32>,
+        span: SourceSpan,
+    ) {
         if let LeafKind::Scalar(name) = target.kind()
             && (self.signature.counters.contains(&name.symbol()) || self.is_flag(name))
         {
@@ -289,11 +295,11 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
     }
 
     /// `s->flag_stop = 1;` of a guard file.
-    fn is_flag(&self, name: SyntaxName) -> bool {
+    fn is_flag(&self, name: RobotranName) -> bool {
         name.is_of_data() && self.shared.tables.symbols.text(name.symbol()) == "flag_stop"
     }
 
-    fn operand(&mut self, leaf: Leaf, base: u32, first: u32) -> Operand {
+    fn operand(&mut self, leaf: SyntaxLeaf, base: u32, first: u32) -> Operand {
         match leaf.kind() {
             LeafKind::Node(index) => Operand::from(Value(base + (index - first))),
             LeafKind::Number(index) => {
@@ -333,7 +339,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         }
     }
 
-    fn scalar(&mut self, name: SyntaxName) -> Operand {
+    fn scalar(&mut self, name: RobotranName) -> Operand {
         let symbol = name.symbol();
         let known = self.shared.definitions[symbol.index()];
         if !known.is_none() {
@@ -427,7 +433,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         self.defined.push(symbol);
     }
 
-    fn define(&mut self, name: SyntaxName, operand: Operand, fresh: bool, sources: SourceSet) {
+    fn define(&mut self, name: RobotranName, operand: Operand, fresh: bool, sources: SourceSet) {
         let symbol = name.symbol();
         if self.shared.language == Language::C && name.is_of_data() {
             self.member_of_data(symbol);
@@ -490,11 +496,13 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         );
     }
 
-    fn first_definition(&self, symbol: Symbol) -> Option<Span> {
+    fn first_definition(&self, symbol: Symbol) -> Option<SourceSpan> {
         let mut statements = self.shared.syntax.statements[..self.statement].iter();
         let found = statements.rfind(|statement| match statement.kind {
-            Kind::Equation { target, .. } => defines(Some(target), symbol),
-            Kind::Call(call) => defines(self.shared.syntax.calls[call as usize].target, symbol),
+            StatementKind::Equation { target, .. } => defines(Some(target), symbol),
+            StatementKind::Call(call) => {
+                defines(self.shared.syntax.calls[call as usize].target, symbol)
+            }
             _ => false,
         });
         found.map(|statement| statement.span)
@@ -559,7 +567,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
 
     /// Finishes the function: the last value of every element that became a
     /// named value, and the scalars other parts read.
-    pub(super) fn finish(mut self) -> Finished {
+    pub(super) fn finish(mut self) -> EmittedFunction {
         for slot in std::mem::take(&mut self.named_elements) {
             let (array, _, _) = self.storage.element(slot);
             let number = self.storage.find(array.name).unwrap_or(0) as usize;
@@ -591,7 +599,7 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
         for symbol in self.defined {
             self.shared.definitions[symbol.index()] = Operand::NONE;
         }
-        Finished {
+        EmittedFunction {
             function: self.function,
             missing: self.missing,
             errors: self.errors,
@@ -601,13 +609,13 @@ impl<'e, 'a, 't> Emitter<'e, 'a, 't> {
 }
 
 /// True for the assignment to a scalar.
-fn defines(target: Option<Leaf>, symbol: Symbol) -> bool {
-    let kind = target.map(Leaf::kind);
+fn defines(target: Option<SyntaxLeaf>, symbol: Symbol) -> bool {
+    let kind = target.map(SyntaxLeaf::kind);
     matches!(kind, Some(LeafKind::Scalar(name)) if name.symbol() == symbol)
 }
 
 /// A function that was written, and what was found wrong with it.
-pub(super) struct Finished {
+pub(super) struct EmittedFunction {
     pub(super) function: Function,
     pub(super) missing: Vec<(Symbol, usize)>,
     pub(super) errors: Vec<Diagnostic>,

@@ -7,15 +7,17 @@ mod names;
 mod parts;
 mod scan;
 
-use self::emit::{Crossing, Emitter, Finished, Shared, Signature, SymbolSet};
+use self::emit::{
+    CrossingScalars, EmittedFunction, FunctionEmitter, FunctionSignature, Shared, SymbolSet,
+};
 use self::scan::Scan;
 use super::explain::refusal;
 use super::header::Header;
-use super::places::Places;
+use super::places::LineIndex;
 use super::storage::{Storage, StorageBuilder};
 use super::structure::{FunctionBlock, Region};
-use super::syntax::{Head, Kind, Syntax};
-use super::token::Name;
+use super::syntax::{FunctionHeader, StatementKind, SyntaxTree};
+use super::token::RobotranName;
 use super::{ERROR_LIMIT, Language};
 use robovec_ir::diagnostic::{Diagnostic, Label};
 use robovec_ir::{Function, Level, Module, Operand, Symbol};
@@ -30,21 +32,21 @@ const LARGEST_REPETITION: u64 = 200_000_000;
 const REQUIRED_OUTPUTS: [&str; 7] = ["M", "c", "Qq", "h", "Jac", "Jdqd", "qdd"];
 
 /// Statements that become one function.
-pub(super) struct Block<'a> {
+pub(super) struct StatementBlock<'a> {
     name: String,
     runs: Vec<Range<usize>>,
     metadata: Vec<(String, String)>,
-    crossing: Option<&'a Crossing>,
+    crossing: Option<&'a CrossingScalars>,
 }
 
 /// Lowers the functions of a file into a module.
 pub(super) struct Lowering<'a, 't> {
-    pub(super) syntax: Syntax,
+    pub(super) syntax: SyntaxTree,
     pub(super) text: &'t str,
     pub(super) file_name: &'a str,
     pub(super) language: Language,
     pub(super) header: Header,
-    pub(super) places: Places<'t>,
+    pub(super) places: LineIndex<'t>,
     pub(super) module: Module,
     pub(super) errors: Vec<Diagnostic>,
     pub(super) warnings: Vec<Diagnostic>,
@@ -134,7 +136,7 @@ impl Lowering<'_, '_> {
         let head = block
             .head
             .map(|head| self.syntax.heads[head as usize].clone());
-        let signature = Signature {
+        let signature = FunctionSignature {
             parameters: parameters(head.as_ref(), &storage),
             counters: self.counters(block),
             given: head
@@ -143,7 +145,7 @@ impl Lowering<'_, '_> {
             whole: head.as_ref().map_or(Vec::new(), |head| head.whole.clone()),
         };
         let cases = block.cases();
-        let plain = Block {
+        let plain = StatementBlock {
             name,
             runs: Vec::new(),
             metadata,
@@ -158,7 +160,7 @@ impl Lowering<'_, '_> {
                 return;
             }
             let runs = live_runs(block, None);
-            let whole = Block { runs, ..plain };
+            let whole = StatementBlock { runs, ..plain };
             let scan = scan::scan(&self.syntax, &storage, &whole.runs, false);
             let written = scan.written.clone();
             self.report_empty(&whole, block, &scan);
@@ -215,7 +217,7 @@ impl Lowering<'_, '_> {
     fn counters(&self, block: &FunctionBlock) -> SymbolSet {
         let runs = block.runs.iter().flat_map(|run| run.statements.clone());
         runs.filter_map(|index| match self.syntax.statements[index].kind {
-            Kind::Counter(name) => Some(name.symbol()),
+            StatementKind::Counter(name) => Some(name.symbol()),
             _ => None,
         })
         .collect()
@@ -231,7 +233,10 @@ impl Lowering<'_, '_> {
         };
         for run in block.runs.iter().filter(|run| unreached(&run.region)) {
             let mut equations = run.statements.clone().filter(|&index| {
-                matches!(self.syntax.statements[index].kind, Kind::Equation { .. })
+                matches!(
+                    self.syntax.statements[index].kind,
+                    StatementKind::Equation { .. }
+                )
             });
             if let Some(first) = equations.next() {
                 let span = self.syntax.statements[first].span;
@@ -247,7 +252,7 @@ impl Lowering<'_, '_> {
         }
     }
 
-    fn report_empty(&mut self, whole: &Block<'_>, block: &FunctionBlock, scan: &Scan) {
+    fn report_empty(&mut self, whole: &StatementBlock<'_>, block: &FunctionBlock, scan: &Scan) {
         if scan.equations > 1 {
             return;
         }
@@ -282,8 +287,8 @@ impl Lowering<'_, '_> {
         &mut self,
         block: &FunctionBlock,
         storage: &Storage,
-        plain: &Block<'_>,
-        signature: &Signature,
+        plain: &StatementBlock<'_>,
+        signature: &FunctionSignature,
         cases: &[u32],
     ) -> Vec<bool> {
         let common: usize = live_runs(block, None)
@@ -297,7 +302,7 @@ impl Lowering<'_, '_> {
         for case in cases {
             let mut metadata = plain.metadata.clone();
             metadata.push(("case".to_owned(), case.to_string()));
-            let one = Block {
+            let one = StatementBlock {
                 name: format!("{}_{case}", plain.name),
                 runs: live_runs(block, Some(*case)),
                 metadata,
@@ -340,7 +345,13 @@ impl Lowering<'_, '_> {
         affordable
     }
 
-    fn emit(&mut self, block: &Block<'_>, storage: &Storage, scan: Scan, signature: &Signature) {
+    fn emit(
+        &mut self,
+        block: &StatementBlock<'_>,
+        storage: &Storage,
+        scan: Scan,
+        signature: &FunctionSignature,
+    ) {
         let mut function = Function::new(&block.name, Level::Equations);
         function.metadata = block.metadata.clone();
         let symbols = self.module.tables.symbols.len();
@@ -352,7 +363,7 @@ impl Lowering<'_, '_> {
             language: self.language,
             definitions: vec![Operand::NONE; symbols],
         };
-        let mut emitter = Emitter::new(
+        let mut emitter = FunctionEmitter::new(
             function,
             &mut shared,
             storage,
@@ -361,7 +372,7 @@ impl Lowering<'_, '_> {
             block.crossing,
         );
         emitter.run(&block.runs);
-        let Finished {
+        let EmittedFunction {
             function,
             missing,
             errors,
@@ -386,14 +397,14 @@ impl Lowering<'_, '_> {
         &mut self,
         block: &FunctionBlock,
         kind: &str,
-        parameters: &[Name],
-        head: Option<&Head>,
+        parameters: &[RobotranName],
+        head: Option<&FunctionHeader>,
         storage: &Storage,
         written: &[bool],
     ) {
         let mut runs = block.runs.iter().flat_map(|run| run.statements.clone());
         let has_equations = runs.any(|index| {
-            matches!(self.syntax.statements[index].kind, Kind::Equation { first, end, .. } if first < end)
+            matches!(self.syntax.statements[index].kind, StatementKind::Equation { first, end, .. } if first < end)
         });
         // robovec's own files keep Robotran's signature even for a function
         // that sets only some of the outputs; that nothing was lost, their
@@ -420,7 +431,7 @@ impl Lowering<'_, '_> {
         expected.sort_unstable();
         expected.dedup();
         for symbol in expected {
-            let names = [Name::local(symbol), Name::of_data(symbol)];
+            let names = [RobotranName::local(symbol), RobotranName::of_data(symbol)];
             let found = names.iter().filter_map(|&name| storage.find(name));
             if found.into_iter().any(|array| written[array as usize]) {
                 continue;
@@ -458,7 +469,7 @@ fn file_stem(name: &str) -> &str {
 }
 
 /// The parameters under the names the equations use.
-fn parameters(head: Option<&Head>, storage: &Storage) -> Vec<Name> {
+fn parameters(head: Option<&FunctionHeader>, storage: &Storage) -> Vec<RobotranName> {
     let parameters = head.map_or(&[][..], |head| &head.parameters);
     let outputs = head.map_or(&[][..], |head| &head.outputs);
     let all = outputs.iter().chain(parameters);

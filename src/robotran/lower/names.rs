@@ -10,7 +10,7 @@ use std::fmt::Write;
 ///
 /// Invariant: the plain name of a symbol of the file is kept for its scalar.
 #[derive(Debug)]
-pub(super) struct Names {
+pub(super) struct GivenNames {
     /// Per symbol of the file: the next free number.
     next: Vec<u32>,
     /// Per symbol of the file: a scalar bears it.
@@ -20,10 +20,10 @@ pub(super) struct Names {
     buffer: String,
 }
 
-impl Names {
+impl GivenNames {
     /// No names; `known` symbols occur in the file.
-    pub(super) fn new(known: usize) -> Names {
-        Names {
+    pub(super) fn new(known: usize) -> GivenNames {
+        GivenNames {
             next: vec![1; known],
             defined: vec![false; known],
             later: HashMap::default(),

@@ -6,12 +6,12 @@
 //! defines and another reads leaves the first as an output and enters the
 //! second as an input. The caller keeps the loop.
 
-use super::emit::{Crossing, Signature, SymbolSet};
-use super::{Block, ERROR_LIMIT, Lowering, scan};
+use super::emit::{CrossingScalars, FunctionSignature, SymbolSet};
+use super::{ERROR_LIMIT, Lowering, StatementBlock, scan};
 use crate::robotran::storage::Storage;
-use crate::robotran::structure::{FunctionBlock, Region, Run};
-use crate::robotran::syntax::{Kind, Leaf, LeafKind};
-use crate::robotran::token::Span;
+use crate::robotran::structure::{FunctionBlock, Region, StatementRun};
+use crate::robotran::syntax::{LeafKind, StatementKind, SyntaxLeaf};
+use crate::robotran::token::SourceSpan;
 use robovec_ir::Symbol;
 use robovec_ir::diagnostic::{Diagnostic, Label};
 
@@ -21,11 +21,11 @@ impl Lowering<'_, '_> {
         &mut self,
         block: &FunctionBlock,
         storage: &Storage,
-        plain: &Block<'_>,
-        signature: &Signature,
+        plain: &StatementBlock<'_>,
+        signature: &FunctionSignature,
     ) -> Vec<bool> {
         let counters = &signature.counters;
-        let live: Vec<&Run> = block
+        let live: Vec<&StatementRun> = block
             .runs
             .iter()
             .filter(|run| run.region != Region::Dead && self.computes(run, counters))
@@ -44,7 +44,7 @@ impl Lowering<'_, '_> {
                 metadata.push(("control".to_owned(), self.one_line(span)));
             }
             self.warn(run, &name);
-            let part = Block {
+            let part = StatementBlock {
                 name,
                 runs: vec![run.statements.clone()],
                 metadata,
@@ -63,24 +63,24 @@ impl Lowering<'_, '_> {
     }
 
     /// True for a run with an equation or a call in it.
-    fn computes(&self, run: &Run, counters: &SymbolSet) -> bool {
+    fn computes(&self, run: &StatementRun, counters: &SymbolSet) -> bool {
         run.statements.clone().any(|index| match self.syntax.statements[index].kind {
-            Kind::Equation { target, .. } => {
+            StatementKind::Equation { target, .. } => {
                 !matches!(target.kind(), LeafKind::Scalar(name) if counters.contains(&name.symbol()))
             }
-            Kind::Call(_) => true,
+            StatementKind::Call(_) => true,
             _ => false,
         })
     }
 
-    fn one_line(&self, span: Span) -> String {
+    fn one_line(&self, span: SourceSpan) -> String {
         self.text[span.range()]
             .split_whitespace()
             .collect::<Vec<_>>()
             .join(" ")
     }
 
-    fn warn(&mut self, run: &Run, name: &str) {
+    fn warn(&mut self, run: &StatementRun, name: &str) {
         let Region::Control(span) = run.region else {
             return;
         };
@@ -96,7 +96,12 @@ impl Lowering<'_, '_> {
     }
 
     /// What each part takes from and gives to the others.
-    fn crossing(&self, runs: &[&Run], conditions: &[Span], counters: &SymbolSet) -> Vec<Crossing> {
+    fn crossing(
+        &self,
+        runs: &[&StatementRun],
+        conditions: &[SourceSpan],
+        counters: &SymbolSet,
+    ) -> Vec<CrossingScalars> {
         let uses: Vec<(SymbolSet, SymbolSet)> =
             runs.iter().map(|run| self.uses(run, counters)).collect();
         let defined_somewhere: SymbolSet = uses
@@ -113,7 +118,7 @@ impl Lowering<'_, '_> {
             wanted.extend(words.filter_map(|word| self.module.tables.symbols.find(word)));
         }
         uses.into_iter()
-            .map(|(read, defined)| Crossing {
+            .map(|(read, defined)| CrossingScalars {
                 inputs: &read & &defined_somewhere,
                 outputs: &defined & &wanted,
             })
@@ -121,18 +126,18 @@ impl Lowering<'_, '_> {
     }
 
     /// The scalars a run reads before it defines them, and those it defines.
-    fn uses(&self, run: &Run, counters: &SymbolSet) -> (SymbolSet, SymbolSet) {
+    fn uses(&self, run: &StatementRun, counters: &SymbolSet) -> (SymbolSet, SymbolSet) {
         let mut read = SymbolSet::default();
         let mut defined = SymbolSet::default();
-        let mut visit = |leaf: &Leaf, defined: &SymbolSet| {
-            if *leaf != Leaf::NONE
+        let mut visit = |leaf: &SyntaxLeaf, defined: &SymbolSet| {
+            if *leaf != SyntaxLeaf::NONE
                 && let LeafKind::Scalar(name) = leaf.kind()
                 && !defined.contains(&name.symbol())
             {
                 read.insert(name.symbol());
             }
         };
-        let define = |target: Leaf, defined: &mut SymbolSet| {
+        let define = |target: SyntaxLeaf, defined: &mut SymbolSet| {
             let symbol: Option<Symbol> = match target.kind() {
                 LeafKind::Scalar(name) => Some(name.symbol()),
                 _ => None,
@@ -141,7 +146,7 @@ impl Lowering<'_, '_> {
         };
         for index in run.statements.clone() {
             match self.syntax.statements[index].kind {
-                Kind::Equation {
+                StatementKind::Equation {
                     target,
                     root,
                     first,
@@ -155,7 +160,7 @@ impl Lowering<'_, '_> {
                         .for_each(|leaf| visit(leaf, &defined));
                     define(target, &mut defined);
                 }
-                Kind::Call(call) => {
+                StatementKind::Call(call) => {
                     let call = self.syntax.calls[call as usize];
                     let (first, last) = call.arguments;
                     self.syntax.arguments[first as usize..last as usize]
@@ -173,7 +178,7 @@ impl Lowering<'_, '_> {
 }
 
 /// The heads of all loops and conditions.
-fn conditions(block: &FunctionBlock) -> Vec<Span> {
+fn conditions(block: &FunctionBlock) -> Vec<SourceSpan> {
     let spans = block.runs.iter().filter_map(|run| match run.region {
         Region::Control(span) => Some(span),
         Region::Common | Region::Cases(_) | Region::Others(_) | Region::Dead => None,

@@ -7,8 +7,8 @@
 
 use crate::robotran::explain::refusal;
 use crate::robotran::storage::{Initial, Storage};
-use crate::robotran::syntax::{Kind, Leaf, LeafKind, Syntax};
-use crate::robotran::token::Span;
+use crate::robotran::syntax::{LeafKind, StatementKind, SyntaxLeaf, SyntaxTree};
+use crate::robotran::token::SourceSpan;
 use robovec_ir::diagnostic::Diagnostic;
 use std::ops::Range;
 
@@ -38,7 +38,7 @@ pub(super) struct Scan {
 }
 
 struct Scanner<'a> {
-    syntax: &'a Syntax,
+    syntax: &'a SyntaxTree,
     storage: &'a Storage,
     scan: Scan,
     /// Per array: the result of a call that is still to come.
@@ -47,7 +47,12 @@ struct Scanner<'a> {
 
 /// Scans the statements of a function. In a `part` of a function the calls
 /// may stand in another part.
-pub(super) fn scan(syntax: &Syntax, storage: &Storage, runs: &[Range<usize>], part: bool) -> Scan {
+pub(super) fn scan(
+    syntax: &SyntaxTree,
+    storage: &Storage,
+    runs: &[Range<usize>],
+    part: bool,
+) -> Scan {
     let arrays = storage.arrays.len();
     let mut scanner = Scanner {
         syntax,
@@ -69,7 +74,7 @@ pub(super) fn scan(syntax: &Syntax, storage: &Storage, runs: &[Range<usize>], pa
     for index in runs.iter().cloned().flatten() {
         let statement = syntax.statements[index];
         match statement.kind {
-            Kind::Equation {
+            StatementKind::Equation {
                 target,
                 root,
                 first,
@@ -85,7 +90,7 @@ pub(super) fn scan(syntax: &Syntax, storage: &Storage, runs: &[Range<usize>], pa
                 scanner.read(root, statement.span);
                 scanner.write(target, statement.span);
             }
-            Kind::Call(call) => scanner.call(call, statement.span),
+            StatementKind::Call(call) => scanner.call(call, statement.span),
             _ => {}
         }
     }
@@ -95,9 +100,10 @@ pub(super) fn scan(syntax: &Syntax, storage: &Storage, runs: &[Range<usize>], pa
 impl Scanner<'_> {
     fn await_results(&mut self, runs: &[Range<usize>]) {
         for index in runs.iter().cloned().flatten() {
-            if let Kind::Call(call) = self.syntax.statements[index].kind
-                && let Some(LeafKind::Scalar(name)) =
-                    self.syntax.calls[call as usize].target.map(Leaf::kind)
+            if let StatementKind::Call(call) = self.syntax.statements[index].kind
+                && let Some(LeafKind::Scalar(name)) = self.syntax.calls[call as usize]
+                    .target
+                    .map(SyntaxLeaf::kind)
                 && let Some(array) = self.storage.find(name)
             {
                 self.awaited[array as usize] = true;
@@ -105,7 +111,7 @@ impl Scanner<'_> {
         }
     }
 
-    fn read(&mut self, leaf: Leaf, span: Span) {
+    fn read(&mut self, leaf: SyntaxLeaf, span: SourceSpan) {
         let LeafKind::Element(element) = leaf.kind() else {
             return;
         };
@@ -159,7 +165,7 @@ impl Scanner<'_> {
         }
     }
 
-    fn write(&mut self, target: Leaf, span: Span) {
+    fn write(&mut self, target: SyntaxLeaf, span: SourceSpan) {
         let LeafKind::Element(element) = target.kind() else {
             return;
         };
@@ -182,11 +188,11 @@ impl Scanner<'_> {
         }
     }
 
-    fn call(&mut self, call: u32, span: Span) {
+    fn call(&mut self, call: u32, span: SourceSpan) {
         let call = self.syntax.calls[call as usize];
         let (first, last) = call.arguments;
         for argument in &self.syntax.arguments[first as usize..last as usize] {
-            if argument.leaf == Leaf::NONE {
+            if argument.leaf == SyntaxLeaf::NONE {
                 continue;
             }
             match argument.leaf.kind() {
@@ -199,14 +205,14 @@ impl Scanner<'_> {
                 LeafKind::Node(_) | LeafKind::Number(_) => {}
             }
         }
-        match call.target.map(Leaf::kind) {
+        match call.target.map(SyntaxLeaf::kind) {
             Some(LeafKind::Scalar(name)) => {
                 if let Some(array) = self.storage.find(name) {
                     self.awaited[array as usize] = false;
                 }
             }
             Some(LeafKind::Element(_)) => {
-                self.write(call.target.unwrap_or(Leaf::NONE), span);
+                self.write(call.target.unwrap_or(SyntaxLeaf::NONE), span);
             }
             Some(LeafKind::Node(_) | LeafKind::Number(_)) | None => {}
         }

@@ -1,6 +1,6 @@
 //! The arrays of a file: where each lives, and how its elements are written.
 
-use super::error::WriteError;
+use super::error::RobotranWriteError;
 use super::kind::Kind;
 use super::names::is_array_name;
 use crate::robotran::Language;
@@ -10,7 +10,7 @@ use rustc_hash::FxBuildHasher;
 
 /// What an array is to the function that is written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Role {
+pub(super) enum ArrayRole {
     /// A parameter of the signature, or what Matlab returns.
     Parameter,
     /// A field of the sensor.
@@ -28,7 +28,7 @@ pub(super) enum Role {
 pub(super) struct FileArray {
     pub(super) name: String,
     pub(super) shape: Shape,
-    pub(super) role: Role,
+    pub(super) role: ArrayRole,
     pub(super) is_input: bool,
     pub(super) is_output: bool,
     /// The largest indices of its elements that are read or written; zeros
@@ -38,21 +38,21 @@ pub(super) struct FileArray {
 
 /// The arrays of the functions that make up a file, in order of appearance.
 #[derive(Debug)]
-pub(super) struct Arrays {
+pub(super) struct FileArrays {
     pub(super) all: Vec<FileArray>,
     numbers: HashMap<Symbol, usize, FxBuildHasher>,
     by_name: HashMap<String, usize, FxBuildHasher>,
 }
 
-impl Arrays {
+impl FileArrays {
     /// Collects them.
     pub(super) fn new(
         functions: &[&Function],
         kind: Kind,
         symbols: &Symbols,
         language: Language,
-    ) -> Result<Arrays, WriteError> {
-        let mut arrays = Arrays {
+    ) -> Result<FileArrays, RobotranWriteError> {
+        let mut arrays = FileArrays {
             all: Vec::new(),
             numbers: HashMap::default(),
             by_name: HashMap::default(),
@@ -97,7 +97,7 @@ impl Arrays {
         }
     }
 
-    fn add(&mut self, array: &Array, name: &str, role: Role, is_output: bool) {
+    fn add(&mut self, array: &Array, name: &str, role: ArrayRole, is_output: bool) {
         let next = self.all.len();
         let number = *self.numbers.entry(array.name).or_insert(next);
         if number == next {
@@ -142,14 +142,14 @@ impl FileArray {
     /// everything but the coordinates from the structure, where it keeps the
     /// value it had at the start.
     pub(super) fn input_text(&self, language: Language) -> String {
-        let own = matches!(self.role, Role::Argument | Role::Result);
+        let own = matches!(self.role, ArrayRole::Argument | ArrayRole::Result);
         let name = &self.name;
         match (self.shape, language) {
             _ if own => name.clone(),
             (Shape::Scalar, Language::C) => format!("s->{name}"),
             (Shape::Scalar, _) => format!("s.{name}"),
             // Where a parameter is given, it is the structure's own array.
-            (_, Language::Python) if self.role == Role::Parameter => format!("s.{name}"),
+            (_, Language::Python) if self.role == ArrayRole::Parameter => format!("s.{name}"),
             (_, Language::C | Language::Python) => self.output_text(language),
             (_, Language::Matlab) if self.has_alias(language) => name.clone(),
             (_, Language::Matlab) => format!("s.{name}"),
@@ -168,7 +168,7 @@ impl FileArray {
     /// giving a name of its own.
     pub(super) fn has_alias(&self, language: Language) -> bool {
         let coordinates = matches!(self.name.as_str(), "q" | "qd" | "qdd");
-        self.role == Role::Data
+        self.role == ArrayRole::Data
             && self.is_used()
             && self.shape != Shape::Scalar
             && (language != Language::Matlab || (coordinates && !self.is_output))
@@ -212,29 +212,33 @@ impl<'a> Roles<'a> {
         }
     }
 
-    fn of(&self, name: &str, is_output: bool) -> Role {
+    fn of(&self, name: &str, is_output: bool) -> ArrayRole {
         let parameter =
             |&(known, _): &(&str, usize)| name == known || (known, name) == ("Flink", "Flnk");
         if name.starts_with("sens.") && self.kind.is_sensor() {
-            Role::Sensor
+            ArrayRole::Sensor
         } else if self.kind.outputs.iter().any(parameter) {
-            Role::Parameter
+            ArrayRole::Parameter
         } else if is_output && self.arguments.contains(name) {
-            Role::Argument
+            ArrayRole::Argument
         } else if !is_output && self.results.contains(name) {
-            Role::Result
+            ArrayRole::Result
         } else {
-            Role::Data
+            ArrayRole::Data
         }
     }
 }
 
 /// Of a sensor's function Matlab gives back the sensor only.
-fn check_sensor(function: &Function, kind: Kind, symbols: &Symbols) -> Result<(), WriteError> {
+fn check_sensor(
+    function: &Function,
+    kind: Kind,
+    symbols: &Symbols,
+) -> Result<(), RobotranWriteError> {
     let mut outputs = function.outputs().iter();
     let foreign = outputs.find(|array| !symbols.text(array.name).starts_with("sens."));
     match foreign {
-        Some(array) if kind.is_sensor() => Err(WriteError::SensorOutput {
+        Some(array) if kind.is_sensor() => Err(RobotranWriteError::SensorOutput {
             function: function.name.clone(),
             output: symbols.text(array.name).to_owned(),
         }),
@@ -246,25 +250,25 @@ fn check(
     function: &Function,
     array: &Array,
     name: &str,
-    role: Role,
+    role: ArrayRole,
     is_output: bool,
     language: Language,
-) -> Result<(), WriteError> {
+) -> Result<(), RobotranWriteError> {
     let word = match role {
-        Role::Sensor => &name["sens.".len()..],
+        ArrayRole::Sensor => &name["sens.".len()..],
         _ => name,
     };
     // The time is the one number that every function is given beside arrays.
     let time = array.shape == Shape::Scalar && name == "tsim" && !is_output;
     if !time && !is_array_name(word) {
-        return Err(WriteError::ArrayName {
+        return Err(RobotranWriteError::ArrayName {
             function: function.name.clone(),
             array: name.to_owned(),
             language: language.name(),
         });
     }
-    if is_output && array.shape == Shape::Scalar && role != Role::Argument {
-        return Err(WriteError::ScalarOutput {
+    if is_output && array.shape == Shape::Scalar && role != ArrayRole::Argument {
+        return Err(RobotranWriteError::ScalarOutput {
             function: function.name.clone(),
             output: name.to_owned(),
         });

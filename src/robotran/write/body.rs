@@ -1,41 +1,41 @@
 //! The statements of a file.
 
-use super::arrays::Role;
+use super::arrays::ArrayRole;
 use super::calls;
 use super::common::common_prefix;
-use super::error::WriteError;
-use super::expression::{Printer, Source};
-use super::file::File;
-use super::plan::Statement;
-use super::text::Text;
+use super::error::RobotranWriteError;
+use super::expression::{Printer, PrinterSource};
+use super::file::RobotranFile;
+use super::plan::WrittenStatement;
+use super::text::FileText;
 use crate::robotran::Language;
 use hashbrown::HashSet;
 use robovec_ir::{Assignment, Boundary, Function, Output, Shape, Symbol, Value};
 use rustc_hash::FxBuildHasher;
 
 /// The text being written, and what it has come to.
-pub(super) struct Body {
-    pub(super) text: Text,
+pub(super) struct FunctionText {
+    pub(super) text: FileText,
     pub(super) printer: Printer,
     /// C's declarations of the temporaries, in order.
     pub(super) declarations: String,
     /// Those that several cases of a sensor file may have.
     known: HashSet<Box<str>, FxBuildHasher>,
-    section: Section,
+    section: BodySection,
 }
 
 /// What stands under the title printed last.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Debug)]
-enum Section {
+enum BodySection {
     Start,
     Trigonometry,
     Main,
     Outputs,
 }
 
-impl File<'_> {
+impl RobotranFile<'_> {
     /// Writes them.
-    pub(super) fn statements(&self, body: &mut Body) -> Result<(), WriteError> {
+    pub(super) fn statements(&self, body: &mut FunctionText) -> Result<(), RobotranWriteError> {
         body.text.indent(match self.language {
             Language::C => 0,
             Language::Matlab => 2,
@@ -54,10 +54,10 @@ impl File<'_> {
     }
 
     /// What all cases begin with, then the cases.
-    fn switch(&self, body: &mut Body) -> Result<(), WriteError> {
+    fn switch(&self, body: &mut FunctionText) -> Result<(), RobotranWriteError> {
         let common = common_prefix(&self.functions) as u32;
         self.function(body, 0, 0, common)?;
-        self.title(body, Section::Main);
+        self.title(body, BodySection::Main);
         match self.language {
             Language::C => {
                 body.text.line("switch(isens)");
@@ -97,20 +97,20 @@ impl File<'_> {
     }
 
     fn is_empty_case(&self, index: usize, common: u32) -> bool {
-        self.plans[index]
-            .iter()
-            .all(|statement| matches!(statement, Statement::Define(value) if value.0 < common))
+        self.plans[index].iter().all(
+            |statement| matches!(statement, WrittenStatement::Define(value) if value.0 < common),
+        )
     }
 
     /// The statements of a function whose nodes lie in a range; its outputs
     /// and calls belong to the end of it.
     fn function(
         &self,
-        body: &mut Body,
+        body: &mut FunctionText,
         index: usize,
         first: u32,
         end: u32,
-    ) -> Result<(), WriteError> {
+    ) -> Result<(), RobotranWriteError> {
         let function = self.functions[index];
         let inputs: Vec<String> = function
             .inputs()
@@ -122,7 +122,7 @@ impl File<'_> {
             .iter()
             .map(|array| self.arrays.of(array.name).output_text(self.language))
             .collect();
-        let source = Source {
+        let source = PrinterSource {
             function,
             symbols: self.symbols,
             names: &self.names,
@@ -131,7 +131,7 @@ impl File<'_> {
         };
         for &statement in &self.plans[index] {
             let here = match statement {
-                Statement::Define(value) => (first..end).contains(&value.0),
+                WrittenStatement::Define(value) => (first..end).contains(&value.0),
                 _ => end == u32::MAX,
             };
             if here {
@@ -146,27 +146,29 @@ impl File<'_> {
 
     fn statement(
         &self,
-        body: &mut Body,
-        source: &Source<'_>,
+        body: &mut FunctionText,
+        source: &PrinterSource<'_>,
         outputs: &[String],
-        statement: Statement,
-    ) -> Result<(), WriteError> {
+        statement: WrittenStatement,
+    ) -> Result<(), RobotranWriteError> {
         let function = source.function;
         match statement {
-            Statement::Define(value) => self.define(body, source, value),
-            Statement::Call(call) => self.call(body, function, &function.boundaries[call])?,
-            Statement::Argument(index) => {
-                self.title(body, Section::Main);
+            WrittenStatement::Define(value) => self.define(body, source, value),
+            WrittenStatement::Call(call) => {
+                self.call(body, function, &function.boundaries[call])?
+            }
+            WrittenStatement::Argument(index) => {
+                self.title(body, BodySection::Main);
                 self.assign(body, source, outputs, &function.assignments[index], false);
             }
-            Statement::Output(index) => {
+            WrittenStatement::Output(index) => {
                 // In a sensor's case the title of the cases stands over all.
                 if self.cases[0].is_none() {
-                    self.title(body, Section::Outputs);
+                    self.title(body, BodySection::Outputs);
                 }
                 self.assign(body, source, outputs, &function.assignments[index], true);
             }
-            Statement::Keep(input) => {
+            WrittenStatement::Keep(input) => {
                 let name = &source.kept[&input];
                 body.declare(name);
                 body.text.begin();
@@ -182,12 +184,12 @@ impl File<'_> {
 
     fn call(
         &self,
-        body: &mut Body,
+        body: &mut FunctionText,
         function: &Function,
         call: &Boundary,
-    ) -> Result<(), WriteError> {
+    ) -> Result<(), RobotranWriteError> {
         let statement = calls::statement(function, call, self.language)?;
-        self.title(body, Section::Main);
+        self.title(body, BodySection::Main);
         if let Some(result) = &call.result {
             let known = self.arrays.find(result);
             // An array's pointer is declared with the other arrays.
@@ -199,15 +201,15 @@ impl File<'_> {
         Ok(())
     }
 
-    fn define(&self, body: &mut Body, source: &Source<'_>, value: Value) {
+    fn define(&self, body: &mut FunctionText, source: &PrinterSource<'_>, value: Value) {
         let node = source.function.node(value);
-        let trigonometric = node.operation.is_trigonometric() && body.section < Section::Main;
+        let trigonometric = node.operation.is_trigonometric() && body.section < BodySection::Main;
         self.title(
             body,
             if trigonometric {
-                Section::Trigonometry
+                BodySection::Trigonometry
             } else {
-                Section::Main
+                BodySection::Main
             },
         );
         let name = self.names.text(node.name, self.symbols);
@@ -225,8 +227,8 @@ impl File<'_> {
 
     fn assign(
         &self,
-        body: &mut Body,
-        source: &Source<'_>,
+        body: &mut FunctionText,
+        source: &PrinterSource<'_>,
         outputs: &[String],
         assignment: &Assignment,
         last: bool,
@@ -258,7 +260,7 @@ impl File<'_> {
         })
     }
 
-    fn set_zeros(&self, body: &mut Body, function: &Function, outputs: &[String]) {
+    fn set_zeros(&self, body: &mut FunctionText, function: &Function, outputs: &[String]) {
         let mut set = vec![false; function.output_len()];
         for assignment in &function.assignments {
             set[assignment.output.index()] = true;
@@ -266,7 +268,7 @@ impl File<'_> {
         for (array, name) in function.outputs().iter().zip(outputs) {
             let known = self.arrays.of(array.name);
             // What is also given keeps what it was given.
-            if known.is_input || matches!(known.role, Role::Argument) {
+            if known.is_input || matches!(known.role, ArrayRole::Argument) {
                 continue;
             }
             let first = array.offset as usize;
@@ -281,33 +283,33 @@ impl File<'_> {
     }
 
     /// Prints the title of a section where it begins.
-    fn title(&self, body: &mut Body, section: Section) {
+    fn title(&self, body: &mut FunctionText, section: BodySection) {
         if section <= body.section {
             return;
         }
         body.section = section;
         let title = match (section, self.kind.name) {
-            (Section::Start | Section::Trigonometry, _) => "Trigonometric functions",
-            (Section::Outputs, _) => "Symbolic model output",
-            (Section::Main, "dirdyna" | "invdyna" | "dirdyna_odn") => "Kinematics and Dynamics",
-            (Section::Main, "sensor" | "gensensor") => "Sensor Kinematics",
-            (Section::Main, "link" | "link3D") => "Link Kinematics and Forces",
-            (Section::Main, "extforces") => "Sensor Kinematics and Forces",
-            (Section::Main, "cons_hJ" | "cons_jdqd") => "Constraints",
-            (Section::Main, _) => "Equations",
+            (BodySection::Start | BodySection::Trigonometry, _) => "Trigonometric functions",
+            (BodySection::Outputs, _) => "Symbolic model output",
+            (BodySection::Main, "dirdyna" | "invdyna" | "dirdyna_odn") => "Kinematics and Dynamics",
+            (BodySection::Main, "sensor" | "gensensor") => "Sensor Kinematics",
+            (BodySection::Main, "link" | "link3D") => "Link Kinematics and Forces",
+            (BodySection::Main, "extforces") => "Sensor Kinematics and Forces",
+            (BodySection::Main, "cons_hJ" | "cons_jdqd") => "Constraints",
+            (BodySection::Main, _) => "Equations",
         };
         body.text.section(title);
     }
 }
 
-impl Body {
-    pub(super) fn new(language: Language) -> Body {
-        Body {
-            text: Text::new(language),
+impl FunctionText {
+    pub(super) fn new(language: Language) -> FunctionText {
+        FunctionText {
+            text: FileText::new(language),
             printer: Printer::default(),
             declarations: String::new(),
             known: HashSet::default(),
-            section: Section::Start,
+            section: BodySection::Start,
         }
     }
 
@@ -320,7 +322,7 @@ impl Body {
         }
     }
 
-    /// As [`Body::declare`], for what other cases may have declared before.
+    /// As [`FunctionText::declare`], for what other cases may have declared before.
     fn declare_once(&mut self, name: &str) {
         if self.text.language == Language::C && !self.known.contains(name) {
             self.known.insert(name.into());

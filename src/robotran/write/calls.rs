@@ -1,6 +1,6 @@
 //! Calls of user functions, in the words of each language.
 
-use super::error::WriteError;
+use super::error::RobotranWriteError;
 use super::names::is_word;
 use crate::robotran::Language;
 use robovec_ir::{Boundary, Function};
@@ -36,8 +36,8 @@ pub(super) fn statement(
     function: &Function,
     call: &Boundary,
     language: Language,
-) -> Result<String, WriteError> {
-    let refuse = || WriteError::Call {
+) -> Result<String, RobotranWriteError> {
+    let refuse = || RobotranWriteError::Call {
         function: function.name.clone(),
         callee: call.callee.clone(),
     };

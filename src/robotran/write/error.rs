@@ -2,7 +2,7 @@
 
 /// What Robotran's files have no words for.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-pub enum WriteError {
+pub enum RobotranWriteError {
     /// There is nothing to write.
     #[error("there is no function to write")]
     Empty,

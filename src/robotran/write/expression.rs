@@ -6,17 +6,17 @@
 //! does not change how a product is rounded). Everything else needs its
 //! parentheses: `a-(b+c)`, `a*(b*c)`, `(-a)*b`.
 
-use super::names::Names;
-use super::text::Text;
+use super::names::FileIdentifiers;
+use super::text::FileText;
 use hashbrown::HashMap;
 use robovec_ir::{Function, Input, Operand, OperandKind, Operation, Symbols, Value};
 use rustc_hash::FxBuildHasher;
 
 /// What the printer needs to know of a function.
-pub(super) struct Source<'a> {
+pub(super) struct PrinterSource<'a> {
     pub(super) function: &'a Function,
     pub(super) symbols: &'a Symbols,
-    pub(super) names: &'a Names,
+    pub(super) names: &'a FileIdentifiers,
     /// Per input array: how it is written (`q`, `s.dpt`, `Flink1`).
     pub(super) inputs: &'a [String],
     /// The temporaries of input elements that outputs overwrite.
@@ -28,7 +28,7 @@ const PRODUCT: u8 = 2;
 const PRIMARY: u8 = 3;
 
 /// What remains to be printed of an expression.
-enum Piece {
+enum ExpressionPiece {
     /// An operand, and what binds less tightly gets parentheses.
     Operand(Operand, u8),
     Operator(&'static str),
@@ -38,7 +38,7 @@ enum Piece {
 /// Prints expressions; the stack is kept between them.
 #[derive(Default)]
 pub(super) struct Printer {
-    pieces: Vec<Piece>,
+    pieces: Vec<ExpressionPiece>,
     /// Operations printed so far.
     count: usize,
 }
@@ -51,7 +51,12 @@ impl Printer {
     }
 
     /// The expression of a named value: its own operation.
-    pub(super) fn definition(&mut self, text: &mut Text, source: &Source<'_>, value: Value) {
+    pub(super) fn definition(
+        &mut self,
+        text: &mut FileText,
+        source: &PrinterSource<'_>,
+        value: Value,
+    ) {
         let node = source.function.node(value);
         match node.operation {
             Operation::Copy => self.right_side(text, source, node.operands[0], false),
@@ -66,8 +71,8 @@ impl Printer {
     /// elements that are overwritten come from their temporaries.
     pub(super) fn right_side(
         &mut self,
-        text: &mut Text,
-        source: &Source<'_>,
+        text: &mut FileText,
+        source: &PrinterSource<'_>,
         operand: Operand,
         outputs: bool,
     ) {
@@ -79,16 +84,16 @@ impl Printer {
             text.push("0");
             return;
         }
-        self.pieces.push(Piece::Operand(operand, SUM));
+        self.pieces.push(ExpressionPiece::Operand(operand, SUM));
         self.run(text, source, outputs);
     }
 
-    fn run(&mut self, text: &mut Text, source: &Source<'_>, outputs: bool) {
+    fn run(&mut self, text: &mut FileText, source: &PrinterSource<'_>, outputs: bool) {
         while let Some(piece) = self.pieces.pop() {
             match piece {
-                Piece::Operator(operator) => text.operator(operator),
-                Piece::Close => text.push(")"),
-                Piece::Operand(operand, binding) => {
+                ExpressionPiece::Operator(operator) => text.operator(operator),
+                ExpressionPiece::Close => text.push(")"),
+                ExpressionPiece::Operand(operand, binding) => {
                     self.operand(text, source, operand, binding, outputs);
                 }
             }
@@ -97,8 +102,8 @@ impl Printer {
 
     fn operand(
         &mut self,
-        text: &mut Text,
-        source: &Source<'_>,
+        text: &mut FileText,
+        source: &PrinterSource<'_>,
         operand: Operand,
         binding: u8,
         outputs: bool,
@@ -109,11 +114,12 @@ impl Printer {
                 if !node.name.is_none() {
                     text.push(source.names.text(node.name, source.symbols));
                 } else if node.operation == Operation::Copy {
-                    self.pieces.push(Piece::Operand(node.operands[0], binding));
+                    self.pieces
+                        .push(ExpressionPiece::Operand(node.operands[0], binding));
                 } else {
                     if precedence(node.operation) < binding {
                         text.push("(");
-                        self.pieces.push(Piece::Close);
+                        self.pieces.push(ExpressionPiece::Close);
                     }
                     self.node(text, value, source.function);
                 }
@@ -127,7 +133,7 @@ impl Printer {
     }
 
     /// Pushes the pieces of a node in reverse order.
-    fn node(&mut self, text: &mut Text, value: Value, function: &Function) {
+    fn node(&mut self, text: &mut FileText, value: Value, function: &Function) {
         let node = function.node(value);
         let [left, right, third] = node.operands;
         self.count += match node.operation {
@@ -142,49 +148,51 @@ impl Printer {
             Operation::Mul => ("*", PRODUCT),
             Operation::Div => ("/", PRODUCT),
             Operation::Copy => {
-                self.pieces.push(Piece::Operand(left, SUM));
+                self.pieces.push(ExpressionPiece::Operand(left, SUM));
                 return;
             }
             Operation::Neg => {
                 text.push("-");
-                self.pieces.push(Piece::Operand(left, PRODUCT));
+                self.pieces.push(ExpressionPiece::Operand(left, PRODUCT));
                 return;
             }
             Operation::Sin | Operation::Cos | Operation::Sqrt => {
                 text.push(node.operation.name());
                 text.push("(");
-                self.pieces.push(Piece::Close);
-                self.pieces.push(Piece::Operand(left, SUM));
+                self.pieces.push(ExpressionPiece::Close);
+                self.pieces.push(ExpressionPiece::Operand(left, SUM));
                 return;
             }
             Operation::Fma | Operation::Fms => {
                 let add = node.operation == Operation::Fma;
-                self.pieces.push(Piece::Operand(third, SUM + 1));
+                self.pieces.push(ExpressionPiece::Operand(third, SUM + 1));
                 self.pieces
-                    .push(Piece::Operator(if add { "+" } else { "-" }));
+                    .push(ExpressionPiece::Operator(if add { "+" } else { "-" }));
                 self.product(left, right);
                 return;
             }
             Operation::Fnma => {
                 self.product(left, right);
-                self.pieces.push(Piece::Operator("-"));
-                self.pieces.push(Piece::Operand(third, SUM));
+                self.pieces.push(ExpressionPiece::Operator("-"));
+                self.pieces.push(ExpressionPiece::Operand(third, SUM));
                 return;
             }
         };
-        self.pieces.push(Piece::Operand(right, binding + 1));
-        self.pieces.push(Piece::Operator(operator));
-        self.pieces.push(Piece::Operand(left, binding));
+        self.pieces
+            .push(ExpressionPiece::Operand(right, binding + 1));
+        self.pieces.push(ExpressionPiece::Operator(operator));
+        self.pieces.push(ExpressionPiece::Operand(left, binding));
     }
 
     fn product(&mut self, left: Operand, right: Operand) {
-        self.pieces.push(Piece::Operand(right, PRODUCT + 1));
-        self.pieces.push(Piece::Operator("*"));
-        self.pieces.push(Piece::Operand(left, PRODUCT));
+        self.pieces
+            .push(ExpressionPiece::Operand(right, PRODUCT + 1));
+        self.pieces.push(ExpressionPiece::Operator("*"));
+        self.pieces.push(ExpressionPiece::Operand(left, PRODUCT));
     }
 }
 
-fn element(text: &mut Text, source: &Source<'_>, input: Input, outputs: bool) {
+fn element(text: &mut FileText, source: &PrinterSource<'_>, input: Input, outputs: bool) {
     if outputs && let Some(name) = source.kept.get(&input) {
         text.push(name);
         return;

@@ -5,7 +5,7 @@
 //! array of another extent is named in a line of the header, which means
 //! nothing to Robotran.
 
-use super::arrays::{Arrays, Role};
+use super::arrays::{ArrayRole, FileArrays};
 use crate::robotran::conventions::known_extent;
 use hashbrown::HashSet;
 use robovec_ir::{Function, Shape};
@@ -14,13 +14,13 @@ use std::fmt::Write;
 
 /// The entry of the header, `dpt(3,12) h(4)`; `None` when nothing needs to be
 /// said.
-pub(super) fn line(functions: &[&Function], arrays: &Arrays, joints: u32) -> Option<String> {
+pub(super) fn line(functions: &[&Function], arrays: &FileArrays, joints: u32) -> Option<String> {
     let forces = forces(functions);
     let mut line = String::new();
     for array in arrays.all.iter().filter(|array| array.is_used()) {
         let (rows, columns) = array.largest;
         let (known_rows, known_columns) = known_extent(&array.name, joints).unwrap_or((0, 0));
-        let force = array.role == Role::Result && forces.contains(array.name.as_str());
+        let force = array.role == ArrayRole::Result && forces.contains(array.name.as_str());
         let nine = if force { 9 } else { 0 };
         let rows = rows.max(known_rows).max(nine).max(1);
         let columns = columns.max(known_columns).max(1);

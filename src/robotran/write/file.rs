@@ -1,14 +1,14 @@
 //! A file: header comments, prologue, statements, end.
 
-use super::arrays::Arrays;
-use super::body::Body;
-use super::error::WriteError;
+use super::arrays::FileArrays;
+use super::body::FunctionText;
+use super::error::RobotranWriteError;
 use super::identifiers::{identifiers, kept};
 use super::kind::Kind;
-use super::names::Names;
-use super::plan::{Statement, plan};
+use super::names::FileIdentifiers;
+use super::plan::{WrittenStatement, plan};
 use super::prologue::Prologue;
-use super::text::{Text, comment_mark};
+use super::text::{FileText, comment_mark};
 use super::{Member, WriteOptions, extents};
 use crate::robotran::Language;
 use hashbrown::HashMap;
@@ -17,7 +17,7 @@ use robovec_ir::{Function, Input, Module, Shape, Symbols};
 use rustc_hash::FxBuildHasher;
 
 /// The functions of one file.
-pub(super) struct File<'a> {
+pub(super) struct RobotranFile<'a> {
     pub(super) kind: Kind,
     pub(super) language: Language,
     pub(super) symbols: &'a Symbols,
@@ -28,22 +28,22 @@ pub(super) struct File<'a> {
     pub(super) functions: Vec<&'a Function>,
     /// The number of each, for sensors.
     pub(super) cases: Vec<Option<u32>>,
-    pub(super) plans: Vec<Vec<Statement>>,
-    pub(super) arrays: Arrays,
-    pub(super) names: Names,
+    pub(super) plans: Vec<Vec<WrittenStatement>>,
+    pub(super) arrays: FileArrays,
+    pub(super) names: FileIdentifiers,
     /// Per function the temporaries of input elements that are overwritten.
     pub(super) kept: Vec<HashMap<Input, Box<str>, FxBuildHasher>>,
     pub(super) zeros: bool,
     pub(super) all_parameter_symbols: bool,
 }
 
-impl<'a> File<'a> {
+impl<'a> RobotranFile<'a> {
     pub(super) fn new(
         module: &'a Module,
         members: &[Member<'a>],
         language: Language,
         options: &WriteOptions,
-    ) -> Result<File<'a>, WriteError> {
+    ) -> Result<RobotranFile<'a>, RobotranWriteError> {
         let symbols = &module.tables.symbols;
         let kind = members[0].kind;
         let functions: Vec<&Function> = members.iter().map(|member| member.function).collect();
@@ -52,7 +52,7 @@ impl<'a> File<'a> {
             kind.is_sensor() && member.case.is_none() && !member.function.assignments.is_empty()
         });
         if let Some(member) = unnumbered {
-            return Err(WriteError::Case {
+            return Err(RobotranWriteError::Case {
                 function: member.function.name.clone(),
             });
         }
@@ -63,13 +63,13 @@ impl<'a> File<'a> {
                 .iter()
                 .any(|number| !number.is_finite())
         }) {
-            return Err(WriteError::Number {
+            return Err(RobotranWriteError::Number {
                 function: function.name.clone(),
             });
         }
-        let arrays = Arrays::new(&functions, kind, symbols, language)?;
+        let arrays = FileArrays::new(&functions, kind, symbols, language)?;
         let shared = language != Language::Matlab;
-        let plans: Vec<Vec<Statement>> = functions
+        let plans: Vec<Vec<WrittenStatement>> = functions
             .iter()
             .map(|function| plan(function, symbols, shared))
             .collect::<Result<_, _>>()?;
@@ -83,7 +83,7 @@ impl<'a> File<'a> {
             .chars()
             .filter(|character| !character.is_control())
             .collect();
-        Ok(File {
+        Ok(RobotranFile {
             kind,
             language,
             symbols,
@@ -102,12 +102,12 @@ impl<'a> File<'a> {
     }
 
     /// The files: the equations, and in C the header beside them.
-    pub(super) fn write(&self) -> Result<Vec<(String, String)>, WriteError> {
-        let mut body = Body::new(self.language);
+    pub(super) fn write(&self) -> Result<Vec<(String, String)>, RobotranWriteError> {
+        let mut body = FunctionText::new(self.language);
         self.statements(&mut body)?;
         let most = body.text.most_continuations();
         let (statements, _) = body.text.finish();
-        let mut text = Text::new(self.language);
+        let mut text = FileText::new(self.language);
         self.header(&mut text, body.printer.count());
         Prologue {
             kind: self.kind,
@@ -135,7 +135,7 @@ impl<'a> File<'a> {
         };
         let mut files = vec![(format!("{stem}.{extension}"), file)];
         if self.language == Language::C {
-            let mut header = Text::new(self.language);
+            let mut header = FileText::new(self.language);
             own_mark(&mut header);
             let (header, _) = header.finish();
             files.push((format!("{stem}.h"), header + &body.declarations));
@@ -143,7 +143,7 @@ impl<'a> File<'a> {
         Ok(files)
     }
 
-    fn header(&self, text: &mut Text, flops: usize) {
+    fn header(&self, text: &mut FileText, flops: usize) {
         text.comment("");
         own_mark(text);
         text.comment("");
@@ -170,7 +170,7 @@ impl<'a> File<'a> {
 }
 
 /// The line by which files written by robovec are known.
-fn own_mark(text: &mut Text) {
+fn own_mark(text: &mut FileText) {
     text.comment(&format!(
         "\trobovec - Version {}",
         env!("CARGO_PKG_VERSION")
@@ -179,7 +179,7 @@ fn own_mark(text: &mut Text) {
 
 /// The header's number of joints, else the length of what has one element per
 /// joint.
-fn joints(function: &Function, arrays: &Arrays) -> Option<u32> {
+fn joints(function: &Function, arrays: &FileArrays) -> Option<u32> {
     let said = function
         .metadata("joints")
         .and_then(|text| text.parse().ok());

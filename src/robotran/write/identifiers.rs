@@ -1,18 +1,22 @@
 //! Who bears which identifier in a file.
 
-use super::arrays::{Arrays, Role};
-use super::names::{Names, is_word};
-use super::plan::Statement;
+use super::arrays::{ArrayRole, FileArrays};
+use super::names::{FileIdentifiers, is_word};
+use super::plan::WrittenStatement;
 use hashbrown::{HashMap, HashSet};
 use robovec_ir::{Function, Input, Name, Shape, Symbol, Symbols};
 use rustc_hash::FxBuildHasher;
 
 /// Gives every value of the file its identifier.
-pub(super) fn identifiers(functions: &[&Function], symbols: &Symbols, arrays: &Arrays) -> Names {
-    let mut names = Names::new();
+pub(super) fn identifiers(
+    functions: &[&Function],
+    symbols: &Symbols,
+    arrays: &FileArrays,
+) -> FileIdentifiers {
+    let mut names = FileIdentifiers::new();
     let own = own_arguments(functions[0]);
     for array in &arrays.all {
-        let scalar = array.shape == Shape::Scalar && array.role == Role::Argument;
+        let scalar = array.shape == Shape::Scalar && array.role == ArrayRole::Argument;
         let own = symbols
             .find(&array.name)
             .is_some_and(|name| own.contains(&name));
@@ -50,13 +54,13 @@ fn own_arguments(function: &Function) -> HashSet<Symbol, FxBuildHasher> {
 /// A temporary for every input element that must be kept.
 pub(super) fn kept(
     function: &Function,
-    plan: &[Statement],
-    names: &mut Names,
+    plan: &[WrittenStatement],
+    names: &mut FileIdentifiers,
     symbols: &Symbols,
 ) -> HashMap<Input, Box<str>, FxBuildHasher> {
     let mut kept = HashMap::default();
     for statement in plan {
-        if let Statement::Keep(input) = *statement {
+        if let WrittenStatement::Keep(input) = *statement {
             let (array, indices, rank) = function.input_element(input);
             let mut wanted = symbols.text(array.name).to_owned();
             for index in &indices[..rank] {

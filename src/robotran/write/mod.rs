@@ -39,10 +39,10 @@ mod plan;
 mod prologue;
 mod text;
 
-pub use error::WriteError;
+pub use error::RobotranWriteError;
 
 use super::Language;
-use file::File;
+use file::RobotranFile;
 use hashbrown::HashMap;
 use kind::Kind;
 use robovec_ir::{Function, Module};
@@ -78,7 +78,7 @@ pub fn write(
     module: &Module,
     language: Language,
     options: &WriteOptions,
-) -> Result<Vec<(String, String)>, WriteError> {
+) -> Result<Vec<(String, String)>, RobotranWriteError> {
     let mut groups: Vec<Vec<Member<'_>>> = Vec::new();
     let mut places: HashMap<(&str, Option<u32>), &str, FxBuildHasher> = HashMap::default();
     for function in &module.functions {
@@ -91,7 +91,7 @@ pub fn write(
         let mixed = group.as_ref().map(|group| group[0]);
         let mixed = mixed.filter(|first| first.case.is_some() != member.case.is_some());
         if let Some(first) = same.or(mixed.map(|first| first.function.name.as_str())) {
-            return Err(WriteError::Twice {
+            return Err(RobotranWriteError::Twice {
                 first: first.to_owned(),
                 second: function.name.clone(),
             });
@@ -102,24 +102,24 @@ pub fn write(
         }
     }
     if groups.is_empty() {
-        return Err(WriteError::Empty);
+        return Err(RobotranWriteError::Empty);
     }
     let mut files = Vec::new();
     for group in groups {
-        files.extend(File::new(module, &group, language, options)?.write()?);
+        files.extend(RobotranFile::new(module, &group, language, options)?.write()?);
     }
     Ok(files)
 }
 
 /// Where a function belongs: by what its metadata say of the file it came
 /// from, else by its name.
-fn place(function: &Function) -> Result<Member<'_>, WriteError> {
+fn place(function: &Function) -> Result<Member<'_>, RobotranWriteError> {
     if function.metadata("part").is_some() {
-        return Err(WriteError::Part {
+        return Err(RobotranWriteError::Part {
             function: function.name.clone(),
         });
     }
-    let (kind, number) = Kind::of(function).ok_or_else(|| WriteError::Kind {
+    let (kind, number) = Kind::of(function).ok_or_else(|| RobotranWriteError::Kind {
         function: function.name.clone(),
     })?;
     Ok(Member {

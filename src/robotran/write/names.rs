@@ -153,7 +153,7 @@ pub(super) fn is_array_name(text: &str) -> bool {
 
 /// The identifiers of a file.
 #[derive(Debug)]
-pub(super) struct Names {
+pub(super) struct FileIdentifiers {
     /// Per symbol: a value bears it as its identifier.
     plain: Vec<bool>,
     /// Identifiers that are no symbol some value bears unchanged.
@@ -164,10 +164,10 @@ pub(super) struct Names {
     numbers: HashMap<Box<str>, u32, FxBuildHasher>,
 }
 
-impl Names {
+impl FileIdentifiers {
     /// No identifiers.
-    pub(super) fn new() -> Names {
-        Names {
+    pub(super) fn new() -> FileIdentifiers {
+        FileIdentifiers {
             plain: Vec::new(),
             made: HashMap::default(),
             taken: (KEYWORDS.iter().chain(&ARRAYS).map(|&word| word.into())).collect(),
@@ -184,7 +184,7 @@ impl Names {
 
     /// Gives values the names they have, where those are possible. All names
     /// of a file come through here before any comes through
-    /// [`Names::derive`], so that no derived name takes one of Robotran's.
+    /// [`FileIdentifiers::derive`], so that no derived name takes one of Robotran's.
     pub(super) fn keep(&mut self, names: impl Iterator<Item = Name>, symbols: &Symbols) {
         for name in names.filter(|name| !name.is_none() && name.suffix == 0) {
             let index = name.base.index();
@@ -199,7 +199,7 @@ impl Names {
         }
     }
 
-    /// Makes identifiers for the names that [`Names::keep`] could not keep.
+    /// Makes identifiers for the names that [`FileIdentifiers::keep`] could not keep.
     pub(super) fn derive(&mut self, names: impl Iterator<Item = Name>, symbols: &Symbols) {
         for name in names.filter(|name| !name.is_none()) {
             if !self.is_plain(name) && !self.made.contains_key(&name) {
@@ -284,7 +284,7 @@ mod tests {
                 Name { base, suffix }
             })
             .collect();
-        let mut names = Names::new();
+        let mut names = FileIdentifiers::new();
         names.reserve("x_2");
         names.keep(given.iter().copied(), &symbols);
         names.derive(given.iter().copied(), &symbols);
@@ -301,7 +301,7 @@ mod tests {
     #[test]
     fn many_names_that_look_alike_take_linear_time() {
         let mut symbols = Symbols::new();
-        let mut names = Names::new();
+        let mut names = FileIdentifiers::new();
         for number in 0..100_000u32 {
             let symbol = symbols.intern(&format!(
                 "\u{e9}{}",

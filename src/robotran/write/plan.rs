@@ -7,14 +7,14 @@
 //! output still reads (`frc` is given and given back under one name), the
 //! given number is kept in a temporary first.
 
-use super::error::WriteError;
+use super::error::RobotranWriteError;
 use hashbrown::{HashMap, HashSet};
 use robovec_ir::{Array, Boundary, Function, Input, Operand, OperandKind, Symbol, Symbols, Value};
 use rustc_hash::FxBuildHasher;
 
 /// A statement of a function.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Statement {
+pub(super) enum WrittenStatement {
     /// Defines the temporary of a named value.
     Define(Value),
     /// Keeps an input element in a temporary before it is overwritten.
@@ -33,7 +33,7 @@ pub(super) fn plan(
     function: &Function,
     symbols: &Symbols,
     shared: bool,
-) -> Result<Vec<Statement>, WriteError> {
+) -> Result<Vec<WrittenStatement>, RobotranWriteError> {
     let calls = Calls::new(function, symbols);
     let mut statements = match calls.in_program_order() {
         Some(statements) => statements,
@@ -43,9 +43,9 @@ pub(super) fn plan(
         true => overwritten(function, &calls.passed),
         false => Vec::new(),
     };
-    statements.extend(kept.into_iter().map(Statement::Keep));
+    statements.extend(kept.into_iter().map(WrittenStatement::Keep));
     let left = (0..function.assignments.len()).filter(|&index| calls.passed[index].is_none());
-    statements.extend(left.map(Statement::Output));
+    statements.extend(left.map(WrittenStatement::Output));
     Ok(statements)
 }
 
@@ -129,22 +129,22 @@ impl<'a> Calls<'a> {
         stages
     }
 
-    fn call(&self, call: usize, statements: &mut Vec<Statement>) {
+    fn call(&self, call: usize, statements: &mut Vec<WrittenStatement>) {
         let arguments = self.arguments[call].iter();
-        statements.extend(arguments.map(|&index| Statement::Argument(index)));
-        statements.push(Statement::Call(call));
+        statements.extend(arguments.map(|&index| WrittenStatement::Argument(index)));
+        statements.push(WrittenStatement::Call(call));
     }
 
     /// The definitions in program order, every call as late as possible;
     /// `None` when one comes too early for its arguments.
-    fn in_program_order(&self) -> Option<Vec<Statement>> {
+    fn in_program_order(&self) -> Option<Vec<WrittenStatement>> {
         let mut statements = Vec::with_capacity(self.function.nodes().len());
         if self.function.boundaries.is_empty() {
             let named = self
                 .function
                 .values()
                 .filter(|(_, node)| !node.name.is_none());
-            statements.extend(named.map(|(value, _)| Statement::Define(value)));
+            statements.extend(named.map(|(value, _)| WrittenStatement::Define(value)));
             return Some(statements);
         }
         let stages = self.stages();
@@ -169,7 +169,7 @@ impl<'a> Calls<'a> {
                 self.call(called, &mut statements);
                 called += 1;
             }
-            statements.push(Statement::Define(value));
+            statements.push(WrittenStatement::Define(value));
         }
         for call in called..self.function.boundaries.len() {
             let mut arguments = self.arguments[call].iter();
@@ -207,13 +207,13 @@ impl<'a> Calls<'a> {
 
     /// The definitions in as many runs as there are calls: before each call
     /// all that needs no later one.
-    fn in_stages(&self) -> Result<Vec<Statement>, WriteError> {
+    fn in_stages(&self) -> Result<Vec<WrittenStatement>, RobotranWriteError> {
         let stages = self.stages();
         let mut statements = Vec::with_capacity(self.function.nodes().len());
         let mut runs = vec![Vec::new(); self.function.boundaries.len() + 1];
         for (value, node) in self.function.values() {
             if !node.name.is_none() {
-                runs[stages[value.index()] as usize].push(Statement::Define(value));
+                runs[stages[value.index()] as usize].push(WrittenStatement::Define(value));
             }
         }
         for (call, run) in runs.into_iter().enumerate() {
@@ -225,7 +225,7 @@ impl<'a> Calls<'a> {
             if !arguments.all(|&index| {
                 self.stage(self.function.assignments[index].operand, &stages) as usize <= call
             }) {
-                return Err(WriteError::CallOrder {
+                return Err(RobotranWriteError::CallOrder {
                     function: self.function.name.clone(),
                     callee: boundary.callee.clone(),
                 });

@@ -1,8 +1,8 @@
 //! What stands before the equations: signature, arrays, aliases.
 
-use super::arrays::{Arrays, FileArray, Role};
+use super::arrays::{ArrayRole, FileArray, FileArrays};
 use super::kind::{Kind, function_name};
-use super::text::Text;
+use super::text::FileText;
 use crate::robotran::Language;
 use robovec_ir::{Function, Shape};
 
@@ -12,14 +12,14 @@ pub(super) struct Prologue<'a> {
     /// Model name, as in file names.
     pub(super) stem: &'a str,
     pub(super) joints: Option<u32>,
-    pub(super) arrays: &'a Arrays,
+    pub(super) arrays: &'a FileArrays,
     /// The first function of the file, for what all have in common.
     pub(super) function: &'a Function,
 }
 
 impl Prologue<'_> {
     /// Writes the prologue of the text's language.
-    pub(super) fn write(&self, text: &mut Text) {
+    pub(super) fn write(&self, text: &mut FileText) {
         match text.language {
             Language::C => self.c(text),
             Language::Matlab => self.matlab(text),
@@ -45,7 +45,7 @@ impl Prologue<'_> {
             .collect()
     }
 
-    fn with_role(&self, role: Role) -> impl Iterator<Item = &FileArray> {
+    fn with_role(&self, role: ArrayRole) -> impl Iterator<Item = &FileArray> {
         self.arrays
             .all
             .iter()
@@ -57,7 +57,7 @@ impl Prologue<'_> {
         arrays.filter(move |array| array.has_alias(language))
     }
 
-    fn c(&self, text: &mut Text) {
+    fn c(&self, text: &mut FileText) {
         let name = function_name(self.kind, Language::C);
         text.line("#include <math.h>");
         text.line("");
@@ -100,9 +100,9 @@ impl Prologue<'_> {
         self.c_aliases(text);
     }
 
-    fn c_locals(&self, text: &mut Text) {
+    fn c_locals(&self, text: &mut FileText) {
         let mut lines = Vec::new();
-        for array in self.with_role(Role::Argument) {
+        for array in self.with_role(ArrayRole::Argument) {
             match array.shape {
                 Shape::Scalar => {}
                 Shape::Vector(length) => {
@@ -115,7 +115,7 @@ impl Prologue<'_> {
             }
         }
         for array in self
-            .with_role(Role::Result)
+            .with_role(ArrayRole::Result)
             .filter(|array| array.rank() > 0)
         {
             lines.push(format!(
@@ -130,7 +130,7 @@ impl Prologue<'_> {
         lines.iter().for_each(|line| text.line(line));
     }
 
-    fn c_aliases(&self, text: &mut Text) {
+    fn c_aliases(&self, text: &mut FileText) {
         let aliases: Vec<&FileArray> = self.aliases(Language::C).collect();
         let declare = |rank: usize| {
             let stars = "*".repeat(rank);
@@ -158,13 +158,13 @@ impl Prologue<'_> {
         }
     }
 
-    fn matlab(&self, text: &mut Text) {
+    fn matlab(&self, text: &mut FileText) {
         let name = function_name(self.kind, Language::Matlab);
         let outputs = self.outputs();
         let mut returned: Vec<&str> = outputs.iter().map(|(name, _, _)| *name).collect();
         let own = self.function.outputs().iter();
         let own = own.map(|array| self.arrays.of(array.name));
-        let data: Vec<&FileArray> = own.filter(|array| array.role == Role::Data).collect();
+        let data: Vec<&FileArray> = own.filter(|array| array.role == ArrayRole::Data).collect();
         returned.extend(data.iter().map(|array| array.name.as_str()));
         if self.kind.is_sensor() {
             text.line(&format!("function [sens] = {name}(s,tsim,usrfun,isens)"));
@@ -194,7 +194,7 @@ impl Prologue<'_> {
         }
     }
 
-    fn zeros(&self, text: &mut Text, name: &str, rank: usize, shape: Option<Shape>) {
+    fn zeros(&self, text: &mut FileText, name: &str, rank: usize, shape: Option<Shape>) {
         let joints = self.joints.unwrap_or(1);
         let (rows, columns) = match shape {
             Some(Shape::Vector(length)) => (length, 1),
@@ -210,7 +210,7 @@ impl Prologue<'_> {
         text.line(&format!(" {name} = zeros({rows},{columns});"));
     }
 
-    fn matlab_sensor(&self, text: &mut Text) {
+    fn matlab_sensor(&self, text: &mut FileText) {
         let joints = self.joints.unwrap_or(1);
         for (field, rows, columns) in [
             ("P", 3, 1),
@@ -231,9 +231,12 @@ impl Prologue<'_> {
         }
     }
 
-    fn python(&self, text: &mut Text) {
+    fn python(&self, text: &mut FileText) {
         text.line("from math import sin, cos, sqrt");
-        if self.with_role(Role::Argument).any(|array| array.rank() > 0) {
+        if self
+            .with_role(ArrayRole::Argument)
+            .any(|array| array.rank() > 0)
+        {
             text.line("from numpy import zeros");
         }
         text.line("");
@@ -263,7 +266,7 @@ impl Prologue<'_> {
             text.line("    frc = s.frc");
             text.line("    trq = s.trq");
         }
-        for array in self.with_role(Role::Argument) {
+        for array in self.with_role(ArrayRole::Argument) {
             match array.shape {
                 Shape::Scalar => {}
                 Shape::Vector(length) => {

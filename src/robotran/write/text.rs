@@ -7,7 +7,7 @@ const WIDTH: usize = 118;
 
 /// A file being written.
 #[derive(Debug)]
-pub(super) struct Text {
+pub(super) struct FileText {
     pub(super) language: Language,
     out: String,
     /// Where the line starts.
@@ -20,9 +20,9 @@ pub(super) struct Text {
     indent: usize,
 }
 
-impl Text {
-    pub(super) fn new(language: Language) -> Text {
-        Text {
+impl FileText {
+    pub(super) fn new(language: Language) -> FileText {
+        FileText {
             language,
             out: String::new(),
             line: 0,

@@ -1,10 +1,10 @@
 //! The grammar of memory initialisation files.
 
 use super::digits::{decimal, number, radix};
-use super::{Image, MOST_BITS, MOST_LIMBS, MifError, MifProblem, Radix};
+use super::{Image, MAX_BITS, MAX_LIMBS, MifError, MifProblem, Radix};
 
 #[derive(Default)]
-struct Settings {
+struct MifSettings {
     width: Option<u32>,
     depth: Option<u32>,
     address_radix: Option<Radix>,
@@ -29,7 +29,7 @@ impl<'t> Parser<'t> {
 
     /// Reads the whole file.
     pub(super) fn file(mut self) -> Parsed<Image> {
-        let mut settings = Settings::default();
+        let mut settings = MifSettings::default();
         loop {
             let start = self.skip();
             let word = self.word();
@@ -62,7 +62,7 @@ impl<'t> Parser<'t> {
         Ok(image)
     }
 
-    fn setting(&mut self, settings: &mut Settings, name: &[u8], start: usize) -> Parsed<()> {
+    fn setting(&mut self, settings: &mut MifSettings, name: &[u8], start: usize) -> Parsed<()> {
         let is = |known: &str| name.eq_ignore_ascii_case(known.as_bytes());
         let (width, depth) = (is("width"), is("depth"));
         let (address, data) = (is("address_radix"), is("data_radix"));
@@ -101,13 +101,13 @@ impl<'t> Parser<'t> {
         self.expect(b';', "';'")
     }
 
-    fn empty(&self, settings: &Settings, start: usize) -> Parsed<Image> {
+    fn empty(&self, settings: &MifSettings, start: usize) -> Parsed<Image> {
         let (Some(width), Some(depth)) = (settings.width, settings.depth) else {
             return self.fail(start, MifProblem::NoSize);
         };
         let limbs = u64::from(width.div_ceil(64));
         let total = u64::from(depth) * limbs;
-        if width == 0 || depth == 0 || width > MOST_BITS || total > MOST_LIMBS {
+        if width == 0 || depth == 0 || width > MAX_BITS || total > MAX_LIMBS {
             return self.fail(start, MifProblem::BadSize { depth, width });
         }
         Ok(Image {

@@ -1,24 +1,24 @@
 //! Sums whose terms cancel.
 
-use super::super::case::{Case, Class, Subject};
+use super::super::case::{CaseClass, StressCase, StressSubject};
 use super::super::draw::Draw;
-use super::super::dynamics::{Dynamics, Metric};
-use super::super::equations::Equations;
-use super::super::verdict::Verdict;
+use super::super::dynamics::{DynamicsSubject, Metric};
+use super::super::equations::EquationsSubject;
+use super::super::verdict::StressVerdict;
 use super::models::{HINGE, sphere};
-use crate::model::build::{BASE, Builder};
+use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model};
-use crate::motion::State;
+use crate::motion::MotionState;
 use robovec_num::double_double::Double;
 
-pub(super) fn cases() -> Vec<Case> {
+pub(super) fn cases() -> Vec<StressCase> {
     let mut cases = Vec::new();
     for (power, expected) in [
-        (2, Verdict::Fine),
-        (4, Verdict::HardProblem),
-        (6, Verdict::HardProblem),
-        (8, Verdict::HardProblem),
-        (10, Verdict::HardProblem),
+        (2, StressVerdict::Fine),
+        (4, StressVerdict::HardProblem),
+        (6, StressVerdict::HardProblem),
+        (8, StressVerdict::HardProblem),
+        (10, StressVerdict::HardProblem),
     ] {
         cases.push(case(
             format!("dot-1e{power}"),
@@ -32,31 +32,31 @@ pub(super) fn cases() -> Vec<Case> {
         "alternating".to_owned(),
         "small terms, each between +1e7 and -1e7".to_owned(),
         "the small terms, in this order; in another they survive",
-        Verdict::HardProblem,
+        StressVerdict::HardProblem,
         Box::new(alternating()),
     ));
     cases.push(case(
         "ties".to_owned(),
         "1 and a thousand halves of its last place, less 1".to_owned(),
         "every addition is a tie and rounds back to 1; summed first they are exact",
-        Verdict::BadCode,
+        StressVerdict::BadCode,
         Box::new(ties()),
     ));
     for (power, expected) in [
-        (1, Verdict::Fine),
-        (2, Verdict::HardProblem),
-        (3, Verdict::HardProblem),
+        (1, StressVerdict::Fine),
+        (2, StressVerdict::HardProblem),
+        (3, StressVerdict::HardProblem),
     ] {
         let residual = 10f64.powi(-power);
         let model = counterweight(residual);
-        let mut state = State::initial(&model);
+        let mut state = MotionState::initial(&model);
         state.q[0] = 0.3;
         cases.push(case(
             format!("counterweight-1e-{power}"),
             format!("a balanced beam with 1e-{power} N m left of 1e3"),
             "the torque element by element; in the norm nothing shows",
             expected,
-            Box::new(Dynamics::new(model, vec![state], Metric::Forces)),
+            Box::new(DynamicsSubject::new(model, vec![state], Metric::Forces)),
         ));
     }
     cases
@@ -66,12 +66,12 @@ fn case(
     name: String,
     construction: String,
     breaks: &'static str,
-    expected: Verdict,
-    subject: Box<dyn Subject>,
-) -> Case {
-    Case {
+    expected: StressVerdict,
+    subject: Box<dyn StressSubject>,
+) -> StressCase {
+    StressCase {
         name,
-        class: Class::Cancellation,
+        class: CaseClass::Cancellation,
         construction,
         breaks,
         expected,
@@ -87,14 +87,14 @@ const PAIRS: usize = 32;
 /// dot product", 2005, Algorithm 6.1): the first half of the products has
 /// sizes up to the root of the condition, each of the second half brings the
 /// sum down to a size that shrinks to one.
-fn products(condition: f64) -> Equations {
+fn products(condition: f64) -> EquationsSubject {
     let terms: Vec<String> = (1..=PAIRS).map(|i| format!("x[{i}]*y[{i}]")).collect();
     let sum = terms.join(" + ");
     let text = format!(
         "function dot equations {{\n  in x[1..{PAIRS}]\n  in y[1..{PAIRS}]\n  out s\n  s = {sum}\n}}\n"
     );
     let inputs = (1..=5).map(|seed| pairs(condition, seed)).collect();
-    Equations::new(text, inputs)
+    EquationsSubject::new(text, inputs)
 }
 
 fn pairs(condition: f64, seed: u64) -> Vec<f64> {
@@ -131,7 +131,7 @@ fn pairs(condition: f64, seed: u64) -> Vec<f64> {
 
 /// `a1 + M - M + a2 + M - M + …`: in the order written every small term meets
 /// a large one.
-fn alternating() -> Equations {
+fn alternating() -> EquationsSubject {
     const TERMS: usize = 16;
     let terms: Vec<String> = (1..=TERMS).map(|i| format!("a[{i}] + m - n")).collect();
     let text = format!(
@@ -141,11 +141,11 @@ fn alternating() -> Equations {
     let mut draw = Draw::new(4);
     let mut inputs: Vec<f64> = (0..TERMS).map(|_| draw.between(0.01, 1.0)).collect();
     inputs.extend([1e7, 1e7]);
-    Equations::new(text, vec![inputs])
+    EquationsSubject::new(text, vec![inputs])
 }
 
 /// `1 + t + t + … - 1` with the tie `t = 2^-24`.
-fn ties() -> Equations {
+fn ties() -> EquationsSubject {
     const TERMS: usize = 1024;
     let terms: Vec<String> = (1..=TERMS).map(|i| format!("t[{i}]")).collect();
     let text = format!(
@@ -154,13 +154,13 @@ fn ties() -> Equations {
     );
     let mut inputs = vec![2f64.powi(-24); TERMS];
     inputs.push(1.0);
-    Equations::new(text, vec![inputs])
+    EquationsSubject::new(text, vec![inputs])
 }
 
 /// A beam with 100 kg on either side, a metre from its hinge but for what
 /// leaves a torque (N m).
 fn counterweight(residual: f64) -> Model {
-    let mut builder = Builder::new("counterweight");
+    let mut builder = ModelBuilder::new("counterweight");
     let beam = builder.body("Beam", BASE.origin(), &HINGE);
     builder.mass(beam, 10.0, [0.0, 0.0, 0.0], sphere(3.0));
     let weight = 100.0 * 9.81;

@@ -1,23 +1,23 @@
 //! Long simulations.
 
-use super::super::case::{Case, Class};
+use super::super::case::{CaseClass, StressCase};
 use super::super::long::{Kept, Long};
-use super::super::verdict::Verdict;
+use super::super::verdict::StressVerdict;
 use super::models::{random, sphere};
-use crate::model::build::{BASE, Builder};
+use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model, systems};
-use crate::motion::State;
+use crate::motion::MotionState;
 
-pub(super) fn cases() -> Vec<Case> {
+pub(super) fn cases() -> Vec<StressCase> {
     let mut cases = Vec::new();
     for (power, duration, expected) in [
-        (2, 100.0, Verdict::Fine),
-        (3, 100.0, Verdict::Fine),
-        (4, 100.0, Verdict::Fine),
-        (5, 60.0, Verdict::BadCode),
+        (2, 100.0, StressVerdict::Fine),
+        (3, 100.0, StressVerdict::Fine),
+        (4, 100.0, StressVerdict::Fine),
+        (5, 60.0, StressVerdict::BadCode),
     ] {
         let model = systems::double_pendulum();
-        let initial = State::initial(&model);
+        let initial = MotionState::initial(&model);
         let step = 10f64.powi(-power);
         let subject = Long::new(model, initial, Kept::Energy, [duration, step]);
         cases.push(case(
@@ -28,7 +28,10 @@ pub(super) fn cases() -> Vec<Case> {
             subject,
         ));
     }
-    for (power, duration, expected) in [(3, 10.0, Verdict::Fine), (4, 20.0, Verdict::BadCode)] {
+    for (power, duration, expected) in [
+        (3, 10.0, StressVerdict::Fine),
+        (4, 20.0, StressVerdict::BadCode),
+    ] {
         let model = satellite();
         let mut initial = random(&model, 2, 1.0);
         initial.q[3..6].copy_from_slice(&[0.3, 0.2, -0.4]);
@@ -49,12 +52,12 @@ fn case(
     name: String,
     construction: String,
     breaks: &'static str,
-    (expected, long): (Verdict, bool),
+    (expected, long): (StressVerdict, bool),
     subject: Long,
-) -> Case {
-    Case {
+) -> StressCase {
+    StressCase {
         name,
-        class: Class::Motion,
+        class: CaseClass::Motion,
         construction,
         breaks,
         expected,
@@ -65,7 +68,7 @@ fn case(
 
 /// A body that floats, with two arms that turn.
 fn satellite() -> Model {
-    let mut builder = Builder::new("satellite");
+    let mut builder = ModelBuilder::new("satellite");
     builder.gravity([0.0; 3]);
     let hub = builder.body("Hub", BASE.origin(), &JointKind::ALL);
     builder.mass(hub, 10.0, [0.01, 0.02, -0.01], sphere(1.0));

@@ -1,19 +1,19 @@
 //! Closed loops.
 
-use super::super::case::{Case, Class};
-use super::super::loops::Loops;
-use super::super::verdict::Verdict;
+use super::super::case::{CaseClass, StressCase};
+use super::super::loops::LoopsSubject;
+use super::super::verdict::StressVerdict;
 use super::models::{HINGE, sphere};
-use crate::model::build::{BASE, Builder, Place};
+use crate::model::build::{BASE, BodyPlace, ModelBuilder};
 use crate::model::{CutKind, Model, Nature};
 
-pub(super) fn cases() -> Vec<Case> {
+pub(super) fn cases() -> Vec<StressCase> {
     let mut cases = Vec::new();
     for (power, expected) in [
-        (1, Verdict::Fine),
-        (2, Verdict::Fine),
-        (3, Verdict::Fine),
-        (4, Verdict::HardProblem),
+        (1, StressVerdict::Fine),
+        (2, StressVerdict::Fine),
+        (3, StressVerdict::Fine),
+        (4, StressVerdict::HardProblem),
     ] {
         cases.push(case(
             format!("parallelogram-1e-{power}"),
@@ -29,14 +29,14 @@ pub(super) fn cases() -> Vec<Case> {
         "redundant".to_owned(),
         "a parallelogram with a third rocker, at 1 rad".to_owned(),
         "the rank of the Jacobian: two rows say the same",
-        Verdict::Fine,
+        StressVerdict::Fine,
         [parallelogram(1.0, 0.0, true)],
     ));
     cases.push(case(
         "redundant-1e-3".to_owned(),
         "the same with the crank at 1e-3 rad".to_owned(),
         "the rank, beside rows that nearly say the same",
-        Verdict::Fine,
+        StressVerdict::Fine,
         [parallelogram(1e-3, 0.0, true)],
     ));
     cases
@@ -46,17 +46,17 @@ fn case(
     name: String,
     construction: String,
     breaks: &'static str,
-    expected: Verdict,
+    expected: StressVerdict,
     models: impl IntoIterator<Item = Model>,
-) -> Case {
-    Case {
+) -> StressCase {
+    StressCase {
         name,
-        class: Class::Loop,
+        class: CaseClass::Loop,
         construction,
         breaks,
         expected,
         long: false,
-        subject: Box::new(Loops::new(models)),
+        subject: Box::new(LoopsSubject::new(models)),
     }
 }
 
@@ -67,7 +67,7 @@ const SLOPES: [f64; 4] = [0.3, 0.7, 1.1, 2.3];
 /// A crank, a coupler and a rocker that make a parallelogram of 1 m by 2 m;
 /// with a third rocker under the middle of the coupler that changes nothing.
 fn parallelogram(angle: f64, slope: f64, third: bool) -> Model {
-    let mut builder = Builder::new("parallelogram");
+    let mut builder = ModelBuilder::new("parallelogram");
     // Rounded to binary32 here, so that rounding hardly opens the loop.
     let slope = f64::from(slope as f32);
     let along = |length: f64| [length * slope.cos(), 0.0, -length * slope.sin()];
@@ -84,7 +84,7 @@ fn parallelogram(angle: f64, slope: f64, third: bool) -> Model {
     let rate = 0.5;
     set(&mut builder, crank, [lifted, rate], false);
     set(&mut builder, coupler, [slope - lifted, -rate], true);
-    let mut rocker = |name: &str, on: Place, to: Place| {
+    let mut rocker = |name: &str, on: BodyPlace, to: BodyPlace| {
         let rocker = builder.body(name, on, &HINGE);
         builder.mass(rocker, 1.0, [0.5, 0.0, 0.0], sphere(1.0 / 12.0));
         set(&mut builder, rocker, [lifted, rate], true);
@@ -99,7 +99,7 @@ fn parallelogram(angle: f64, slope: f64, third: bool) -> Model {
 }
 
 fn set(
-    builder: &mut Builder,
+    builder: &mut ModelBuilder,
     body: crate::model::build::BodyRef,
     [angle, rate]: [f64; 2],
     dependent: bool,

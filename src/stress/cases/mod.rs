@@ -9,10 +9,10 @@ mod ratios;
 mod scales;
 mod series;
 
-use super::case::Case;
+use super::case::StressCase;
 
 /// All cases, in the order of their classes.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<StressCase> {
     let mut cases = chains::cases();
     cases.extend(ratios::cases());
     cases.extend(scales::cases());

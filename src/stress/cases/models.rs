@@ -1,9 +1,9 @@
 //! Models and states that several cases start from.
 
 use super::super::draw::Draw;
-use crate::model::build::{BASE, Builder};
+use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model};
-use crate::motion::State;
+use crate::motion::MotionState;
 
 /// A hinge about the second axis.
 pub(super) const HINGE: [JointKind; 1] = [JointKind::Revolute(Axis::Y)];
@@ -11,7 +11,7 @@ pub(super) const HINGE: [JointKind; 1] = [JointKind::Revolute(Axis::Y)];
 /// Bodies of 1 kg and 1 m on hinges about the second axis, each at the end of
 /// the one before.
 pub(super) fn planar(joints: usize) -> Model {
-    let mut builder = Builder::new("planar");
+    let mut builder = ModelBuilder::new("planar");
     let mut place = BASE.origin();
     for number in 1..=joints {
         let body = builder.body(&format!("Body_{number}"), place, &HINGE);
@@ -28,9 +28,9 @@ pub(super) fn sphere(inertia: f64) -> [f64; 6] {
 
 /// A random state: angles up to half a turn, velocities and accelerations up
 /// to the given size.
-pub(super) fn random(model: &Model, seed: u64, rate: f64) -> State {
+pub(super) fn random(model: &Model, seed: u64, rate: f64) -> MotionState {
     let mut draw = Draw::new(seed);
-    let mut state = State::initial(model);
+    let mut state = MotionState::initial(model);
     for joint in 0..model.joints.len() {
         state.q[joint] = draw.within(std::f64::consts::PI);
         state.qd[joint] = draw.within(rate);
@@ -40,7 +40,7 @@ pub(super) fn random(model: &Model, seed: u64, rate: f64) -> State {
 }
 
 /// All positions zero, with velocities and accelerations of the order of one.
-pub(super) fn straight(model: &Model) -> State {
+pub(super) fn straight(model: &Model) -> MotionState {
     let mut state = random(model, 3, 1.0);
     state.q.iter_mut().for_each(|q| *q = 0.0);
     state

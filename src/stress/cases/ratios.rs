@@ -1,15 +1,15 @@
 //! Masses, inertias, lengths and velocities of very different sizes, and poses
 //! near a singular one.
 
-use super::super::case::{Case, Class};
-use super::super::dynamics::{Dynamics, Metric};
-use super::super::verdict::Verdict;
+use super::super::case::{CaseClass, StressCase};
+use super::super::dynamics::{DynamicsSubject, Metric};
+use super::super::verdict::StressVerdict;
 use super::models::{HINGE, planar, random, sphere, straight};
-use crate::model::build::{BASE, Builder};
+use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model, family};
-use crate::motion::State;
+use crate::motion::MotionState;
 
-pub(super) fn cases() -> Vec<Case> {
+pub(super) fn cases() -> Vec<StressCase> {
     let mut cases = masses();
     cases.extend(lengths());
     cases.extend(swamped());
@@ -19,40 +19,40 @@ pub(super) fn cases() -> Vec<Case> {
 
 /// A case of accelerations.
 fn case(
-    class: Class,
+    class: CaseClass,
     name: String,
     (construction, breaks): (String, &'static str),
-    expected: Verdict,
-    (model, states): (Model, Vec<State>),
-) -> Case {
-    Case {
+    expected: StressVerdict,
+    (model, states): (Model, Vec<MotionState>),
+) -> StressCase {
+    StressCase {
         name,
         class,
         construction,
         breaks,
         expected,
         long: false,
-        subject: Box::new(Dynamics::new(model, states, Metric::Accelerations)),
+        subject: Box::new(DynamicsSubject::new(model, states, Metric::Accelerations)),
     }
 }
 
-fn some(model: &Model) -> Vec<State> {
+fn some(model: &Model) -> Vec<MotionState> {
     (0..3).map(|seed| random(model, seed, 1.0)).collect()
 }
 
-fn masses() -> Vec<Case> {
+fn masses() -> Vec<StressCase> {
     let mut cases = Vec::new();
     for (power, expected) in [
-        (3, Verdict::HardProblem),
-        (6, Verdict::HardProblem),
-        (9, Verdict::Inconsistent),
+        (3, StressVerdict::HardProblem),
+        (6, StressVerdict::HardProblem),
+        (9, StressVerdict::Inconsistent),
     ] {
         let mut model = family::serial(6, 1);
         let tip = model.bodies.len() - 1;
         model.bodies[tip].mass *= 10f64.powi(power);
         let states = some(&model);
         cases.push(case(
-            Class::Ratio,
+            CaseClass::Ratio,
             format!("tip-mass-1e{power}"),
             (
                 format!("a chain of 6 whose last body has 1e{power} times the mass"),
@@ -67,31 +67,31 @@ fn masses() -> Vec<Case> {
     model.bodies[0].inertia = model.bodies[0].inertia.map(|x| x * 1e9);
     let states = some(&model);
     cases.push(case(
-        Class::Ratio,
+        CaseClass::Ratio,
         "base-mass-1e9".to_owned(),
         (
             "a chain of 6 whose first body is 1e9 times as heavy".to_owned(),
             "nothing: a graded matrix, whose condition alone misleads",
         ),
-        Verdict::Fine,
+        StressVerdict::Fine,
         (model, states),
     ));
     cases
 }
 
-fn lengths() -> Vec<Case> {
+fn lengths() -> Vec<StressCase> {
     let mut cases = Vec::new();
     for (power, expected) in [
-        (2, Verdict::Fine),
-        (4, Verdict::HardProblem),
-        (6, Verdict::HardProblem),
+        (2, StressVerdict::Fine),
+        (4, StressVerdict::HardProblem),
+        (6, StressVerdict::HardProblem),
     ] {
         let mut model = family::serial(6, 1);
         // The second joint sits on the first point.
         model.points[0].coordinates = [0.0, 0.0, 10f64.powi(power)];
         let states = some(&model);
         cases.push(case(
-            Class::Ratio,
+            CaseClass::Ratio,
             format!("offset-1e{power}"),
             (
                 format!("a chain of 6 whose second joint sits 1e{power} m from the first"),
@@ -111,14 +111,14 @@ fn lengths() -> Vec<Case> {
         })
         .collect();
     cases.push(case(
-        Class::Ratio,
+        CaseClass::Ratio,
         "rail-and-needle".to_owned(),
         (
             "a carriage on a rail of a kilometre carries an arm with a needle of millimetres"
                 .to_owned(),
             "inertias of 1e-12 kg m^2 beside masses of 1e3 kg",
         ),
-        Verdict::HardProblem,
+        StressVerdict::HardProblem,
         (model, states),
     ));
     cases
@@ -126,7 +126,7 @@ fn lengths() -> Vec<Case> {
 
 /// Prismatic and revolute joints, kilometres and millimetres.
 fn millimetres() -> Model {
-    let mut builder = Builder::new("rail_and_needle");
+    let mut builder = ModelBuilder::new("rail_and_needle");
     let slide = |axis| JointKind::Prismatic(axis);
     let turn = |axis| JointKind::Revolute(axis);
     let carriage = builder.body("Carriage", BASE.origin(), &[slide(Axis::X), turn(Axis::Z)]);
@@ -143,9 +143,12 @@ fn millimetres() -> Model {
     builder.finish()
 }
 
-fn swamped() -> Vec<Case> {
+fn swamped() -> Vec<StressCase> {
     let mut cases = Vec::new();
-    for (power, expected) in [(2, Verdict::HardProblem), (4, Verdict::HardProblem)] {
+    for (power, expected) in [
+        (2, StressVerdict::HardProblem),
+        (4, StressVerdict::HardProblem),
+    ] {
         let model = planar(6);
         let mut states = some(&model);
         for state in &mut states {
@@ -155,7 +158,7 @@ fn swamped() -> Vec<Case> {
             }
         }
         cases.push(case(
-            Class::Swamped,
+            CaseClass::Swamped,
             format!("counter-rotation-1e{power}"),
             (
                 format!("six bodies on parallel hinges that turn at +-1e{power} rad/s in turn"),
@@ -168,20 +171,20 @@ fn swamped() -> Vec<Case> {
     cases
 }
 
-fn poses() -> Vec<Case> {
+fn poses() -> Vec<StressCase> {
     let mut cases = Vec::new();
     for (power, expected) in [
-        (1, Verdict::HardProblem),
-        (2, Verdict::HardProblem),
-        (3, Verdict::HardProblem),
-        (4, Verdict::HardProblem),
+        (1, StressVerdict::HardProblem),
+        (2, StressVerdict::HardProblem),
+        (3, StressVerdict::HardProblem),
+        (4, StressVerdict::HardProblem),
     ] {
         let model = gimbal();
         let mut state = straight(&model);
         (state.q[0], state.q[1], state.q[2]) = (0.4, 0.7, -0.3);
         (state.q[3], state.q[4]) = (10f64.powi(-power), 0.9);
         cases.push(case(
-            Class::Pose,
+            CaseClass::Pose,
             format!("gimbal-1e-{power}"),
             (
                 format!("an arm with a wrist of 1e-4 kg on axes z, y, z, the middle at 1e-{power}"),
@@ -196,7 +199,7 @@ fn poses() -> Vec<Case> {
 
 /// An arm of two joints and a light wrist on the axes z, y, z.
 fn gimbal() -> Model {
-    let mut builder = Builder::new("gimbal");
+    let mut builder = ModelBuilder::new("gimbal");
     let turn = |axis| JointKind::Revolute(axis);
     let upper = builder.body("Upper", BASE.origin(), &[turn(Axis::Z)]);
     builder.mass(upper, 2.0, [0.1, 0.0, 0.0], sphere(0.02));

@@ -1,19 +1,19 @@
 //! Sizes at the ends of what a format holds.
 
-use super::super::case::{Case, Class};
-use super::super::dynamics::{Dynamics, Metric};
-use super::super::verdict::Verdict;
+use super::super::case::{CaseClass, StressCase};
+use super::super::dynamics::{DynamicsSubject, Metric};
+use super::super::verdict::StressVerdict;
 use super::models::{random, resized, sphere};
-use crate::model::build::{BASE, Builder};
+use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model, family};
 
-pub(super) fn cases() -> Vec<Case> {
+pub(super) fn cases() -> Vec<StressCase> {
     let mut cases = Vec::new();
     for (power, metric, expected) in [
-        (-3, Metric::Accelerations, Verdict::HardProblem),
-        (-6, Metric::Accelerations, Verdict::HardProblem),
-        (-9, Metric::Accelerations, Verdict::OutOfRange),
-        (-9, Metric::Masses, Verdict::OutOfRange),
+        (-3, Metric::Accelerations, StressVerdict::HardProblem),
+        (-6, Metric::Accelerations, StressVerdict::HardProblem),
+        (-9, Metric::Accelerations, StressVerdict::OutOfRange),
+        (-9, Metric::Masses, StressVerdict::OutOfRange),
     ] {
         let model = resized(family::serial(7, 1), 10f64.powi(power), 1.0);
         let suffix = if metric == Metric::Masses {
@@ -34,14 +34,14 @@ pub(super) fn cases() -> Vec<Case> {
         "huge-1e6".to_owned(),
         "a chain of 7 whose lengths are 1e6 times as large, its density 1e3 times".to_owned(),
         "nothing: the exponent of binary32 is wide enough",
-        Verdict::Fine,
+        StressVerdict::Fine,
         (model, Metric::Accelerations),
     ));
     cases.push(case(
         "spindle-1e-30".to_owned(),
         "a spindle of 1e-30 kg m^2 on a light arm that hardly moves".to_owned(),
         "products of small inertias and velocities, which become subnormal",
-        Verdict::OutOfRange,
+        StressVerdict::OutOfRange,
         (spindle(), Metric::Forces),
     ));
     cases
@@ -51,26 +51,26 @@ fn case(
     name: String,
     construction: String,
     breaks: &'static str,
-    expected: Verdict,
+    expected: StressVerdict,
     (model, metric): (Model, Metric),
-) -> Case {
+) -> StressCase {
     let rate = if metric == Metric::Forces { 1e-12 } else { 1.0 };
     let states = (0..3).map(|seed| random(&model, seed, rate)).collect();
-    Case {
+    StressCase {
         name,
-        class: Class::Scale,
+        class: CaseClass::Scale,
         construction,
         breaks,
         expected,
         long: false,
-        subject: Box::new(Dynamics::new(model, states, metric)),
+        subject: Box::new(DynamicsSubject::new(model, states, metric)),
     }
 }
 
 /// An arm that carries a spindle of almost no inertia, balanced, without
 /// gravity.
 fn spindle() -> Model {
-    let mut builder = Builder::new("spindle");
+    let mut builder = ModelBuilder::new("spindle");
     builder.gravity([0.0; 3]);
     let turn = |axis| JointKind::Revolute(axis);
     let arm = builder.body("Arm", BASE.origin(), &[turn(Axis::Z), turn(Axis::Y)]);

@@ -1,20 +1,20 @@
 //! Series in place of sine and cosine: order 1 is that of the thesis (1.2.2).
 
-use super::super::case::{Case, Class};
+use super::super::case::{CaseClass, StressCase};
 use super::super::draw::Draw;
-use super::super::series::Angles;
-use super::super::verdict::Verdict;
+use super::super::series::AnglesSubject;
+use super::super::verdict::StressVerdict;
 use super::models::random;
 use crate::model::family;
 
-pub(super) fn cases() -> Vec<Case> {
+pub(super) fn cases() -> Vec<StressCase> {
     let mut cases = Vec::new();
     for (range, expected) in [
-        (0.01, Verdict::BadCode),
-        (0.1, Verdict::BadCode),
-        (0.5, Verdict::BadCode),
-        (1.0, Verdict::BadCode),
-        (3.0, Verdict::BadCode),
+        (0.01, StressVerdict::BadCode),
+        (0.1, StressVerdict::BadCode),
+        (0.5, StressVerdict::BadCode),
+        (1.0, StressVerdict::BadCode),
+        (3.0, StressVerdict::BadCode),
     ] {
         let model = family::serial(7, 1);
         let states = (0..24).map(|seed| {
@@ -24,14 +24,14 @@ pub(super) fn cases() -> Vec<Case> {
             state
         });
         let states = states.collect();
-        cases.push(Case {
+        cases.push(StressCase {
             name: format!("order-1-within-{range}"),
-            class: Class::Series,
+            class: CaseClass::Series,
             construction: format!("a chain of 7 with sin x = x, cos x = 1 and angles to {range}"),
             breaks: "the model: rounding is nothing beside what the series leaves out",
             expected,
             long: false,
-            subject: Box::new(Angles::new(model, states)),
+            subject: Box::new(AnglesSubject::new(model, states)),
         });
     }
     cases

@@ -2,14 +2,14 @@
 
 use super::super::draw::Draw;
 use super::super::linear::{condition, estimated_condition, solve};
-use super::super::numbers::{Numbers, rounded};
-use super::super::program::{Program, Recipe};
+use super::super::numbers::{WorkingPrecision, rounded};
+use super::super::program::{ModelProgram, ProgramRecipe};
 use super::super::units::Units;
-use super::super::{StressError, Treatment};
-use super::{Exact, JACOBI, Metric, Solution, Workbench};
+use super::super::{ProgramTreatment, StressError};
+use super::{DynamicsBench, ExactDynamics, JACOBI, Metric, Solution};
 use crate::generate::{Formulation, FunctionKind};
-use crate::motion::State;
-use crate::motion::linear::Matrix;
+use crate::motion::MotionState;
+use crate::motion::linear::DenseMatrix;
 use robovec_ir::Format;
 use robovec_num::double_double::Double;
 
@@ -48,7 +48,7 @@ pub(in super::super) fn worst(errors: impl Iterator<Item = f64>) -> f64 {
 
 /// The errors in a state.
 #[derive(Default)]
-pub(super) struct Errors {
+pub(super) struct DynamicsErrors {
     pub(super) masses: f64,
     pub(super) entries: f64,
     pub(super) bias: f64,
@@ -61,9 +61,9 @@ pub(super) struct Errors {
     pub(super) no_factor: bool,
 }
 
-impl Errors {
+impl DynamicsErrors {
     /// Keeps the larger of two states' errors.
-    pub(super) fn join(&mut self, other: &Errors) {
+    pub(super) fn join(&mut self, other: &DynamicsErrors) {
         let pairs = [
             (&mut self.masses, other.masses),
             (&mut self.entries, other.entries),
@@ -94,19 +94,19 @@ impl Errors {
     }
 }
 
-impl Workbench<'_> {
+impl DynamicsBench<'_> {
     pub(super) fn errors(
         &self,
-        state: &State,
-        exact: &Exact,
-        treatment: &Treatment,
-    ) -> Result<Errors, StressError> {
-        let numbers = Numbers::In(treatment.format);
+        state: &MotionState,
+        exact: &ExactDynamics,
+        treatment: &ProgramTreatment,
+    ) -> Result<DynamicsErrors, StressError> {
+        let numbers = WorkingPrecision::In(treatment.format);
         let forces = self.treated_forces(state, treatment)?;
-        let mut errors = Errors {
+        let mut errors = DynamicsErrors {
             forces: normwise(&forces, &exact.forces),
             components: componentwise(&forces, &exact.forces),
-            ..Errors::default()
+            ..DynamicsErrors::default()
         };
         let mut masses = [Vec::new(), Vec::new()];
         if !self.subject.articulated && treatment.formulation != Formulation::Articulated {
@@ -119,12 +119,12 @@ impl Workbench<'_> {
                 errors.bias = normwise(bias, &exact.bias);
             }
             let right = vec![0.0; size];
-            let factor = |numbers: Numbers| {
+            let factor = |numbers: WorkingPrecision| {
                 let right = &right;
                 numbers.work(Solution { size, mass, right })
             };
             errors.no_factor = factor(numbers).is_none();
-            errors.indefinite = errors.no_factor && factor(Numbers::Reference).is_none();
+            errors.indefinite = errors.no_factor && factor(WorkingPrecision::Reference).is_none();
         }
         if self.subject.metric == Metric::Accelerations {
             let found = self.accelerations(state, treatment, &masses)?;
@@ -149,7 +149,7 @@ impl Workbench<'_> {
                 let entries: Vec<f64> = mass.iter().map(|number| number.high).collect();
                 return estimated_condition(size, &entries);
             }
-            let mut matrix = Matrix::zeros(size, size);
+            let mut matrix = DenseMatrix::zeros(size, size);
             for (place, number) in mass.iter().enumerate() {
                 matrix[(place / size, place % size)] = number.high;
             }
@@ -160,23 +160,23 @@ impl Workbench<'_> {
 
     /// The mass matrix column by column, from the inverse dynamics at rest
     /// without gravity.
-    fn columns(&self, state: &State) -> Result<Vec<f64>, StressError> {
+    fn columns(&self, state: &MotionState) -> Result<Vec<f64>, StressError> {
         let size = self.joints();
         let mut model = self.subject.model.clone();
         model.gravity = [0.0; 3];
-        let recipe = Recipe {
+        let recipe = ProgramRecipe {
             formulation: Formulation::default(),
             passes: "",
             only: None,
         };
-        let program = Program::new(&model, FunctionKind::Invdyna, recipe)?;
+        let program = ModelProgram::new(&model, FunctionKind::Invdyna, recipe)?;
         let mut entries = vec![0.0; size * size];
         let mut state = state.clone();
         state.qd = vec![0.0; size];
         for column in 0..size {
             state.qdd = vec![0.0; size];
             state.qdd[column] = 1.0;
-            let numbers = Numbers::In(Format::BINARY64);
+            let numbers = WorkingPrecision::In(Format::BINARY64);
             let flat = program.evaluate(numbers, Units::SI, &program.inputs(&state));
             let forces = program.array("Qq", &flat, size);
             for (row, force) in forces.iter().enumerate() {
@@ -214,7 +214,7 @@ impl Workbench<'_> {
             Metric::Masses => (FunctionKind::Dirdyna, "M"),
             Metric::Forces | Metric::Accelerations => (FunctionKind::Invdyna, "Qq"),
         };
-        let Ok(program) = self.program(kind, &Treatment::default(), None) else {
+        let Ok(program) = self.program(kind, &ProgramTreatment::default(), None) else {
             return f64::NAN;
         };
         let states = self.subject.states.iter().zip(&self.exact);
@@ -227,7 +227,7 @@ impl Workbench<'_> {
             let program = &program;
             (0..DRAWS).map(move |draw| {
                 let inputs = perturb(&inputs, step, draw);
-                let flat = program.evaluate(Numbers::Reference, Units::SI, &inputs);
+                let flat = program.evaluate(WorkingPrecision::Reference, Units::SI, &inputs);
                 let found = program.array(name, &flat, exact.len());
                 match self.subject.metric {
                     Metric::Masses => normwise(&found, exact),

@@ -1,7 +1,7 @@
 //! The array of elements and the processor side by side.
 
 use super::super::knee::{Split, knee};
-use super::super::plan::Plan;
+use super::super::plan::StudyPlan;
 use super::super::results::Results;
 use super::CpuTime;
 use crate::present::{DataCell, DataTable};
@@ -108,7 +108,7 @@ fn fastest(results: &Results, model: usize, machine: usize) -> Option<(usize, Sp
 }
 
 /// The clock of the machine with these elements.
-fn clock(plan: &Plan, machine: usize, split: &Split) -> Estimate {
+fn clock(plan: &StudyPlan, machine: usize, split: &Split) -> Estimate {
     let mut machine: Machine = plan.machines[machine].machine.clone();
     for element in &mut machine.elements {
         element.count = if element.operations.iter().any(|name| name == "mul") {

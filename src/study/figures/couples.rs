@@ -1,6 +1,6 @@
 //! Figures 1.9 to 1.12: pipelining variants; and all couples of Table 1.3.
 
-use super::super::results::{Placed, Results};
+use super::super::results::{Results, StudyPlacement};
 use super::{ladder, pipeline_label};
 use crate::explore::operators::{ADDERS, MEMORY_CAP_MHZ, MULTIPLIERS, couples};
 use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
@@ -54,7 +54,7 @@ pub(super) fn variants(results: &Results) -> Vec<Figure> {
         ),
     ];
     let figure = |(number, what, unit, scale): (&str, &str, &str, AxisScale)| {
-        let quantity = |placed: Placed<'_>, mhz: f64| match number {
+        let quantity = |placed: StudyPlacement<'_>, mhz: f64| match number {
             "1.10" => f64::from(placed.point.cycles),
             "1.11" => f64::from(placed.point.cycles) / mhz,
             _ => 100.0 * placed.point.rate,

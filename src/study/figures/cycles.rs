@@ -2,7 +2,7 @@
 //! against the number of elements.
 
 use super::super::program::ProgramFacts;
-use super::super::results::{Placed, Results};
+use super::super::results::{Results, StudyPlacement};
 use super::super::variants;
 use super::super::zone::zone;
 use super::{ladder, pipeline_label};
@@ -146,7 +146,7 @@ fn panel(results: &Results, model: usize, machine: usize, quantity: Quantity) ->
     (!curves.is_empty()).then_some(Panel::curves(title, elements, y, curves))
 }
 
-fn mark(facts: &ProgramFacts, placed: Placed<'_>, quantity: Quantity) -> Mark {
+fn mark(facts: &ProgramFacts, placed: StudyPlacement<'_>, quantity: Quantity) -> Mark {
     let y = match quantity {
         Quantity::Cycles => f64::from(placed.point.cycles),
         Quantity::Rate => 100.0 * placed.point.rate,

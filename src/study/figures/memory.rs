@@ -3,8 +3,8 @@
 
 use super::super::plan::{ChoiceKey, PriorityKey};
 use super::super::point::KindPoint;
-use super::super::printed::Topology;
-use super::super::results::{Placed, Results};
+use super::super::printed::SystemTopology;
+use super::super::results::{Results, StudyPlacement};
 use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
 const CAPTION: &str = "Words per element: mean (marker), least and most over the elements of a \
@@ -24,8 +24,8 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let mut figures = Vec::new();
     for model in 0..results.plan.models.len() {
         let numbers = match results.system(model).map(|system| system.topology) {
-            Some(Topology::Bogie) => Some(["2.4", "2.5"]),
-            Some(Topology::Mixed) => Some(["2.6", "2.7"]),
+            Some(SystemTopology::Bogie) => Some(["2.4", "2.5"]),
+            Some(SystemTopology::Mixed) => Some(["2.6", "2.7"]),
             _ => None,
         };
         for (part, what) in [(0, "memory"), (1, "buffer")] {
@@ -58,7 +58,7 @@ fn figure(
     name: String,
     title: String,
 ) -> Option<Figure> {
-    let points = |choice: ChoiceKey| -> Vec<Placed<'_>> {
+    let points = |choice: ChoiceKey| -> Vec<StudyPlacement<'_>> {
         let placed = results.placed().filter(|placed| {
             let request = placed.request;
             (request.model, request.pipeline, request.machine) == (model, pipeline, machine)
@@ -116,7 +116,7 @@ fn figure(
 }
 
 /// A bar; the two choices stand a little apart.
-fn mark(placed: Placed<'_>, kind: &KindPoint, part: usize, shift: f64) -> Mark {
+fn mark(placed: StudyPlacement<'_>, kind: &KindPoint, part: usize, shift: f64) -> Mark {
     let [least, mean, most] = if part == 0 { kind.memory } else { kind.buffer };
     let at = Mark::at(f64::from(placed.elements()) * shift, mean);
     Mark {

@@ -12,7 +12,7 @@ mod occupation;
 mod projection;
 mod split;
 
-use super::results::{Placed, Results};
+use super::results::{Results, StudyPlacement};
 use crate::present::Figure;
 
 pub(super) use split::{best_splits, grid};
@@ -34,15 +34,20 @@ pub fn all(results: &Results) -> Vec<Figure> {
 
 /// The placements the plan asks for with as many adders as multipliers, in
 /// ascending number; of many, those whose number is a power of two.
-pub fn ladder(results: &Results, model: usize, pipeline: usize, machine: usize) -> Vec<Placed<'_>> {
+pub fn ladder(
+    results: &Results,
+    model: usize,
+    pipeline: usize,
+    machine: usize,
+) -> Vec<StudyPlacement<'_>> {
     let usual = results.usual(model, pipeline, machine);
-    let asked = |placed: &Placed<'_>| {
+    let asked = |placed: &StudyPlacement<'_>| {
         let found = results.plan.requests.binary_search(placed.request);
         placed.is_equal() && found.is_ok()
     };
-    let mut equal: Vec<Placed<'_>> = usual.filter(asked).collect();
-    equal.sort_by_key(Placed::elements);
-    let is_power = |placed: &Placed<'_>| placed.request.n_add.is_power_of_two();
+    let mut equal: Vec<StudyPlacement<'_>> = usual.filter(asked).collect();
+    equal.sort_by_key(StudyPlacement::elements);
+    let is_power = |placed: &StudyPlacement<'_>| placed.request.n_add.is_power_of_two();
     if equal.len() > 8 && equal.iter().filter(|&placed| is_power(placed)).count() >= 4 {
         equal.retain(is_power);
     }

@@ -1,7 +1,7 @@
 //! Figures 3.15 to 3.38: occupation of the elements over normalised time.
 
 use super::super::plan::Printed;
-use super::super::printed::{System, Topology};
+use super::super::printed::{PrintedSystem, SystemTopology};
 use super::super::results::Results;
 use super::super::variants;
 use super::{ladder, pipeline_label};
@@ -90,27 +90,27 @@ fn number(results: &Results, model: usize, pipeline: usize) -> Option<u32> {
     )
 }
 
-fn number_of(system: &System, printed: Printed) -> Option<u32> {
+fn number_of(system: &PrintedSystem, printed: Printed) -> Option<u32> {
     let size = [23, 50, 70, 100, 130]
         .iter()
         .position(|&dof| dof == system.dof)? as u32;
     match printed {
         Printed::Original => Some(match system.topology {
-            Topology::Bogie => 15,
-            Topology::Mixed => 16,
-            Topology::Serial => 17 + size,
-            Topology::SemiSerial => 22 + size,
-            Topology::Parallel => 27 + size,
+            SystemTopology::Bogie => 15,
+            SystemTopology::Mixed => 16,
+            SystemTopology::Serial => 17 + size,
+            SystemTopology::SemiSerial => 22 + size,
+            SystemTopology::Parallel => 27 + size,
         }),
         Printed::Modified => {
             system.modified.as_ref()?;
             let first = if size == 0 { 33 } else { 36 };
             match system.topology {
-                Topology::Bogie => Some(32),
-                Topology::Mixed => None,
-                Topology::Serial => Some(first),
-                Topology::SemiSerial => Some(first + 1),
-                Topology::Parallel => Some(first + 2),
+                SystemTopology::Bogie => Some(32),
+                SystemTopology::Mixed => None,
+                SystemTopology::Serial => Some(first),
+                SystemTopology::SemiSerial => Some(first + 1),
+                SystemTopology::Parallel => Some(first + 2),
             }
         }
     }

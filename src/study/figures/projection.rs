@@ -1,7 +1,7 @@
 //! Figure 3.14: the number Y against degrees of freedom, by topology.
 
 use super::super::plan::Printed;
-use super::super::printed::Topology;
+use super::super::printed::SystemTopology;
 use super::super::results::Results;
 use super::super::zone::Zone;
 use crate::present::number::round;
@@ -11,8 +11,11 @@ use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Str
 const FURTHEST: f64 = 200.0;
 
 /// The topologies the thesis fits.
-pub(in super::super) const TOPOLOGIES: [Topology; 3] =
-    [Topology::Serial, Topology::SemiSerial, Topology::Parallel];
+pub(in super::super) const TOPOLOGIES: [SystemTopology; 3] = [
+    SystemTopology::Serial,
+    SystemTopology::SemiSerial,
+    SystemTopology::Parallel,
+];
 
 const CAPTION: &str = "Operations per cycle of the longest chain. Lines: least squares, drawn on \
     to 200 degrees of freedom; their slopes, per degree of freedom, stand at their ends. Points \
@@ -22,7 +25,7 @@ const CAPTION: &str = "Operations per cycle of the longest chain. Lines: least s
 
 /// A line fitted to points by least squares.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(in super::super) struct Fit {
+pub(in super::super) struct LineFit {
     /// Where it crosses zero degrees of freedom.
     pub(in super::super) offset: f64,
     /// Per degree of freedom.
@@ -31,7 +34,7 @@ pub(in super::super) struct Fit {
 
 /// The line through points that is best by least squares; `None` for fewer
 /// than two different abscissae.
-pub(in super::super) fn fit(points: &[[f64; 2]]) -> Option<Fit> {
+pub(in super::super) fn fit(points: &[[f64; 2]]) -> Option<LineFit> {
     let count = points.len() as f64;
     let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
     let (x, y) = (mean(0), mean(1));
@@ -42,7 +45,7 @@ pub(in super::super) fn fit(points: &[[f64; 2]]) -> Option<Fit> {
         .sum();
     (square > 0.0).then(|| {
         let slope = mixed / square;
-        Fit {
+        LineFit {
             offset: y - slope * x,
             slope,
         }
@@ -52,7 +55,7 @@ pub(in super::super) fn fit(points: &[[f64; 2]]) -> Option<Fit> {
 /// Degrees of freedom and number Y of our programs of a topology.
 pub(in super::super) fn numbers(
     results: &Results,
-    topology: Topology,
+    topology: SystemTopology,
     pipeline: usize,
 ) -> Vec<[f64; 2]> {
     let Some(machine) = results.main_machine() else {
@@ -70,7 +73,10 @@ pub(in super::super) fn numbers(
 }
 
 /// Those of the thesis that can be right.
-pub(in super::super) fn printed_numbers(topology: Topology, printed: Printed) -> Vec<[f64; 2]> {
+pub(in super::super) fn printed_numbers(
+    topology: SystemTopology,
+    printed: Printed,
+) -> Vec<[f64; 2]> {
     let systems = super::super::printed::thesis().systems.iter();
     let systems = systems.filter(|system| system.topology == topology);
     let rows = systems.filter_map(|system| Some((system, system.row(printed)?)));
@@ -121,7 +127,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
 
 fn topology_curves(
     results: &Results,
-    topology: Topology,
+    topology: SystemTopology,
     index: usize,
     pipeline: usize,
     printed: Printed,

@@ -1,14 +1,14 @@
 //! Unequal numbers of adders and multipliers: a map of cycles, and the best
 //! split of every total.
 
-use super::super::results::{Placed, Results};
+use super::super::results::{Results, StudyPlacement};
 use super::pipeline_label;
 use crate::present::{AxisScale, Figure, Panel, PlotAxis, TileMap};
 
 /// The best split of a total: fewest cycles, then nearest to equal numbers,
 /// then more multipliers.
-pub(in super::super) fn best_splits<'a>(placed: &[Placed<'a>]) -> Vec<Placed<'a>> {
-    let merit = |placed: &Placed<'_>| {
+pub(in super::super) fn best_splits<'a>(placed: &[StudyPlacement<'a>]) -> Vec<StudyPlacement<'a>> {
+    let merit = |placed: &StudyPlacement<'_>| {
         let request = placed.request;
         (
             placed.elements(),
@@ -29,16 +29,16 @@ pub(in super::super) fn grid<'a>(
     results: &'a Results,
     model: usize,
     pipeline: usize,
-) -> Vec<Placed<'a>> {
+) -> Vec<StudyPlacement<'a>> {
     let Some(machine) = results.main_machine() else {
         return Vec::new();
     };
-    let all: Vec<Placed<'a>> = results.usual(model, pipeline, machine).collect();
+    let all: Vec<StudyPlacement<'a>> = results.usual(model, pipeline, machine).collect();
     let unequal = all.iter().filter(|placed| !placed.is_equal());
     let largest = unequal
         .map(|placed| placed.request.n_add.max(placed.request.n_multi))
         .max();
-    let within = |placed: &Placed<'_>| {
+    let within = |placed: &StudyPlacement<'_>| {
         largest.is_some_and(|largest| placed.request.n_add.max(placed.request.n_multi) <= largest)
     };
     all.into_iter().filter(within).collect()
@@ -52,7 +52,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
         if placed.is_empty() {
             continue;
         }
-        let numbers = |pick: fn(&Placed<'_>) -> u32| {
+        let numbers = |pick: fn(&StudyPlacement<'_>) -> u32| {
             let mut numbers: Vec<u32> = placed.iter().map(pick).collect();
             numbers.sort_unstable();
             numbers.dedup();

@@ -87,7 +87,7 @@ fn data(results: &Results, cpu: &[CpuTime]) -> Value {
         .map(|machine| &plan.machines[machine]);
     let all = results.outcome.points.iter();
     let points = all.map(|(request, point)| {
-        let placed = super::results::Placed { request, point };
+        let placed = super::results::StudyPlacement { request, point };
         let facts = results.program(request.model, request.pipeline, request.machine);
         let facts = facts.filter(|_| point.failure.is_none());
         let machine = &plan.machines[request.machine];

@@ -25,12 +25,12 @@ pub const THESIS: &str = include_str!("thesis.toml");
 pub const DEFAULT_MACHINE: &str = "thesis";
 
 /// The most adders or multipliers of a placement.
-pub const MOST_ELEMENTS: u32 = 1024;
+pub const MAX_ELEMENTS: u32 = 1024;
 
 /// Adders or multipliers of a placement.
 pub const ELEMENTS: NumberLimit = NumberLimit::whole(
     1,
-    MOST_ELEMENTS as u64,
+    MAX_ELEMENTS as u64,
     "a program is placed for every number of elements",
 );
 
@@ -43,7 +43,7 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
 
 /// A resolved plan. Indices point into its lists.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct StudyPlan {
     /// Its name.
     pub name: String,
     /// One line for people.
@@ -51,7 +51,7 @@ pub struct Plan {
     /// The model the verdict is about.
     pub headline: usize,
     /// The models.
-    pub models: Vec<Subject>,
+    pub models: Vec<StudySubject>,
     /// The pipelines.
     pub pipelines: Vec<NamedPipeline>,
     /// The machines.
@@ -60,12 +60,12 @@ pub struct Plan {
     /// searched for.
     pub exact_knees: bool,
     /// The placements, sorted, each once.
-    pub requests: Vec<Request>,
+    pub requests: Vec<PlacementRequest>,
 }
 
 /// A model of a study: where its program comes from.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
-pub struct Subject {
+pub struct StudySubject {
     /// Its name in results.
     pub name: String,
     /// A file of equations, a model file, or the name of a built-in model.
@@ -80,13 +80,13 @@ pub struct Subject {
     pub printed: Option<String>,
     /// How equations are generated from a model; files of equations are taken
     /// as they are.
-    pub style: Style,
+    pub style: GenerationStyle,
 }
 
 /// How equations are generated from a model; see [`crate::generate::Options`].
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct Style {
+pub struct GenerationStyle {
     /// The recursion.
     pub formulation: String,
     /// What children carry stands before a body's own terms.
@@ -137,7 +137,7 @@ pub struct NamedMachine {
 
 /// One placement.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub struct Request {
+pub struct PlacementRequest {
     /// Index of the model.
     pub model: usize,
     /// Index of the pipeline.
@@ -178,7 +178,7 @@ pub enum ChoiceKey {
     First,
 }
 
-impl Request {
+impl PlacementRequest {
     /// True for the order and the choice of ordinary figures.
     pub fn is_usual(&self) -> bool {
         self.priority == PriorityKey::Best && self.choice == ChoiceKey::Preferential

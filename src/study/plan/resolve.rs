@@ -1,7 +1,7 @@
 //! From a plan as written to a plan with indices, or messages with carets.
 
 use super::file::{PlanFile, StyleEntry};
-use super::{NamedPipeline, Plan, Selection, Style, Subject};
+use super::{GenerationStyle, NamedPipeline, Selection, StudyPlan, StudySubject};
 use crate::generate::Formulation;
 use crate::study::printed;
 use robovec_framework::pass::Gives;
@@ -16,7 +16,7 @@ use std::path::Path;
 pub(super) const HEADLINE: &str = "headline";
 
 /// The most placements of a study; what lies beyond is a slip of the pen.
-pub(super) const MOST_PLACEMENTS: usize = 1_000_000;
+pub(super) const MAX_PLACEMENTS: usize = 1_000_000;
 
 /// Reads a machine by name or file; messages are the reader's own.
 pub(super) type ReadMachine<'a> = &'a dyn Fn(&str) -> Result<robovec_ir::Machine, Report>;
@@ -32,7 +32,7 @@ pub fn resolve(
     text: &str,
     selection: &Selection,
     read_machine: ReadMachine<'_>,
-) -> Result<Plan, Report> {
+) -> Result<StudyPlan, Report> {
     let file: PlanFile = toml::from_str(text).map_err(|error| {
         let mut diagnostic = Diagnostic::error().with_message(error.message().to_owned());
         diagnostic
@@ -40,8 +40,8 @@ pub fn resolve(
             .extend(error.span().map(|span| Label::primary(0, span)));
         Report::of(name, text, vec![diagnostic])
     })?;
-    let mut resolver = Resolver {
-        plan: Plan {
+    let mut resolver = PlanResolver {
+        plan: StudyPlan {
             name: file.name.clone(),
             description: file.description.clone(),
             headline: 0,
@@ -67,8 +67,8 @@ pub fn resolve(
 }
 
 /// A plan on its way from names to indices.
-pub(super) struct Resolver<'a> {
-    pub(super) plan: Plan,
+pub(super) struct PlanResolver<'a> {
+    pub(super) plan: StudyPlan,
     problems: Vec<Diagnostic>,
     /// Messages about other texts than the plan: pipelines, machine files.
     pub(super) foreign: Report,
@@ -76,7 +76,7 @@ pub(super) struct Resolver<'a> {
     pub(super) selection: &'a Selection,
 }
 
-impl Resolver<'_> {
+impl PlanResolver<'_> {
     pub(super) fn problem(&mut self, span: Range<usize>, message: String, notes: Vec<String>) {
         let label = Label::primary(0, span);
         let diagnostic = Diagnostic::error().with_message(message);
@@ -84,16 +84,16 @@ impl Resolver<'_> {
             .push(diagnostic.with_labels(vec![label]).with_notes(notes));
     }
 
-    fn finish(self, name: &str, text: &str) -> Result<Plan, Report> {
+    fn finish(self, name: &str, text: &str) -> Result<StudyPlan, Report> {
         if !self.problems.is_empty() {
             return Err(Report::of(name, text, self.problems));
         }
         if self.foreign.has_errors() {
             return Err(self.foreign);
         }
-        if self.plan.requests.len() > MOST_PLACEMENTS {
+        if self.plan.requests.len() > MAX_PLACEMENTS {
             let diagnostic = Diagnostic::error().with_message(format!(
-                "the plan asks for {} placements; there can be {MOST_PLACEMENTS}",
+                "the plan asks for {} placements; there can be {MAX_PLACEMENTS}",
                 self.plan.requests.len()
             ));
             return Err(Report::of(name, text, vec![diagnostic]));
@@ -126,7 +126,7 @@ impl Resolver<'_> {
                 let near = did_you_mean(row.get_ref(), printed::systems());
                 self.problem(row.span(), message, suggestion(near));
             }
-            all.push(Subject {
+            all.push(StudySubject {
                 name: name.clone(),
                 source: entry
                     .source
@@ -151,7 +151,7 @@ impl Resolver<'_> {
         self.plan.models = match &self.selection.models {
             None => all,
             Some(wanted) => {
-                let mut models: Vec<Subject> = Vec::new();
+                let mut models: Vec<StudySubject> = Vec::new();
                 for wanted in wanted {
                     let model = pick_model(&all, wanted, &usual);
                     if !models.contains(&model) {
@@ -168,7 +168,7 @@ impl Resolver<'_> {
     }
 
     /// The style of the first entry that says something, field by field.
-    fn style(&mut self, entries: &[&StyleEntry]) -> Style {
+    fn style(&mut self, entries: &[&StyleEntry]) -> GenerationStyle {
         let flag = |pick: fn(&StyleEntry) -> Option<bool>, usual: bool| {
             entries
                 .iter()
@@ -187,7 +187,7 @@ impl Resolver<'_> {
             self.problem(name.span(), message, notes);
         }
         let usual = Formulation::default().name();
-        Style {
+        GenerationStyle {
             formulation: formulation.map_or(usual, |name| name.get_ref()).to_owned(),
             child_first: flag(|entry| entry.child_first, false),
             expanded: flag(|entry| entry.expanded, false),
@@ -269,13 +269,13 @@ pub(super) fn suggestion(near: Option<&str>) -> Vec<String> {
 }
 
 /// A model of the plan, or one of the user's own, named after its file.
-fn pick_model(all: &[Subject], wanted: &str, style: &Style) -> Subject {
+fn pick_model(all: &[StudySubject], wanted: &str, style: &GenerationStyle) -> StudySubject {
     if let Some(known) = all.iter().find(|known| known.name == wanted) {
         return known.clone();
     }
     let stem = Path::new(wanted).file_stem();
     let stem = stem.map_or(wanted.into(), |stem| stem.to_string_lossy());
-    Subject {
+    StudySubject {
         name: stem
             .chars()
             .map(|c| {
@@ -296,7 +296,7 @@ fn pick_model(all: &[Subject], wanted: &str, style: &Style) -> Subject {
 
 /// The model with a name that no other has: files in different folders may
 /// share theirs.
-fn unique(mut model: Subject, others: &[Subject]) -> Subject {
+fn unique(mut model: StudySubject, others: &[StudySubject]) -> StudySubject {
     let stem = model.name.clone();
     let mut number = 1;
     while others.iter().any(|other| other.name == model.name) {
@@ -335,7 +335,7 @@ mod tests {
         Machine::built_in(name).ok_or_else(Report::new)
     }
 
-    fn thesis(selection: &Selection) -> Plan {
+    fn thesis(selection: &Selection) -> StudyPlan {
         resolve("thesis.toml", super::super::THESIS, selection, &machine)
             .expect("the built-in plan is right")
     }
@@ -344,7 +344,7 @@ mod tests {
     fn the_plan_of_the_thesis_has_a_model_for_every_system() {
         let plan = thesis(&Selection::default());
         for system in printed::systems() {
-            let stands = |model: &&Subject| model.printed.as_deref() == Some(system);
+            let stands = |model: &&StudySubject| model.printed.as_deref() == Some(system);
             assert_eq!(plan.models.iter().filter(stands).count(), 1, "{system}");
         }
         assert_eq!(plan.models[plan.headline].name, "bogie");

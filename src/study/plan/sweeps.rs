@@ -1,8 +1,8 @@
 //! Resolving sweeps: names become indices, lists become placements.
 
 use super::file::{ElementsEntry, SweepEntry};
-use super::resolve::{HEADLINE, MOST_PLACEMENTS, Resolver, suggestion};
-use super::{ChoiceKey, DEFAULT_MACHINE, ELEMENTS, NamedMachine, PriorityKey, Request};
+use super::resolve::{HEADLINE, MAX_PLACEMENTS, PlanResolver, suggestion};
+use super::{ChoiceKey, DEFAULT_MACHINE, ELEMENTS, NamedMachine, PlacementRequest, PriorityKey};
 use crate::explore::axes::Axes;
 use crate::study::couples;
 use robovec_ir::Operation;
@@ -13,9 +13,9 @@ use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
 
-impl Resolver<'_> {
+impl PlanResolver<'_> {
     /// Adds the placements of a sweep.
-    pub(super) fn sweep(&mut self, sweep: &SweepEntry, requests: &mut BTreeSet<Request>) {
+    pub(super) fn sweep(&mut self, sweep: &SweepEntry, requests: &mut BTreeSet<PlacementRequest>) {
         let models = self.sweep_models(sweep);
         let pipelines = self.sweep_pipelines(sweep);
         let machines = self.sweep_machines(sweep);
@@ -38,15 +38,15 @@ impl Resolver<'_> {
             choices.len(),
         ]);
         let count = axes.count();
-        if count > MOST_PLACEMENTS as u64 {
+        if count > MAX_PLACEMENTS as u64 {
             let message =
-                format!("a sweep asks for {count} placements; there can be {MOST_PLACEMENTS}");
+                format!("a sweep asks for {count} placements; there can be {MAX_PLACEMENTS}");
             self.problem(0..0, message, Vec::new());
             return;
         }
         let combinations = axes.combinations();
         requests.extend(combinations.map(
-            |[model, pipeline, machine, numbers, priority, choice]| Request {
+            |[model, pipeline, machine, numbers, priority, choice]| PlacementRequest {
                 model: models[model],
                 pipeline: pipelines[pipeline],
                 machine: machines[machine],

@@ -1,7 +1,7 @@
 //! Table 3.1: the study cases beside the figures the thesis prints.
 
 use super::super::plan::Printed;
-use super::super::printed::{Row, System};
+use super::super::printed::{PrintedRow, PrintedSystem};
 use super::super::program::ProgramFacts;
 use super::super::results::Results;
 use super::super::variants;
@@ -65,7 +65,7 @@ fn row(results: &Results, model: usize, pipeline: usize, facts: &ProgramFacts) -
     cells
 }
 
-fn printed_cells(facts: &ProgramFacts, row: &Row) -> Vec<DataCell> {
+fn printed_cells(facts: &ProgramFacts, row: &PrintedRow) -> Vec<DataCell> {
     let cell = |name: &str, value: f64, decimals: u8| {
         if row.is_sound(name) {
             match decimals {
@@ -101,7 +101,7 @@ fn printed_cells(facts: &ProgramFacts, row: &Row) -> Vec<DataCell> {
 /// pipeline, and of the printed figures.
 fn reason(
     results: &Results,
-    system: Option<&'static System>,
+    system: Option<&'static PrintedSystem>,
     model: usize,
     pipeline: usize,
     facts: &ProgramFacts,

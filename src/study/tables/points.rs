@@ -39,7 +39,7 @@ pub(super) fn points(results: &Results) -> DataTable {
     let all = results.outcome.points.iter();
     let rows = all.map(|(request, point)| {
         let machine = &results.plan.machines[request.machine];
-        let placed = super::super::results::Placed { request, point };
+        let placed = super::super::results::StudyPlacement { request, point };
         let facts = results.program(request.model, request.pipeline, request.machine);
         let zone = facts
             .filter(|_| point.failure.is_none())

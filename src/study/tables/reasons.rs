@@ -1,8 +1,8 @@
 //! Why a row of Table 3.1 differs from the thesis': what is known of the
 //! model, with figures from both sides.
 
-use super::super::plan::{Printed, Subject};
-use super::super::printed::{System, Topology, thesis};
+use super::super::plan::{Printed, StudySubject};
+use super::super::printed::{PrintedSystem, SystemTopology, thesis};
 use super::super::program::ProgramFacts;
 use super::super::results::Results;
 
@@ -12,7 +12,11 @@ const BOGIE_EQUATIONS: [u32; 2] = [1812, 18];
 const MIXED_EQUATIONS: [u32; 2] = [18_536, 80];
 
 /// Of a system as written.
-pub(super) fn original(system: &System, subject: &Subject, facts: &ProgramFacts) -> String {
+pub(super) fn original(
+    system: &PrintedSystem,
+    subject: &StudySubject,
+    facts: &ProgramFacts,
+) -> String {
     if subject.source != built_in(system) {
         return "the equations are of another system than the thesis'".to_owned();
     }
@@ -23,31 +27,33 @@ pub(super) fn original(system: &System, subject: &Subject, facts: &ProgramFacts)
         )
     };
     match system.topology {
-        Topology::Bogie => format!(
+        SystemTopology::Bogie => format!(
             "the thesis' bogie is not published; ours has the usual bodies and joints of a motor \
              bogie, and {}",
             counted(BOGIE_EQUATIONS)
         ),
-        Topology::Mixed => format!(
+        SystemTopology::Mixed => format!(
             "the thesis' system is not published; ours is a tree of revolute joints chosen to \
              come close in operations and chain, and {}",
             counted(MIXED_EQUATIONS)
         ),
-        Topology::Serial if system.dof == 23 => "the thesis' chain is not published; ours \
+        SystemTopology::Serial if system.dof == 23 => "the thesis' chain is not published; ours \
             (revolute joints about two axes in turn, full inertias) was fitted to this row, and \
             printed order decides the chain"
             .to_owned(),
-        Topology::Serial => format!(
+        SystemTopology::Serial => format!(
             "the 23-dof chain with more bodies, nothing fitted to this row; operations per dof^2 \
              are {:.1} here and {:.1} in the thesis, where the serial rows vary from {}",
             per_square(facts.operations as f64, system.dof),
             per_square(f64::from(system.original.operations), system.dof),
             serial_range(),
         ),
-        Topology::SemiSerial | Topology::Parallel => "the thesis does not say how its chains \
+        SystemTopology::SemiSerial | SystemTopology::Parallel => {
+            "the thesis does not say how its chains \
             branch; the tree of ours was chosen among such with the serial models' bodies to \
             come close in operations and chain"
-            .to_owned(),
+                .to_owned()
+        }
     }
 }
 
@@ -86,11 +92,11 @@ pub(super) fn modified(
 }
 
 /// The name of our model of a system.
-fn built_in(system: &System) -> String {
+fn built_in(system: &PrintedSystem) -> String {
     match system.topology {
-        Topology::Bogie => "bogie".to_owned(),
-        Topology::Mixed => "thesis-70".to_owned(),
-        Topology::Serial | Topology::SemiSerial | Topology::Parallel => {
+        SystemTopology::Bogie => "bogie".to_owned(),
+        SystemTopology::Mixed => "thesis-70".to_owned(),
+        SystemTopology::Serial | SystemTopology::SemiSerial | SystemTopology::Parallel => {
             format!("{}-{}", system.topology.name(), system.dof)
         }
     }
@@ -106,7 +112,7 @@ fn serial_range() -> String {
     let serial = thesis()
         .systems
         .iter()
-        .filter(|system| system.topology == Topology::Serial);
+        .filter(|system| system.topology == SystemTopology::Serial);
     let mut shares: Vec<f64> = serial
         .map(|system| per_square(f64::from(system.original.operations), system.dof))
         .collect();

@@ -7,8 +7,8 @@
 //! has the selects of the crossbar and the addresses of the buffer too.
 
 use super::super::plan::Printed;
-use super::super::printed::Topology;
-use super::super::results::{Placed, Results};
+use super::super::printed::SystemTopology;
+use super::super::results::{Results, StudyPlacement};
 use crate::present::{DataCell, DataTable};
 use robovec_codegen::hardware::{Part, PartKind, Resources, Shape, parts};
 
@@ -54,7 +54,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
     let parts = parts(&shape);
     let is_bogie = results
         .system(model)
-        .is_some_and(|system| system.topology == Topology::Bogie);
+        .is_some_and(|system| system.topology == SystemTopology::Bogie);
     let mut rows: Vec<Vec<DataCell>> = parts
         .iter()
         .map(|part| row(part, &shape, is_bogie))
@@ -79,8 +79,8 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
 
 /// The hardware for a placement: memories and buffers as large as the program
 /// needs, unless the machine says how large they are.
-fn shape(results: &Results, machine: usize, placed: Placed<'_>) -> Shape {
-    let most = |words: fn(usize, Placed<'_>) -> f64| {
+fn shape(results: &Results, machine: usize, placed: StudyPlacement<'_>) -> Shape {
+    let most = |words: fn(usize, StudyPlacement<'_>) -> f64| {
         let words = (0..2).map(|kind| words(kind, placed)).fold(0.0, f64::max);
         words as u32
     };
