@@ -167,9 +167,13 @@ impl StateLine {
                 // At the same places: near a pole of its own a divisor is so
                 // large that it seems to vanish everywhere else.
                 let around: Vec<Vec<f64>> = grid.iter().map(|&t| before(t)).collect();
-                (0..old.len())
-                    .map(|place| largest(around.iter().map(|sample| sample[place])))
-                    .collect()
+                // Of what overflows nobody knows what is small beside it.
+                // (The largest of a NaN and a number is the number.)
+                let largest = |place: usize| {
+                    let sizes = around.iter().map(|sample| sample[place].abs());
+                    sizes.fold(0.0, f64::max)
+                };
+                (0..old.len()).map(largest).collect()
             });
             let mut here = before(zero).into_iter().zip(usual.iter());
             // A divisor that is no number there counts as vanishing.

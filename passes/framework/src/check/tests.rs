@@ -391,6 +391,36 @@ fn a_divisor_with_a_pole_of_its_own_is_no_zero_elsewhere() {
 }
 
 #[test]
+fn a_divisor_that_overflowed_is_as_small_where_it_is_small() {
+    // In x1/(k*x2*2^997) the divisor overflows nearly everywhere; with the
+    // power outside it does not, and vanishes where the first does.
+    let quotient = |outside: bool| {
+        single(move |b| {
+            let [large, small] = [997f64, -997.0].map(|power| b.constant(power.exp2()));
+            let k = b.constant(3e18);
+            let divisor = b.binary(Mul, k, Builder::x(2));
+            if outside {
+                let whole = b.binary(Div, Builder::x(1), divisor);
+                return b.binary(Mul, small, whole);
+            }
+            let divisor = b.binary(Mul, divisor, large);
+            b.binary(Div, Builder::x(1), divisor)
+        })
+    };
+    let [before, after] = [false, true].map(quotient);
+    for seed in 0..20 {
+        let found = check(
+            before.view(),
+            after.view(),
+            NumericClass::Real,
+            &States::new(seed),
+            8,
+        );
+        assert!(found.holds(), "{seed}: {:?}", found.failure);
+    }
+}
+
+#[test]
 fn holes_and_lost_values_are_differences() {
     let x = || single(|b| b.binary(Mul, Builder::x(1), Builder::x(2)));
     // (x1*x2)*(2*x3 - 1)/(2*x3 - 1) has a hole at a half.
