@@ -9,7 +9,7 @@ use astro_float::{BigFloat, Consts, RoundingMode};
 use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
 use robovec_analysis::reference::{Effort, Exact, Kind, Reference};
-use robovec_ir::plan::Plan;
+use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Module, Operation, View};
 use std::fs;
@@ -46,7 +46,7 @@ fn certified(name: &str, module: &Module, count: u32) -> Vec<(Vec<f64>, Vec<Exac
 /// The outputs at so many bits, without any bound.
 fn evaluate(function: &Function, inputs: &[f64], bits: usize) -> Vec<BigFloat> {
     let mut constants = Consts::new().expect("there is memory");
-    Plan::new(function).run_with(
+    EvaluationPlan::new(function).run_with(
         inputs,
         |number| BigFloat::from_f64(number, bits),
         |operation, [a, b, _]| match operation {

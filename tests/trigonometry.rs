@@ -14,7 +14,7 @@ use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Machine, Module, View};
 use robovec_num::arithmetic::Binary32;
-use robovec_num::trigonometry::host::Unit;
+use robovec_num::trigonometry::host::TrigonometricUnit;
 use robovec_passes::registry::REGISTRY;
 use robovec_passes::trigonometry::Method;
 use std::fs;
@@ -149,7 +149,7 @@ fn the_host_computes_what_it_is_told_to() {
 }
 
 /// Runs the images and compares with the evaluator, bit for bit.
-fn simulate(module: &Module, unit: Option<&Unit>) {
+fn simulate(module: &Module, unit: Option<&TrigonometricUnit>) {
     let function = &module.functions[0];
     let view = View {
         tables: &module.tables,

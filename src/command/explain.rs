@@ -6,7 +6,7 @@ use crate::errors;
 use robovec_framework::trail::{self, Account, Change, Entry, Moment, Trail};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::states::States;
-use robovec_ir::{Function, Machine, Place, SourceSet, Step, View, print};
+use robovec_ir::{Function, HistoryStep, Machine, SourcePlace, SourceSet, View, print};
 use std::fmt::Write;
 
 /// So many source places are shown with their lines; the others are named.
@@ -75,7 +75,7 @@ pub(crate) fn explain(
 /// The source equations, with their lines where the file is at hand.
 fn origin(account: &Account, function: &Function, input: &InputModule) -> String {
     let sources = &input.module.tables.sources;
-    let mut places: Vec<Place> = Vec::new();
+    let mut places: Vec<SourcePlace> = Vec::new();
     for place in account.sources.iter().flat_map(|&set| sources.places(set)) {
         if !places.contains(&place) {
             places.push(place);
@@ -89,7 +89,7 @@ fn origin(account: &Account, function: &Function, input: &InputModule) -> String
     };
     let message = format!("{} of '{}' comes from {count}", account.name, function.name);
     let mut diagnostic = Diagnostic::note().with_message(message);
-    let is_read = |place: &Place| sources.files[place.file as usize] == input.name;
+    let is_read = |place: &SourcePlace| sources.files[place.file as usize] == input.name;
     let text = match places.iter().any(is_read) {
         true => input.text(),
         false => None,
@@ -118,7 +118,7 @@ fn origin(account: &Account, function: &Function, input: &InputModule) -> String
     report.render_plain()
 }
 
-fn describe(input: &InputModule, place: Place) -> String {
+fn describe(input: &InputModule, place: SourcePlace) -> String {
     let file = &input.module.tables.sources.files[place.file as usize];
     format!("{file}, line {}, column {}", place.line, place.column)
 }
@@ -140,7 +140,7 @@ fn print_entry(entry: &Entry, input: &InputModule, text: &mut String) {
     }
 }
 
-fn describe_step(step: &Step) -> String {
+fn describe_step(step: &HistoryStep) -> String {
     match &step.rules[..] {
         [] => step.pass.clone(),
         rules => format!("{} ({})", step.pass, rules.join(", ")),

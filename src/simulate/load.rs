@@ -7,7 +7,7 @@ use super::program::{ElementUnit, HostStep, LoadedProgram, MemoryUnit, OutputPla
 use robovec_codegen::manifest::{self, Manifest, OutputValue, Reference, WordAddress};
 use robovec_ir::{Machine, Operation};
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_num::trigonometry::host::Unit;
+use robovec_num::trigonometry::host::TrigonometricUnit;
 use std::collections::BTreeMap;
 
 /// Most words of all memories, of all buffers, of all instruction images in
@@ -165,7 +165,7 @@ impl<'a> Loader<'a> {
             host.push(self.host_step(place, value, words)?);
         }
         let unit = manifest.trigonometry.as_deref().map(|name| {
-            let unit = name.parse().and_then(Unit::new);
+            let unit = name.parse().and_then(TrigonometricUnit::new);
             unit.map_err(|error| LoadError::Dangling {
                 user: "the manifest's 'trigonometry'".to_owned(),
                 what: format!("'{name}': {error}"),

@@ -4,7 +4,7 @@ use super::decode::DecodedSteps;
 use robovec_codegen::manifest::Reference;
 use robovec_ir::Operation;
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_num::trigonometry::host::Unit;
+use robovec_num::trigonometry::host::TrigonometricUnit;
 
 /// A program in the simulator's memories, ready to be run any number of times.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ pub struct LoadedProgram {
     pub(super) constants: Vec<f64>,
     pub(super) host: Vec<HostStep>,
     /// What computes the host's sines and cosines, when it is said.
-    pub(super) unit: Option<Unit>,
+    pub(super) unit: Option<TrigonometricUnit>,
     pub(super) outputs: Vec<OutputUnit>,
     pub(super) steps: DecodedSteps,
 }

@@ -28,11 +28,11 @@ struct Excerpt {
     id: FileId,
     name: String,
     text: String,
-    lines: Vec<Line>,
+    lines: Vec<ExcerptLine>,
 }
 
 /// A line of an excerpt.
-struct Line {
+struct ExcerptLine {
     /// Number in the whole text, from 0.
     index: usize,
     /// The bytes of the whole text that are shown.
@@ -147,7 +147,7 @@ impl Excerpt {
             self.text.push('…');
         }
         self.text.push('\n');
-        self.lines.push(Line {
+        self.lines.push(ExcerptLine {
             index,
             skipped: text[line.start..window.start].chars().count(),
             window,
@@ -178,13 +178,13 @@ impl Excerpt {
         });
     }
 
-    fn line_of(&self, index: usize) -> &Line {
+    fn line_of(&self, index: usize) -> &ExcerptLine {
         let at = self.lines.partition_point(|line| line.index < index);
         &self.lines[at]
     }
 }
 
-impl Line {
+impl ExcerptLine {
     fn moved(&self, byte: usize) -> usize {
         let clamped = byte.clamp(self.window.start, self.window.end);
         self.start + self.lead + clamped - self.window.start
@@ -197,7 +197,7 @@ impl Excerpts {
         found.ok_or(Error::FileMissing)
     }
 
-    fn line(&self, id: FileId, index: usize) -> Result<&Line, Error> {
+    fn line(&self, id: FileId, index: usize) -> Result<&ExcerptLine, Error> {
         let lines = &self.file(id)?.lines;
         lines.get(index).ok_or(Error::LineTooLarge {
             given: index,

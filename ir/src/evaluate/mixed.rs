@@ -13,7 +13,7 @@ use crate::function::Function;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::format::Format;
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_num::trigonometry::host::{ImplementationError, KEY, Unit};
+use robovec_num::trigonometry::host::{ImplementationError, KEY, TrigonometricUnit};
 
 /// The arithmetic of every value of a function.
 #[derive(Clone, Debug)]
@@ -134,8 +134,8 @@ impl Function {
     /// # Errors
     ///
     /// When the name is that of no implementation.
-    pub fn trigonometry_unit(&self) -> Option<Result<Unit, ImplementationError>> {
-        self.metadata(KEY).map(Unit::named)
+    pub fn trigonometry_unit(&self) -> Option<Result<TrigonometricUnit, ImplementationError>> {
+        self.metadata(KEY).map(TrigonometricUnit::named)
     }
 }
 

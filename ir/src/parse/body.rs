@@ -1,6 +1,6 @@
 //! Definitions, assignments and their expressions.
 
-use super::builder::{Builder, Head, Indices, PendingAssignment, Span};
+use super::builder::{Head, Indices, ModuleBuilder, PendingAssignment, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::{Input, Operand, Output, Value};
@@ -54,7 +54,7 @@ fn arguments(count: u32) -> String {
     }
 }
 
-impl Builder<'_> {
+impl ModuleBuilder<'_> {
     /// `%x =`.
     pub(super) fn begin_definition(&mut self, span: Span) {
         self.inside(span);

@@ -4,7 +4,7 @@
 //! message: that it is defined later, that its definition goes in a circle
 //! (shown), or what may have been meant.
 
-use super::builder::{Builder, FastMap, Span};
+use super::builder::{FastMap, ModuleBuilder, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{Diagnostic, clip, did_you_mean};
 use crate::entity::Value;
@@ -45,7 +45,7 @@ struct Forward {
     span: Span,
 }
 
-impl Builder<'_> {
+impl ModuleBuilder<'_> {
     /// Reports the undefined names of the function being read.
     pub(super) fn report_undefined(&mut self) {
         let uses = std::mem::take(&mut self.open.undefined.uses);

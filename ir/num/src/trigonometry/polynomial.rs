@@ -123,7 +123,7 @@ impl Polynomial {
     ///
     /// Infinite beyond [`LARGEST_RANGE`] and for ranges that are no number.
     pub fn proved_error(&self, range: f64) -> f64 {
-        let enclosure = super::enclosure::Enclosure::new(self, range);
+        let enclosure = super::enclosure::ErrorEnclosure::new(self, range);
         enclosure.map_or(f64::INFINITY, |enclosure| {
             super::bound::worst(range, |low, high| enclosure.error(low, high))
         })

@@ -3,7 +3,7 @@
 use super::{ATOMIC, PLACED, after, placement};
 use crate::entity::Value;
 use crate::formats::Formats;
-use crate::history::{Histories, Step};
+use crate::history::{Histories, HistoryStep};
 use robovec_num::format::{FixedFormat, Format};
 
 #[test]
@@ -43,7 +43,7 @@ fn formats_can_be_computed_in() {
 
 #[test]
 fn histories_are_in_the_table() {
-    let step = || Step {
+    let step = || HistoryStep {
         before: crate::History::NONE,
         pass: "balance".to_owned(),
         rules: Vec::new(),

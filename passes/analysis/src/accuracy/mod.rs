@@ -38,7 +38,7 @@ use super::adjoint::Tape;
 use super::condition::{Judgement, Sensitivities, conditions, spectral};
 use super::reference::{Effort, Exact, Kind, LANES, Reference};
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
-use robovec_ir::plan::Plan;
+use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Output, Shape, View};
 use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
@@ -370,7 +370,7 @@ fn for_each_batch(
 /// Evaluates a function in a format, state after state.
 struct Evaluator<'a> {
     function: &'a Function,
-    plan: Plan,
+    plan: EvaluationPlan,
     memory: Memory,
 }
 
@@ -393,7 +393,7 @@ impl<'a> Evaluator<'a> {
     fn new(view: View<'a>, format: Format) -> Evaluator<'a> {
         Evaluator {
             function: view.function,
-            plan: Plan::new(view.function),
+            plan: EvaluationPlan::new(view.function),
             memory: match format {
                 format if needs_mixed(view) => Memory::Mixed(format),
                 Format::BINARY32 => Memory::Binary32(Vec::new()),
@@ -426,7 +426,7 @@ impl<'a> Evaluator<'a> {
 }
 
 fn run_lanes<A: Arithmetic + Copy>(
-    plan: &Plan,
+    plan: &EvaluationPlan,
     arithmetic: A,
     inputs: &[Vec<f64>; LANES],
     memory: &mut Vec<[A::Number; LANES]>,

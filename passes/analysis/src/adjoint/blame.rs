@@ -1,7 +1,7 @@
 //! Which operations, equations and inputs the error comes from.
 
 use super::{LANES, Run, Tape, Workspace};
-use robovec_ir::{Function, Input, Place, Symbol, Value, View};
+use robovec_ir::{Function, Input, SourcePlace, Symbol, Value, View};
 
 /// Contributions to the error of outputs, summed over outputs and states.
 ///
@@ -20,7 +20,7 @@ pub struct Blame {
 pub struct EquationBlame {
     /// Where it stands; `None` when the function does not say, and operations
     /// are gathered by name.
-    pub place: Option<Place>,
+    pub place: Option<SourcePlace>,
     /// What it defines; `None` when nothing bears a name.
     pub name: Option<Symbol>,
     /// Its part of all contributions, 0 to 1. An operation that stands for
@@ -128,7 +128,7 @@ impl Blame {
             }
             parts.extend(places.map(|place| (Some(place), owner, derived, part)));
         }
-        let key = |&(place, owner, ..): &(Option<Place>, Option<Symbol>, bool, f64)| {
+        let key = |&(place, owner, ..): &(Option<SourcePlace>, Option<Symbol>, bool, f64)| {
             // Operations of one place are one equation whatever their names.
             (place, if place.is_some() { None } else { owner })
         };

@@ -29,7 +29,7 @@ mod rounding;
 use astro_float::Consts;
 use robovec_ir::Function;
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::plan::Plan;
+use robovec_ir::plan::EvaluationPlan;
 use robovec_num::ball::{self, Ball, Balls};
 use robovec_num::double_double::{Double, DoubleDoubleLanes, DoubleLanes};
 use robovec_num::field::{CircleField, Field, FieldPoint, Prime};
@@ -96,7 +96,7 @@ impl Exact {
 pub struct Reference<'a> {
     function: &'a Function,
     effort: Effort,
-    plan: Plan,
+    plan: EvaluationPlan,
     /// Which assignments are zero in the prime field; found when first
     /// needed.
     zeros: Option<Vec<bool>>,
@@ -112,7 +112,7 @@ impl<'a> Reference<'a> {
         Reference {
             function,
             effort,
-            plan: Plan::new(function),
+            plan: EvaluationPlan::new(function),
             zeros: None,
             constants: None,
             balls: Vec::new(),

@@ -16,7 +16,7 @@
 use super::rounding::{from_binary64, magnitude, to_binary64};
 use super::{Exact, Kind};
 use astro_float::{BigFloat, Consts, RoundingMode};
-use robovec_ir::plan::Plan;
+use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::{Function, Operation};
 use robovec_num::double_double::Double;
 
@@ -60,7 +60,7 @@ pub(super) fn evaluate(
         if wanted.is_empty() {
             break;
         }
-        let plan = Plan::of(function, |index| wanted.binary_search(&index).is_ok());
+        let plan = EvaluationPlan::of(function, |index| wanted.binary_search(&index).is_ok());
         let balls = run(&plan, inputs, bits, constants);
         for (&index, ball) in open.iter().zip(&balls) {
             results[index] = settle(ball, zeros[places[index]], bits);
@@ -72,7 +72,7 @@ pub(super) fn evaluate(
 }
 
 /// Evaluates a plan with so many bits.
-fn run(plan: &Plan, inputs: &[f64], bits: usize, constants: &mut Consts) -> Vec<Ball> {
+fn run(plan: &EvaluationPlan, inputs: &[f64], bits: usize, constants: &mut Consts) -> Vec<Ball> {
     let unit = 2f64.powi(-(bits.min(1000) as i32));
     plan.run_with(
         inputs,

@@ -8,7 +8,7 @@
 //! memories, which are counted there.
 
 use super::Resources;
-use robovec_ir::machine::{Interconnect, Network, Topology};
+use robovec_ir::machine::{Interconnect, LinkNetwork, Topology};
 
 /// What a machine has to connect.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -68,7 +68,7 @@ struct Links {
     arriving: u32,
 }
 
-fn links(network: &Network, terminals: Terminals) -> Links {
+fn links(network: &LinkNetwork, terminals: Terminals) -> Links {
     let Terminals {
         elements, sources, ..
     } = terminals;
@@ -119,7 +119,7 @@ mod tests {
     };
 
     fn of(topology: Topology, terminals: Terminals) -> Resources {
-        interconnect(Interconnect::Network(Network::of(topology)), terminals)
+        interconnect(Interconnect::Network(LinkNetwork::of(topology)), terminals)
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::failure::{Failed, Values};
 use super::pairing::Pairs;
 use super::states::{SCALES, StatePlace};
 use robovec_analysis::reference::{Effort, Reference};
-use robovec_ir::plan::Plan;
+use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::states::States;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::ball::{Ball, Balls};
@@ -76,7 +76,7 @@ where
         list.sort_unstable();
     }
     let [before, after] = [(pairs.before, 0), (pairs.after, 1)].map(|(view, version)| {
-        Plan::of(view.function, |place: usize| {
+        EvaluationPlan::of(view.function, |place: usize| {
             places[version].binary_search(&place).is_ok()
         })
     });

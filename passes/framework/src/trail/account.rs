@@ -6,7 +6,7 @@ use super::follow::origin;
 use super::state::{Definition, OutputSymbols, State, Subject, assignment_of, name_of};
 use super::{Notes, Stage, Trail};
 use robovec_analysis::critical_path::{Weights, arrivals, tails};
-use robovec_ir::{Function, Machine, Name, SourceSet, Step, Tables, View};
+use robovec_ir::{Function, HistoryStep, Machine, Name, SourceSet, Tables, View};
 
 /// What is told of a value or an output.
 #[derive(Clone, PartialEq, Debug)]
@@ -18,7 +18,7 @@ pub struct Account {
     pub sources: Vec<SourceSet>,
     /// What histories said before this run, of it and of what it was made
     /// from: name and steps, those without a step left out.
-    pub earlier: Vec<(String, Vec<Step>)>,
+    pub earlier: Vec<(String, Vec<HistoryStep>)>,
     /// The states of it, and of what it was made from, before the first pass.
     pub read: Vec<Moment>,
     /// The passes that changed it, in order.
@@ -203,7 +203,7 @@ impl<'a> Snapshot<'a> {
     }
 
     /// A subject's name and the steps of its history.
-    fn earlier(&self, subject: Subject) -> (String, Vec<Step>) {
+    fn earlier(&self, subject: Subject) -> (String, Vec<HistoryStep>) {
         let steps = self.view.function.histories.as_ref().map(|histories| {
             let history = match subject {
                 Subject::Value(value) => histories.values.get(value.index()),

@@ -8,7 +8,7 @@
 use super::Notes;
 use super::state::{OutputSymbols, State, Subject, assignment_of};
 use hashbrown::HashMap;
-use robovec_ir::{Function, Histories, History, Name, Step, Tables};
+use robovec_ir::{Function, Histories, History, HistoryStep, Name, Tables};
 use rustc_hash::FxBuildHasher;
 
 /// A function before a pass, as far as histories need it.
@@ -121,7 +121,7 @@ impl Steps<'_> {
             return known;
         }
         let plain = rules.is_empty();
-        let history = self.histories.add(Step {
+        let history = self.histories.add(HistoryStep {
             before,
             pass: self.pass.to_owned(),
             rules,
