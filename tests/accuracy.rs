@@ -150,7 +150,7 @@ fn what_does_worsen_it_is_seen() {
     // Taking all bodies into one frame costs digits: the same measure must
     // tell the formulations apart.
     use robovec::generate::Formulation;
-    use robovec_analysis::rounding::{Change, rounding};
+    use robovec_analysis::rounding::{MedianChange, rounding};
     use robovec_ir::View;
     let bytes = example("models/serial-23.mbs");
     let model = read_mbs("serial-23.mbs", &bytes)
@@ -170,6 +170,12 @@ fn what_does_worsen_it_is_seen() {
     };
     let bodies = of(Formulation::from_name("recursive").expect("it exists"));
     let one_frame = of(Formulation::from_name("prefix-serial").expect("it exists"));
-    assert_eq!(Change::relative(&bodies, &one_frame).trend, Trend::Worse);
-    assert_eq!(Change::relative(&one_frame, &bodies).trend, Trend::Better);
+    assert_eq!(
+        MedianChange::relative(&bodies, &one_frame).trend,
+        Trend::Worse
+    );
+    assert_eq!(
+        MedianChange::relative(&one_frame, &bodies).trend,
+        Trend::Better
+    );
 }

@@ -3,7 +3,7 @@
 use super::heat::{Heat, blame, blame_of};
 use super::view::{place, small};
 use crate::present::number::percent;
-use robovec_analysis::adjoint::{Run, Tape};
+use robovec_analysis::adjoint::{AdjointRun, Tape};
 use robovec_framework::trail::Item;
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
@@ -29,7 +29,7 @@ pub fn explain(view: View<'_>, item: Item, format: Format, states: &States) -> O
             (tape.output_slot(place), Some(place))
         }
     };
-    let run = Run::of(function, &tape, format, &states.draw(view, 0));
+    let run = AdjointRun::of(function, &tape, format, &states.draw(view, 0));
     // One slot was asked for.
     let error = run.slots(&[slot]).into_iter().next()?;
     let mut text = format!(

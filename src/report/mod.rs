@@ -19,7 +19,7 @@ pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
 use crate::errors::Heat;
 use crate::present::json::json_text;
 use robovec_analysis::critical_path::critical_path;
-use robovec_analysis::rounding::Rounding;
+use robovec_analysis::rounding::RoundingErrors;
 use robovec_framework::check::Verdict;
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;
@@ -49,7 +49,7 @@ pub struct PassRunRecord {
     pub verdict: Option<Verdict>,
     /// Rounding errors in binary32 before and after the pass; absent when
     /// they were not measured.
-    pub rounding: Option<[Arc<Rounding>; 2]>,
+    pub rounding: Option<[Arc<RoundingErrors>; 2]>,
 }
 
 /// What a report measures.

@@ -2,7 +2,7 @@
 
 use super::PassRunRecord;
 use super::rounding::RoundingReport;
-use robovec_analysis::accuracy::Summary;
+use robovec_analysis::accuracy::ErrorSummary;
 use robovec_framework::check::{Deviation, ErrorChange, FailureKind, Verdict};
 use robovec_ir::print::print_output;
 use robovec_ir::{Boundary, View};
@@ -142,7 +142,7 @@ impl CheckErrors {
 }
 
 impl SummaryReport {
-    pub(super) fn new(summary: &Summary, view: View<'_>) -> SummaryReport {
+    pub(super) fn new(summary: &ErrorSummary, view: View<'_>) -> SummaryReport {
         SummaryReport {
             median_relative: summary.median_relative,
             worst_normwise: summary.worst_normwise,

@@ -53,7 +53,7 @@ use field::FieldComparison;
 use numbers::Survey;
 use pairing::Pairs;
 pub use promise::Promise;
-use robovec_analysis::accuracy::{Measurement, Summary, measure};
+use robovec_analysis::accuracy::{ErrorSummary, Measurement, measure};
 use robovec_analysis::class::NumericClass;
 use robovec_ir::states::States;
 use robovec_ir::{Output, View};
@@ -96,9 +96,9 @@ pub struct Verdict {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ErrorChange {
     /// Before the pass.
-    pub before: Summary,
+    pub before: ErrorSummary,
     /// After it.
-    pub after: Summary,
+    pub after: ErrorSummary,
 }
 
 /// The distance between two versions in double-double, over random states.

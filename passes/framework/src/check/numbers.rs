@@ -10,7 +10,7 @@
 use super::failure::{Failed, Values};
 use super::pairing::Pairs;
 use super::states::{SCALES, StatePlace};
-use robovec_analysis::reference::{Effort, Reference};
+use robovec_analysis::reference::{ReferenceEffort, ReferenceEvaluator};
 use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::states::States;
 use robovec_num::arithmetic::Arithmetic;
@@ -157,7 +157,7 @@ fn is_lost(pairs: &Pairs<'_>, pair: usize, inputs: &[Vec<f64>; 2]) -> bool {
         return false;
     }
     let place = pairs.list[pair].after;
-    let mut reference = Reference::new(function, Effort::Audit);
+    let mut reference = ReferenceEvaluator::new(function, ReferenceEffort::Audit);
     let exact = reference.evaluate_places(&inputs[1], &[place]);
     exact
         .first()

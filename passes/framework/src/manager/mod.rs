@@ -32,7 +32,7 @@ use crate::trail::{self, Follower, Notes, Trail};
 use instrument::Instruments;
 use measure::Meter;
 use robovec_analysis::class::NumericClass;
-use robovec_analysis::rounding::{Rounding, rounding, usual_states};
+use robovec_analysis::rounding::{RoundingErrors, rounding, usual_states};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
 use robovec_rules::RuleSet;
@@ -137,7 +137,7 @@ pub struct PassRecord {
     /// The outcome of the semantic check.
     pub check: Option<Verdict>,
     /// Rounding errors before and after, when they were asked for.
-    pub rounding: Option<[Arc<Rounding>; 2]>,
+    pub rounding: Option<[Arc<RoundingErrors>; 2]>,
 }
 
 /// What a run leaves behind, besides the module.
@@ -287,7 +287,7 @@ struct Run<'a> {
     /// That of the function as it is now.
     fingerprint: u64,
     /// Its rounding errors, with the fingerprint of what it computes.
-    rounding: Option<(u64, Arc<Rounding>)>,
+    rounding: Option<(u64, Arc<RoundingErrors>)>,
 }
 
 impl Run<'_> {
@@ -440,7 +440,7 @@ impl Run<'_> {
         &mut self,
         tables: &Tables,
         function: &Function,
-    ) -> Option<[Arc<Rounding>; 2]> {
+    ) -> Option<[Arc<RoundingErrors>; 2]> {
         let (old, before) = self.rounding.take()?;
         let new = measure::computation(function);
         let after = if new == old {
