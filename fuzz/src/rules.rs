@@ -17,7 +17,7 @@ use robovec_ir::states::States;
 use robovec_ir::{Assignment, Input, Machine, Module, Operand, Output, Shape, SourceSet, print};
 use robovec_num::field::{Field, PrimeField};
 use robovec_passes::registry::REGISTRY;
-use robovec_rules::check::{Verdict, check};
+use robovec_rules::check::{RuleVerdict, check};
 use robovec_rules::{Rule, RuleSet};
 
 /// How often [`false_rules_are_caught`] ran, and on what.
@@ -137,8 +137,8 @@ fn differ(left: &Term, right: &Term) -> bool {
 fn judge(rule: &Rule) {
     let verdict = check(rule, TRIALS).verdict;
     let right = match rule.name.starts_with("true") {
-        true => matches!(verdict, Verdict::Proved(_)),
-        false => matches!(verdict, Verdict::False(_)),
+        true => matches!(verdict, RuleVerdict::Proved(_)),
+        false => matches!(verdict, RuleVerdict::False(_)),
     };
     assert!(right, "{}: {verdict:?}\n{rule:?}", rule.name);
 }

@@ -8,7 +8,7 @@
 //! When that fails, signs that are known for all real numbers are asked of the
 //! points as well.
 
-use super::field::Residue;
+use super::field::RuleResidue;
 use super::joined::Joined;
 use robovec_ir::Operation;
 
@@ -34,7 +34,7 @@ pub(super) const MOST_TRIED: u64 = 1 << 15;
 
 /// The points that a rule with roots needs, when these are the values of its
 /// nodes somewhere; `None` for a rule without roots, or with too many.
-pub(super) fn points_for(joined: &Joined<'_>, values: &[Residue]) -> Option<u32> {
+pub(super) fn points_for(joined: &Joined<'_>, values: &[RuleResidue]) -> Option<u32> {
     let operands = joined.operands(Operation::Sqrt, 0..values.len());
     let mut roots: Vec<u64> = operands.map(|[operand, _]| values[operand].value).collect();
     roots.sort_unstable();

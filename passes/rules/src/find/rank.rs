@@ -9,7 +9,7 @@ use robovec_ir::{Function, Machine, Operand, OperandKind, Value};
 /// What a rule gains on some functions, taken alone and at each place by
 /// itself: an indication, since gains at one place change the next.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
-pub struct Gain {
+pub struct RuleGain {
     /// Cycles by which values on a longest chain would be earlier, added up.
     pub cycles: u64,
     /// Operations saved, added up over the places where some are.
@@ -46,10 +46,10 @@ impl<'a> Timed<'a> {
 }
 
 /// The gain of a rule from left to right.
-pub(super) fn gain(rule: &Rule, functions: &[Timed<'_>], machine: &Machine) -> Gain {
+pub(super) fn gain(rule: &Rule, functions: &[Timed<'_>], machine: &Machine) -> RuleGain {
     let weights = Weights::cycles(machine);
     let new_operations = operations(&rule.right);
-    let mut gain = Gain::default();
+    let mut gain = RuleGain::default();
     for timed in functions {
         for (value, _) in timed.function.values() {
             let matches = matches(&rule.left, timed.function, value, rule.variables.len());
@@ -85,7 +85,7 @@ pub(super) fn gain(rule: &Rule, functions: &[Timed<'_>], machine: &Machine) -> G
 
 /// A place where a pattern matches.
 #[derive(Clone)]
-struct Match {
+struct PatternMatch {
     bound: Vec<Option<Operand>>,
     /// The values below the root that the pattern covers.
     inner: Vec<Value>,
@@ -95,8 +95,13 @@ struct Match {
 const MOST: usize = 64;
 
 /// All ways in which a pattern matches a value, operands in either order.
-fn matches(pattern: &Pattern, function: &Function, root: Value, variables: usize) -> Vec<Match> {
-    let start = Match {
+fn matches(
+    pattern: &Pattern,
+    function: &Function,
+    root: Value,
+    variables: usize,
+) -> Vec<PatternMatch> {
+    let start = PatternMatch {
         bound: vec![None; variables],
         inner: Vec::new(),
     };
