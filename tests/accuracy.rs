@@ -10,7 +10,7 @@ use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
 use robovec_analysis::rounding::Trend;
 use robovec_framework::pass::Gives;
-use robovec_framework::pipeline::{Pipeline, Step};
+use robovec_framework::pipeline::{Pipeline, PipelineStep};
 use robovec_ir::states::States;
 use robovec_ir::{Level, Machine, Module};
 use robovec_passes::registry::REGISTRY;
@@ -55,12 +55,12 @@ fn modules() -> Vec<(String, Module)> {
 /// when and where, not what.
 fn arithmetic_part(preset: &str) -> Pipeline {
     let mut pipeline = REGISTRY.pipeline(preset).expect("presets are sound");
-    let schedules = |step: &Step| match step {
-        Step::Pass(step) => matches!(
+    let schedules = |step: &PipelineStep| match step {
+        PipelineStep::Pass(step) => matches!(
             step.info.gives,
             Gives::Level(Level::Scheduled | Level::Placed)
         ),
-        Step::Open { .. } | Step::Close => false,
+        PipelineStep::Open { .. } | PipelineStep::Close => false,
     };
     if let Some(first) = pipeline.steps.iter().position(schedules) {
         pipeline.steps.truncate(first);

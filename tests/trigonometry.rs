@@ -9,7 +9,7 @@ use robovec::trigonometry::{
     TrigonometryEffect, TrigonometrySetting, figure, measure, table, text,
 };
 use robovec_codegen::write_images;
-use robovec_framework::manager::{self, Config, Outcome};
+use robovec_framework::manager::{self, Config, RunOutcome};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Machine, Module, View};
@@ -34,7 +34,7 @@ fn thesis() -> Machine {
     Machine::built_in("thesis").expect("it ships")
 }
 
-fn run(module: &mut Module, passes: &str) -> Outcome {
+fn run(module: &mut Module, passes: &str) -> RunOutcome {
     let pipeline = REGISTRY.pipeline(passes).expect("a sound pipeline");
     let mut log = std::io::sink();
     manager::run(module, &pipeline, Config::new(&thesis(), &mut log)).expect("it runs")

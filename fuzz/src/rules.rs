@@ -9,8 +9,8 @@ use crate::statistics::{Run, Statistics};
 use crate::term::Term;
 use arbitrary::{Result, Unstructured};
 use robovec_framework::manager::{self, Config, Executed, RunError};
-use robovec_framework::pipeline::{PassStep, Pipeline, Step};
-use robovec_framework::reduce::{Reduction, Setting, WORK, reduce};
+use robovec_framework::pipeline::{PassStep, Pipeline, PipelineStep};
+use robovec_framework::reduce::{Reduction, TrialSetting, WORK, reduce};
 use robovec_framework::rewrite::lay_out;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
@@ -187,7 +187,7 @@ fn pipeline(bytes: &mut Unstructured<'_>) -> Result<(Pipeline, bool)> {
     let mut steps = parse("atomise");
     let believes = !bytes.ratio(1, 4)?;
     if believes {
-        steps.push(Step::Pass(PassStep {
+        steps.push(PipelineStep::Pass(PassStep {
             info: &BELIEVE,
             options: Vec::new(),
             span: 0..0,
@@ -233,7 +233,7 @@ fn same(before: &Module, after: &Module) -> bool {
 }
 
 fn small(module: &Module, pipeline: &Pipeline, rules: &RuleSet, seed: u64) -> Reduction {
-    let setting = Setting {
+    let setting = TrialSetting {
         machine: &Machine::built_in("ideal").expect("it ships"),
         rules,
         scene: None,

@@ -6,7 +6,7 @@ use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::remove_dead_asking;
-use robovec_framework::rewrites::Rewrites;
+use robovec_framework::rewrites::RewriteLimit;
 use robovec_framework::trail::Notes;
 use robovec_ir::{Function, Level, Tables};
 use robovec_num::limits::NumberLimit;
@@ -42,7 +42,7 @@ const LARGEST_REPEATED: usize = 200_000;
 /// A function at the atomic level after one round of balancing: equal
 /// operations merged, dead ones removed.
 pub(crate) fn balanced(function: &Function, tables: &mut Tables, weights: &Weights) -> Function {
-    Balance::round(function, tables, weights, &Rewrites::default())
+    Balance::round(function, tables, weights, &RewriteLimit::default())
 }
 
 impl Balance {
@@ -52,7 +52,7 @@ impl Balance {
         function: &Function,
         tables: &mut Tables,
         weights: &Weights,
-        rewrites: &Rewrites,
+        rewrites: &RewriteLimit,
     ) -> Function {
         let merged = match function.level {
             Level::Atomic => {

@@ -3,7 +3,7 @@
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::{Rewriter, lay_out, output_symbol};
-use robovec_framework::rewrites::Rewrites;
+use robovec_framework::rewrites::RewriteLimit;
 use robovec_ir::{
     Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Tables, Value,
 };
@@ -59,7 +59,7 @@ struct Extent {
 /// Which values lose their names.
 struct Choice<'a> {
     function: &'a Function,
-    rewrites: &'a Rewrites,
+    rewrites: &'a RewriteLimit,
     /// Inner nodes: those the function came with, and those chosen.
     inner: Vec<bool>,
     /// Copies that give way to what they copy.
@@ -71,7 +71,7 @@ impl<'a> Choice<'a> {
     fn new(
         function: &'a Function,
         tables: &mut Tables,
-        rewrites: &'a Rewrites,
+        rewrites: &'a RewriteLimit,
         limits: &Inline,
     ) -> Choice<'a> {
         let nodes = function.nodes();

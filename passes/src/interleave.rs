@@ -10,7 +10,7 @@
 
 use hashbrown::HashMap;
 use robovec_framework::declare_pass;
-use robovec_framework::instances::{Instances, KEY, MOST, Names, numbered};
+use robovec_framework::instances::{InstanceNames, Instances, KEY, MOST, numbered};
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::lay_out;
 use robovec_ir::{
@@ -40,7 +40,7 @@ declare_pass! {
         pub instances: u32 = 2 => NumberLimit::whole(
             1, MOST as u64, "the function becomes so many times as large"),
         /// Input arrays that all instances read, such as `m+l+In+g`.
-        pub shared: Names = Names::default(),
+        pub shared: InstanceNames = InstanceNames::default(),
     }
     takes: [Equations, Atomic],
     gives: Gives::Same,

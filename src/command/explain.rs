@@ -3,7 +3,7 @@
 use super::CommandFailure;
 use super::input::InputModule;
 use crate::errors;
-use robovec_framework::trail::{self, Account, Change, Entry, Moment, Trail};
+use robovec_framework::trail::{self, Account, DefinitionChange, Moment, PassEntry, Trail};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::states::States;
 use robovec_ir::{Function, HistoryStep, Machine, SourcePlace, SourceSet, View, print};
@@ -123,7 +123,7 @@ fn describe(input: &InputModule, place: SourcePlace) -> String {
     format!("{file}, line {}, column {}", place.line, place.column)
 }
 
-fn print_entry(entry: &Entry, input: &InputModule, text: &mut String) {
+fn print_entry(entry: &PassEntry, input: &InputModule, text: &mut String) {
     let mut rules: Vec<String> = Vec::new();
     for rule in entry.changes.iter().flat_map(|change| &change.rules) {
         if !rules.contains(rule) {
@@ -147,8 +147,8 @@ fn describe_step(step: &HistoryStep) -> String {
     }
 }
 
-fn print_change(change: &Change, input: &InputModule, text: &mut String) {
-    let Change {
+fn print_change(change: &DefinitionChange, input: &InputModule, text: &mut String) {
+    let DefinitionChange {
         before,
         after,
         merged,
@@ -208,8 +208,8 @@ fn timing(moment: &Moment) -> String {
 }
 
 /// The definition with all that later levels say of it.
-fn last_definition(view: View<'_>, item: trail::Item) -> Option<String> {
-    let trail::Item::Value(name) = item else {
+fn last_definition(view: View<'_>, item: trail::TrackedItem) -> Option<String> {
+    let trail::TrackedItem::Value(name) = item else {
         return None;
     };
     let mut values = view.function.values();
@@ -221,9 +221,9 @@ fn last_definition(view: View<'_>, item: trail::Item) -> Option<String> {
 }
 
 /// Who reads a value.
-fn print_readers(view: View<'_>, item: trail::Item, text: &mut String) {
+fn print_readers(view: View<'_>, item: trail::TrackedItem, text: &mut String) {
     const MOST: usize = 8;
-    let trail::Item::Value(name) = item else {
+    let trail::TrackedItem::Value(name) = item else {
         return;
     };
     let function = view.function;

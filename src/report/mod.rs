@@ -20,7 +20,7 @@ use crate::errors::Heat;
 use crate::present::json::json_text;
 use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::RoundingErrors;
-use robovec_framework::check::Verdict;
+use robovec_framework::check::CheckVerdict;
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, View};
@@ -46,7 +46,7 @@ pub struct PassRunRecord {
     /// The longest chain after the pass, in cycles.
     pub asap_cycle: u32,
     /// The semantic check of the pass; absent when it was not asked for.
-    pub verdict: Option<Verdict>,
+    pub verdict: Option<CheckVerdict>,
     /// Rounding errors in binary32 before and after the pass; absent when
     /// they were not measured.
     pub rounding: Option<[Arc<RoundingErrors>; 2]>,

@@ -8,7 +8,7 @@ use crate::cse::{Key, KnownValues, SourceMerges};
 use hashbrown::HashMap;
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::rewrite::{lay_out, output_symbol, owners};
-use robovec_framework::rewrites::Rewrites;
+use robovec_framework::rewrites::RewriteLimit;
 use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol,
     Tables, Value,
@@ -36,7 +36,7 @@ pub(crate) fn reassociate(
     reach: Reach,
     shape: Shape,
 ) -> Function {
-    let rewrites = Rewrites::default();
+    let rewrites = RewriteLimit::default();
     reassociate_asking(function, tables, weights, reach, shape, &rewrites)
 }
 
@@ -47,7 +47,7 @@ pub(crate) fn reassociate_asking(
     weights: &Weights,
     reach: Reach,
     shape: Shape,
-    rewrites: &Rewrites,
+    rewrites: &RewriteLimit,
 ) -> Function {
     let mut plan = Plan::new(function, tables, reach, rewrites);
     if shape == Shape::Earliest {
@@ -80,7 +80,7 @@ impl<'a> Plan<'a> {
         function: &'a Function,
         tables: &mut Tables,
         reach: Reach,
-        rewrites: &Rewrites,
+        rewrites: &RewriteLimit,
     ) -> Plan<'a> {
         let groups = Groups::find_allowed(function, reach, rewrites);
         let wishes = Wishes::find(function, &groups);

@@ -1,6 +1,6 @@
 //! Finding the groups: signed sums and products.
 
-use robovec_framework::rewrites::Rewrites;
+use robovec_framework::rewrites::RewriteLimit;
 use robovec_ir::{Function, Operand, Operation, Value};
 
 /// How far a group reaches into the values that only it uses.
@@ -71,7 +71,11 @@ impl Groups {
 
     /// As [`Groups::find`], but those that may not be rewritten are taken
     /// apart into their operations, each frozen.
-    pub(super) fn find_allowed(function: &Function, reach: Reach, rewrites: &Rewrites) -> Groups {
+    pub(super) fn find_allowed(
+        function: &Function,
+        reach: Reach,
+        rewrites: &RewriteLimit,
+    ) -> Groups {
         let groups = Groups::find(function, reach);
         let (mut absorbed, mut frozen) = (Vec::new(), Vec::new());
         for (root, node) in function.values() {

@@ -5,7 +5,7 @@ use super::form::{Form, MOST_TERMS, Reading, Term};
 use super::write::{is_function, known};
 use crate::cse::{Key, KnownValues};
 use robovec_framework::rewrite::owners;
-use robovec_framework::rewrites::Rewrites;
+use robovec_framework::rewrites::RewriteLimit;
 use robovec_ir::{
     Assignment, FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation,
     SourceSet, Symbol, Tables, Value,
@@ -28,7 +28,7 @@ pub(super) struct Tally {
 pub(super) struct Evaluator<'a> {
     old: &'a Function,
     tables: &'a mut Tables,
-    rewrites: &'a Rewrites,
+    rewrites: &'a RewriteLimit,
     pub(super) constants: &'a mut Constants,
     new: Function,
     readings: Vec<Reading>,
@@ -47,7 +47,7 @@ impl<'a> Evaluator<'a> {
     pub(super) fn new(
         old: &'a Function,
         tables: &'a mut Tables,
-        rewrites: &'a Rewrites,
+        rewrites: &'a RewriteLimit,
         constants: &'a mut Constants,
         bound: &'a [Option<f64>],
     ) -> Evaluator<'a> {

@@ -75,7 +75,7 @@ fn single(body: impl FnOnce(&mut Builder) -> Operand) -> Builder {
 
 use Operation::{Add, Cos, Div, Mul, Neg, Sin, Sqrt, Sub};
 
-fn verdict(before: &Builder, after: &Builder, class: NumericClass) -> Verdict {
+fn verdict(before: &Builder, after: &Builder, class: NumericClass) -> CheckVerdict {
     check(before.view(), after.view(), class, &States::new(11), 3)
 }
 
