@@ -1,12 +1,12 @@
 //! Placement on random programs and at the edges of the machine's rules.
 
 use super::testing::{machine, random_function, random_function_with_roots, replay, with_fused};
-use super::{Choice, PlaceOptions, Priority, place};
+use super::{ElementChoice, PlaceOptions, Priority, place};
 use robovec_ir::machine::{Interconnect, LinkNetwork, Topology};
 use robovec_ir::verify::{Violation, verify_placement};
 use robovec_ir::{Machine, Operation, Tables, View};
 
-const CHOICES: [Choice; 2] = [Choice::Preferential, Choice::First];
+const CHOICES: [ElementChoice; 2] = [ElementChoice::Preferential, ElementChoice::First];
 const PRIORITIES: [Priority; 4] = [
     Priority::Best,
     Priority::Alap,
