@@ -6,9 +6,9 @@
 //! fits when its traffic stays within.
 
 use super::error::RtlError;
-use super::window::Window;
+use super::window::AddressBlocks;
 use super::{legs, unit};
-use crate::layout::{Layout, Sizes, bits};
+use crate::layout::{Sizes, WordLayout, bits};
 use crate::manifest::{Buffer, FileHash};
 use crate::traffic::Traffic;
 use robovec_framework::option_words;
@@ -54,7 +54,7 @@ pub enum Crossbar {
 /// Equal elements.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Group {
+pub struct ElementGroup {
     /// Their kind in the machine file.
     pub kind: String,
     /// How many there are.
@@ -72,7 +72,7 @@ pub struct Hardware {
     /// The machine file.
     pub machine: Machine,
     /// The elements, in the order that the crossbar counts them.
-    pub elements: Vec<Group>,
+    pub elements: Vec<ElementGroup>,
     /// Words of an instruction memory: cycles of the longest program.
     pub instruction_words: u32,
     /// Words of an operand memory.
@@ -111,7 +111,7 @@ impl Hardware {
             )];
             return Err(RtlError::Misfit { function, reasons });
         }
-        let groups = traffic.schedule.kinds.iter().map(|kind| Group {
+        let groups = traffic.schedule.kinds.iter().map(|kind| ElementGroup {
             kind: kind.name.clone(),
             count: kind.count,
         });
@@ -171,7 +171,8 @@ impl Hardware {
 
     fn validate(&self) -> Result<(), RtlError> {
         check_machine(&self.machine)?;
-        let unknown = |group: &&Group| self.machine.elements.iter().all(|e| e.kind != group.kind);
+        let unknown =
+            |group: &&ElementGroup| self.machine.elements.iter().all(|e| e.kind != group.kind);
         if let Some(group) = self.elements.iter().find(unknown) {
             return Err(RtlError::Description(format!(
                 "the machine has no elements of kind '{}'",
@@ -282,7 +283,7 @@ impl Hardware {
     }
 
     /// The kind of a group.
-    pub(super) fn kind(&self, group: &Group) -> &ElementDescription {
+    pub(super) fn kind(&self, group: &ElementGroup) -> &ElementDescription {
         let mut kinds = self.machine.elements.iter();
         let found = kinds.find(|kind| kind.kind == group.kind);
         // Validation has found every kind.
@@ -290,16 +291,16 @@ impl Hardware {
     }
 
     /// The names and kinds of all elements, in order.
-    pub(super) fn names(&self) -> impl Iterator<Item = (String, &Group)> {
+    pub(super) fn names(&self) -> impl Iterator<Item = (String, &ElementGroup)> {
         self.elements.iter().flat_map(|group| {
             (0..group.count).map(move |number| (format!("{}{number}", group.kind), group))
         })
     }
 
     /// The layout of the instruction words of a group.
-    pub(super) fn layout(&self, group: &Group) -> Layout {
+    pub(super) fn layout(&self, group: &ElementGroup) -> WordLayout {
         let kind = self.kind(group);
-        Layout::new(&self.sizes(), kind.operations.len(), kind.is_fused())
+        WordLayout::new(&self.sizes(), kind.operations.len(), kind.is_fused())
     }
 
     /// Bits of the widest instruction word.
@@ -327,8 +328,8 @@ impl Hardware {
     }
 
     /// Where the host finds everything.
-    pub(crate) fn window(&self) -> Window {
-        Window::new(self)
+    pub(crate) fn window(&self) -> AddressBlocks {
+        AddressBlocks::new(self)
     }
 
     /// Pairs of source and write port that the crossbar has, and that a full

@@ -1,6 +1,6 @@
 //! What operations are called, for messages about a wrong result.
 
-use super::Bench;
+use super::TestBench;
 use robovec_ir::Value;
 use robovec_ir::print::print_definition;
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ const MOST_CHARACTERS: usize = 280;
 
 /// The text of `operations.txt`: for every result a line with its element,
 /// its cycles, the operation, and the places of its equations.
-pub(super) fn operations(bench: &Bench<'_>) -> String {
+pub(super) fn operations(bench: &TestBench<'_>) -> String {
     let issued = issues(bench);
     let mut text = String::new();
     for result in bench.runs.iter().take(1).flat_map(|run| &run.results) {
@@ -37,7 +37,7 @@ pub(super) fn operations(bench: &Bench<'_>) -> String {
 
 /// The operation and its cycle for every cycle and element in which the
 /// schedule has a result.
-fn issues(bench: &Bench<'_>) -> BTreeMap<(u32, u32), (Value, u32)> {
+fn issues(bench: &TestBench<'_>) -> BTreeMap<(u32, u32), (Value, u32)> {
     let function = bench.view.function;
     let Some(schedule) = &function.schedule else {
         return BTreeMap::new();
@@ -64,7 +64,7 @@ fn issues(bench: &Bench<'_>) -> BTreeMap<(u32, u32), (Value, u32)> {
         .collect()
 }
 
-fn describe(bench: &Bench<'_>, value: Value, text: &mut String) {
+fn describe(bench: &TestBench<'_>, value: Value, text: &mut String) {
     let view = bench.view;
     let definition = print_definition(view, value);
     // Placement and sources follow the definition; the former is known.
