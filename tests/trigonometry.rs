@@ -16,7 +16,7 @@ use robovec_ir::{Format, Machine, Module, View};
 use robovec_num::arithmetic::Binary32;
 use robovec_num::trigonometry::host::TrigonometricUnit;
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::trigonometry::Method;
+use robovec_passes::trigonometry::CircularMethod;
 use std::fs;
 use std::path::Path;
 
@@ -40,7 +40,12 @@ fn run(module: &mut Module, passes: &str) -> RunOutcome {
     manager::run(module, &pipeline, Config::new(&thesis(), &mut log)).expect("it runs")
 }
 
-fn effect(name: &str, method: Method, orders: &[u32], angles: &[f64]) -> TrigonometryEffect {
+fn effect(
+    name: &str,
+    method: CircularMethod,
+    orders: &[u32],
+    angles: &[f64],
+) -> TrigonometryEffect {
     let (model, module) = example(name);
     let setting = TrigonometrySetting {
         method,
@@ -67,7 +72,7 @@ fn mass_matrix(effect: &TrigonometryEffect, angle: f64, order: Option<u32>) -> f
 #[test]
 fn series_of_taylor_spoil_the_bogie_as_is_known() {
     let angles = [0.01, 0.1, 0.5];
-    let effect = effect("bogie", Method::Taylor, &[1, 3, 5, 7], &angles);
+    let effect = effect("bogie", CircularMethod::Taylor, &[1, 3, 5, 7], &angles);
     // Orders of magnitude known from another model of a bogie: 1.3e-4, 7e-3
     // and 0.34 for order 1; 2.6e-6 and 4e-3 for order 3; 8.6e-8, which is
     // the rounding of binary32, for order 7.
@@ -102,8 +107,8 @@ fn series_of_taylor_spoil_the_bogie_as_is_known() {
 
 #[test]
 fn fitted_polynomials_reach_rounding_with_a_lower_order() {
-    let fitted = effect("bogie", Method::Minimax, &[3, 5], &[0.5]);
-    let series = effect("bogie", Method::Taylor, &[3, 5], &[0.5]);
+    let fitted = effect("bogie", CircularMethod::Minimax, &[3, 5], &[0.5]);
+    let series = effect("bogie", CircularMethod::Taylor, &[3, 5], &[0.5]);
     for order in [3, 5] {
         let (fitted, series) = (
             mass_matrix(&fitted, 0.5, Some(order)),

@@ -1,7 +1,7 @@
 //! Tree balancing (thesis 2.4.3).
 
 use crate::cse::merge_equal_noting;
-use crate::reassociate::{Reach, Shape, reassociate_asking};
+use crate::reassociate::{GroupReach, TreeShape, reassociate_asking};
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -64,7 +64,7 @@ impl Balance {
         let function = merged.as_ref().unwrap_or(function);
         let live = remove_dead_asking(function, rewrites).map(|(function, _)| function);
         let function = live.as_ref().unwrap_or(function);
-        let (reach, shape) = (Reach::Maximal, Shape::Earliest);
+        let (reach, shape) = (GroupReach::Maximal, TreeShape::Earliest);
         reassociate_asking(function, tables, weights, reach, shape, rewrites)
     }
 }

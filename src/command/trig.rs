@@ -8,7 +8,7 @@ use crate::trigonometry::{self, TrigonometryEffect, TrigonometrySetting};
 use clap::{Args, ValueEnum};
 use robovec_ir::{Format, Module};
 use robovec_num::trigonometry::{LARGEST_RANGE, MOST_ORDER};
-use robovec_passes::trigonometry::Method;
+use robovec_passes::trigonometry::CircularMethod;
 use std::path::PathBuf;
 
 /// Which polynomials.
@@ -68,8 +68,8 @@ pub(super) fn run(arguments: &TrigArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
     let setting = TrigonometrySetting {
         method: match arguments.method {
-            SeriesChoice::Taylor => Method::Taylor,
-            SeriesChoice::Minimax => Method::Minimax,
+            SeriesChoice::Taylor => CircularMethod::Taylor,
+            SeriesChoice::Minimax => CircularMethod::Minimax,
         },
         orders: arguments.orders.clone(),
         angles: arguments.angles.clone(),

@@ -7,7 +7,7 @@
 //! errors (`super::compensate`) is left alone without being known: a product
 //! whose error is computed is read more than once.
 
-use super::profile::Profile;
+use super::profile::SensitivityProfile;
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::pass::Context;
 use robovec_framework::rewrite::Rewriter;
@@ -17,7 +17,7 @@ use robovec_ir::{Function, Node, Operand, Operation, Value};
 /// none.
 pub(super) fn fuse(
     function: &Function,
-    profile: &Profile,
+    profile: &SensitivityProfile,
     limit: u32,
     context: &mut Context<'_>,
 ) -> Option<(Function, u64)> {

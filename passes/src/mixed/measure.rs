@@ -8,13 +8,13 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 
 /// Exact outputs at some states, and the errors they may have.
-pub(super) struct Check {
+pub(super) struct AccuracyCheck {
     inputs: Vec<Vec<f64>>,
     exact: Vec<Vec<Double>>,
     allowed: Vec<Vec<f64>>,
 }
 
-impl Check {
+impl AccuracyCheck {
     /// Evaluates the function in double-double at `count` states from
     /// `first` on.
     pub(super) fn new(
@@ -22,7 +22,7 @@ impl Check {
         states: &States,
         [first, count]: [u32; 2],
         allowed: &Allowed,
-    ) -> Check {
+    ) -> AccuracyCheck {
         let inputs: Vec<Vec<f64>> = (first..first + count)
             .map(|index| states.draw(view, index))
             .collect();
@@ -37,7 +37,7 @@ impl Check {
             let values: Vec<f64> = outputs.iter().map(|output| output.high).collect();
             allowed.of(&values)
         });
-        Check {
+        AccuracyCheck {
             allowed: allowed.collect(),
             inputs,
             exact,

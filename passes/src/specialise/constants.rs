@@ -32,7 +32,7 @@ impl Known {
 
 /// How a number was made.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Expression {
+pub(super) enum NumberExpression {
     /// It stands in the function or in the scene.
     Literal(f64),
     /// By an operation on one or two earlier numbers; with one, the second
@@ -40,15 +40,15 @@ pub(super) enum Expression {
     Apply(Operation, [Known; 2]),
 }
 
-struct Entry {
+struct KnownNumber {
     value: Double,
     elements: [u64; 2],
-    expression: Expression,
+    expression: NumberExpression,
 }
 
 /// All numbers that are known.
-pub(super) struct Constants {
-    entries: Vec<Entry>,
+pub(super) struct KnownNumbers {
+    entries: Vec<KnownNumber>,
     /// Those with the same elements of the fields; more than one only where
     /// different numbers coincide there by accident.
     of_elements: HashMap<[u64; 2], SmallVec<[Known; 1]>, FxBuildHasher>,
@@ -60,10 +60,10 @@ pub(super) struct Constants {
 /// far below, different numbers of the same field element far above.
 const NEAR: f64 = 1e-18;
 
-impl Constants {
+impl KnownNumbers {
     /// Zero, one and minus one.
-    pub(super) fn new() -> Constants {
-        let mut constants = Constants {
+    pub(super) fn new() -> KnownNumbers {
+        let mut constants = KnownNumbers {
             entries: Vec::new(),
             of_elements: HashMap::default(),
             fields: PrimeField::pair(0x5bec_1a11, false),
@@ -77,10 +77,10 @@ impl Constants {
     /// A number as it is written. What is not finite is no element of the
     /// field: nothing can be made of it.
     pub(super) fn literal(&mut self, number: f64) -> Known {
-        let entry = Entry {
+        let entry = KnownNumber {
             value: DoubleDouble.literal(number),
             elements: self.fields.map(|field| field.literal(number)),
-            expression: Expression::Literal(number),
+            expression: NumberExpression::Literal(number),
         };
         match self.intern(entry, number.abs()) {
             Ok(known) => known,
@@ -110,16 +110,16 @@ impl Constants {
             Operation::Add | Operation::Sub => values[0].high.abs() + values[1].high.abs(),
             _ => value.high.abs(),
         };
-        let entry = Entry {
+        let entry = KnownNumber {
             value,
             elements,
-            expression: Expression::Apply(operation, operands),
+            expression: NumberExpression::Apply(operation, operands),
         };
         self.intern(entry, magnitude).ok()
     }
 
     /// The number of an entry; the entry itself when it is no number.
-    fn intern(&mut self, entry: Entry, magnitude: f64) -> Result<Known, Entry> {
+    fn intern(&mut self, entry: KnownNumber, magnitude: f64) -> Result<Known, KnownNumber> {
         if entry.elements.into_iter().any(PrimeField::is_undefined) || !entry.value.high.is_finite()
         {
             return Err(entry);
@@ -141,8 +141,8 @@ impl Constants {
     /// The negative of a number.
     pub(super) fn negative(&mut self, known: Known) -> Known {
         match self.entries[known.index()].expression {
-            Expression::Literal(number) => self.literal(-number),
-            Expression::Apply(..) => self
+            NumberExpression::Literal(number) => self.literal(-number),
+            NumberExpression::Apply(..) => self
                 .apply(Operation::Mul, [Known::MINUS_ONE, known])
                 .expect("what was made of numbers is finite"),
         }
@@ -163,7 +163,7 @@ impl Constants {
     }
 
     /// How a number was made; what it was made of has smaller indices.
-    pub(super) fn expression(&self, known: Known) -> Expression {
+    pub(super) fn expression(&self, known: Known) -> NumberExpression {
         self.entries[known.index()].expression
     }
 
@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn equal_numbers_are_one_however_they_were_made() {
-        let mut constants = Constants::new();
+        let mut constants = KnownNumbers::new();
         let [a, b, c] = [0.1, 0.3, 7.0].map(|number| constants.literal(number));
         let mut apply = |operation, a, b| constants.apply(operation, [a, b]);
         let product = |apply: &mut dyn FnMut(Operation, Known, Known) -> Option<Known>, x, y| {

@@ -1,7 +1,7 @@
 //! Sines and cosines left to the host, with a word on how it computes them.
 
 use super::Trigonometry;
-use super::options::Method;
+use super::options::CircularMethod;
 use robovec_framework::pass::{Context, PassError};
 use robovec_ir::Function;
 use robovec_num::trigonometry::host::{Implementation, KEY, TrigonometricUnit};
@@ -46,11 +46,11 @@ impl Trigonometry {
     fn implementation(&self) -> Implementation {
         let bits = self.bits;
         match self.method {
-            Method::Cordic => Implementation::Cordic {
+            CircularMethod::Cordic => Implementation::Cordic {
                 iterations: self.iterations,
                 bits,
             },
-            Method::Table => Implementation::Table {
+            CircularMethod::Table => Implementation::Table {
                 entries: self.entries,
                 degree: self.degree,
                 bits,

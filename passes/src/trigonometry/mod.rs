@@ -15,9 +15,9 @@ mod remarks;
 mod rounding;
 mod scheme;
 
-use choose::{Choice, Wish};
+use choose::{PolynomialChoice, Wish};
 use emit::{Emitter, Treatment, circular};
-pub use options::{Angle, Method, Place, Scheme, Tolerance};
+pub use options::{AngleOption, CircularMethod, CircularPlace, FormatTolerance, Scheme};
 use ranges::Angles;
 pub use recipe::Recipe;
 use robovec_analysis::class::NumericClass;
@@ -72,16 +72,16 @@ declare_pass! {
     /// the simulator compute them so, bit by bit.
     pub struct Trigonometry("trigonometry") {
         /// How sines and cosines are computed.
-        pub method: Method = Method::Minimax,
+        pub method: CircularMethod = CircularMethod::Minimax,
         /// The largest power of the angle; 0 for what `error` needs.
         pub order: u32 = 0 => NumberLimit::whole(
             0, MOST_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"),
         /// The largest error allowed where no order is given; `machine` is
         /// the rounding of the machine's number format.
-        pub error: Tolerance = Tolerance(None) => NumberLimit::real(
+        pub error: FormatTolerance = FormatTolerance(None) => NumberLimit::real(
             1e-30, 1e3, "no number format keeps a smaller error, and sines are never larger than 1"),
         /// The size that inputs of angles do not exceed, in radians.
-        pub range: Angle = Angle(std::f64::consts::PI) => NumberLimit::real(
+        pub range: AngleOption = AngleOption(std::f64::consts::PI) => NumberLimit::real(
             1e-12, 1e6, "smaller angles are numbers, and no series reaches larger ones"),
         /// How often angles are halved.
         pub halvings: u32 = 0 => NumberLimit::whole(
@@ -91,7 +91,7 @@ declare_pass! {
         /// Coefficients are numbers of the machine's format.
         pub round: bool = true,
         /// By processing elements or before the run.
-        pub on: Place = Place::Elements,
+        pub on: CircularPlace = CircularPlace::Elements,
         /// Of a table: entries for an eighth of a turn, a power of two.
         pub entries: u32 = 64 => NumberLimit::whole(
             1, 65_536, "the table is kept in memory and in every manifest"),
@@ -115,11 +115,11 @@ declare_pass! {
 
 impl Pass for Trigonometry {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
-        if self.method == Method::True {
+        if self.method == CircularMethod::True {
             return Ok(());
         }
         self.check()?;
-        if self.on == Place::Host {
+        if self.on == CircularPlace::Host {
             return self.record(function, context);
         }
         let bounds = self.input_bounds(function, context);
@@ -150,7 +150,7 @@ impl Pass for Trigonometry {
 
     fn class(&self, declared: NumericClass) -> NumericClass {
         match self.method {
-            Method::True => NumericClass::Exact,
+            CircularMethod::True => NumericClass::Exact,
             _ => declared,
         }
     }
@@ -162,7 +162,7 @@ fn promise(
     function: &Function,
     tables: &Tables,
     bounds: &[ErrorInterval],
-    choices: &[(f64, Choice)],
+    choices: &[(f64, PolynomialChoice)],
 ) -> Promise {
     let angles: Vec<Operand> = function
         .nodes()
@@ -193,7 +193,7 @@ fn promise(
 }
 
 /// One angle with all its sines and cosines.
-struct Occurrence {
+struct CircularAngle {
     /// Between these bounds it lies.
     bounds: Option<ErrorInterval>,
     /// The number it is.
@@ -209,14 +209,14 @@ fn occurrences(
     function: &Function,
     angles: &Angles,
     input: &dyn Fn(Input) -> ErrorInterval,
-) -> BTreeMap<u64, Occurrence> {
-    let mut found: BTreeMap<u64, Occurrence> = BTreeMap::new();
+) -> BTreeMap<u64, CircularAngle> {
+    let mut found: BTreeMap<u64, CircularAngle> = BTreeMap::new();
     for node in function.nodes() {
         let Some(of) = circular(node) else { continue };
         let operand = node.operands[0];
         let occurrence = found
             .entry(angles.key(operand))
-            .or_insert_with(|| Occurrence {
+            .or_insert_with(|| CircularAngle {
                 bounds: angles.bounds(function, operand, input),
                 known: function.number(operand),
                 wanted: [false; 2],
@@ -231,7 +231,7 @@ fn occurrences(
 struct Decided {
     treatments: BTreeMap<u64, Treatment>,
     /// One per recipe: its range, what was chosen for it.
-    choices: Vec<(f64, Choice)>,
+    choices: Vec<(f64, PolynomialChoice)>,
     recipes: Vec<Recipe>,
 }
 
@@ -239,7 +239,7 @@ impl Trigonometry {
     /// The rule noted for values.
     fn rule(&self) -> &'static str {
         match self.method {
-            Method::Taylor => "taylor",
+            CircularMethod::Taylor => "taylor",
             _ => "minimax",
         }
     }
@@ -247,13 +247,13 @@ impl Trigonometry {
     fn check(&self) -> Result<(), PassError> {
         let (method, place) = (self.method.print(), self.on.print());
         let elsewhere = match self.method {
-            Method::Taylor | Method::Minimax => Place::Elements,
-            _ => Place::Host,
+            CircularMethod::Taylor | CircularMethod::Minimax => CircularPlace::Elements,
+            _ => CircularPlace::Host,
         };
         if self.on != elsewhere {
             let help = match elsewhere {
-                Place::Elements => "on the host: polynomial, table or cordic",
-                Place::Host => {
+                CircularPlace::Elements => "on the host: polynomial, table or cordic",
+                CircularPlace::Host => {
                     "the elements neither compare nor shift: say on=host, or take taylor or minimax"
                 }
             };
@@ -312,7 +312,7 @@ impl Trigonometry {
 
     fn decide(
         &self,
-        occurrences: &BTreeMap<u64, Occurrence>,
+        occurrences: &BTreeMap<u64, CircularAngle>,
         context: &Context<'_>,
     ) -> Result<Decided, PassError> {
         let wish = self.wish(context.machine);
@@ -356,7 +356,7 @@ impl Trigonometry {
         Ok(decided)
     }
 
-    fn beyond(&self, range: f64, error: f64, occurrence: &Occurrence) -> PassError {
+    fn beyond(&self, range: f64, error: f64, occurrence: &CircularAngle) -> PassError {
         PassError::new(format!(
             "no polynomial up to order {MOST_ORDER} has an error below {error:.1e} for angles \
              of ±{range:.4}"

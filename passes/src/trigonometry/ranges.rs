@@ -11,7 +11,7 @@ use robovec_num::trigonometry::ErrorInterval;
 use rustc_hash::FxBuildHasher;
 
 /// An expression: what is computed, of which expressions.
-type Expression = (Operation, [u64; Operand::MOST]);
+type NumberedExpression = (Operation, [u64; Operand::MOST]);
 
 /// Numbers expressions: equal ones have the same number.
 pub(super) struct Angles {
@@ -32,7 +32,7 @@ impl Angles {
     /// which bounds an element lies.
     pub(super) fn new(function: &Function, input: &dyn Fn(Input) -> ErrorInterval) -> Angles {
         let needed = needed(function);
-        let mut known: HashMap<Expression, u64, FxBuildHasher> = HashMap::default();
+        let mut known: HashMap<NumberedExpression, u64, FxBuildHasher> = HashMap::default();
         let mut angles = Angles {
             keys: vec![UNKNOWN; needed.len()],
             bounds: vec![None; needed.len()],
