@@ -176,7 +176,7 @@ fn compare(bytes: &mut Unstructured<'_>) -> Result<()> {
             None
         };
         let &operation = bytes.choose(&OPERATIONS)?;
-        let mut operands = [Operand::NONE; Operand::MOST];
+        let mut operands = [Operand::NONE; Operand::MAX_COUNT];
         for operand in &mut operands[..operation.arity()] {
             *operand = any_operand(bytes, &mut function, index)?;
         }

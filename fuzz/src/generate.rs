@@ -241,12 +241,12 @@ impl Generator<'_, '_> {
         let base = self.tables.symbols.intern(self.bytes.choose(&BASES)?);
         let suffix = match (self.kind, self.bytes.int_in_range(0..=7)?) {
             (_, 0..=3) => 0,
-            (Kind::Wild, 4) => self.bytes.int_in_range(1..=Name::MOST)?,
+            (Kind::Wild, 4) => self.bytes.int_in_range(1..=Name::MAX_NUMBER)?,
             _ => self.bytes.int_in_range(1..=40)?,
         };
         let mut name = Name { base, suffix };
         while !self.taken.insert(name) {
-            name.suffix = (name.suffix + 1) % Name::MOST;
+            name.suffix = (name.suffix + 1) % Name::MAX_NUMBER;
         }
         Ok(name)
     }

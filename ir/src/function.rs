@@ -64,7 +64,7 @@ pub struct Node {
     /// The equations the node comes from.
     pub sources: SourceSet,
     /// The operands, filled up with [`Operand::NONE`]; see [`Operand::list`].
-    pub operands: [Operand; Operand::MOST],
+    pub operands: [Operand; Operand::MAX_COUNT],
     /// What is computed.
     pub operation: Operation,
 }

@@ -57,7 +57,7 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
 ];
 
 /// Texts of this many bytes and more are refused.
-const MOST_BYTES: usize = 1 << 31;
+const MAX_BYTES: usize = 1 << 31;
 
 /// Reads a module from its text form. The name is that of the file, for
 /// messages that must say it; labels refer to file 0.
@@ -100,7 +100,7 @@ fn parse_with(
     text: &str,
     target: Option<VerificationTarget<'_>>,
 ) -> Result<Module, Vec<Diagnostic>> {
-    if text.len() >= MOST_BYTES {
+    if text.len() >= MAX_BYTES {
         let message = format!("{name} is larger than 2 GiB, which no function needs");
         return Err(vec![Diagnostic::error().with_message(message)]);
     }

@@ -93,7 +93,7 @@ use crate::source::SourcePlace;
 pub use placement::verify_placement;
 
 /// How many violations are described; the rest is counted.
-const MOST: usize = 100;
+const MAX_DESCRIBED: usize = 100;
 
 /// What a violation is about.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -239,7 +239,7 @@ impl<'a> ViolationCollector<'a> {
 
     fn add(&mut self, subject: ViolationSubject, message: impl FnOnce() -> String) {
         self.total += 1;
-        if self.list.len() < MOST {
+        if self.list.len() < MAX_DESCRIBED {
             let message = message();
             self.list.push(Violation { subject, message });
         }

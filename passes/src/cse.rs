@@ -31,7 +31,7 @@ declare_pass! {
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Key {
     operation: Operation,
-    operands: [Operand; Operand::MOST],
+    operands: [Operand; Operand::MAX_COUNT],
 }
 
 impl Key {

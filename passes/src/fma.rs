@@ -97,7 +97,7 @@ impl Pass for Fma {
 
 /// Sweeps after which a product that has kept a reader stays contracted for
 /// the others; more are needed only where sums compete for products in rows.
-const MOST_SWEEPS: usize = 4;
+const MAX_SWEEPS: usize = 4;
 
 /// All of a part: parts are counted in steps of this fraction.
 const WHOLE: u32 = 64;
@@ -184,7 +184,7 @@ impl<'a> Contraction<'a> {
         let limits = limits.as_deref();
         let key = |gain, arrival| (gain as u32, arrival);
         let mut forms = Vec::new();
-        for _ in 0..MOST_SWEEPS {
+        for _ in 0..MAX_SWEEPS {
             forms = self.sweep(limits, WHOLE, key);
             if !self.note_stays(&forms) {
                 break;
@@ -343,7 +343,11 @@ impl<'a> Contraction<'a> {
         )
     }
 
-    fn shape(&self, node: &Node, form: ContractionForm) -> (Operation, [Operand; Operand::MOST]) {
+    fn shape(
+        &self,
+        node: &Node,
+        form: ContractionForm,
+    ) -> (Operation, [Operand; Operand::MAX_COUNT]) {
         match form {
             ContractionForm::Plain => (node.operation, node.operands),
             ContractionForm::Fused(side) => fused(self.function, node, side),
@@ -356,7 +360,11 @@ fn is_sum(node: &Node) -> bool {
 }
 
 /// A sum with the product on one side taken in.
-fn fused(function: &Function, node: &Node, side: usize) -> (Operation, [Operand; Operand::MOST]) {
+fn fused(
+    function: &Function,
+    node: &Node,
+    side: usize,
+) -> (Operation, [Operand; Operand::MAX_COUNT]) {
     let operation = match (node.operation, side) {
         (Operation::Sub, 0) => Operation::Fms,
         (Operation::Sub, _) => Operation::Fnma,
@@ -364,7 +372,7 @@ fn fused(function: &Function, node: &Node, side: usize) -> (Operation, [Operand;
     };
     let [a, b, _] = match node.operands[side].value() {
         Some(product) => function.node(product).operands,
-        None => [Operand::NONE; Operand::MOST],
+        None => [Operand::NONE; Operand::MAX_COUNT],
     };
     (operation, [a, b, node.operands[1 - side]])
 }

@@ -240,7 +240,7 @@ fn substitutable(function: &Function) -> Vec<bool> {
 }
 
 /// What a node becomes: `0 - x` is a minus, unless `x` is a number.
-fn shape(function: &Function, node: &Node) -> (Operation, [Operand; Operand::MOST]) {
+fn shape(function: &Function, node: &Node) -> (Operation, [Operand; Operand::MAX_COUNT]) {
     let [left, right, _] = node.operands;
     let zero = function
         .number(left)

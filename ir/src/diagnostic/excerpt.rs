@@ -17,7 +17,7 @@ const BEFORE: usize = 80;
 /// Bytes shown from the start of the label in a longer line.
 const AFTER: usize = 140;
 /// A label over more lines than this is shown on its first line only.
-const MOST_LINES: usize = 8;
+const MAX_LINES: usize = 8;
 
 /// The excerpts of the texts that one message refers to.
 pub(super) struct Excerpts {
@@ -77,7 +77,7 @@ fn fitted(source: &SourceText, label: &Label) -> Label {
     let end = boundary_after(text, label.range.end).max(start);
     let mut end = start + text[start..end].trim_end_matches(['\n', '\r']).len();
     let first = source.line_index(start);
-    if source.line_index(end) - first >= MOST_LINES {
+    if source.line_index(end) - first >= MAX_LINES {
         end = source.line_range(first).end.max(start);
     }
     Label {

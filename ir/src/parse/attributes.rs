@@ -20,7 +20,7 @@ const TIMING_KEYS: [&str; 5] = ["asap", "alap", "asap_cycle", "alap_cycle", "mob
 pub(super) struct Attributes {
     pub(super) sources: Option<(SourceSet, Span)>,
     pub(super) slot: Option<(Slot, Span)>,
-    pub(super) reads: Option<([u32; Operand::MOST], Span)>,
+    pub(super) reads: Option<([u32; Operand::MAX_COUNT], Span)>,
     pub(super) buffer: Option<(u32, Span)>,
     pub(super) write: Option<Span>,
     pub(super) home: Option<(Word, Span)>,
@@ -95,7 +95,7 @@ impl ModuleBuilder<'_> {
     }
 
     /// `read 12 40`.
-    pub(super) fn read(&mut self, addresses: [Option<Span>; Operand::MOST], span: Span) {
+    pub(super) fn read(&mut self, addresses: [Option<Span>; Operand::MAX_COUNT], span: Span) {
         let first = self.attributes.reads.map(|(_, span)| span);
         if self.belongs_to(Level::Placed, span, "addresses") && self.once(first, span, "'read'") {
             let reads = addresses.map(|address| {

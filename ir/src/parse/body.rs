@@ -24,7 +24,7 @@ const FUNCTIONS: [Operation; 6] = [
 /// The arguments of a function: the first ones, and how many there are.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arguments {
-    operands: [Operand; Operand::MOST],
+    operands: [Operand; Operand::MAX_COUNT],
     count: u32,
 }
 
@@ -91,7 +91,7 @@ impl ModuleBuilder<'_> {
     fn push(
         &mut self,
         operation: Operation,
-        operands: [Operand; Operand::MOST],
+        operands: [Operand; Operand::MAX_COUNT],
         span: Span,
     ) -> Operand {
         let node = Node {
@@ -407,7 +407,7 @@ impl ModuleBuilder<'_> {
         let Some(placement) = &mut self.open.function.placement else {
             return;
         };
-        let none = [Placement::NONE; Operand::MOST];
+        let none = [Placement::NONE; Operand::MAX_COUNT];
         placement.reads.resize(count - 1, none);
         placement
             .reads

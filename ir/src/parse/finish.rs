@@ -207,7 +207,7 @@ impl<'t> ModuleBuilder<'t> {
         if let Some(placement) = &mut function.placement {
             placement
                 .reads
-                .resize(count, [Placement::NONE; Operand::MOST]);
+                .resize(count, [Placement::NONE; Operand::MAX_COUNT]);
             placement.buffers.resize(count, Placement::NONE);
             placement
                 .write_starts

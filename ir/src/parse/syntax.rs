@@ -10,7 +10,7 @@ use logos::Logos;
 use robovec_num::operation::Operation;
 
 /// How many of the expected tokens are listed.
-const MOST_EXPECTED: usize = 6;
+const MAX_EXPECTED: usize = 6;
 
 impl ModuleBuilder<'_> {
     /// Records an error of the grammar and gives the unfinished statement an
@@ -151,7 +151,7 @@ fn expected_list(expected: &[String]) -> Option<String> {
         true => (*name).to_owned(),
         false => format!("'{name}'"),
     }));
-    if names.is_empty() || names.len() > MOST_EXPECTED {
+    if names.is_empty() || names.len() > MAX_EXPECTED {
         return None;
     }
     names.sort_by_key(|name| name.starts_with('\''));

@@ -7,7 +7,7 @@ use hashbrown::HashSet;
 use robovec_num::trigonometry::host;
 use rustc_hash::FxBuildHasher;
 
-const MOST_ELEMENTS: u64 = 1 << 28;
+const MAX_ELEMENTS: u64 = 1 << 28;
 
 pub(super) fn check(collector: &mut ViolationCollector<'_>) {
     let function = collector.view.function;
@@ -73,8 +73,8 @@ fn arrays(
         }
         let before = elements;
         elements = elements.saturating_add(array.shape.len() as u64);
-        if before <= MOST_ELEMENTS && elements > MOST_ELEMENTS {
-            let message = || format!("the {kind} arrays have more than {MOST_ELEMENTS} elements");
+        if before <= MAX_ELEMENTS && elements > MAX_ELEMENTS {
+            let message = || format!("the {kind} arrays have more than {MAX_ELEMENTS} elements");
             collector.add(subject(index), message);
         }
     }

@@ -28,8 +28,10 @@ pub(super) fn check(collector: &mut ViolationCollector<'_>) {
                 "bears a name that is no word, or reads as derived from another".to_owned()
             });
         }
-        if name.suffix > Name::MOST {
-            collector.value(value, || format!("bears a number above {}", Name::MOST));
+        if name.suffix > Name::MAX_NUMBER {
+            collector.value(value, || {
+                format!("bears a number above {}", Name::MAX_NUMBER)
+            });
         }
         keys.push(u64::from(name.base.0) << 32 | u64::from(name.suffix));
     }

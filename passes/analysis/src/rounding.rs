@@ -40,10 +40,10 @@ pub const SIGNIFICANT: f64 = 3.5;
 pub const NOTICEABLE: f64 = 0.02;
 
 /// States are chosen so that about as many operations are evaluated, within
-/// [`FEWEST`] and [`MOST`].
+/// [`MIN_STATES`] and [`MAX_STATES`].
 const OPERATIONS: usize = 8_000_000;
-const FEWEST: usize = 16;
-const MOST: usize = 256;
+const MIN_STATES: usize = 16;
+const MAX_STATES: usize = 256;
 
 /// Three places in a distribution of errors, in units of [`UNIT`].
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
@@ -109,7 +109,7 @@ pub struct MedianChange {
 /// the smaller it is, so that small functions are not judged by a few numbers
 /// and large ones in reasonable time.
 pub fn usual_states(operations: usize) -> u32 {
-    (OPERATIONS / operations.max(1)).clamp(FEWEST, MOST) as u32
+    (OPERATIONS / operations.max(1)).clamp(MIN_STATES, MAX_STATES) as u32
 }
 
 /// Measures the errors of a function over a number of states. Takes some ten

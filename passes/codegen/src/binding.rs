@@ -15,7 +15,7 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::soft_float::FormatArithmetic;
 
 /// Input elements a manifest can list.
-const MOST_INPUTS: usize = 1 << 22;
+const MAX_INPUTS: usize = 1 << 22;
 
 /// The values known before the run and the words they are loaded into.
 pub(super) struct PreloadBinding<'a> {
@@ -32,10 +32,10 @@ impl<'a> PreloadBinding<'a> {
     /// Collects the initial data.
     pub(super) fn new(traffic: &'a Traffic<'a>) -> Result<PreloadBinding<'a>, ImageError> {
         let function = traffic.view.function;
-        if function.input_len() > MOST_INPUTS {
+        if function.input_len() > MAX_INPUTS {
             return Err(ImageError::TooManyInputs {
                 count: function.input_len(),
-                most: MOST_INPUTS,
+                most: MAX_INPUTS,
             });
         }
         let mut by_operand = traffic.placement.preloads.clone();
@@ -239,7 +239,7 @@ impl<'a> PreloadBinding<'a> {
         for &value in &self.host {
             let node = function.node(value);
             let get = |operand: Operand| self.number(arithmetic, inputs, &host, operand);
-            let mut operands = Some([0.0; Operand::MOST]);
+            let mut operands = Some([0.0; Operand::MAX_COUNT]);
             for (place, &operand) in node.operands().iter().enumerate() {
                 operands = operands.zip(get(operand)).map(|(mut known, number)| {
                     known[place] = number;

@@ -8,7 +8,7 @@
 use crate::options::OptionValue;
 
 /// The most instances in one program.
-pub const MOST: u32 = 64;
+pub const MAX_INSTANCES: u32 = 64;
 
 /// The key of the metadata that says how many instances a function holds.
 pub const KEY: &str = "instances";

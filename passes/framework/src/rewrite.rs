@@ -59,7 +59,7 @@ impl<'a> Rewriter<'a> {
     }
 
     /// The operands of a node, translated.
-    pub fn translate_operands(&mut self, node: &Node) -> [Operand; Operand::MOST] {
+    pub fn translate_operands(&mut self, node: &Node) -> [Operand; Operand::MAX_COUNT] {
         node.operands.map(|operand| self.translate(operand))
     }
 

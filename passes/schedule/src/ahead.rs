@@ -57,7 +57,7 @@ struct WordNeed {
 }
 
 /// What is needed for a seat, one word per operand at most.
-type Needs = [Option<WordNeed>; Operand::MOST];
+type Needs = [Option<WordNeed>; Operand::MAX_COUNT];
 
 /// What the issue of an operation entails for its readers.
 #[derive(Default, Debug)]
@@ -279,7 +279,7 @@ impl Sweep<'_> {
     fn needs(&self, user: usize, seat: Seat) -> Option<Needs> {
         let ahead = self.ahead.as_ref()?;
         let (ports, locations) = (&self.draft.ports, &self.draft.locations);
-        let mut needs: Needs = [None; Operand::MOST];
+        let mut needs: Needs = [None; Operand::MAX_COUNT];
         for (operand, &datum) in self.graph.data[user].iter().enumerate() {
             if datum == NO_DATUM || locations.data[datum as usize].back == NOT_COMPUTED {
                 continue;
@@ -390,7 +390,7 @@ impl Sweep<'_> {
             let seat = ahead.seat(node);
             ahead.bind(node, None);
             if let Some(seat) = seat {
-                let read: [Option<usize>; Operand::MOST] = std::array::from_fn(|operand| {
+                let read: [Option<usize>; Operand::MAX_COUNT] = std::array::from_fn(|operand| {
                     plan.routes[operand].map(|_| plan.memories[operand])
                 });
                 self.release(node, seat, None, read);
@@ -408,7 +408,7 @@ impl Sweep<'_> {
             let only = (old == Some(seat)).then_some(node as u32);
             self.claim_seat(user, seat, only);
             if let Some(old) = moved {
-                self.release(user, old, Some(node as u32), [None; Operand::MOST]);
+                self.release(user, old, Some(node as u32), [None; Operand::MAX_COUNT]);
             }
         }
     }
@@ -434,7 +434,7 @@ impl Sweep<'_> {
         user: usize,
         seat: Seat,
         except: Option<u32>,
-        read: [Option<usize>; Operand::MOST],
+        read: [Option<usize>; Operand::MAX_COUNT],
     ) {
         let Some(ahead) = &mut self.ahead else { return };
         let data = self.graph.data[user];
@@ -447,7 +447,7 @@ impl Sweep<'_> {
                 continue;
             };
             let left = ahead.claim(index, false);
-            let is_read = (0..Operand::MOST)
+            let is_read = (0..Operand::MAX_COUNT)
                 .any(|operand| data[operand] == datum && read[operand] == Some(memory));
             let entry = draft.locations.entries[index as usize];
             if left > 0 || is_read || entry.last_read != entry.written {
@@ -475,8 +475,8 @@ fn claimed(
     ahead: &Ahead,
     user: usize,
     seat: Seat,
-) -> [Option<(usize, u32)>; Operand::MOST] {
-    let mut pairs = [None; Operand::MOST];
+) -> [Option<(usize, u32)>; Operand::MAX_COUNT] {
+    let mut pairs = [None; Operand::MAX_COUNT];
     for (operand, &datum) in graph.data[user].iter().enumerate() {
         let pair = Some((ahead.memory(seat, operand), datum));
         if datum != NO_DATUM && graph.is_computed(datum) && !pairs.contains(&pair) {

@@ -45,7 +45,7 @@ pub(super) struct DependenceGraph {
     pub(super) path: u32,
     /// The data each node reads: below the number of nodes a node, from there
     /// on an index into [`DependenceGraph::initial`]; [`NO_DATUM`] for no operand.
-    pub(super) data: Vec<[u32; Operand::MOST]>,
+    pub(super) data: Vec<[u32; Operand::MAX_COUNT]>,
     /// The inputs and constants that are read, in order.
     pub(super) initial: Vec<Operand>,
 }

@@ -18,7 +18,7 @@ const MARGIN: u32 = 4;
 /// Plans compared for one operation: more than any machine that can be built
 /// has elements of a kind, so that only machines of thousands of elements,
 /// asked for what the longest chain allows, are searched in part.
-const MOST_COMPARED: usize = 128;
+const MAX_COMPARED: usize = 128;
 
 /// How one operation is carried out.
 #[derive(Clone, Copy, Debug)]
@@ -28,13 +28,13 @@ pub(super) struct IssuePlan {
     /// The operands change sides.
     pub(super) swapped: bool,
     /// The memory each operand, as written in the program, is read from.
-    pub(super) memories: [usize; Operand::MOST],
+    pub(super) memories: [usize; Operand::MAX_COUNT],
     /// How it gets there; `None` for no operand or not planned yet.
-    pub(super) routes: [Option<Route>; Operand::MOST],
+    pub(super) routes: [Option<Route>; Operand::MAX_COUNT],
 }
 
 /// The operands of an operation as data flow; `None` behind the last one.
-pub(super) type OperandSources = [Option<OperandSource>; Operand::MOST];
+pub(super) type OperandSources = [Option<OperandSource>; Operand::MAX_COUNT];
 
 /// The route of an earlier operand that is the same datum in the same memory:
 /// one transfer, not two that compete.
@@ -50,7 +50,7 @@ fn shared(sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Option<
 /// The transfers planned for the other operands.
 fn planned(ports: &Ports, sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Others {
     let mut others = Others::default();
-    for other in (0..Operand::MOST).filter(|&other| other != operand) {
+    for other in (0..Operand::MAX_COUNT).filter(|&other| other != operand) {
         if let (Some(source), Some(route)) = (sources[other], plan.routes[other]) {
             let same =
                 sources[operand] == Some(source) && plan.memories[operand] == plan.memories[other];
@@ -131,7 +131,7 @@ impl Sweep<'_> {
         plan.map_or(IssueDecision::Fail, IssueDecision::Issue)
     }
 
-    /// The plan of least cost among the first [`MOST_COMPARED`], the first of
+    /// The plan of least cost among the first [`MAX_COMPARED`], the first of
     /// equals.
     pub(super) fn cheapest(
         &self,
@@ -148,7 +148,7 @@ impl Sweep<'_> {
                 if best.is_none_or(|(least, _)| cost < least) {
                     best = Some((cost, plan));
                 }
-                if compared == MOST_COMPARED {
+                if compared == MAX_COMPARED {
                     break;
                 }
             }
@@ -188,7 +188,7 @@ impl Sweep<'_> {
                 } else {
                     [near, far, near]
                 },
-                routes: [None; Operand::MOST],
+                routes: [None; Operand::MAX_COUNT],
             }
         })
     }
@@ -218,7 +218,7 @@ impl Sweep<'_> {
         before: u32,
     ) -> Option<IssuePlan> {
         let mut plan = at;
-        for operand in 0..Operand::MOST {
+        for operand in 0..Operand::MAX_COUNT {
             let Some(source) = sources[operand] else {
                 break;
             };
@@ -244,7 +244,7 @@ impl Sweep<'_> {
             return None;
         }
         let mut plan = at;
-        for operand in 0..Operand::MOST {
+        for operand in 0..Operand::MAX_COUNT {
             if let Some(source) = sources[operand] {
                 let memory = plan.memories[operand];
                 let held = self.held(operand, memory);
@@ -254,7 +254,7 @@ impl Sweep<'_> {
                 });
             }
         }
-        for operand in 0..Operand::MOST {
+        for operand in 0..Operand::MAX_COUNT {
             let Some(source) = sources[operand] else {
                 continue;
             };
@@ -304,7 +304,7 @@ impl Sweep<'_> {
                 .map_or(0, |(_, from)| ports.latency(from, plan.memories[operand]))
         };
         let travels: u32 = match ports.has_network() {
-            true => (0..Operand::MOST).map(travel).sum(),
+            true => (0..Operand::MAX_COUNT).map(travel).sum(),
             false => 0,
         };
         let stay = plan.routes.iter().zip(sources).map(|(route, source)| {
@@ -336,7 +336,7 @@ impl Sweep<'_> {
     fn may_wait(&self, sources: OperandSources, at: IssuePlan, cycle: u32) -> bool {
         let draft = &self.draft;
         draft.ports.has_buffer()
-            && (0..Operand::MOST).all(|operand| {
+            && (0..Operand::MAX_COUNT).all(|operand| {
                 let Some(source) = sources[operand] else {
                     return true;
                 };

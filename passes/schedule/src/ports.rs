@@ -11,7 +11,7 @@ use super::network::Wires;
 use robovec_ir::{Machine, Operand};
 
 /// The most words planned at once, beside the one asked about.
-pub(super) const PLANNED: usize = Operand::MOST - 1;
+pub(super) const PLANNED: usize = Operand::MAX_COUNT - 1;
 
 /// Reservations of all cycles so far.
 #[derive(Clone, Default, Debug)]

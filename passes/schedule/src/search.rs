@@ -18,7 +18,7 @@ const WORK_BUDGET: usize = 300_000;
 const BUFFERLESS_BUDGET: usize = 150_000;
 
 /// The most orders tried for small programs.
-const MOST_TRIES: usize = 40;
+const MAX_TRIES: usize = 40;
 
 /// A buffer of this many words is not worth another try.
 const SHALLOW: u32 = 2;
@@ -92,7 +92,7 @@ impl PlacementSearch<'_> {
         }
         if self.best_cycles() > self.task.target {
             let graph = self.task.graph;
-            let budget = (WORK_BUDGET / graph.operations().max(1)).min(MOST_TRIES);
+            let budget = (WORK_BUDGET / graph.operations().max(1)).min(MAX_TRIES);
             let trials = Trials::run(&self.task, budget.saturating_sub(SWEEP_COST));
             self.tries += trials.tries;
             if let Some((cycles, name, order)) = trials.best

@@ -24,7 +24,7 @@ const LONGEST_PAUSE: u32 = 64;
 #[derive(Clone, Debug)]
 pub(super) struct ScheduleDraft {
     /// The entries each node reads as its operands.
-    pub(super) reads: Vec<[u32; Operand::MOST]>,
+    pub(super) reads: Vec<[u32; Operand::MAX_COUNT]>,
     /// The nodes whose operands change sides.
     pub(super) swapped: Vec<bool>,
     /// Where the data are.
@@ -124,7 +124,7 @@ pub(super) struct Sweep<'a> {
     /// The last cycle each element issued in, plus one.
     pub(super) busy: Vec<u32>,
     /// Per operand and memory: the stamp of the last look, and the entry.
-    pub(super) marks: [Vec<(u32, u32)>; Operand::MOST],
+    pub(super) marks: [Vec<(u32, u32)>; Operand::MAX_COUNT],
     pub(super) stamp: u32,
     pub(super) last_issue: u32,
     /// Operations wait for an element that needs no buffer while the schedule
@@ -159,7 +159,7 @@ impl<'a> Sweep<'a> {
             choice,
             banks,
             draft: ScheduleDraft {
-                reads: vec![[NO_ENTRY; Operand::MOST]; nodes],
+                reads: vec![[NO_ENTRY; Operand::MAX_COUNT]; nodes],
                 swapped: vec![false; nodes],
                 locations: Locations::new(count_readers(function, graph).into_iter()),
                 ports,
@@ -298,8 +298,8 @@ impl<'a> Sweep<'a> {
     /// Issues a node as planned.
     pub(super) fn commit(&mut self, node: usize, cycle: u32, plan: IssuePlan) {
         let data = self.graph.data[node];
-        let mut reads = [NO_ENTRY; Operand::MOST];
-        for operand in 0..Operand::MOST {
+        let mut reads = [NO_ENTRY; Operand::MAX_COUNT];
+        for operand in 0..Operand::MAX_COUNT {
             let (Some(route), Some(source)) = (plan.routes[operand], self.source(data[operand]))
             else {
                 continue;

@@ -125,11 +125,11 @@ impl SensitivityProfile {
         &self,
         function: &Function,
         index: usize,
-    ) -> [StateLanes; Operand::MOST] {
+    ) -> [StateLanes; Operand::MAX_COUNT] {
         let node = &function.nodes()[index];
         let [a, b, _] = node.operands.map(|operand| self.operand(function, operand));
         let result = &self.values[index];
-        let all: [[f64; Operand::MOST]; LANES] = array::from_fn(|lane| {
+        let all: [[f64; Operand::MAX_COUNT]; LANES] = array::from_fn(|lane| {
             partials(node.operation, a[lane], b[lane], result[lane]).map(finite)
         });
         array::from_fn(|side| array::from_fn(|lane| all[lane][side]))
@@ -268,7 +268,7 @@ pub(crate) fn squares(a: &StateLanes, b: &StateLanes) -> f64 {
 }
 
 /// The derivatives of an operation with respect to its operands.
-fn partials(operation: Operation, a: f64, b: f64, result: f64) -> [f64; Operand::MOST] {
+fn partials(operation: Operation, a: f64, b: f64, result: f64) -> [f64; Operand::MAX_COUNT] {
     match operation {
         Operation::Copy => [1.0, 0.0, 0.0],
         Operation::Neg => [-1.0, 0.0, 0.0],

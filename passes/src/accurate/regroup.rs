@@ -151,7 +151,7 @@ impl RegroupingWriter<'_> {
         let products = leaves.iter().filter(|leaf| self.product(leaf).is_some());
         let products = products.count();
         // Two terms have one order; they can still be two products.
-        if count > terms::MOST || !(count > 2 || products == 2) || is_error_term(leaves) {
+        if count > terms::MAX_TERMS || !(count > 2 || products == 2) || is_error_term(leaves) {
             return None;
         }
         let terms: Vec<SumTerm> = leaves.to_vec().iter().map(|leaf| self.term(leaf)).collect();

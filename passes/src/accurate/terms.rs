@@ -27,7 +27,7 @@ use std::collections::BinaryHeap;
 const EXHAUSTIVE: usize = 6;
 
 /// Sums of more terms stay as they are.
-pub(super) const MOST: usize = 64;
+pub(super) const MAX_TERMS: usize = 64;
 
 /// What a step reads.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

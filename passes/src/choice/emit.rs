@@ -63,7 +63,7 @@ pub(crate) fn emit(
 
 /// A value made on the way comes from the equations it was made for; it names
 /// at most so many.
-const MOST_SERVED: usize = 8;
+const MAX_SERVED: usize = 8;
 
 /// The equations each class comes from: its own and, of values that are new,
 /// those of the values of the function that they lead to.
@@ -94,7 +94,7 @@ fn sources(import: &Import, used: &[(Class, u32)], tables: &mut Tables) -> Vec<S
         network.operands(network.form(form), |operand| {
             let list = &mut served[operand.index()];
             for &set in &sets {
-                if list.len() < MOST_SERVED && !list.contains(&set) {
+                if list.len() < MAX_SERVED && !list.contains(&set) {
                     list.push(set);
                 }
             }
@@ -180,7 +180,7 @@ impl ChoiceWriter<'_> {
 
     fn opaque(&mut self, index: u32, naming: ClassNaming) -> Held {
         let opaque = self.network.opaques[index as usize];
-        let mut operands = [Operand::NONE; Operand::MOST];
+        let mut operands = [Operand::NONE; Operand::MAX_COUNT];
         let mut arrival = 0;
         for (slot, operand) in operands.iter_mut().zip(opaque.operands) {
             if let Some(signed) = operand {

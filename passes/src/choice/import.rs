@@ -169,7 +169,7 @@ impl ChoiceImporter<'_> {
                 signed
             }
             None => {
-                let mut operands = [None; Operand::MOST];
+                let mut operands = [None; Operand::MAX_COUNT];
                 for (slot, &operand) in operands.iter_mut().zip(node.operands()) {
                     *slot = Some(self.operand_or_zero(operand));
                 }

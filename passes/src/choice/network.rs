@@ -64,7 +64,7 @@ pub(crate) enum ChoiceForm {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Opaque {
     pub(crate) operation: Operation,
-    pub(crate) operands: [Option<SignedClass>; Operand::MOST],
+    pub(crate) operands: [Option<SignedClass>; Operand::MAX_COUNT],
     /// True when the class is the negation of the result.
     pub(crate) negative: bool,
 }

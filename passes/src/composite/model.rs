@@ -25,7 +25,7 @@ pub(super) struct ModelInputs {
 
 /// Systems with more joints are left alone: everything here is quadratic in
 /// their number.
-const MOST_JOINTS: usize = 1000;
+const MAX_JOINTS: usize = 1000;
 
 impl ModelInputs {
     /// The number of joints.
@@ -49,7 +49,7 @@ impl ModelInputs {
             return None;
         };
         let count = joints as usize;
-        if joints != columns || count == 0 || count > MOST_JOINTS {
+        if joints != columns || count == 0 || count > MAX_JOINTS {
             return None;
         }
         let read = read_inputs(network);

@@ -10,7 +10,7 @@ use robovec_num::arithmetic::Arithmetic;
 /// How often a joint behind another may be explained anew to explain that one.
 const EFFORT: usize = 500;
 /// How many explanations of one column are kept.
-const MOST_OPTIONS: usize = 64;
+const MAX_OPTIONS: usize = 64;
 /// How far behind a joint choices are taken back to explain it.
 const DEEPEST: usize = 3;
 
@@ -339,7 +339,7 @@ impl<'a> CompositeSearch<'a> {
                         points: chosen.collect(),
                     });
                 }
-                if options.len() >= MOST_OPTIONS || !advance(&mut digits, &points) {
+                if options.len() >= MAX_OPTIONS || !advance(&mut digits, &points) {
                     break;
                 }
             }

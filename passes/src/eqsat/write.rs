@@ -170,7 +170,7 @@ impl RewritingWriter<'_> {
                         operation.arity(),
                         "a form has the operands of its operation"
                     );
-                    let mut operands = [Operand::NONE; Operand::MOST];
+                    let mut operands = [Operand::NONE; Operand::MAX_COUNT];
                     operands[..children.len()].copy_from_slice(&children);
                     self.emit(operation, operands, origin.sources, |names| {
                         named(names, name, origin)

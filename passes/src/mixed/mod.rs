@@ -102,7 +102,7 @@ const ROUNDS: usize = 3;
 const LARGEST_REPEATED: usize = 100_000;
 
 /// The largest number of states for choosing; checking has twice as many.
-const MOST_STATES: u32 = 64;
+const MAX_STATES: u32 = 64;
 
 impl Pass for Mixed {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
@@ -115,7 +115,7 @@ impl Pass for Mixed {
             None => States::new(SEED),
         };
         let count = match self.states {
-            0 => (usual_states(function.nodes().len()) / 4).clamp(8, MOST_STATES),
+            0 => (usual_states(function.nodes().len()) / 4).clamp(8, MAX_STATES),
             states => states,
         };
         let view = View {

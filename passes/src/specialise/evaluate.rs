@@ -1,7 +1,7 @@
 //! Partial evaluation: a function with some inputs known, written anew.
 
 use super::constants::{Known, KnownNumbers};
-use super::form::{LinearForm, MOST_TERMS, Reading, ScaledOperand};
+use super::form::{LinearForm, MAX_TERMS, Reading, ScaledOperand};
 use super::write::{is_function, known};
 use crate::cse::{Key, KnownValues};
 use robovec_framework::rewrite::owners;
@@ -127,7 +127,7 @@ impl<'a> PartialEvaluator<'a> {
     }
 
     /// An operation on values that are what they were.
-    fn same(&mut self, node: &Node, operands: [Operand; Operand::MOST]) -> Reading {
+    fn same(&mut self, node: &Node, operands: [Operand; Operand::MAX_COUNT]) -> Reading {
         if self.new.level == Level::Atomic {
             let found = self
                 .computed
@@ -192,7 +192,7 @@ impl<'a> PartialEvaluator<'a> {
     /// As [`PartialEvaluator::form`], computing what is long.
     fn short_form(&mut self, reading: &Reading, owner: Symbol) -> LinearForm {
         match reading {
-            Reading::Form(form) if form.terms.len() > MOST_TERMS => {
+            Reading::Form(form) if form.terms.len() > MAX_TERMS => {
                 let operand = self.compute((**form).clone(), owner);
                 LinearForm::term(Known::ONE, operand)
             }
@@ -464,7 +464,7 @@ impl<'a> PartialEvaluator<'a> {
     fn push(
         &mut self,
         operation: Operation,
-        operands: [Operand; Operand::MOST],
+        operands: [Operand; Operand::MAX_COUNT],
         name: Name,
         sources: SourceSet,
     ) -> Operand {

@@ -44,7 +44,7 @@ pub(super) struct ScaledOperand {
 
 /// The most terms of a form that is put off: what is longer is computed, so
 /// that no chain costs more than its length times this.
-pub(super) const MOST_TERMS: usize = 32;
+pub(super) const MAX_TERMS: usize = 32;
 
 impl LinearForm {
     /// A number, as a form.

@@ -2,7 +2,7 @@
 
 use super::options::CircularMethod;
 use robovec_ir::Format;
-use robovec_num::trigonometry::{Circular, Halved, MOST_ORDER, Polynomial};
+use robovec_num::trigonometry::{Circular, Halved, MAX_ORDER, Polynomial};
 
 /// What the user asked for.
 #[derive(Clone, Copy, Debug)]
@@ -35,14 +35,14 @@ impl Wish {
         }
         if self.halvings > 0 {
             // The doubled errors mix both polynomials.
-            return (1..=MOST_ORDER)
+            return (1..=MAX_ORDER)
                 .map(|order| self.choice([order; 2], range))
                 .find(|choice| self.is_met(choice, wanted));
         }
         let mut orders = [1; 2];
         for (which, of) in Circular::BOTH.into_iter().enumerate() {
             if wanted[which] {
-                orders[which] = (1..=MOST_ORDER)
+                orders[which] = (1..=MAX_ORDER)
                     .filter(|order| order % 2 == of.first_power() || *order == 1)
                     .find(|&order| {
                         self.polynomial(of, order, range).proved_error(range) <= self.error

@@ -32,8 +32,8 @@ use robovec_ir::{Function, Input, Machine, Operand, SourceSet, Tables};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 use robovec_num::limits::NumberLimit;
-use robovec_num::trigonometry::halving::MOST_HALVINGS;
-use robovec_num::trigonometry::{ErrorInterval, Halved, LARGEST_RANGE, MOST_ORDER};
+use robovec_num::trigonometry::halving::MAX_HALVINGS;
+use robovec_num::trigonometry::{ErrorInterval, Halved, LARGEST_RANGE, MAX_ORDER};
 use std::array;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -75,7 +75,7 @@ declare_pass! {
         pub method: CircularMethod = CircularMethod::Minimax,
         /// The largest power of the angle; 0 for what `error` needs.
         pub order: u32 = 0 => NumberLimit::whole(
-            0, MOST_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"),
+            0, MAX_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"),
         /// The largest error allowed where no order is given; `machine` is
         /// the rounding of the machine's number format.
         pub error: FormatTolerance = FormatTolerance(None) => NumberLimit::real(
@@ -85,7 +85,7 @@ declare_pass! {
             1e-12, 1e6, "smaller angles are numbers, and no series reaches larger ones"),
         /// How often angles are halved.
         pub halvings: u32 = 0 => NumberLimit::whole(
-            0, MOST_HALVINGS as u64, "every halving doubles the rounding error and adds operations"),
+            0, MAX_HALVINGS as u64, "every halving doubles the rounding error and adds operations"),
         /// The order of evaluation.
         pub scheme: Scheme = Scheme::Shortest,
         /// Coefficients are numbers of the machine's format.
@@ -97,7 +97,7 @@ declare_pass! {
             1, 65_536, "the table is kept in memory and in every manifest"),
         /// Of a table: the largest power of the rest of the angle.
         pub degree: u32 = 3 => NumberLimit::whole(
-            1, MOST_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"),
+            1, MAX_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"),
         /// Of `cordic`: rotations.
         pub iterations: u32 = 24 => NumberLimit::whole(
             1, 60, "later rotations are smaller than any number of 64 bits"),
@@ -260,16 +260,16 @@ impl Trigonometry {
             let message = format!("method={method} is not for on={place}");
             return Err(PassError::new(message).help(help));
         }
-        if self.order > MOST_ORDER {
+        if self.order > MAX_ORDER {
             return Err(PassError::new(format!(
-                "order={} is beyond the largest order, {MOST_ORDER}",
+                "order={} is beyond the largest order, {MAX_ORDER}",
                 self.order
             ))
             .help("halvings=2 or more brings large angles within reach of low orders"));
         }
-        if self.halvings > MOST_HALVINGS {
+        if self.halvings > MAX_HALVINGS {
             return Err(PassError::new(format!(
-                "halvings={} is more than {MOST_HALVINGS}",
+                "halvings={} is more than {MAX_HALVINGS}",
                 self.halvings
             )));
         }
@@ -358,7 +358,7 @@ impl Trigonometry {
 
     fn beyond(&self, range: f64, error: f64, occurrence: &CircularAngle) -> PassError {
         PassError::new(format!(
-            "no polynomial up to order {MOST_ORDER} has an error below {error:.1e} for angles \
+            "no polynomial up to order {MAX_ORDER} has an error below {error:.1e} for angles \
              of ±{range:.4}"
         ))
         .at(occurrence.sources)

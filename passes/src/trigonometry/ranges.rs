@@ -11,7 +11,7 @@ use robovec_num::trigonometry::ErrorInterval;
 use rustc_hash::FxBuildHasher;
 
 /// An expression: what is computed, of which expressions.
-type NumberedExpression = (Operation, [u64; Operand::MOST]);
+type NumberedExpression = (Operation, [u64; Operand::MAX_COUNT]);
 
 /// Numbers expressions: equal ones have the same number.
 pub(super) struct Angles {

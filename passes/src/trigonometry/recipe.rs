@@ -50,7 +50,7 @@ impl Recipe {
 pub(super) struct RecipeBuilder {
     function: Function,
     angle: Operand,
-    known: HashMap<(Operation, [Operand; Operand::MOST]), Operand>,
+    known: HashMap<(Operation, [Operand; Operand::MAX_COUNT]), Operand>,
 }
 
 impl RecipeBuilder {

@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 
 /// Parts a range may be cut into before the bound is good enough; the count,
 /// not the time, limits the work.
-const MOST_PARTS: usize = 600;
+const MAX_PARTS: usize = 600;
 
 /// A bound may be this much above an error that is known to occur.
 const CLOSE: f64 = 1.02;
@@ -55,7 +55,7 @@ pub fn worst(range: f64, enclosure: impl Fn(f64, f64) -> ErrorInterval) -> f64 {
     let at = |angle: f64| enclosure(angle, angle).mignitude();
     let mut reached = at(0.0).max(at(range));
     let mut parts = BinaryHeap::from([part(0.0, range)]);
-    for _ in 0..MOST_PARTS {
+    for _ in 0..MAX_PARTS {
         let Some(top) = parts.peek() else { break };
         let middle = 0.5 * (top.low + top.high);
         let divisible = top.low < middle && middle < top.high;

@@ -34,7 +34,7 @@ pub struct ErrorEnclosure {
 const NEGLIGIBLE: f64 = 1.0 / (1u64 << 60) as f64;
 
 /// And no farther than this many terms: enough for [`LARGEST_RANGE`].
-const MOST_TERMS: usize = 100;
+const MAX_TERMS: usize = 100;
 
 impl ErrorEnclosure {
     /// The error for angles up to `range` radians of either sign; `None` for
@@ -45,18 +45,18 @@ impl ErrorEnclosure {
         }
         let square = (range * range).next_up();
         let used = polynomial.coefficients.len();
-        let series = polynomial.of.series(MOST_TERMS);
+        let series = polynomial.of.series(MAX_TERMS);
         // Terms `|c_k| t^k` of the series at the end of the range.
         let mut power = 1.0;
-        let mut sizes = Vec::with_capacity(MOST_TERMS);
+        let mut sizes = Vec::with_capacity(MAX_TERMS);
         for coefficient in &series {
             sizes.push(coefficient.high.abs() * power);
             power *= square;
         }
-        let left_out = sizes[used.min(MOST_TERMS - 2)];
-        let last = (used + 1..MOST_TERMS - 1)
+        let left_out = sizes[used.min(MAX_TERMS - 2)];
+        let last = (used + 1..MAX_TERMS - 1)
             .find(|&term| sizes[term] <= left_out * NEGLIGIBLE)
-            .unwrap_or(MOST_TERMS - 1);
+            .unwrap_or(MAX_TERMS - 1);
         // Lagrange: the remainder is at most the size of the first term that
         // is left out, whatever the angle.
         let remainder = sizes[last] * (1.0 + 1e-12) + f64::MIN_POSITIVE;

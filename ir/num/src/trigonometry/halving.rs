@@ -26,7 +26,7 @@ pub struct Halved {
 
 /// Angles are halved at most this often: what is left of the largest range
 /// is then below 1/2000 radian.
-pub const MOST_HALVINGS: u32 = 16;
+pub const MAX_HALVINGS: u32 = 16;
 
 impl Halved {
     /// The largest absolute errors of the sine and of the cosine that come
@@ -49,7 +49,7 @@ impl Halved {
 
     /// The range the polynomials see.
     pub fn reduced(&self, range: f64) -> f64 {
-        range * 2f64.powi(-(self.halvings.min(MOST_HALVINGS) as i32))
+        range * 2f64.powi(-(self.halvings.min(MAX_HALVINGS) as i32))
     }
 
     /// What the errors of sine and cosine become when the angles between

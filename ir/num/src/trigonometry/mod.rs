@@ -21,4 +21,4 @@ pub mod polynomial;
 pub use bound::worst;
 pub use halving::Halved;
 pub use interval::ErrorInterval;
-pub use polynomial::{Circular, LARGEST_RANGE, MOST_ORDER, Polynomial};
+pub use polynomial::{Circular, LARGEST_RANGE, MAX_ORDER, Polynomial};

@@ -5,7 +5,7 @@
 //! functions with correctly rounded last bit", 1991), for whole functions:
 //! compute with so many bits and a radius; where the ends of the ball round to
 //! different binary64 numbers, compute again with twice as many. A value that
-//! is still not told from zero with [`MOST`] bits counts as zero: it is less
+//! is still not told from zero with [`MAX_BITS`] bits counts as zero: it is less
 //! than 2⁻⁹⁰⁰ of the terms that it is the sum of, or zero by an identity that
 //! the prime field does not know.
 //!
@@ -21,10 +21,10 @@ use robovec_ir::{Function, Operation};
 use robovec_num::double_double::Double;
 
 /// Bits of the first attempt: whole words of the library's.
-const FEWEST: usize = 192;
+const MIN_BITS: usize = 192;
 
 /// Bits of the last attempt.
-const MOST: usize = 1536;
+const MAX_BITS: usize = 1536;
 
 const ROUNDING: RoundingMode = RoundingMode::ToEven;
 
@@ -51,7 +51,7 @@ pub(super) fn evaluate(
     constants: &mut Consts,
 ) -> Vec<ExactOutput> {
     let mut results: Vec<Option<ExactOutput>> = vec![None; places.len()];
-    let mut bits = FEWEST;
+    let mut bits = MIN_BITS;
     loop {
         let open: Vec<usize> = (0..places.len())
             .filter(|&index| results[index].is_none())
@@ -163,7 +163,7 @@ fn apply(
 /// The binary64 numbers of a value, when its bound leaves one choice or there
 /// are no more bits to be had.
 fn settle(ball: &PreciseBall, zero: bool, bits: usize) -> Option<ExactOutput> {
-    let last = bits >= MOST;
+    let last = bits >= MAX_BITS;
     let high = to_binary64(&ball.value);
     let radius = ball.radius * super::ball::SLACK;
     if !high.is_finite() || !radius.is_finite() {

@@ -6,7 +6,7 @@ use robovec_ir::Format;
 /// The most bits of mantissa, or of a fixed-point number, that can be
 /// sampled: binary64 has to hold a result with some bits to spare, whose
 /// random choice decides.
-pub const MOST_BITS: u32 = 40;
+pub const MAX_BITS: u32 = 40;
 
 /// Rounds numbers of binary64 to a format: to one of the two neighbours, each
 /// the likelier the nearer it is, so that the mean is the number itself.
@@ -37,7 +37,7 @@ impl Rounder {
             Format::Float(float) => float.mantissa,
             Format::Fixed(fixed) => fixed.integer + fixed.fraction,
         };
-        if bits > MOST_BITS {
+        if bits > MAX_BITS {
             return Err(Unsupported { format });
         }
         let power = |exponent: i32| 2f64.powi(exponent);

@@ -1,7 +1,7 @@
 //! What an operator takes, for any format and latency.
 //!
 //! Registers follow from the cuts: every cut of a core is so many bits wide
-//! ([`Step::bits`](crate::rtl::cores::CoreStep)). Look-up tables hardly
+//! ([`CoreStep::bits`](crate::rtl::cores::CoreStep)). Look-up tables hardly
 //! depend on the cuts: shifting, adding and rounding take a few tables per
 //! bit of the significand, and exponents are compared, added and limited bit
 //! by bit, so the tables are linear in both widths. The factors are fitted to

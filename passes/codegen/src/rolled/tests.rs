@@ -33,7 +33,7 @@ impl Builder {
     fn node(&mut self, operation: Operation, operands: &[Operand]) -> Operand {
         let suffix = self.function.nodes().len() as u32;
         let base = self.base;
-        let mut list = [Operand::NONE; Operand::MOST];
+        let mut list = [Operand::NONE; Operand::MAX_COUNT];
         list[..operands.len()].copy_from_slice(operands);
         let value = self.function.push(Node {
             name: Name { base, suffix },

@@ -99,7 +99,7 @@ pub(super) fn of_traffic(traffic: &Traffic<'_>, hardware: &Hardware) -> Hardware
 }
 
 /// Missing pairs that are named; of the others the number is told.
-const MOST_NAMED: usize = 5;
+const MAX_NAMED: usize = 5;
 
 impl HardwareFit {
     fn demand(&mut self, part: &'static str, used: u64, available: u64) {
@@ -152,7 +152,7 @@ impl HardwareFit {
             let target = traffic.memory_name(memory / sizes.memories, bank);
             format!("{source}{through} to port {port} of {target}")
         };
-        let named: Vec<String> = missing.iter().take(MOST_NAMED).map(name).collect();
+        let named: Vec<String> = missing.iter().take(MAX_NAMED).map(name).collect();
         let rest = match missing.len() - named.len() {
             0 => String::new(),
             count => format!(" and {count} more"),

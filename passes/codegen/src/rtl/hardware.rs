@@ -21,11 +21,11 @@ use serde::{Deserialize, Serialize};
 /// The version of the description, raised at every incompatible change.
 const FORMAT: u32 = 2;
 /// Bits of the host's address at most: 4 GiB of bytes.
-const MOST_ADDRESS_BITS: u32 = 30;
+const MAX_ADDRESS_BITS: u32 = 30;
 /// Words of an instruction or operand memory at most.
-const MOST_WORDS: u32 = 1 << 24;
+const MAX_WORDS: u32 = 1 << 24;
 /// Elements at most: a crossbar grows with their square.
-const MOST_ELEMENTS: usize = 1024;
+const MAX_ELEMENTS: usize = 1024;
 
 option_words! {
     /// How much of the crossbar is built.
@@ -187,18 +187,18 @@ impl Hardware {
             .iter()
             .map(|group| u64::from(group.count))
             .sum();
-        if elements == 0 || elements > MOST_ELEMENTS as u64 {
+        if elements == 0 || elements > MAX_ELEMENTS as u64 {
             return Err(RtlError::TooLarge(format!(
-                "the machine has {elements} elements; hardware is built for 1 to {MOST_ELEMENTS}"
+                "the machine has {elements} elements; hardware is built for 1 to {MAX_ELEMENTS}"
             )));
         }
         let sizes = [self.instruction_words, self.words]
             .into_iter()
             .chain(self.buffer.iter().map(|buffer| buffer.words));
         for words in sizes {
-            if words == 0 || words > MOST_WORDS {
+            if words == 0 || words > MAX_WORDS {
                 return Err(RtlError::TooLarge(format!(
-                    "a memory of {words} words; hardware is built for 1 to {MOST_WORDS}"
+                    "a memory of {words} words; hardware is built for 1 to {MAX_WORDS}"
                 )));
             }
         }
@@ -215,9 +215,9 @@ impl Hardware {
                 "a memory has more than 64 ports or none".to_owned(),
             ));
         }
-        if self.window().address_bits > MOST_ADDRESS_BITS {
+        if self.window().address_bits > MAX_ADDRESS_BITS {
             return Err(RtlError::TooLarge(format!(
-                "the memories take {} bits of the host's address, more than {MOST_ADDRESS_BITS}",
+                "the memories take {} bits of the host's address, more than {MAX_ADDRESS_BITS}",
                 self.window().address_bits
             )));
         }

@@ -152,7 +152,7 @@ pub(super) fn explain<F: Field>(
 }
 
 /// So many inputs are named.
-const MOST_INPUTS: usize = 8;
+const MAX_INPUTS: usize = 8;
 
 /// The inputs that an assignment depends on, with their numbers.
 fn inputs(view: View<'_>, assignment: usize, slice: &[Value], state: &[f64]) -> Vec<(String, f64)> {
@@ -166,7 +166,7 @@ fn inputs(view: View<'_>, assignment: usize, slice: &[Value], state: &[f64]) -> 
     inputs.dedup();
     inputs
         .into_iter()
-        .take(MOST_INPUTS)
+        .take(MAX_INPUTS)
         .map(|input| (print_operand(view, input.into()), state[input.index()]))
         .collect()
 }

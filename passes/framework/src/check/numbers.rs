@@ -81,7 +81,7 @@ where
         })
     });
     let (mut agreement, mut memory) = (NumbersAgree::default(), Vec::new());
-    let mut precise = MOST_PRECISE;
+    let mut precise = MAX_PRECISE;
     for round in 0..survey.rounds {
         let states = (survey.states)(round);
         let inputs = states.map(|state| pairs.numbers(source, state));
@@ -146,7 +146,7 @@ where
 
 /// So many outputs are evaluated in arbitrary precision to find out whether a
 /// number was lost or only overflowed, and those of larger functions never.
-const MOST_PRECISE: u32 = 4;
+const MAX_PRECISE: u32 = 4;
 const LARGEST_PRECISE: usize = 20_000;
 
 /// Whether an output that is a number before is none after: over the real

@@ -79,7 +79,7 @@ pub struct Moment {
 
 /// So many values are followed at most: where an output was set to another
 /// value, both stories are told.
-const MOST_FOLLOWED: usize = 8;
+const MAX_FOLLOWED: usize = 8;
 
 /// Tells how an item that was [found](super::find) came to be what it is in
 /// the function as the run left it.
@@ -264,7 +264,7 @@ struct BackwardWalk {
 
 impl BackwardWalk {
     fn follow(&mut self, item: TrackedItem) {
-        if self.tracked.len() < MOST_FOLLOWED && !self.tracked.contains(&item) {
+        if self.tracked.len() < MAX_FOLLOWED && !self.tracked.contains(&item) {
             self.tracked.push(item);
         }
     }

@@ -10,7 +10,7 @@ use robovec_ir::{Function, Level, Name, Node, Operand, Operation, SourceSet, Sym
 use rustc_hash::FxBuildHasher;
 
 /// So many named values are written out at most.
-const MOST_EXPANDED: usize = 40;
+const MAX_EXPANDED: usize = 40;
 
 /// A definition with the values written out in it.
 pub(super) struct WrittenExpression {
@@ -117,7 +117,7 @@ impl<'a> ExpressionSketch<'a> {
                 let own = name.base == self.symbol && self.uses[inner.index()] == 1;
                 if name.is_none() {
                     order.push(inner);
-                } else if own && inside.len() < MOST_EXPANDED {
+                } else if own && inside.len() < MAX_EXPANDED {
                     inside.push(name);
                     order.push(inner);
                 }

@@ -10,7 +10,7 @@
 use super::super::pattern::PatternNode;
 use super::super::rule::Requirement;
 use super::Doubt;
-use super::agree::{MOST_TRIED, points_for};
+use super::agree::{MAX_TRIED, points_for};
 use super::ball::ScaledBall;
 use super::field::{RuleField, RuleResidue};
 use super::joined::Joined;
@@ -22,7 +22,7 @@ const POINTS: usize = 6;
 /// Points at which a node must be a square to be taken for one.
 const SQUARES: u64 = 64;
 /// Nodes up to which each is compared with each.
-const MOST_COMPARED: usize = 160;
+const MAX_COMPARED: usize = 160;
 
 /// What is known of all nodes.
 pub(super) struct NodeFacts<'a> {
@@ -50,7 +50,7 @@ fn points(joined: &Joined<'_>) -> Option<Vec<(RuleField, Vec<RuleResidue>)>> {
     let [left, right] = joined.roots();
     let mut needed = POINTS;
     let mut points: Vec<(RuleField, Vec<RuleResidue>)> = Vec::new();
-    for point in 0..MOST_TRIED {
+    for point in 0..MAX_TRIED {
         let field = joined.field(point);
         let values = joined.values(&field);
         if values[left].is_undefined() || values[right].is_undefined() {
@@ -216,7 +216,7 @@ impl<'a> NodeFacts<'a> {
     /// Finds nodes that are multiples of each other.
     fn link(&mut self, wanted: &dyn Fn(usize) -> bool) {
         let count = self.ranges.len();
-        if count > MOST_COMPARED {
+        if count > MAX_COMPARED {
             return;
         }
         for node in (0..count).filter(|&node| wanted(node)) {

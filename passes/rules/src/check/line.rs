@@ -19,7 +19,7 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::field::Modulus;
 
 /// More angles than in any rule that makes sense.
-const MOST_ANGLES: usize = 5;
+const MAX_ANGLES: usize = 5;
 
 /// Numerator and denominator; `None` where they grew too large.
 type Quotient = Option<(ModularPolynomial, ModularPolynomial)>;
@@ -50,7 +50,7 @@ impl Lines {
         angles.sort_unstable();
         angles.dedup();
         let charts = match angles.len() {
-            count if count <= MOST_ANGLES => 0..count as u64 + 1,
+            count if count <= MAX_ANGLES => 0..count as u64 + 1,
             _ => 0..0,
         };
         Lines {

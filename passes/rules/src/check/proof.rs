@@ -15,7 +15,7 @@ use std::fmt;
 /// States at which numbers are compared.
 const STATES: u32 = 64;
 /// States tried for those at which both sides are defined.
-const MOST_TRIED: u32 = 1_024;
+const MAX_TRIED: u32 = 1_024;
 /// With fewer states nothing is proved.
 const FEWEST: u32 = 8;
 /// Real points that tell signs.
@@ -191,7 +191,7 @@ fn same_numbers(joined: &Joined<'_>) -> Result<(Vec<Vec<ScaledBall>>, u32, f64),
     let (mut reals, mut seen, mut distance) = (Vec::new(), 0, 0f64);
     let (wanted, tried) = match rule.variables.is_empty() {
         true => (1, 1),
-        false => (STATES, MOST_TRIED),
+        false => (STATES, MAX_TRIED),
     };
     for _ in 0..tried {
         let place = RealPoint::exactly(states.next());

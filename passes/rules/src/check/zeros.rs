@@ -11,9 +11,9 @@ use robovec_ir::Operation;
 /// Points from which the lines along the axes start.
 const BASES: usize = 4;
 /// Nodes looked at at most.
-const MOST_NODES: usize = 24;
+const MAX_NODES: usize = 24;
 /// Lines searched at most.
-const MOST_LINES: usize = 160;
+const MAX_LINES: usize = 160;
 
 /// Looks for zeros of the nodes that matter along the axes, and tries the
 /// rule there, on both sides of them and further away.
@@ -35,7 +35,7 @@ pub(super) fn search(joined: &Joined<'_>) -> Option<Counterexample> {
         for &variable in &used {
             for base in &bases {
                 lines += 1;
-                if lines > MOST_LINES {
+                if lines > MAX_LINES {
                     return None;
                 }
                 let line = AxisLine {
@@ -104,7 +104,7 @@ fn targets(joined: &Joined<'_>) -> Vec<ZeroTarget> {
             });
         }
     }
-    targets.truncate(MOST_NODES);
+    targets.truncate(MAX_NODES);
     targets
 }
 

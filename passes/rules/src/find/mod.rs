@@ -37,7 +37,7 @@ const DERIVATION: GraphBudget = GraphBudget {
 };
 
 /// Candidates examined at most, the smallest ones.
-const MOST_CANDIDATES: usize = 4_000;
+const MAX_CANDIDATES: usize = 4_000;
 
 /// Random trials in floating point to find the class of a rule.
 const TRIALS: usize = 2_000;
@@ -81,8 +81,8 @@ pub fn find(
 ) -> RuleSearch {
     let enumeration = enumerate(space);
     let mut candidates = distinct(enumeration.candidates, space);
-    let complete = enumeration.complete && candidates.len() <= MOST_CANDIDATES;
-    candidates.truncate(MOST_CANDIDATES);
+    let complete = enumeration.complete && candidates.len() <= MAX_CANDIDATES;
+    candidates.truncate(MAX_CANDIDATES);
     let weights = Weights::cycles(machine);
     let timed: Vec<Timed<'_>> = functions
         .iter()

@@ -92,7 +92,7 @@ struct PatternMatch {
 }
 
 /// Most matches at one place that are looked at.
-const MOST: usize = 64;
+const MAX_MATCHES: usize = 64;
 
 /// All ways in which a pattern matches a value, operands in either order.
 fn matches(
@@ -109,7 +109,7 @@ fn matches(
     // What is still to be matched, beside what was bound so far.
     let mut open = vec![(vec![(pattern.root() as u32, Operand::from(root))], start)];
     while let Some((mut goals, mut state)) = open.pop() {
-        if found.len() >= MOST {
+        if found.len() >= MAX_MATCHES {
             break;
         }
         let Some((index, operand)) = goals.pop() else {

@@ -10,7 +10,7 @@ use robovec_analysis::class::NumericClass;
 use robovec_ir::diagnostic::{Diagnostic, Report, Severity, clip};
 
 /// Most remarks on rules that were left out.
-const MOST_REMARKS: usize = 50;
+const MAX_REMARKS: usize = 50;
 
 /// Reads a text; rules that robovec cannot express are left out with a
 /// warning.
@@ -38,8 +38,8 @@ pub(super) fn import(
     if !importer.errors.is_empty() {
         return Err(fail(importer.errors));
     }
-    let left_out = importer.warnings.len().saturating_sub(MOST_REMARKS);
-    importer.warnings.truncate(MOST_REMARKS);
+    let left_out = importer.warnings.len().saturating_sub(MAX_REMARKS);
+    importer.warnings.truncate(MAX_REMARKS);
     if left_out > 0 {
         let message = format!("{left_out} more rules were left out");
         let diagnostic = Diagnostic::new(Severity::Warning).with_message(message);

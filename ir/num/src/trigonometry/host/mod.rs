@@ -61,7 +61,7 @@ impl Implementation {
     /// binary64 number.
     pub const BITS: std::ops::RangeInclusive<u32> = 8..=50;
     /// The largest table.
-    pub const MOST_ENTRIES: u32 = 1 << 16;
+    pub const MAX_ENTRIES: u32 = 1 << 16;
 
     /// Bits behind the point.
     pub fn bits(self) -> u32 {

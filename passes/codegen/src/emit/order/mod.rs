@@ -142,7 +142,7 @@ fn needs(function: &Function) -> Vec<u32> {
     let mut needs: Vec<u32> = Vec::with_capacity(function.nodes().len());
     for node in function.nodes() {
         let values = node.operands().iter().filter_map(|operand| operand.value());
-        let mut own = [0; Operand::MOST];
+        let mut own = [0; Operand::MAX_COUNT];
         for (need, value) in own.iter_mut().zip(values) {
             *need = needs[value.index()];
         }

@@ -236,7 +236,7 @@ impl TestBench<'_> {
         let end = end.max().unwrap_or(0).max(8);
         let operations = self.operations() as u64;
         let runs = self.runs.len() as u64;
-        if operations * runs > MOST_RESULTS {
+        if operations * runs > MAX_RESULTS {
             return Err(BenchError::TooLarge(format!(
                 "{operations} results in {runs} runs"
             )));
@@ -277,12 +277,12 @@ impl TestBench<'_> {
             (
                 "clocks after which a run has failed",
                 "MOST_WAIT",
-                most_wait.min(MOST_CLOCKS / 2),
+                most_wait.min(MAX_CLOCKS / 2),
             ),
             (
                 "clocks after which everything has failed",
                 "MOST_CLOCKS",
-                most_clocks.min(MOST_CLOCKS),
+                most_clocks.min(MAX_CLOCKS),
             ),
         ];
         Ok(numbers.to_vec())
@@ -290,9 +290,9 @@ impl TestBench<'_> {
 }
 
 /// Results of all runs at most.
-const MOST_RESULTS: u64 = 1 << 26;
+const MAX_RESULTS: u64 = 1 << 26;
 /// Clocks at most: what a signed number of 32 bits counts.
-const MOST_CLOCKS: u64 = 2_000_000_000;
+const MAX_CLOCKS: u64 = 2_000_000_000;
 
 /// What a size is, its name, and the number.
 type Size = (&'static str, &'static str, u64);

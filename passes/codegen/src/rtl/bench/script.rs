@@ -31,7 +31,7 @@ const CONTROL_CLEAR: u32 = 2;
 const STATUS_DONE: u32 = 2;
 
 /// Notes at most, by the width of their field.
-const MOST_NOTES: usize = 1 << 24;
+const MAX_NOTES: usize = 1 << 24;
 
 /// The commands, and what they are about.
 pub(super) struct Script {
@@ -83,7 +83,7 @@ pub(super) fn write(
         writer.run(number, run, outputs)?;
     }
     writer.command(END, 0, 0, 0);
-    if writer.notes > MOST_NOTES {
+    if writer.notes > MAX_NOTES {
         let what = format!("{} words are read back", writer.notes);
         return Err(BenchError::TooLarge(what));
     }
