@@ -8,7 +8,7 @@ use robovec::scene::{PIPELINE, SceneFile, SceneSubject, USUAL, read};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pass::Pass;
 use robovec_framework::pass::{Aside, Context};
-use robovec_framework::rewrites::RewriteLimit;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;

@@ -6,7 +6,7 @@ use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::remove_dead_asking;
-use robovec_framework::rewrites::RewriteLimit;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_framework::trail::Notes;
 use robovec_ir::{Function, Level, Tables};
 use robovec_num::limits::NumberLimit;

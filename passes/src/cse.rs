@@ -4,7 +4,7 @@ use hashbrown::HashTable;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::Rewriter;
-use robovec_framework::rewrites::RewriteLimit;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_framework::trail::{Notes, equal_to};
 use robovec_ir::{Function, Node, Operand, Operation, SourceSet, Tables, Value};
 use rustc_hash::FxBuildHasher;

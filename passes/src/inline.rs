@@ -3,7 +3,7 @@
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::{Rewriter, lay_out, output_symbol};
-use robovec_framework::rewrites::RewriteLimit;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{
     Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Tables, Value,
 };

@@ -14,8 +14,8 @@ use robovec_framework::instances::{InstanceNames, Instances, KEY, MAX_INSTANCES,
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::lay_out;
 use robovec_ir::{
-    Array, Assignment, Boundary, Formats, Function, Input, Level, Name, Node, Operand, OperandKind,
-    Output, Symbol, Tables, Value,
+    Array, Assignment, Boundary, Function, Input, Level, Name, Node, Operand, OperandKind, Output,
+    Symbol, Tables, Value, ValueFormats,
 };
 use robovec_num::limits::NumberLimit;
 
@@ -145,7 +145,7 @@ impl<'a> Copier<'a> {
         let entry = (KEY.to_owned(), instances.count.to_string());
         new.metadata.push(entry);
         new.reserve(old.nodes().len() * instances.count as usize);
-        new.formats = old.formats.as_ref().map(|_| Formats::new(0));
+        new.formats = old.formats.as_ref().map(|_| ValueFormats::new(0));
         Copier {
             old,
             instances,

@@ -9,7 +9,7 @@ use crate::check::Promise;
 use crate::instances::Instances;
 use crate::options::{OptionError, OptionInfo};
 use crate::registry::Registry;
-use crate::rewrites::RewriteLimit;
+use crate::rewrite_limit::RewriteLimit;
 use crate::scene::Scene;
 use crate::trail::Notes;
 use robovec_analysis::class::NumericClass;

@@ -1,10 +1,10 @@
 //! Writing a function anew: what every pass that changes the body shares.
 
-use crate::rewrites::RewriteLimit;
+use crate::rewrite_limit::RewriteLimit;
 use robovec_analysis::slice::needed;
 use robovec_ir::{
-    Assignment, Formats, Function, Level, Node, Operand, OperandKind, Output, SourceSet, Symbol,
-    Tables, Value, View, print,
+    Assignment, Function, Level, Node, Operand, OperandKind, Output, SourceSet, Symbol, Tables,
+    Value, ValueFormats, View, print,
 };
 
 /// A function being written from another one, with the translation of the
@@ -34,7 +34,7 @@ impl<'a> Rewriter<'a> {
     /// the same: without this the formats are gone, which the manager refuses.
     pub fn with_formats(old: &'a Function, level: Level) -> Rewriter<'a> {
         let mut rewriter = Rewriter::new(old, level);
-        rewriter.new.formats = old.formats.as_ref().map(|_| Formats::new(0));
+        rewriter.new.formats = old.formats.as_ref().map(|_| ValueFormats::new(0));
         rewriter
     }
 

@@ -3,7 +3,7 @@
 use super::FormatSearch;
 use crate::accurate::profile::{LANES, SensitivityProfile, StateLanes};
 use robovec_framework::scene::Allowed;
-use robovec_ir::{Format, Formats, Function, Node, Operation, Value};
+use robovec_ir::{Format, Function, Node, Operation, Value, ValueFormats};
 use robovec_num::soft_float::FormatArithmetic;
 
 /// Exponents of the price of errors: two to this many.
@@ -40,8 +40,8 @@ impl FormatAssignment {
     }
 
     /// The formats of a function.
-    pub(super) fn formats(&self, formats: &[Format]) -> Formats {
-        let mut all = Formats::new(self.chosen.len());
+    pub(super) fn formats(&self, formats: &[Format]) -> ValueFormats {
+        let mut all = ValueFormats::new(self.chosen.len());
         for (index, &chosen) in self.chosen.iter().enumerate() {
             all.set(Value(index as u32), Some(formats[usize::from(chosen)]));
         }

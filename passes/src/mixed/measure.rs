@@ -3,7 +3,7 @@
 use robovec_framework::scene::Allowed;
 use robovec_ir::evaluate::{evaluate, evaluate_nodes_in};
 use robovec_ir::states::States;
-use robovec_ir::{Format, Formats, Function, OperandKind, View};
+use robovec_ir::{Format, Function, OperandKind, ValueFormats, View};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 
@@ -45,7 +45,7 @@ impl AccuracyCheck {
     }
 
     /// For every assignment the largest error over what is allowed.
-    pub(super) fn ratios(&self, function: &Function, formats: &Formats) -> Vec<f64> {
+    pub(super) fn ratios(&self, function: &Function, formats: &ValueFormats) -> Vec<f64> {
         let mut ratios = vec![0.0f64; function.assignments.len()];
         for ((inputs, exact), allowed) in self.inputs.iter().zip(&self.exact).zip(&self.allowed) {
             // Inputs are numbers of binary32, so that of the run changes none.
@@ -62,7 +62,7 @@ impl AccuracyCheck {
     }
 
     /// The largest ratio of an error to what is allowed.
-    pub(super) fn worst(&self, function: &Function, formats: &Formats) -> f64 {
+    pub(super) fn worst(&self, function: &Function, formats: &ValueFormats) -> f64 {
         self.ratios(function, formats)
             .into_iter()
             .fold(0.0, f64::max)

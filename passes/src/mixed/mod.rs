@@ -13,7 +13,7 @@ use robovec_framework::options::OptionValue;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::scene::Allowed;
 use robovec_ir::states::States;
-use robovec_ir::{Format, Formats, Function, View};
+use robovec_ir::{Format, Function, ValueFormats, View};
 use robovec_num::NumberFormat;
 use robovec_num::limits::{Amount, NumberLimit};
 
@@ -280,7 +280,7 @@ impl FormatSearch<'_> {
         (widest, ratio)
     }
 
-    fn widest(&self) -> Formats {
+    fn widest(&self) -> ValueFormats {
         let count = self.view.function.nodes().len();
         FormatAssignment::all(count, self.formats.len() - 1).formats(&self.formats)
     }

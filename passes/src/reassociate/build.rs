@@ -8,7 +8,7 @@ use crate::cse::{Key, KnownValues, SourceMerges};
 use hashbrown::HashMap;
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::rewrite::{lay_out, output_symbol, owners};
-use robovec_framework::rewrites::RewriteLimit;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol,
     Tables, Value,

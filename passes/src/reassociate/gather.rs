@@ -1,6 +1,6 @@
 //! Finding the groups: signed sums and products.
 
-use robovec_framework::rewrites::RewriteLimit;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{Function, Operand, Operation, Value};
 
 /// How far a group reaches into the values that only it uses.

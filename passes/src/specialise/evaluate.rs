@@ -5,7 +5,7 @@ use super::form::{LinearForm, MAX_TERMS, Reading, ScaledOperand};
 use super::write::{is_function, known};
 use crate::cse::{Key, KnownValues};
 use robovec_framework::rewrite::owners;
-use robovec_framework::rewrites::RewriteLimit;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{
     Assignment, FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation,
     SourceSet, Symbol, Tables, Value,

@@ -1,9 +1,9 @@
 //! Adjoints against differences, bounds and predictions against errors.
 
 use super::*;
-use robovec_ir::formats::Formats;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
+use robovec_ir::value_formats::ValueFormats;
 use robovec_ir::{Format, Module, Value, View};
 use robovec_num::arithmetic::Binary32;
 
@@ -263,7 +263,7 @@ fn blame_goes_to_the_operation_that_cancels() {
 fn values_in_formats_of_their_own_are_predicted_too() {
     let mut module = module(EVERYTHING);
     let function = &mut module.functions[0];
-    let mut formats = Formats::new(function.nodes().len());
+    let mut formats = ValueFormats::new(function.nodes().len());
     let narrow: Format = "float(8,12)".parse().expect("it is one");
     for node in [0, 3, 6, 8, 11] {
         formats.set(Value(node), Some(narrow));

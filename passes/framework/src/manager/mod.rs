@@ -26,7 +26,7 @@ use crate::instances::Instances;
 use crate::pass::{Artifact, Context, PassError, PassInfo};
 use crate::pipeline::{PassStep, Pipeline};
 use crate::registry::Registry;
-use crate::rewrites::RewriteLimit;
+use crate::rewrite_limit::RewriteLimit;
 use crate::scene::Scene;
 use crate::trail::{self, Follower, Notes, Trail};
 use instrument::Instruments;
