@@ -5,15 +5,17 @@ use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::Model;
 use robovec::model::mbs::read_mbs;
 use robovec::simulate::LoadedProgram;
+use robovec::simulate::mif::Image;
 use robovec::trigonometry::{
     TrigonometryEffect, TrigonometrySetting, figure, measure, table, text,
 };
-use robovec_codegen::write_images;
+use robovec_codegen::manifest::Manifest;
+use robovec_codegen::{images, write_images};
 use robovec_framework::manager::{self, Config, RunOutcome};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Machine, Module, View};
-use robovec_num::arithmetic::Binary32;
+use robovec_num::arithmetic::{Arithmetic, Binary32};
 use robovec_num::trigonometry::host::TrigonometricUnit;
 use robovec_passes::registry::REGISTRY;
 use robovec_passes::trigonometry::CircularMethod;
@@ -151,6 +153,54 @@ fn the_host_computes_what_it_is_told_to() {
             .expect("it is named");
         simulate(&module, Some(&unit.expect("it is one")));
     }
+}
+
+#[test]
+fn images_with_numbers_hold_the_sines_of_the_method() {
+    // So coarse a table that the library's sines are others.
+    let (_, mut module) = example("double-pendulum");
+    run(
+        &mut module,
+        "trigonometry{on=host method=table entries=8 degree=1 bits=12 error=1},$shorten,place",
+    );
+    let function = &module.functions[0];
+    let unit = function.trigonometry_unit().expect("it is named");
+    let unit = unit.expect("it is one");
+    let unit = unit.within(Binary32);
+    let view = View {
+        tables: &module.tables,
+        function,
+    };
+    let inputs = vec![0.7; function.input_len()];
+    let files = images(view, &thesis(), Some(&inputs)).expect("it has images");
+    let file = |name: &str| {
+        let found = files.iter().find(|(known, _)| known.ends_with(name));
+        &found.expect("it is written").1
+    };
+    let manifest: Manifest = serde_json::from_str(file("manifest.json")).expect("it is one");
+    let memories: Vec<_> = manifest
+        .elements
+        .iter()
+        .flat_map(|it| &it.memories)
+        .collect();
+    let mut found = 0;
+    for (value, word) in manifest
+        .host
+        .iter()
+        .flat_map(|it| it.words.iter().map(move |word| (it, word)))
+    {
+        let (sine, usual) = match value.operation.as_str() {
+            "sin" => (unit.sin(0.7), 0.7f32.sin()),
+            "cos" => (unit.cos(0.7), 0.7f32.cos()),
+            _ => continue,
+        };
+        assert_ne!(sine, usual);
+        let memory = memories.iter().find(|memory| memory.name == word.memory);
+        let image = Image::parse(file(&memory.expect("a memory").file)).expect("an image");
+        // Those of sums of angles are left out.
+        found += u32::from(image.word(word.address) == [u64::from(sine.to_bits())]);
+    }
+    assert!(found >= 2, "{found}");
 }
 
 /// Runs the images and compares with the evaluator, bit for bit.

@@ -66,7 +66,7 @@ pub fn equations(bytes: &mut Unstructured<'_>, contents: Contents) -> Result<Mod
     }
     maker.outputs(joints)?;
     let function = lay_out(&maker.function);
-    debug_assert_eq!(
+    assert_eq!(
         verify(View {
             tables: &module.tables,
             function: &function
@@ -172,6 +172,8 @@ impl Maker<'_, '_> {
             });
             if inner.name.is_none() || (same && self.bytes.ratio(1, 2)?) {
                 *operand = match same {
+                    // A copy stands only where it has a name.
+                    true if inner.operation == Operation::Copy => inner.operands[0],
                     true => self.push(inner.operation, inner.operands),
                     false => self.leaf()?,
                 };
@@ -222,7 +224,7 @@ impl Maker<'_, '_> {
 
     /// Gives an expression a name, so that it can be read twice.
     fn name_inner(&mut self, operand: Operand) -> Result<Operand> {
-        let name = format!("IN{}", self.function.nodes().len());
+        let name = format!("IN{}", self.named.len());
         Ok(self.name(operand, &name).into())
     }
 

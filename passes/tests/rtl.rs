@@ -148,6 +148,25 @@ fn a_program_fits_hardware_with_room_and_its_images_have_that_layout() {
 }
 
 #[test]
+fn instruction_files_fill_the_memories_of_the_hardware() {
+    let (_, files) = built(
+        CHAIN,
+        &machine("\n[instructions]\nwords = 256\n"),
+        CrossbarChoice::Full,
+    );
+    let instructions = files
+        .iter()
+        .filter(|(name, _)| name.ends_with(".instructions.hex"));
+    let mut count = 0;
+    for (name, text) in instructions {
+        let is_word = |line: &&str| !line.is_empty() && !line.starts_with("//");
+        assert_eq!(text.lines().filter(is_word).count(), 256, "{name}");
+        count += 1;
+    }
+    assert_eq!(count, 4, "one for every element");
+}
+
+#[test]
 fn everything_that_is_lacking_is_named() {
     let (hardware, _) = built(PRODUCTS, &machine(""), CrossbarChoice::Pruned);
     let other = placed(CHAIN, &machine(""));

@@ -151,6 +151,20 @@ fn writes_at_the_wrong_time() {
         placement(function).writes[3].cycle = u32::MAX;
     });
     assert!(matches!(error, ImageError::AfterEnd { .. }), "{error}");
+    // The last result goes nowhere but into a buffer, when all is over.
+    let error = refused(|function, _| {
+        function.assignments.remove(0);
+        schedule(function).cycles = 30;
+        let placement = placement(function);
+        placement.homes.remove(0);
+        placement.writes.pop();
+        *placement.write_starts.last_mut().expect("an end") -= 1;
+        placement.buffers[2] = 0;
+    });
+    assert!(
+        matches!(error, ImageError::AfterEnd { cycle: 30, .. }),
+        "{error}"
+    );
 }
 
 #[test]

@@ -101,10 +101,14 @@ impl<const LANES: usize> Ball<LANES> {
 
 /// What the end of the range can have cost a product or quotient of numbers
 /// that may be other than zero, and its radius, which sinks to zero as well.
+/// By one or minus one nothing is lost.
 #[inline]
 fn sunk(result: f64, (a, a_radius): (f64, f64), (b, b_radius): (f64, f64)) -> f64 {
-    let may_be_other = (a != 0.0) | (a_radius != 0.0);
-    let lost = result.abs() < SMALLEST_WHOLE && may_be_other && (b != 0.0) | (b_radius != 0.0);
+    let may_sink = |number: f64, radius: f64| (number != 0.0) | (radius != 0.0);
+    let is_unit = |number: f64, radius: f64| (number.abs() == 1.0) & (radius == 0.0);
+    let lost = result.abs() < SMALLEST_WHOLE
+        && may_sink(a, a_radius) & may_sink(b, b_radius)
+        && !(is_unit(a, a_radius) | is_unit(b, b_radius));
     if lost { SUNK } else { 0.0 }
 }
 
@@ -200,7 +204,7 @@ impl<const LANES: usize> Arithmetic for Balls<LANES> {
             let y = (b.value.high[lane], b.radius[lane]);
             quotient(value.high[lane], x.1, y)
                 + value.high[lane].abs() * UNIT
-                + sunk(value.high[lane], x, (1.0, 0.0))
+                + sunk(value.high[lane], x, y)
         })
     }
 

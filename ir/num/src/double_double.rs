@@ -56,14 +56,31 @@ impl Double {
         }
     }
 
-    /// The number, or `high` alone when something was not finite: wherever an
-    /// operation meets an infinity or NaN the second half becomes NaN.
+    /// The sum of numbers whose error cannot overflow; otherwise its second
+    /// half is not finite.
     #[inline]
-    fn or(self, high: f64) -> Double {
-        if self.low.is_finite() {
-            self
-        } else {
-            Double::from(high)
+    fn near_sum(self, other: Double) -> Double {
+        let sum = two_sum(self.high, other.high);
+        let rest = two_sum(self.low, other.low);
+        let joined = fast_two_sum(sum.high, sum.low + rest.high);
+        fast_two_sum(joined.high, joined.low + rest.low)
+    }
+
+    /// A sum on the way to which something was not finite: an infinity or NaN
+    /// was added, or numbers near the largest ones, whose error can overflow
+    /// although the sum does not.
+    #[cold]
+    fn far_sum(self, other: Double) -> Double {
+        let sum = self.high + other.high;
+        if !sum.is_finite() {
+            return Double::from(sum);
+        }
+        // What sinks below the range by this is nothing beside such numbers.
+        let number = self.scaled(0.0625).near_sum(other.scaled(0.0625));
+        let number = number.scaled(16.0);
+        match number.low.is_finite() {
+            true => number,
+            false => Double::from(number.high),
         }
     }
 
@@ -124,10 +141,11 @@ impl std::ops::Add for Double {
 
     #[inline]
     fn add(self, other: Double) -> Double {
-        let sum = two_sum(self.high, other.high);
-        let rest = two_sum(self.low, other.low);
-        let joined = fast_two_sum(sum.high, sum.low + rest.high);
-        fast_two_sum(joined.high, joined.low + rest.low).or(sum.high)
+        let number = self.near_sum(other);
+        match number.low.is_finite() {
+            true => number,
+            false => self.far_sum(other),
+        }
     }
 }
 
@@ -147,7 +165,13 @@ impl std::ops::Mul for Double {
     fn mul(self, other: Double) -> Double {
         let (high, error) = two_product(self.high, other.high);
         let cross = self.high * other.low + self.low * other.high;
-        fast_two_sum(high, error + cross).or(high)
+        let number = fast_two_sum(high, error + cross);
+        match number.low.is_finite() {
+            true => number,
+            // What rounds beyond the largest number has no second half.
+            false if high.is_finite() => Double::from(f64::INFINITY.copysign(high)),
+            false => Double::from(high),
+        }
     }
 }
 
@@ -480,6 +504,32 @@ mod tests {
         for a in [1.7e308, 3e-290, 1e-270, 2e250, 1e-241] {
             let root = big(Double::from(a)).sqrt(PRECISION, ROUNDING);
             assert_close(Double::from(a).sqrt(), &root, -100, "sqrt");
+        }
+    }
+
+    #[test]
+    fn sums_near_the_largest_number_keep_their_second_halves() {
+        // On the way to these sums numbers beyond the largest one are met.
+        for (a, b) in [
+            (f64::MAX, -8e307),
+            (-8.123e307, f64::MAX),
+            (-1.7976e308, 1.1e308),
+            (8e307, 8e307),
+        ] {
+            let (x, y) = (
+                Double {
+                    high: a,
+                    low: 1e290,
+                },
+                Double {
+                    high: b,
+                    low: -3e289,
+                },
+            );
+            for sum in [x + y, y + x] {
+                let exact = big(x).add(&big(y), PRECISION, ROUNDING);
+                assert_close(sum, &exact, -104, "sum");
+            }
         }
     }
 

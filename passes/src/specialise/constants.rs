@@ -3,15 +3,17 @@
 //!
 //! A constant is kept as the expression of the numbers it was made of, so that
 //! the semantic check can prove the specialised function before anything is
-//! rounded. Its value in double-double is rounded once, when the function is
-//! written. Two constants are one when they agree in both fields and in
-//! double-double: `0.1*0.3` is the same however it was put together, and
-//! `0.5 - 0.5` is a zero that multiplies terms away.
+//! rounded. Its value, in double-double with a bound of its error, is rounded
+//! once, when the function is written. Two constants are one when they agree
+//! in both fields and within their bounds: `0.1*0.3` is the same however it was
+//! put together, and `0.5 - 0.5` is a zero that multiplies terms away. What is
+//! left of a cancellation is a constant only while its bound leaves it all
+//! digits of a binary64 number.
 
 use hashbrown::HashMap;
 use robovec_ir::Operation;
 use robovec_num::arithmetic::Arithmetic;
-use robovec_num::double_double::{Double, DoubleDouble, SMALLEST_WHOLE};
+use robovec_num::ball::{Ball, Balls};
 use robovec_num::field::PrimeField;
 use rustc_hash::FxBuildHasher;
 use smallvec::SmallVec;
@@ -41,7 +43,7 @@ pub(super) enum NumberExpression {
 }
 
 struct KnownNumber {
-    value: Double,
+    value: Ball<1>,
     elements: [u64; 2],
     expression: NumberExpression,
 }
@@ -56,8 +58,8 @@ pub(super) struct KnownNumbers {
     fields: [PrimeField; 2],
 }
 
-/// How near two values are that are one number: rounding in double-double is
-/// far below, different numbers of the same field element far above.
+/// The bound of a constant's error, as a part of it: rounding in double-double
+/// is far below, and rounding to binary64 far above.
 const NEAR: f64 = 1e-18;
 
 impl KnownNumbers {
@@ -78,11 +80,11 @@ impl KnownNumbers {
     /// field: nothing can be made of it.
     pub(super) fn literal(&mut self, number: f64) -> Known {
         let entry = KnownNumber {
-            value: DoubleDouble.literal(number),
+            value: Balls.literal(number),
             elements: self.fields.map(|field| field.literal(number)),
             expression: NumberExpression::Literal(number),
         };
-        match self.intern(entry, number.abs()) {
+        match self.intern(entry) {
             Ok(known) => known,
             Err(entry) => {
                 self.entries.push(entry);
@@ -92,7 +94,8 @@ impl KnownNumbers {
     }
 
     /// The result of an operation; `None` where it has none (a division by
-    /// zero, an overflow, a product that is lost below the range).
+    /// zero, an overflow) or where its digits are lost (a product below the
+    /// range, what is left of a cancellation).
     pub(super) fn apply(&mut self, operation: Operation, operands: [Known; 2]) -> Option<Known> {
         let values = operands.map(|known| self.entries[known.index()].value);
         let mut elements = [0; 2];
@@ -100,37 +103,27 @@ impl KnownNumbers {
             let operands = operands.map(|known| self.entries[known.index()].elements[place]);
             *element = calculate(field, operation, operands)?;
         }
-        let value = calculate(&DoubleDouble, operation, values)?;
-        let is_product = matches!(operation, Operation::Mul | Operation::Div);
-        let is_exact = values.iter().any(|value| value.high.abs() == 1.0) || elements == [0, 0];
-        if is_product && !is_exact && value.high.abs() < SMALLEST_WHOLE {
-            return None;
-        }
-        let magnitude = match operation {
-            Operation::Add | Operation::Sub => values[0].high.abs() + values[1].high.abs(),
-            _ => value.high.abs(),
-        };
         let entry = KnownNumber {
-            value,
+            value: calculate(&Balls, operation, values)?,
             elements,
             expression: NumberExpression::Apply(operation, operands),
         };
-        self.intern(entry, magnitude).ok()
+        self.intern(entry).ok()
     }
 
-    /// The number of an entry; the entry itself when it is no number.
-    fn intern(&mut self, entry: KnownNumber, magnitude: f64) -> Result<Known, KnownNumber> {
-        if entry.elements.into_iter().any(PrimeField::is_undefined) || !entry.value.high.is_finite()
-        {
+    /// The number of an entry; the entry itself when it is no number, or one
+    /// of which too little is known.
+    fn intern(&mut self, entry: KnownNumber) -> Result<Known, KnownNumber> {
+        if entry.elements.into_iter().any(PrimeField::is_undefined) || !entry.value.is_known(0) {
             return Err(entry);
         }
         let twins = self.of_elements.entry(entry.elements).or_default();
-        let near = |twin: &&Known| {
-            let other = self.entries[twin.index()].value;
-            (entry.value - other).high.abs() <= NEAR * magnitude
-        };
+        let near = |twin: &&Known| self.entries[twin.index()].value.touches(&entry.value, 0);
         if let Some(&twin) = twins.iter().find(near) {
             return Ok(twin);
+        }
+        if entry.value.radius[0] > NEAR * entry.value.value.high[0].abs() {
+            return Err(entry);
         }
         let known = Known(self.entries.len() as u32);
         twins.push(known);
@@ -150,7 +143,7 @@ impl KnownNumbers {
 
     /// A number without its sign, and whether it was negative.
     pub(super) fn magnitude(&mut self, known: Known) -> (Known, bool) {
-        if self.entries[known.index()].value.high < 0.0 {
+        if self.rounded(known) < 0.0 {
             (self.negative(known), true)
         } else {
             (known, false)
@@ -159,7 +152,7 @@ impl KnownNumbers {
 
     /// The number rounded to binary64, once.
     pub(super) fn rounded(&self, known: Known) -> f64 {
-        self.entries[known.index()].value.high
+        self.entries[known.index()].value.value.high[0]
     }
 
     /// How a number was made; what it was made of has smaller indices.
@@ -195,6 +188,30 @@ fn calculate<A: Arithmetic>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use robovec_num::double_double::Double;
+
+    #[test]
+    fn what_is_left_of_a_cancellation_is_no_constant() {
+        // Of 2^122 + 1/4 double-double keeps no quarter.
+        let mut constants = KnownNumbers::new();
+        let [large, quarter] = [122f64.exp2(), 0.25].map(|number| constants.literal(number));
+        let mut apply = |operation, a, b| constants.apply(operation, [a, b]);
+        let sum = apply(Operation::Add, large, quarter);
+        let difference = apply(Operation::Sub, quarter, large);
+        assert_eq!(
+            apply(
+                Operation::Add,
+                sum.expect("it is finite"),
+                difference.expect("too")
+            ),
+            None
+        );
+        let again = apply(Operation::Add, quarter, large);
+        assert_eq!(
+            apply(Operation::Sub, again.expect("too"), sum.expect("too")),
+            Some(Known::ZERO)
+        );
+    }
 
     #[test]
     fn equal_numbers_are_one_however_they_were_made() {

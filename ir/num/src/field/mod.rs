@@ -21,7 +21,8 @@
 //!   and on the circle also `sin² + cos² = 1`. The theorems for sums of
 //!   angles hold in [`CircleField`] alone.
 //! - `sqrt` is drawn likewise and has no law but that the roots of squares of
-//!   short literals are right (`sqrt(2.25) = 1.5`): `sqrt(x)*sqrt(x)` is not
+//!   short literals are right (`sqrt(2.25) = 1.5`), and those of the numbers
+//!   the prime was drawn for and of their squares: `sqrt(x)*sqrt(x)` is not
 //!   `x` here, so the field may reject a true identity of square roots.
 //!
 //! A field knows neither which numbers are positive nor where a function is
@@ -193,9 +194,14 @@ impl PrimeField {
     /// looks like one by accident.
     fn exact_root(&self, a: u64) -> Option<u64> {
         let field = &self.prime.field;
-        let known = self.prime.roots.iter().find(|(square, _)| *square == a);
-        if let Some(&(_, root)) = known {
-            return Some(root);
+        for &(square, root) in &self.prime.roots {
+            if square == a {
+                return Some(root);
+            }
+            // The square of such a number, of which it is the root.
+            if field.mul(square, square) == a {
+                return Some(square);
+            }
         }
         (-15..=15).find_map(|exponent: i32| {
             let scale = field.literal(f64::from(exponent).exp2());

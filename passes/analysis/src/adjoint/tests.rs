@@ -172,6 +172,23 @@ fn an_error_that_is_no_number_has_no_bound() {
 }
 
 #[test]
+fn a_derivative_that_is_no_number_gives_no_bound() {
+    // The literal is rounded, and what that does is 0/0 times as much.
+    let module = module(
+        "function f atomic {
+  in x[1..2]
+  out y
+  %a = x[1] / x[2]
+  %b = %a * 0.1
+  y = %b
+}",
+    );
+    let tape = Tape::new(&module.functions[0]);
+    let run = AdjointRun::new(&tape, &Binary32, Format::BINARY32, &[0.0, 0.0]);
+    assert_eq!(run.bounds(&[0]), [f64::INFINITY]);
+}
+
+#[test]
 fn bounds_of_single_operations_are_those_of_any_run() {
     let bounds = |operation: &str, inputs: [f64; 2]| {
         let module = module(&format!(

@@ -98,6 +98,43 @@ fn errors_and_values_stay_inside_for_every_state_and_format() {
 }
 
 #[test]
+fn secants_times_differences_of_operands_are_those_of_results() {
+    // Far apart, so that a secant that is a derivative at one end shows.
+    let exact = [0.5, 0.75, 2.0];
+    let steps = [
+        [0.75, 0.0, 0.0],
+        [0.0, 0.5, 0.0],
+        [0.0, 0.0, -1.5],
+        [0.75, 0.5, -1.5],
+    ];
+    for operation in Operation::ALL {
+        for step in steps {
+            let computed: [f64; 3] = std::array::from_fn(|place| exact[place] + step[place]);
+            let [before, after] = [exact, computed].map(|operands| {
+                let mut values = operands.map(Interval::point).to_vec();
+                values.push(operate(operation, &[0, 1, 2], &values));
+                values
+            });
+            let difference = (after[3] - before[3]).widened(1e-12);
+            let enclosure = WindowEnclosure {
+                exact: before,
+                computed: after,
+                local: Vec::new(),
+                error: 0.0,
+                knowledge: RangeBasis::Given,
+            };
+            let secants = secant(operation, [0, 1, 2], &enclosure, 3);
+            let parts = secants.into_iter().zip(step).take(operation.arity());
+            let sum = parts.fold(Interval::ZERO, |sum, (secant, step)| {
+                sum + secant * Interval::point(step)
+            });
+            let meets = sum.low <= difference.high && difference.low <= sum.high;
+            assert!(meets, "{operation:?} {step:?}: {sum:?}, not {difference:?}");
+        }
+    }
+}
+
+#[test]
 fn sines_of_the_host_may_be_off_by_more_than_a_rounding() {
     let sine = Interval {
         low: 0.5,

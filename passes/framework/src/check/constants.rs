@@ -2,10 +2,11 @@
 
 use robovec_ir::{Function, Operand, OperandKind, Operation, View};
 use robovec_num::arithmetic::Arithmetic;
-use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::ball::{Ball, Balls};
 
-/// How far a rounded constant may be from its value, relative to it: one unit
-/// in the last place of binary64, so twice what rounding once does.
+/// How far a rounded constant may be from its value, relative to it, whatever
+/// the value can be within its bound: one unit in the last place of binary64,
+/// so twice what rounding once does.
 const TOLERANCE: f64 = f64::EPSILON;
 
 /// Whether a function is its witness with constants in the place of constant
@@ -49,28 +50,28 @@ pub(super) fn compare(witness: &Function, after: View<'_>) -> Result<(), String>
     Ok(())
 }
 
-fn is_rounded(number: f64, value: Double) -> bool {
-    let distance = value.distance(number);
-    // Numbers that are not finite were written so.
-    distance <= TOLERANCE * number.abs()
-        || number == value.high
-        || number.is_nan() && value.high.is_nan()
+fn is_rounded(number: f64, value: Ball<1>) -> bool {
+    let middle = value.value.high[0];
+    if !middle.is_finite() {
+        // Numbers that are not finite were written so.
+        return number == middle || number.is_nan() && middle.is_nan();
+    }
+    let distance = value.distance(&Ball::exact([number]), 0);
+    distance + value.radius[0] <= TOLERANCE * number.abs()
 }
 
 /// The value of an operand that depends on numbers alone.
-fn value(witness: &Function, numbers: &[Double], operand: Operand) -> Option<Double> {
+fn value(witness: &Function, numbers: &[Ball<1>], operand: Operand) -> Option<Ball<1>> {
     match operand.kind() {
         OperandKind::Value(value) => numbers.get(value.index()).copied(),
-        OperandKind::Constant(constant) => {
-            Some(DoubleDouble.literal(witness.constant_number(constant)))
-        }
+        OperandKind::Constant(constant) => Some(Balls.literal(witness.constant_number(constant))),
         OperandKind::Input(_) | OperandKind::None => None,
     }
 }
 
 /// The values of the first nodes, which must depend on numbers alone.
-fn numbers(witness: &Function, count: usize) -> Result<Vec<Double>, String> {
-    let mut numbers: Vec<Double> = Vec::with_capacity(count);
+fn numbers(witness: &Function, count: usize) -> Result<Vec<Ball<1>>, String> {
+    let mut numbers: Vec<Ball<1>> = Vec::with_capacity(count);
     for node in &witness.nodes()[..count] {
         let operand = |place: usize| {
             let operand = node.operands[place.min(node.operation.arity() - 1)];
@@ -78,14 +79,14 @@ fn numbers(witness: &Function, count: usize) -> Result<Vec<Double>, String> {
         };
         let (a, b) = (operand(0)?, operand(1)?);
         let number = match node.operation {
-            Operation::Add => DoubleDouble.add(a, b),
-            Operation::Sub => DoubleDouble.sub(a, b),
-            Operation::Mul => DoubleDouble.mul(a, b),
-            Operation::Div => DoubleDouble.div(a, b),
-            Operation::Sin => DoubleDouble.sin(a),
-            Operation::Cos => DoubleDouble.cos(a),
-            Operation::Sqrt => DoubleDouble.sqrt(a),
-            Operation::Neg => DoubleDouble.neg(a),
+            Operation::Add => Balls.add(a, b),
+            Operation::Sub => Balls.sub(a, b),
+            Operation::Mul => Balls.mul(a, b),
+            Operation::Div => Balls.div(a, b),
+            Operation::Sin => Balls.sin(a),
+            Operation::Cos => Balls.cos(a),
+            Operation::Sqrt => Balls.sqrt(a),
+            Operation::Neg => Balls.neg(a),
             Operation::Copy => a,
             Operation::Fma | Operation::Fms | Operation::Fnma => {
                 return Err("a constant is made by a fused operation".to_owned());
@@ -94,4 +95,24 @@ fn numbers(witness: &Function, count: usize) -> Result<Vec<Double>, String> {
         numbers.push(number);
     }
     Ok(numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_constant_is_right_only_while_its_bound_says_so() {
+        let [large, quarter] = [122f64.exp2(), 0.25].map(|number| Balls.literal(number));
+        let sum = Balls.add(large, quarter);
+        assert!(is_rounded(122f64.exp2(), sum));
+        // A quarter is left over the real numbers, of which the middle of the
+        // ball has nothing.
+        let rest = Balls.sub(sum, large);
+        assert!(!is_rounded(0.0, rest) && !is_rounded(0.25, rest));
+        assert!(is_rounded(0.25, quarter) && !is_rounded(0.25000001, quarter));
+        assert!(is_rounded(f64::INFINITY, Balls.literal(f64::INFINITY)));
+        let undefined = Balls.div(quarter, rest);
+        assert!(!is_rounded(undefined.value.high[0], undefined));
+    }
 }

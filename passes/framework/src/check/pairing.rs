@@ -6,7 +6,7 @@ use crate::instances::Instances;
 use crate::scene::Scene;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
-use robovec_ir::{Array, Input, Operation, Output, View};
+use robovec_ir::{Array, Function, Input, Operation, Output, View};
 use robovec_num::field::{Field, Prime, mix};
 use std::collections::BTreeMap;
 
@@ -241,18 +241,8 @@ impl<'a> Pairs<'a> {
 
     /// Two primes, modulo which the first constants under roots have roots.
     pub(super) fn primes(&self, seed: u64) -> [Prime; 2] {
-        let mut radicands: Vec<f64> = [self.before.function, self.after.function]
-            .into_iter()
-            .flat_map(|function| {
-                let roots = function.nodes().iter();
-                let roots = roots.filter(|node| node.operation == Operation::Sqrt);
-                roots.filter_map(|node| {
-                    let constant = node.operands[0].constant()?;
-                    Some(function.constant_number(constant))
-                })
-            })
-            .filter(|&number| number > 0.0)
-            .collect();
+        let functions = [self.before.function, self.after.function];
+        let mut radicands: Vec<f64> = functions.into_iter().flat_map(under_roots).collect();
         radicands.sort_by(f64::total_cmp);
         radicands.dedup();
         Prime::pair_for(self.prime_seed(seed), &radicands)
@@ -414,4 +404,29 @@ fn same_arrays(
             None => format!("the {what} arrays stand in another order"),
         },
     })
+}
+
+/// The sizes of constants that stand under roots, alone or as factors: the
+/// root of a square is the size of its base only where that is a square.
+fn under_roots(function: &Function) -> Vec<f64> {
+    let mut is_factor = vec![false; function.nodes().len()];
+    let mut found = Vec::new();
+    for (index, node) in function.nodes().iter().enumerate().rev() {
+        let passes_on = match node.operation {
+            Operation::Sqrt => true,
+            Operation::Mul | Operation::Div | Operation::Neg | Operation::Copy => is_factor[index],
+            _ => false,
+        };
+        if !passes_on {
+            continue;
+        }
+        for operand in node.operands() {
+            if let Some(value) = operand.value() {
+                is_factor[value.index()] = true;
+            }
+            let constant = operand.constant().map(|it| function.constant_number(it));
+            found.extend(constant.map(f64::abs).filter(|&size| size > 0.0));
+        }
+    }
+    found
 }

@@ -252,6 +252,30 @@ fn square_roots_are_equal_for_equal_arguments_only() {
 }
 
 #[test]
+fn roots_of_squares_of_constants_are_their_sizes() {
+    let product = |number: f64, squared: bool| {
+        single(move |b| {
+            let constant = b.constant(number);
+            let factor = if squared {
+                let negative = b.unary(Neg, constant);
+                let square = b.binary(Mul, negative, negative);
+                b.unary(Sqrt, square)
+            } else {
+                constant
+            };
+            b.binary(Mul, Builder::x(1), factor)
+        })
+    };
+    for number in [0.1, 0.3, 0.7, 5.0, 11.0, 13.0, 9.81] {
+        let [before, after] = [true, false].map(|squared| product(number, squared));
+        let found = verdict(&before, &after, NumericClass::Real);
+        assert!(found.holds(), "{number}: {:?}", found.failure);
+        let [before, after] = [true, false].map(|squared| product(-number, squared));
+        assert!(!holds(&before, &after, NumericClass::Real), "{number}");
+    }
+}
+
+#[test]
 fn roots_of_constants_multiply() {
     // 0.1 and 3 are squares modulo one prime in two; 0.2 is twice 0.1.
     let product = |numbers: [f64; 2]| {
