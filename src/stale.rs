@@ -20,7 +20,7 @@ use crate::model::{CutKind, Model};
 use robovec_analysis::class::NumericClass;
 use robovec_framework::check::check;
 use robovec_ir::states::States;
-use robovec_ir::{Function, Input, Module, OperandKind, Place, Tables, View};
+use robovec_ir::{Function, Input, Module, OperandKind, SourcePlace, Tables, View};
 use std::collections::BTreeMap;
 
 /// Random points of the comparison, in each of two prime fields.
@@ -34,7 +34,7 @@ pub struct StaleFinding {
     /// What was found, one sentence.
     pub message: String,
     /// Where it shows in the file of equations.
-    pub place: Option<Place>,
+    pub place: Option<SourcePlace>,
     /// What it means, or what to do.
     pub help: String,
 }
@@ -54,7 +54,7 @@ impl Comparison {
         self.findings.iter().any(|finding| finding.stale)
     }
 
-    fn stale(&mut self, message: String, place: Option<Place>, help: &str) {
+    fn stale(&mut self, message: String, place: Option<SourcePlace>, help: &str) {
         self.findings.push(StaleFinding {
             stale: true,
             message,
@@ -63,7 +63,7 @@ impl Comparison {
         });
     }
 
-    fn remark(&mut self, message: String, place: Option<Place>, help: &str) {
+    fn remark(&mut self, message: String, place: Option<SourcePlace>, help: &str) {
         self.findings.push(StaleFinding {
             stale: false,
             message,
@@ -143,7 +143,7 @@ type ArrayElement = (String, [u32; 2]);
 
 /// The input elements that a function uses, each with the first place where it
 /// does.
-fn used(tables: &Tables, function: &Function) -> BTreeMap<ArrayElement, Option<Place>> {
+fn used(tables: &Tables, function: &Function) -> BTreeMap<ArrayElement, Option<SourcePlace>> {
     let mut used = BTreeMap::new();
     let operands = function.nodes().iter().flat_map(|node| {
         let sources = node.sources;

@@ -10,7 +10,7 @@ use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
 use robovec_analysis::rounding::Trend;
 use robovec_framework::pass::Gives;
-use robovec_framework::pipeline::{Pipeline, Step};
+use robovec_framework::pipeline::{Pipeline, PipelineStep};
 use robovec_ir::states::States;
 use robovec_ir::{Level, Machine, Module};
 use robovec_passes::registry::REGISTRY;
@@ -55,12 +55,12 @@ fn modules() -> Vec<(String, Module)> {
 /// when and where, not what.
 fn arithmetic_part(preset: &str) -> Pipeline {
     let mut pipeline = REGISTRY.pipeline(preset).expect("presets are sound");
-    let schedules = |step: &Step| match step {
-        Step::Pass(step) => matches!(
+    let schedules = |step: &PipelineStep| match step {
+        PipelineStep::Pass(step) => matches!(
             step.info.gives,
             Gives::Level(Level::Scheduled | Level::Placed)
         ),
-        Step::Open { .. } | Step::Close => false,
+        PipelineStep::Open { .. } | PipelineStep::Close => false,
     };
     if let Some(first) = pipeline.steps.iter().position(schedules) {
         pipeline.steps.truncate(first);
@@ -150,7 +150,7 @@ fn what_does_worsen_it_is_seen() {
     // Taking all bodies into one frame costs digits: the same measure must
     // tell the formulations apart.
     use robovec::generate::Formulation;
-    use robovec_analysis::rounding::{Change, rounding};
+    use robovec_analysis::rounding::{MedianChange, rounding};
     use robovec_ir::View;
     let bytes = example("models/serial-23.mbs");
     let model = read_mbs("serial-23.mbs", &bytes)
@@ -170,6 +170,12 @@ fn what_does_worsen_it_is_seen() {
     };
     let bodies = of(Formulation::from_name("recursive").expect("it exists"));
     let one_frame = of(Formulation::from_name("prefix-serial").expect("it exists"));
-    assert_eq!(Change::relative(&bodies, &one_frame).trend, Trend::Worse);
-    assert_eq!(Change::relative(&one_frame, &bodies).trend, Trend::Better);
+    assert_eq!(
+        MedianChange::relative(&bodies, &one_frame).trend,
+        Trend::Worse
+    );
+    assert_eq!(
+        MedianChange::relative(&one_frame, &bodies).trend,
+        Trend::Better
+    );
 }

@@ -1,7 +1,7 @@
 //! Generated C, compiled, against the evaluator, bit for bit.
 
 use crate::simulate::naive::{self, Random};
-use robovec_codegen::c::{Options, Real, Trial, c_files, trial_main};
+use robovec_codegen::c::{Options, Real, TrialState, c_files, trial_main};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{
     Assignment, Constant, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation,
@@ -13,7 +13,7 @@ use std::process::Command;
 
 /// Compiles without a single warning and runs; the outputs, with 17 digits,
 /// which tell every number from all others.
-fn compile_and_run(directory: &Path, view: View<'_>, real: Real, trial: &Trial) -> Vec<f64> {
+fn compile_and_run(directory: &Path, view: View<'_>, real: Real, trial: &TrialState) -> Vec<f64> {
     let files = c_files(view, real);
     for (file, text) in &files {
         std::fs::write(directory.join(file), text).expect("a temporary file");
@@ -56,7 +56,7 @@ fn check(module: &Module, inputs: &[f64]) {
         tables: &module.tables,
         function: &module.functions[0],
     };
-    let trial = Trial::new(view, inputs.to_vec(), 1.0);
+    let trial = TrialState::new(view, inputs.to_vec(), 1.0);
     let numbers = &trial.expected;
     assert!(
         numbers.iter().all(|number| number.is_finite()),

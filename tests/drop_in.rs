@@ -4,7 +4,8 @@
 use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
 use robovec_codegen::c::{
-    Options, Order, Real, Signature, Sines, Trial, files, function_name, minimal_data, trial_main,
+    Options, Real, Signature, Sines, StatementOrder, TrialState, files, function_name,
+    minimal_data, trial_main,
 };
 use robovec_framework::manager::{self, Config};
 use robovec_ir::states::States;
@@ -24,7 +25,7 @@ fn has_gcc() -> bool {
 }
 
 /// Compiles and runs the trial of a function.
-fn run(view: View<'_>, options: &Options, trial: &Trial, argument: &str) -> Output {
+fn run(view: View<'_>, options: &Options, trial: &TrialState, argument: &str) -> Output {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let files = files(view, options).expect("it has a signature");
     let write = |name: &str, text: &str| {
@@ -78,7 +79,7 @@ fn agrees(module: &Module, options: &Options, tolerance: f64) {
         if let Some(last) = inputs.first_mut() {
             *last = 1e7;
         }
-        let mut trial = Trial::new(view, inputs, tolerance);
+        let mut trial = TrialState::new(view, inputs, tolerance);
         let output = run(view, options, &trial, "");
         let text = String::from_utf8_lossy(&output.stdout);
         assert!(output.status.success(), "{}: {text}", function.name);
@@ -121,7 +122,7 @@ fn functions_of_models_agree_with_the_evaluator() {
     agrees(&bogie, &float, 1e-4);
     let library = Options {
         sines: Sines::Library,
-        order: Order::Program,
+        order: StatementOrder::Program,
         ..many_parts.clone()
     };
     agrees(&bogie, &library, 1e-12);
@@ -300,7 +301,7 @@ fn the_loop_of_sines_is_as_exact_as_a_library() {
         signature: Signature::Plain,
         ..Options::default()
     };
-    let trial = Trial::new(view, inputs, 1e-15);
+    let trial = TrialState::new(view, inputs, 1e-15);
     let output = run(view, &options, &trial, "print");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     let mut seen = 0;

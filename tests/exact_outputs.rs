@@ -8,8 +8,10 @@
 use astro_float::{BigFloat, Consts, RoundingMode};
 use robovec::generate::{FunctionKind, GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
-use robovec_analysis::reference::{Effort, Exact, Kind, Reference};
-use robovec_ir::plan::Plan;
+use robovec_analysis::reference::{
+    ExactEvidence, ExactOutput, ReferenceEffort, ReferenceEvaluator,
+};
+use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Module, Operation, View};
 use std::fs;
@@ -27,7 +29,7 @@ fn module(file: &str) -> Module {
 }
 
 /// Some states with their certified outputs, all of which are certain.
-fn certified(name: &str, module: &Module, count: u32) -> Vec<(Vec<f64>, Vec<Exact>)> {
+fn certified(name: &str, module: &Module, count: u32) -> Vec<(Vec<f64>, Vec<ExactOutput>)> {
     let function = &module.functions[0];
     let view = View {
         tables: &module.tables,
@@ -36,7 +38,7 @@ fn certified(name: &str, module: &Module, count: u32) -> Vec<(Vec<f64>, Vec<Exac
     let states: Vec<Vec<f64>> = (0..count)
         .map(|state| States::new(1).draw(view, state))
         .collect();
-    let exact = Reference::new(function, Effort::Certified).evaluate(&states);
+    let exact = ReferenceEvaluator::new(function, ReferenceEffort::Certified).evaluate(&states);
     for (place, value) in exact.iter().flatten().enumerate() {
         assert!(value.is_certain(), "{name}: {place}: {value:?}");
     }
@@ -46,7 +48,7 @@ fn certified(name: &str, module: &Module, count: u32) -> Vec<(Vec<f64>, Vec<Exac
 /// The outputs at so many bits, without any bound.
 fn evaluate(function: &Function, inputs: &[f64], bits: usize) -> Vec<BigFloat> {
     let mut constants = Consts::new().expect("there is memory");
-    Plan::new(function).run_with(
+    EvaluationPlan::new(function).run_with(
         inputs,
         |number| BigFloat::from_f64(number, bits),
         |operation, [a, b, _]| match operation {
@@ -93,7 +95,7 @@ fn certified_outputs_are_the_nearest_to_those_at_448_bits() {
             let least = BigFloat::from_f64(1e-100, 64);
             for (place, (value, wide)) in exact.iter().zip(&wide).enumerate() {
                 let right = match value.kind {
-                    Kind::Zero => wide.abs().cmp(&least).is_some_and(|order| order < 0),
+                    ExactEvidence::Zero => wide.abs().cmp(&least).is_some_and(|order| order < 0),
                     _ => is_nearest(value.value.high, wide),
                 };
                 assert!(right, "{name}, output {place}: {value:?}");
@@ -109,11 +111,14 @@ fn the_audit_agrees_with_what_is_certified() {
     for name in ["bogie", "four-bar", "serial-23"] {
         let module = module(&format!("{name}.mbs"));
         for (inputs, exact) in certified(name, &module, 2) {
-            let mut audit = Reference::new(&module.functions[0], Effort::Audit);
+            let mut audit = ReferenceEvaluator::new(&module.functions[0], ReferenceEffort::Audit);
             let audited = audit.evaluate(&[inputs]);
             for (place, (value, other)) in exact.iter().zip(&audited[0]).enumerate() {
                 assert_eq!(value.value.high, other.value.high, "{name}, output {place}");
-                assert!(matches!(other.kind, Kind::Precise(_) | Kind::Zero));
+                assert!(matches!(
+                    other.kind,
+                    ExactEvidence::Precise(_) | ExactEvidence::Zero
+                ));
             }
         }
     }
@@ -142,8 +147,8 @@ fn certified_outputs_are_those_of_mpfr_at_400_bits() {
             let wide = mpfr::evaluate(function, &inputs, 400);
             for (place, (value, wide)) in exact.iter().zip(wide).enumerate() {
                 all += 1;
-                precise += u32::from(matches!(value.kind, Kind::Precise(_)));
-                if value.kind == Kind::Zero {
+                precise += u32::from(matches!(value.kind, ExactEvidence::Precise(_)));
+                if value.kind == ExactEvidence::Zero {
                     zeros += 1;
                     assert!(wide.abs() < 1e-90, "{file}, output {place}: {wide:e}");
                 } else {

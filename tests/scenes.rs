@@ -8,7 +8,7 @@ use robovec::scene::{PIPELINE, SceneFile, SceneSubject, USUAL, read};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pass::Pass;
 use robovec_framework::pass::{Aside, Context};
-use robovec_framework::rewrites::Rewrites;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
@@ -178,7 +178,7 @@ fn before_constants_are_rounded_nothing_differs() {
 /// Runs `specialise` and takes its witness.
 fn witness(module: &mut Module, scene: &Scene) -> Function {
     let machine = thesis();
-    let (rules, rewrites) = (RuleSet::default(), Rewrites::default());
+    let (rules, rewrites) = (RuleSet::default(), RewriteLimit::default());
     let mut aside = Aside::default();
     let mut context = Context {
         tables: &mut module.tables,

@@ -11,14 +11,14 @@ use robovec::trigonometry::{
 };
 use robovec_codegen::manifest::Manifest;
 use robovec_codegen::{images, write_images};
-use robovec_framework::manager::{self, Config, Outcome};
+use robovec_framework::manager::{self, Config, RunOutcome};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Machine, Module, View};
 use robovec_num::arithmetic::{Arithmetic, Binary32};
-use robovec_num::trigonometry::host::Unit;
+use robovec_num::trigonometry::host::TrigonometricUnit;
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::trigonometry::Method;
+use robovec_passes::trigonometry::CircularMethod;
 use std::fs;
 use std::path::Path;
 
@@ -36,13 +36,18 @@ fn thesis() -> Machine {
     Machine::built_in("thesis").expect("it ships")
 }
 
-fn run(module: &mut Module, passes: &str) -> Outcome {
+fn run(module: &mut Module, passes: &str) -> RunOutcome {
     let pipeline = REGISTRY.pipeline(passes).expect("a sound pipeline");
     let mut log = std::io::sink();
     manager::run(module, &pipeline, Config::new(&thesis(), &mut log)).expect("it runs")
 }
 
-fn effect(name: &str, method: Method, orders: &[u32], angles: &[f64]) -> TrigonometryEffect {
+fn effect(
+    name: &str,
+    method: CircularMethod,
+    orders: &[u32],
+    angles: &[f64],
+) -> TrigonometryEffect {
     let (model, module) = example(name);
     let setting = TrigonometrySetting {
         method,
@@ -69,7 +74,7 @@ fn mass_matrix(effect: &TrigonometryEffect, angle: f64, order: Option<u32>) -> f
 #[test]
 fn series_of_taylor_spoil_the_bogie_as_is_known() {
     let angles = [0.01, 0.1, 0.5];
-    let effect = effect("bogie", Method::Taylor, &[1, 3, 5, 7], &angles);
+    let effect = effect("bogie", CircularMethod::Taylor, &[1, 3, 5, 7], &angles);
     // Orders of magnitude known from another model of a bogie: 1.3e-4, 7e-3
     // and 0.34 for order 1; 2.6e-6 and 4e-3 for order 3; 8.6e-8, which is
     // the rounding of binary32, for order 7.
@@ -104,8 +109,8 @@ fn series_of_taylor_spoil_the_bogie_as_is_known() {
 
 #[test]
 fn fitted_polynomials_reach_rounding_with_a_lower_order() {
-    let fitted = effect("bogie", Method::Minimax, &[3, 5], &[0.5]);
-    let series = effect("bogie", Method::Taylor, &[3, 5], &[0.5]);
+    let fitted = effect("bogie", CircularMethod::Minimax, &[3, 5], &[0.5]);
+    let series = effect("bogie", CircularMethod::Taylor, &[3, 5], &[0.5]);
     for order in [3, 5] {
         let (fitted, series) = (
             mass_matrix(&fitted, 0.5, Some(order)),
@@ -199,7 +204,7 @@ fn images_with_numbers_hold_the_sines_of_the_method() {
 }
 
 /// Runs the images and compares with the evaluator, bit for bit.
-fn simulate(module: &Module, unit: Option<&Unit>) {
+fn simulate(module: &Module, unit: Option<&TrigonometricUnit>) {
     let function = &module.functions[0];
     let view = View {
         tables: &module.tables,

@@ -53,7 +53,7 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<Run> {
     let outputs: Vec<usize> = (0..tape.outputs()).collect();
     for state in 0..STATES {
         let inputs = States::new(seed).draw(view, state);
-        let run = adjoint::Run::of(view.function, &tape, format, &inputs);
+        let run = adjoint::AdjointRun::of(view.function, &tape, format, &inputs);
         let usual = |value: &f64| *value == 0.0 || SIZES.contains(&value.abs());
         if !run.exact().iter().all(usual) {
             continue;

@@ -9,7 +9,7 @@ use robovec_analysis::class::NumericClass;
 use robovec_analysis::error_bound::{Binary32Bound, Bounded};
 use robovec_framework::manager::{self, Config, Executed, Limit, RunError};
 use robovec_framework::pipeline::Pipeline;
-use robovec_framework::reduce::{Setting, WORK, reduce};
+use robovec_framework::reduce::{TrialSetting, WORK, reduce};
 use robovec_ir::evaluate::{evaluate, evaluate_nodes, outputs};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, View, print};
@@ -105,7 +105,7 @@ fn execute(
 /// The smallest program that shows what goes wrong; the whole one when only
 /// the first rewrites of a pass go wrong.
 pub(crate) fn reduced(module: &Module, pipeline: &Pipeline, rules: RuleSet, seed: u64) -> String {
-    let setting = Setting {
+    let setting = TrialSetting {
         machine: &Machine::built_in("ideal").expect("it ships"),
         rules: &rules,
         scene: None,

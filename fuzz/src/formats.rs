@@ -7,8 +7,8 @@
 use arbitrary::{Result, Unstructured};
 use robovec_ir::evaluate::evaluate_mixed_nodes;
 use robovec_ir::{
-    Format, Formats, Function, Input, Level, Name, Node, Operand, OperandKind, Operation, Shape,
-    SourceSet, Tables, Value,
+    Format, Function, Input, Level, Name, Node, Operand, OperandKind, Operation, Shape, SourceSet,
+    Tables, Value, ValueFormats,
 };
 use robovec_num::NumberFormat;
 use rustc_apfloat::ieee::{Double, IeeeFloat, Quad, Semantics};
@@ -167,7 +167,7 @@ fn compare(bytes: &mut Unstructured<'_>) -> Result<()> {
         inputs.push(number(bytes)?);
     }
     let count = bytes.int_in_range(1..=12)?;
-    let mut formats = Formats::new(count);
+    let mut formats = ValueFormats::new(count);
     let mut values: Vec<f64> = Vec::new();
     for index in 0..count as u32 {
         let own = if bytes.ratio(3, 4)? {
@@ -176,7 +176,7 @@ fn compare(bytes: &mut Unstructured<'_>) -> Result<()> {
             None
         };
         let &operation = bytes.choose(&OPERATIONS)?;
-        let mut operands = [Operand::NONE; Operand::MOST];
+        let mut operands = [Operand::NONE; Operand::MAX_COUNT];
         for operand in &mut operands[..operation.arity()] {
             *operand = any_operand(bytes, &mut function, index)?;
         }

@@ -8,7 +8,7 @@ use crate::hostile;
 use arbitrary::{Result, Unstructured};
 use robovec_ir::{
     Array, Assignment, Boundary, Function, Input, Level, Module, Name, Node, Operand, Operation,
-    Output, Place, Shape, SourceSet, Tables, Value,
+    Output, Shape, SourcePlace, SourceSet, Tables, Value,
 };
 use std::collections::BTreeSet;
 
@@ -204,7 +204,7 @@ impl Generator<'_, '_> {
             let line = self.bytes.int_in_range(1..=40)?;
             let column = self.bytes.int_in_range(1..=9)?;
             let lines = self.bytes.int_in_range(0..=1)?;
-            sets.push(self.tables.sources.single(Place {
+            sets.push(self.tables.sources.single(SourcePlace {
                 file: self.bytes.int_in_range(0..=files - 1)?,
                 line,
                 column,
@@ -241,12 +241,12 @@ impl Generator<'_, '_> {
         let base = self.tables.symbols.intern(self.bytes.choose(&BASES)?);
         let suffix = match (self.kind, self.bytes.int_in_range(0..=7)?) {
             (_, 0..=3) => 0,
-            (Kind::Wild, 4) => self.bytes.int_in_range(1..=Name::MOST)?,
+            (Kind::Wild, 4) => self.bytes.int_in_range(1..=Name::MAX_NUMBER)?,
             _ => self.bytes.int_in_range(1..=40)?,
         };
         let mut name = Name { base, suffix };
         while !self.taken.insert(name) {
-            name.suffix = (name.suffix + 1) % Name::MOST;
+            name.suffix = (name.suffix + 1) % Name::MAX_NUMBER;
         }
         Ok(name)
     }

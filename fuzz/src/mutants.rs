@@ -196,7 +196,7 @@ fn function(bytes: &mut Unstructured<'_>, tables: &mut Tables) -> Result<Functio
     let count: u32 = bytes.int_in_range(1..=40)?;
     for suffix in 0..count {
         let operation = *bytes.choose(&OPERATIONS)?;
-        let mut operands = [Operand::NONE; Operand::MOST];
+        let mut operands = [Operand::NONE; Operand::MAX_COUNT];
         for place in &mut operands[..operation.arity()] {
             *place = operand(bytes, &mut function, suffix)?;
         }

@@ -5,8 +5,8 @@
 use arbitrary::{Result, Unstructured};
 use robovec_ir::evaluate::evaluate_mixed_nodes;
 use robovec_ir::{
-    Format, Formats, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Tables,
-    Value,
+    Format, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Tables, Value,
+    ValueFormats,
 };
 
 /// Factors that are one, or next to it, where arithmetic is done modulo a
@@ -88,7 +88,7 @@ pub(crate) fn mutate(
 pub(crate) fn formats(bytes: &mut Unstructured<'_>, original: &Function) -> Result<[Function; 2]> {
     let narrow: [Format; 3] = ["f16", "bf16", "f32"].map(|name| name.parse().expect("a format"));
     let count = original.nodes().len();
-    let mut formats = Formats::new(count);
+    let mut formats = ValueFormats::new(count);
     for value in 0..count as u32 {
         if bytes.ratio(1, 4)? {
             formats.set(Value(value), Some(*bytes.choose(&narrow)?));

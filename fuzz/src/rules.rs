@@ -9,15 +9,15 @@ use crate::statistics::{Run, Statistics};
 use crate::term::Term;
 use arbitrary::{Result, Unstructured};
 use robovec_framework::manager::{self, Config, Executed, RunError};
-use robovec_framework::pipeline::{PassStep, Pipeline, Step};
-use robovec_framework::reduce::{Reduction, Setting, WORK, reduce};
+use robovec_framework::pipeline::{PassStep, Pipeline, PipelineStep};
+use robovec_framework::reduce::{Reduction, TrialSetting, WORK, reduce};
 use robovec_framework::rewrite::lay_out;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
 use robovec_ir::{Assignment, Input, Machine, Module, Operand, Output, Shape, SourceSet, print};
 use robovec_num::field::{Field, PrimeField};
 use robovec_passes::registry::REGISTRY;
-use robovec_rules::check::{Verdict, check};
+use robovec_rules::check::{RuleVerdict, check};
 use robovec_rules::{Rule, RuleSet};
 
 /// How often [`false_rules_are_caught`] ran, and on what.
@@ -137,8 +137,8 @@ fn differ(left: &Term, right: &Term) -> bool {
 fn judge(rule: &Rule) {
     let verdict = check(rule, TRIALS).verdict;
     let right = match rule.name.starts_with("true") {
-        true => matches!(verdict, Verdict::Proved(_)),
-        false => matches!(verdict, Verdict::False(_)),
+        true => matches!(verdict, RuleVerdict::Proved(_)),
+        false => matches!(verdict, RuleVerdict::False(_)),
     };
     assert!(right, "{}: {verdict:?}\n{rule:?}", rule.name);
 }
@@ -187,7 +187,7 @@ fn pipeline(bytes: &mut Unstructured<'_>) -> Result<(Pipeline, bool)> {
     let mut steps = parse("atomise");
     let believes = !bytes.ratio(1, 4)?;
     if believes {
-        steps.push(Step::Pass(PassStep {
+        steps.push(PipelineStep::Pass(PassStep {
             info: &BELIEVE,
             options: Vec::new(),
             span: 0..0,
@@ -233,7 +233,7 @@ fn same(before: &Module, after: &Module) -> bool {
 }
 
 fn small(module: &Module, pipeline: &Pipeline, rules: &RuleSet, seed: u64) -> Reduction {
-    let setting = Setting {
+    let setting = TrialSetting {
         machine: &Machine::built_in("ideal").expect("it ships"),
         rules,
         scene: None,

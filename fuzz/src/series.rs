@@ -4,7 +4,7 @@ use arbitrary::{Result, Unstructured};
 use robovec_ir::{FixedFormat, Format};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
-use robovec_num::trigonometry::host::{Implementation, Unit};
+use robovec_num::trigonometry::host::{Implementation, TrigonometricUnit};
 use robovec_num::trigonometry::{Circular, Halved, Polynomial};
 
 /// Angles tried on every range.
@@ -83,7 +83,7 @@ fn host(bytes: &mut Unstructured<'_>) -> Result<()> {
             bits,
         },
     };
-    let unit = Unit::new(implementation).expect("its numbers are in their ranges");
+    let unit = TrigonometricUnit::new(implementation).expect("its numbers are in their ranges");
     let proved = unit.proved_error();
     let size = 2f64.powi(bytes.int_in_range(-4..=30)?);
     for _ in 0..SAMPLES {

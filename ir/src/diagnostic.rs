@@ -14,7 +14,7 @@
 
 mod excerpt;
 
-use crate::source::Place;
+use crate::source::SourcePlace;
 pub use codespan_reporting::diagnostic::{LabelStyle, Severity};
 pub use codespan_reporting::term::termcolor;
 use codespan_reporting::term::{Config, emit_to_string, emit_to_write_style};
@@ -168,8 +168,8 @@ impl Report {
     }
 
     /// The bytes of a place in one of the texts, for a label; clamped to the
-    /// text. [`Place::file`] is not looked at.
-    pub fn range_of(&self, file: FileId, place: Place) -> Range<usize> {
+    /// text. [`SourcePlace::file`] is not looked at.
+    pub fn range_of(&self, file: FileId, place: SourcePlace) -> Range<usize> {
         let Some(source) = self.files.get(file) else {
             return 0..0;
         };
@@ -362,7 +362,7 @@ mod tests {
     #[test]
     fn places_become_byte_ranges_and_back() {
         let report = Report::of("a.m", "x\nab é cd\n", Vec::new());
-        let place = Place {
+        let place = SourcePlace {
             file: 7,
             line: 2,
             column: 4,

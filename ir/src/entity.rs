@@ -87,13 +87,13 @@ impl Operand {
     /// The most operands an operation takes: a fused multiply-add has three.
     /// They lie inside the node, which grows by four bytes for the third;
     /// a table beside the nodes would save them and cost every traversal.
-    pub const MOST: usize = 3;
+    pub const MAX_COUNT: usize = 3;
 
     /// The operands of an operation, filled up with [`Operand::NONE`].
     #[inline]
-    pub fn list<const COUNT: usize>(given: [Operand; COUNT]) -> [Operand; Operand::MOST] {
-        const { assert!(COUNT <= Operand::MOST) };
-        let mut operands = [Operand::NONE; Operand::MOST];
+    pub fn list<const COUNT: usize>(given: [Operand; COUNT]) -> [Operand; Operand::MAX_COUNT] {
+        const { assert!(COUNT <= Operand::MAX_COUNT) };
+        let mut operands = [Operand::NONE; Operand::MAX_COUNT];
         operands[..COUNT].copy_from_slice(&given);
         operands
     }

@@ -6,11 +6,11 @@
 //! expression tree of the next named node (or output) that uses them.
 
 use crate::entity::{Constant, Input, Operand, Output, Value};
-use crate::formats::Formats;
 use crate::history::Histories;
 use crate::placement::{Placement, Schedule};
 use crate::source::SourceSet;
 use crate::symbol::{FreshNames, Name, Symbol};
+use crate::value_formats::ValueFormats;
 use hashbrown::HashMap;
 use robovec_num::operation::Operation;
 use rustc_hash::FxBuildHasher;
@@ -64,7 +64,7 @@ pub struct Node {
     /// The equations the node comes from.
     pub sources: SourceSet,
     /// The operands, filled up with [`Operand::NONE`]; see [`Operand::list`].
-    pub operands: [Operand; Operand::MOST],
+    pub operands: [Operand; Operand::MAX_COUNT],
     /// What is computed.
     pub operation: Operation,
 }
@@ -212,7 +212,7 @@ pub struct Function {
     pub placement: Option<Placement>,
     /// Number formats of single values, from level `atomic`; `None` for a
     /// function whose values all have that of the run.
-    pub formats: Option<Formats>,
+    pub formats: Option<ValueFormats>,
     /// How every value came to be; kept only when somebody asks.
     pub histories: Option<Histories>,
     inputs: Vec<Array>,

@@ -27,7 +27,7 @@ impl History {
 
 /// A pass that made a value or changed its definition.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub struct Step {
+pub struct HistoryStep {
     /// The history of what it was made from.
     pub before: History,
     /// The pass with its options, as in the pipeline.
@@ -40,8 +40,8 @@ pub struct Step {
 /// The histories of a function's values.
 #[derive(Clone, Default, Debug)]
 pub struct Histories {
-    steps: Vec<Step>,
-    index: HashMap<Step, u32, FxBuildHasher>,
+    steps: Vec<HistoryStep>,
+    index: HashMap<HistoryStep, u32, FxBuildHasher>,
     /// One for every node; inner nodes of expressions have
     /// [`History::NONE`], since they belong to their definition or output.
     pub values: Vec<History>,
@@ -61,7 +61,7 @@ impl Histories {
 
     /// The history that ends with this step; equal steps give equal
     /// histories. The step's own past must be of this table.
-    pub fn add(&mut self, step: Step) -> History {
+    pub fn add(&mut self, step: HistoryStep) -> History {
         debug_assert!(step.before.0 as usize <= self.steps.len());
         let next = self.steps.len() as u32 + 1;
         if let Some(&known) = self.index.get(&step) {
@@ -73,17 +73,17 @@ impl Histories {
     }
 
     /// All steps; each comes after those before it.
-    pub fn steps(&self) -> &[Step] {
+    pub fn steps(&self) -> &[HistoryStep] {
         &self.steps
     }
 
     /// The last step of a history.
-    pub fn step(&self, history: History) -> Option<&Step> {
+    pub fn step(&self, history: History) -> Option<&HistoryStep> {
         self.steps.get(history.index()?)
     }
 
     /// The steps of a history, the first one first.
-    pub fn chain(&self, history: History) -> Vec<&Step> {
+    pub fn chain(&self, history: History) -> Vec<&HistoryStep> {
         let mut chain = Vec::new();
         let mut next = history;
         while let Some(step) = self.step(next) {
@@ -143,7 +143,7 @@ pub(crate) fn same_histories(left: Option<&Histories>, right: Option<&Histories>
         };
         let mut translation = vec![History::NONE];
         for step in &histories.steps {
-            translation.push(common.add(Step {
+            translation.push(common.add(HistoryStep {
                 before: translation[step.before.0 as usize],
                 ..step.clone()
             }));
@@ -164,8 +164,8 @@ pub(crate) fn same_histories(left: Option<&Histories>, right: Option<&Histories>
 mod tests {
     use super::*;
 
-    fn step(before: History, pass: &str) -> Step {
-        Step {
+    fn step(before: History, pass: &str) -> HistoryStep {
+        HistoryStep {
             before,
             pass: pass.to_owned(),
             rules: Vec::new(),

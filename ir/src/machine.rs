@@ -11,7 +11,7 @@ pub mod identity;
 pub mod interconnect;
 
 pub use identity::MachineMismatch;
-pub use interconnect::{Interconnect, Network, Topology};
+pub use interconnect::{Interconnect, LinkNetwork, Topology};
 
 use robovec_num::format::{Format, FormatError};
 use robovec_num::operation::Operation;
@@ -49,7 +49,7 @@ pub struct Machine {
     pub instructions: Option<InstructionDescription>,
     /// What is known about the size of its parts.
     #[serde(default)]
-    pub resources: Option<Resources>,
+    pub resources: Option<DeviceResources>,
 }
 
 /// A kind of processing element.
@@ -165,7 +165,7 @@ pub struct InstructionDescription {
 /// Sizes of the parts on a real device.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Resources {
+pub struct DeviceResources {
     /// The device.
     pub device: String,
     /// Logic cells of the device (ALM).

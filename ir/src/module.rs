@@ -1,11 +1,11 @@
 //! A module: functions and the tables they share.
 
 use crate::entity::{Operand, OperandKind};
-use crate::formats::same_formats;
 use crate::function::{Array, Function, Node};
 use crate::history::same_histories;
 use crate::source::{SourceSet, Sources};
 use crate::symbol::{Name, Symbols};
+use crate::value_formats::same_formats;
 
 /// The tables that all functions of a module share.
 #[derive(Clone, Default, Debug)]

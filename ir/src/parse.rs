@@ -39,7 +39,7 @@ use crate::diagnostic::{Diagnostic, Label};
 use crate::machine::Machine;
 use crate::module::Module;
 use crate::print::HEADER;
-use builder::Builder;
+use builder::ModuleBuilder;
 use lexer::Tokens;
 use robovec_num::limits::NumberLimit;
 
@@ -57,7 +57,7 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
 ];
 
 /// Texts of this many bytes and more are refused.
-const MOST_BYTES: usize = 1 << 31;
+const MAX_BYTES: usize = 1 << 31;
 
 /// Reads a module from its text form. The name is that of the file, for
 /// messages that must say it; labels refer to file 0.
@@ -72,7 +72,7 @@ pub fn parse_module(name: &str, text: &str) -> Result<Module, Vec<Diagnostic>> {
 
 /// A machine, and whether a function of a name is to be verified for it.
 #[derive(Clone, Copy)]
-pub struct Target<'a> {
+pub struct VerificationTarget<'a> {
     /// The machine.
     pub machine: &'a Machine,
     /// Told the name of every function.
@@ -87,21 +87,25 @@ pub struct Target<'a> {
 /// As [`parse_module`], and the violations that
 /// [`verify_placement`](crate::verify::verify_placement) finds, at their
 /// places in the text.
-pub fn parse_placed(name: &str, text: &str, target: Target<'_>) -> Result<Module, Vec<Diagnostic>> {
+pub fn parse_placed(
+    name: &str,
+    text: &str,
+    target: VerificationTarget<'_>,
+) -> Result<Module, Vec<Diagnostic>> {
     parse_with(name, text, Some(target))
 }
 
 fn parse_with(
     name: &str,
     text: &str,
-    target: Option<Target<'_>>,
+    target: Option<VerificationTarget<'_>>,
 ) -> Result<Module, Vec<Diagnostic>> {
-    if text.len() >= MOST_BYTES {
+    if text.len() >= MAX_BYTES {
         let message = format!("{name} is larger than 2 GiB, which no function needs");
         return Err(vec![Diagnostic::error().with_message(message)]);
     }
     check_version(text)?;
-    let mut builder = Builder::new(text);
+    let mut builder = ModuleBuilder::new(text);
     builder.target = target;
     let mut tokens = Tokens::new(text);
     let parser = grammar::StatementsParser::new();

@@ -145,7 +145,7 @@ pub struct Placement {
     /// a side-split element those of the left and right operand in its left
     /// and right memory); `u32::MAX` where there is no operand. One entry per
     /// node.
-    pub reads: Vec<[u32; crate::Operand::MOST]>,
+    pub reads: Vec<[u32; crate::Operand::MAX_COUNT]>,
     /// The buffer word of the producing element that holds the result from
     /// its write-back on, or `u32::MAX`. One entry per node.
     pub buffers: Vec<u32>,

@@ -2,7 +2,7 @@
 //!
 //! [`evaluate`](crate::evaluate::evaluate) keeps the value of every node,
 //! which for wide numbers (batches of double-double, derivatives) is far more
-//! memory than a processor's caches hold. A [`Plan`] gives a value a place
+//! memory than a processor's caches hold. A [`EvaluationPlan`] gives a value a place
 //! only as long as somebody will still read it, as a compiler allocates
 //! registers: the working set is that of the values alive at a time, and
 //! places are reused from one evaluation to the next. It also leaves out what
@@ -19,8 +19,8 @@ use robovec_num::operation::Operation;
 
 /// The steps of a function with places for its values.
 #[derive(Clone, Debug)]
-pub struct Plan {
-    steps: Vec<Step>,
+pub struct EvaluationPlan {
+    steps: Vec<EvaluationStep>,
     /// Number of input elements; their places come first.
     inputs: usize,
     /// Literals, behind the inputs; the last is a zero for absent operands.
@@ -33,7 +33,7 @@ pub struct Plan {
 
 /// One operation.
 #[derive(Clone, Copy, Debug)]
-struct Step {
+struct EvaluationStep {
     operation: Operation,
     operands: [u32; 3],
     result: u32,
@@ -45,14 +45,14 @@ const UNUSED: u32 = u32::MAX;
 /// Marks a value that lives until the end.
 const FOREVER: u32 = u32::MAX - 1;
 
-impl Plan {
+impl EvaluationPlan {
     /// The plan of all outputs.
-    pub fn new(function: &Function) -> Plan {
-        Plan::of(function, |_| true)
+    pub fn new(function: &Function) -> EvaluationPlan {
+        EvaluationPlan::of(function, |_| true)
     }
 
     /// The plan of the assignments, counted from 0, that are wanted.
-    pub fn of(function: &Function, wanted: impl Fn(usize) -> bool) -> Plan {
+    pub fn of(function: &Function, wanted: impl Fn(usize) -> bool) -> EvaluationPlan {
         let assignments = function.assignments.iter().enumerate();
         let wanted: Vec<Operand> = assignments
             .filter(|(index, _)| wanted(*index))
@@ -63,7 +63,7 @@ impl Plan {
         literals.push(0.0);
         let inputs = function.input_len();
         let fixed = inputs + literals.len();
-        let mut plan = Plan {
+        let mut plan = EvaluationPlan {
             steps: Vec::with_capacity(function.nodes().len()),
             inputs,
             literals,
@@ -92,7 +92,7 @@ impl Plan {
                 plan.places as u32 - 1
             });
             place[index] = result;
-            plan.steps.push(Step {
+            plan.steps.push(EvaluationStep {
                 operation: node.operation,
                 operands,
                 result,
@@ -246,7 +246,7 @@ mod tests {
         let function = &module.functions[0];
         let inputs = [0.75, -1.25, 3.0];
         let expected = evaluate(function, &Binary64, &inputs);
-        let plan = Plan::new(function);
+        let plan = EvaluationPlan::new(function);
         let mut memory = Vec::new();
         assert_eq!(plan.run(&Binary64, &inputs, &mut memory), expected);
         assert_eq!(plan.run(&Binary64, &inputs, &mut memory), expected);
@@ -275,11 +275,11 @@ mod tests {
         let function = &module.functions[0];
         let inputs = [0.75, -1.25, 3.0];
         let expected = evaluate(function, &Binary64, &inputs);
-        let plan = Plan::of(function, |index| index == 1 || index == 3);
+        let plan = EvaluationPlan::of(function, |index| index == 1 || index == 3);
         let outputs = plan.run(&Binary64, &inputs, &mut Vec::new());
         assert_eq!(outputs, [expected[1], expected[3]]);
         assert_eq!(plan.len(), 6);
-        let nothing = Plan::of(function, |index| index == 2);
+        let nothing = EvaluationPlan::of(function, |index| index == 2);
         assert!(nothing.is_empty());
         assert_eq!(
             nothing.run(&Binary64, &inputs, &mut Vec::new()),

@@ -13,7 +13,7 @@ use crate::function::{Array, Assignment, Boundary, Level, Shape, Timing};
 use crate::history::History;
 use crate::module::{Module, View};
 use crate::placement::{Bank, Placement, Schedule, Word};
-use crate::source::{Place, SourceSet};
+use crate::source::{SourcePlace, SourceSet};
 use hashbrown::HashMap;
 use robovec_num::operation::Operation;
 use rustc_hash::FxBuildHasher;
@@ -115,7 +115,7 @@ struct FunctionPrinter<'a> {
 }
 
 /// What remains to be printed of an expression.
-enum Piece {
+enum PendingPiece {
     Operand(Operand, u8),
     Text(&'static str),
 }
@@ -457,12 +457,12 @@ impl<'a> FunctionPrinter<'a> {
         self.open(&mut pieces, text, value);
         while let Some(piece) = pieces.pop() {
             match piece {
-                Piece::Text(fixed) => text.push(fixed),
-                Piece::Operand(operand, binding) => match operand.value() {
+                PendingPiece::Text(fixed) => text.push(fixed),
+                PendingPiece::Operand(operand, binding) => match operand.value() {
                     Some(inner) if function.node(inner).name.is_none() => {
                         if precedence(function.node(inner).operation) < binding {
                             text.push("(");
-                            pieces.push(Piece::Text(")"));
+                            pieces.push(PendingPiece::Text(")"));
                         }
                         self.open(&mut pieces, text, inner);
                     }
@@ -473,7 +473,7 @@ impl<'a> FunctionPrinter<'a> {
     }
 
     /// Pushes the pieces of one node, last first.
-    fn open(&self, pieces: &mut Vec<Piece>, text: &mut Text<'_>, value: Value) {
+    fn open(&self, pieces: &mut Vec<PendingPiece>, text: &mut Text<'_>, value: Value) {
         let node = self.view.function.node(value);
         let [left, right, third] = node.operands;
         let (fixed, binding) = match node.operation {
@@ -482,7 +482,7 @@ impl<'a> FunctionPrinter<'a> {
             Operation::Mul => ("*", PRODUCT),
             Operation::Div => ("/", PRODUCT),
             Operation::Copy => {
-                pieces.push(Piece::Operand(left, 0));
+                pieces.push(PendingPiece::Operand(left, 0));
                 return;
             }
             Operation::Neg => {
@@ -491,33 +491,33 @@ impl<'a> FunctionPrinter<'a> {
                 // negated literal keeps its parentheses.
                 if left.constant().is_some() {
                     text.push("(");
-                    pieces.push(Piece::Text(")"));
+                    pieces.push(PendingPiece::Text(")"));
                 }
-                pieces.push(Piece::Operand(left, UNARY + 1));
+                pieces.push(PendingPiece::Operand(left, UNARY + 1));
                 return;
             }
             Operation::Sin | Operation::Cos | Operation::Sqrt => {
                 text.push(node.operation.name());
                 text.push("(");
-                pieces.push(Piece::Text(")"));
-                pieces.push(Piece::Operand(left, 0));
+                pieces.push(PendingPiece::Text(")"));
+                pieces.push(PendingPiece::Operand(left, 0));
                 return;
             }
             Operation::Fma | Operation::Fms | Operation::Fnma => {
                 text.push(node.operation.name());
                 text.push("(");
-                pieces.push(Piece::Text(")"));
-                pieces.push(Piece::Operand(third, 0));
-                pieces.push(Piece::Text(", "));
-                pieces.push(Piece::Operand(right, 0));
-                pieces.push(Piece::Text(", "));
-                pieces.push(Piece::Operand(left, 0));
+                pieces.push(PendingPiece::Text(")"));
+                pieces.push(PendingPiece::Operand(third, 0));
+                pieces.push(PendingPiece::Text(", "));
+                pieces.push(PendingPiece::Operand(right, 0));
+                pieces.push(PendingPiece::Text(", "));
+                pieces.push(PendingPiece::Operand(left, 0));
                 return;
             }
         };
-        pieces.push(Piece::Operand(right, binding + 1));
-        pieces.push(Piece::Text(fixed));
-        pieces.push(Piece::Operand(left, binding));
+        pieces.push(PendingPiece::Operand(right, binding + 1));
+        pieces.push(PendingPiece::Text(fixed));
+        pieces.push(PendingPiece::Operand(left, binding));
     }
 
     fn sources(&self, text: &mut Text<'_>, set: SourceSet) {
@@ -530,7 +530,7 @@ impl<'a> FunctionPrinter<'a> {
         }
     }
 
-    fn place(&self, text: &mut Text<'_>, place: Place) {
+    fn place(&self, text: &mut Text<'_>, place: SourcePlace) {
         if place.file != 0 {
             text.integer(place.file);
             text.push("/");

@@ -11,7 +11,7 @@ use rustc_hash::FxBuildHasher;
 /// A stretch of a source file. Lines and columns count from 1, columns in
 /// characters; the end column is the last one of the stretch.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub struct Place {
+pub struct SourcePlace {
     /// Index into [`Sources::files`].
     pub file: u32,
     /// First line.
@@ -40,10 +40,10 @@ impl SourceSet {
 pub struct Sources {
     /// Names of the files, as the user gave them.
     pub files: Vec<String>,
-    places: Vec<Place>,
+    places: Vec<SourcePlace>,
     /// Places to their index; empty as long as the places come in increasing
     /// order, as they do from a file, and a binary search finds them.
-    place_index: HashMap<Place, u32, FxBuildHasher>,
+    place_index: HashMap<SourcePlace, u32, FxBuildHasher>,
     ranges: Vec<(u32, u32)>,
     members: Vec<u32>,
     set_index: HashMap<Box<[u32]>, u32, FxBuildHasher>,
@@ -67,7 +67,7 @@ impl Sources {
     }
 
     /// The set that holds one place; equal places give equal sets.
-    pub fn single(&mut self, place: Place) -> SourceSet {
+    pub fn single(&mut self, place: SourcePlace) -> SourceSet {
         if self.places.last() == Some(&place) {
             return SourceSet(self.places.len() as u32 - 1);
         }
@@ -137,7 +137,7 @@ impl Sources {
     }
 
     /// The places of a set, in order of file, line and column.
-    pub fn places(&self, set: SourceSet) -> impl ExactSizeIterator<Item = Place> + '_ {
+    pub fn places(&self, set: SourceSet) -> impl ExactSizeIterator<Item = SourcePlace> + '_ {
         let range = if set == SourceSet::EMPTY {
             Members::Range(0..0)
         } else if set.0 & SEVERAL == 0 {
@@ -153,7 +153,7 @@ impl Sources {
     }
 
     /// The first place of a set.
-    pub fn first(&self, set: SourceSet) -> Option<Place> {
+    pub fn first(&self, set: SourceSet) -> Option<SourcePlace> {
         self.places(set).next()
     }
 }
@@ -169,9 +169,9 @@ struct PlaceIter<'a> {
 }
 
 impl Iterator for PlaceIter<'_> {
-    type Item = Place;
+    type Item = SourcePlace;
 
-    fn next(&mut self) -> Option<Place> {
+    fn next(&mut self) -> Option<SourcePlace> {
         let index = match &mut self.members {
             Members::One(one) => one.take()?,
             Members::Range(range) => self.sources.members[range.next()?],
@@ -194,8 +194,8 @@ impl ExactSizeIterator for PlaceIter<'_> {}
 mod tests {
     use super::*;
 
-    fn place(line: u32) -> Place {
-        Place {
+    fn place(line: u32) -> SourcePlace {
+        SourcePlace {
             file: 0,
             line,
             column: 1,

@@ -134,7 +134,7 @@ impl Name {
             return (text, 0);
         };
         let digits = &text[dot + 1..];
-        let canonical = (1..=Name::MOST_DIGITS).contains(&digits.len())
+        let canonical = (1..=Name::MAX_DIGITS).contains(&digits.len())
             && digits.bytes().all(|byte| byte.is_ascii_digit())
             && !digits.starts_with('0');
         match digits.parse() {
@@ -144,10 +144,10 @@ impl Name {
     }
 
     /// A number behind the dot has at most this many digits.
-    pub const MOST_DIGITS: usize = 9;
+    pub const MAX_DIGITS: usize = 9;
 
     /// The largest number behind the dot.
-    pub const MOST: u32 = 999_999_999;
+    pub const MAX_NUMBER: u32 = 999_999_999;
 
     /// The name as text, without the leading `%`.
     pub fn display(self, symbols: &Symbols) -> String {

@@ -89,15 +89,15 @@ use crate::entity::{Constant, Operand, Value};
 use crate::function::Level;
 use crate::module::View;
 use crate::print;
-use crate::source::Place;
+use crate::source::SourcePlace;
 pub use placement::verify_placement;
 
 /// How many violations are described; the rest is counted.
-const MOST: usize = 100;
+const MAX_DESCRIBED: usize = 100;
 
 /// What a violation is about.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Subject {
+pub enum ViolationSubject {
     /// The function as a whole.
     Function,
     /// An input array, by its index in [`crate::Function::inputs`].
@@ -122,7 +122,7 @@ pub enum Subject {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Violation {
     /// What it is about.
-    pub subject: Subject,
+    pub subject: ViolationSubject,
     /// A sentence that names it.
     pub message: String,
 }
@@ -131,7 +131,7 @@ impl Violation {
     /// A place of the user's file that the violation is about, when known:
     /// that of the value, output or call. For an array or a constant, that of
     /// the first node that reads it.
-    pub fn place(&self, view: View<'_>) -> Option<Place> {
+    pub fn place(&self, view: View<'_>) -> Option<SourcePlace> {
         let function = view.function;
         let sources = &view.tables.sources;
         let reader = |reads: &dyn Fn(Operand) -> bool| {
@@ -140,15 +140,21 @@ impl Violation {
             found.map(|node| node.sources).next()
         };
         let set = match self.subject {
-            Subject::Function | Subject::Schedule => None,
-            Subject::Value(value) => function.nodes().get(value.index()).map(|node| node.sources),
-            Subject::Boundary(index) => function.boundaries.get(index).map(|call| call.sources),
-            Subject::Assignment(index) => function
+            ViolationSubject::Function | ViolationSubject::Schedule => None,
+            ViolationSubject::Value(value) => {
+                function.nodes().get(value.index()).map(|node| node.sources)
+            }
+            ViolationSubject::Boundary(index) => {
+                function.boundaries.get(index).map(|call| call.sources)
+            }
+            ViolationSubject::Assignment(index) => function
                 .assignments
                 .get(index)
                 .map(|assignment| assignment.sources),
-            Subject::Constant(constant) => reader(&|operand| operand.constant() == Some(constant)),
-            Subject::Input(index) => {
+            ViolationSubject::Constant(constant) => {
+                reader(&|operand| operand.constant() == Some(constant))
+            }
+            ViolationSubject::Input(index) => {
                 let array = function.inputs()[index];
                 let end = array.offset + array.shape.len() as u32;
                 reader(&|operand| {
@@ -156,7 +162,7 @@ impl Violation {
                     input.is_some_and(|input| (array.offset..end).contains(&input.0))
                 })
             }
-            Subject::Output(index) => {
+            ViolationSubject::Output(index) => {
                 let array = function.outputs()[index];
                 let end = array.offset + array.shape.len() as u32;
                 let mut assignments = function.assignments.iter();
@@ -164,7 +170,7 @@ impl Violation {
                     .find(|assignment| (array.offset..end).contains(&assignment.output.0))
                     .map(|assignment| assignment.sources)
             }
-            Subject::Preload(index) => function
+            ViolationSubject::Preload(index) => function
                 .placement
                 .as_ref()
                 .and_then(|placement| placement.preloads.get(index))
@@ -180,7 +186,7 @@ impl Violation {
 /// well-formed function. It holds at most 100 violations; when there are
 /// more, a last entry says how many.
 pub fn verify(view: View<'_>) -> Vec<Violation> {
-    let mut collector = Collector::new(view);
+    let mut collector = ViolationCollector::new(view);
     header::check(&mut collector);
     if !body::check(&mut collector) {
         // With operands that do not exist nothing else can be looked up.
@@ -197,14 +203,14 @@ pub fn verify(view: View<'_>) -> Vec<Violation> {
             true => format!("a function of the level {level} needs a schedule"),
             false => format!("a function of the level {level} has no schedule"),
         };
-        collector.add(Subject::Function, || message);
+        collector.add(ViolationSubject::Function, || message);
     }
     if function.placement.is_some() != (level == Level::Placed) {
         let message = match level == Level::Placed {
             true => "a placed function needs a placement".to_owned(),
             false => format!("a function of the level {level} has no placement"),
         };
-        collector.add(Subject::Function, || message);
+        collector.add(ViolationSubject::Function, || message);
     }
     if let Some(schedule) = &function.schedule
         && schedule::check(&mut collector, schedule)
@@ -216,24 +222,24 @@ pub fn verify(view: View<'_>) -> Vec<Violation> {
 }
 
 /// Violations up to the limit, and their number.
-struct Collector<'a> {
+struct ViolationCollector<'a> {
     view: View<'a>,
     list: Vec<Violation>,
     total: usize,
 }
 
-impl<'a> Collector<'a> {
-    fn new(view: View<'a>) -> Collector<'a> {
-        Collector {
+impl<'a> ViolationCollector<'a> {
+    fn new(view: View<'a>) -> ViolationCollector<'a> {
+        ViolationCollector {
             view,
             list: Vec::new(),
             total: 0,
         }
     }
 
-    fn add(&mut self, subject: Subject, message: impl FnOnce() -> String) {
+    fn add(&mut self, subject: ViolationSubject, message: impl FnOnce() -> String) {
         self.total += 1;
-        if self.list.len() < MOST {
+        if self.list.len() < MAX_DESCRIBED {
             let message = message();
             self.list.push(Violation { subject, message });
         }
@@ -242,7 +248,7 @@ impl<'a> Collector<'a> {
     /// A violation about a node; the message follows its name.
     fn value(&mut self, value: Value, message: impl FnOnce() -> String) {
         let view = self.view;
-        self.add(Subject::Value(value), || {
+        self.add(ViolationSubject::Value(value), || {
             format!("{} {}", describe(view, value), message())
         });
     }
@@ -250,7 +256,7 @@ impl<'a> Collector<'a> {
     /// A violation about an assignment; the message follows its output.
     fn assignment(&mut self, index: usize, message: impl FnOnce() -> String) {
         let view = self.view;
-        self.add(Subject::Assignment(index), || {
+        self.add(ViolationSubject::Assignment(index), || {
             let output = view.function.assignments[index].output;
             let name = match output.index() < view.function.output_len() {
                 true => print::print_output(view, output),
@@ -264,7 +270,7 @@ impl<'a> Collector<'a> {
         if self.total > self.list.len() {
             let rest = self.total - self.list.len();
             self.list.push(Violation {
-                subject: Subject::Function,
+                subject: ViolationSubject::Function,
                 message: format!("{rest} further violations are not shown"),
             });
         }

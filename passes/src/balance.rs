@@ -1,12 +1,12 @@
 //! Tree balancing (thesis 2.4.3).
 
 use crate::cse::merge_equal_noting;
-use crate::reassociate::{Reach, Shape, reassociate_asking};
+use crate::reassociate::{GroupReach, TreeShape, reassociate_asking};
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::remove_dead_asking;
-use robovec_framework::rewrites::Rewrites;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_framework::trail::Notes;
 use robovec_ir::{Function, Level, Tables};
 use robovec_num::limits::NumberLimit;
@@ -42,7 +42,7 @@ const LARGEST_REPEATED: usize = 200_000;
 /// A function at the atomic level after one round of balancing: equal
 /// operations merged, dead ones removed.
 pub(crate) fn balanced(function: &Function, tables: &mut Tables, weights: &Weights) -> Function {
-    Balance::round(function, tables, weights, &Rewrites::default())
+    Balance::round(function, tables, weights, &RewriteLimit::default())
 }
 
 impl Balance {
@@ -52,7 +52,7 @@ impl Balance {
         function: &Function,
         tables: &mut Tables,
         weights: &Weights,
-        rewrites: &Rewrites,
+        rewrites: &RewriteLimit,
     ) -> Function {
         let merged = match function.level {
             Level::Atomic => {
@@ -64,7 +64,7 @@ impl Balance {
         let function = merged.as_ref().unwrap_or(function);
         let live = remove_dead_asking(function, rewrites).map(|(function, _)| function);
         let function = live.as_ref().unwrap_or(function);
-        let (reach, shape) = (Reach::Maximal, Shape::Earliest);
+        let (reach, shape) = (GroupReach::Maximal, TreeShape::Earliest);
         reassociate_asking(function, tables, weights, reach, shape, rewrites)
     }
 }

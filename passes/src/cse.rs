@@ -4,7 +4,7 @@ use hashbrown::HashTable;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::Rewriter;
-use robovec_framework::rewrites::Rewrites;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_framework::trail::{Notes, equal_to};
 use robovec_ir::{Function, Node, Operand, Operation, SourceSet, Tables, Value};
 use rustc_hash::FxBuildHasher;
@@ -31,7 +31,7 @@ declare_pass! {
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Key {
     operation: Operation,
-    operands: [Operand; Operand::MOST],
+    operands: [Operand; Operand::MAX_COUNT],
 }
 
 impl Key {
@@ -124,7 +124,7 @@ pub fn merge_equal(function: &Function, tables: &mut Tables) -> Option<(Function
     merge_equal_noting(
         function,
         tables,
-        &Rewrites::default(),
+        &RewriteLimit::default(),
         &mut Notes::unwanted(),
     )
 }
@@ -134,7 +134,7 @@ pub fn merge_equal(function: &Function, tables: &mut Tables) -> Option<(Function
 pub fn merge_equal_noting(
     function: &Function,
     tables: &mut Tables,
-    rewrites: &Rewrites,
+    rewrites: &RewriteLimit,
     notes: &mut Notes,
 ) -> Option<(Function, u64)> {
     let mut rewriter = Rewriter::with_formats(function, function.level);

@@ -71,13 +71,16 @@ impl Pass for Fma {
         let contraction = Contraction::new(function, &performs, weights, !self.always);
         let mut forms = contraction.decide(self.share.then_some(machine));
         for (form, node) in forms.iter_mut().zip(function.nodes()) {
-            if *form != Form::Plain && !context.allow_rewrite(node.name, "contract") {
-                *form = Form::Plain;
+            if *form != ContractionForm::Plain && !context.allow_rewrite(node.name, "contract") {
+                *form = ContractionForm::Plain;
             }
         }
         let before = critical_path(function, machine).asap_cycle;
         let sums = function.nodes().len();
-        let fused = forms.iter().filter(|&&form| form != Form::Plain).count();
+        let fused = forms
+            .iter()
+            .filter(|&&form| form != ContractionForm::Plain)
+            .count();
         *function = contracted(function, &forms, context);
         let after = critical_path(function, machine).asap_cycle;
         let saved = sums - function.nodes().len();
@@ -94,7 +97,7 @@ impl Pass for Fma {
 
 /// Sweeps after which a product that has kept a reader stays contracted for
 /// the others; more are needed only where sums compete for products in rows.
-const MOST_SWEEPS: usize = 4;
+const MAX_SWEEPS: usize = 4;
 
 /// All of a part: parts are counted in steps of this fraction.
 const WHOLE: u32 = 64;
@@ -105,18 +108,22 @@ type Rating = (bool, (u32, u32));
 
 /// What a sum takes in.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Form {
+enum ContractionForm {
     /// Nothing.
     Plain,
     /// The product that is its operand of this number, from 0.
     Fused(usize),
 }
 
-const FORMS: [Form; 3] = [Form::Plain, Form::Fused(0), Form::Fused(1)];
+const FORMS: [ContractionForm; 3] = [
+    ContractionForm::Plain,
+    ContractionForm::Fused(0),
+    ContractionForm::Fused(1),
+];
 
 /// What there is to gain from a form, the best first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-enum Gain {
+enum ContractionGain {
     /// The product goes: nothing else reads it.
     Vanishes,
     /// The product goes if its other readers take it in as well.
@@ -172,12 +179,12 @@ impl<'a> Contraction<'a> {
     }
 
     /// The form of every node; where the work is shared, for this machine.
-    fn decide(mut self, shared: Option<&Machine>) -> Vec<Form> {
+    fn decide(mut self, shared: Option<&Machine>) -> Vec<ContractionForm> {
         let limits = self.timed.then(|| self.limits());
         let limits = limits.as_deref();
         let key = |gain, arrival| (gain as u32, arrival);
         let mut forms = Vec::new();
-        for _ in 0..MOST_SWEEPS {
+        for _ in 0..MAX_SWEEPS {
             forms = self.sweep(limits, WHOLE, key);
             if !self.note_stays(&forms) {
                 break;
@@ -193,7 +200,7 @@ impl<'a> Contraction<'a> {
 
     /// Which part of the contractions that no path needs leaves the busiest
     /// kind of element least to do, given those with none and with all.
-    fn part(&self, machine: &Machine, none: &[Form], all: &[Form]) -> u32 {
+    fn part(&self, machine: &Machine, none: &[ContractionForm], all: &[ContractionForm]) -> u32 {
         let [none, all] = [none, all].map(|forms| self.loads(machine, forms));
         let busiest = |part: &u32| {
             let loads = none.iter().zip(&all).zip(&machine.elements);
@@ -208,7 +215,7 @@ impl<'a> Contraction<'a> {
     }
 
     /// Operations of every kind of element.
-    fn loads(&self, machine: &Machine, forms: &[Form]) -> Vec<u64> {
+    fn loads(&self, machine: &Machine, forms: &[ContractionForm]) -> Vec<u64> {
         let taken = taken(self.function, forms);
         let mut loads = vec![0; machine.elements.len()];
         for (index, node) in self.function.nodes().iter().enumerate() {
@@ -247,24 +254,26 @@ impl<'a> Contraction<'a> {
         &self,
         limits: Option<&[u32]>,
         part: u32,
-        key: impl Fn(Gain, u32) -> (u32, u32),
-    ) -> Vec<Form> {
+        key: impl Fn(ContractionGain, u32) -> (u32, u32),
+    ) -> Vec<ContractionForm> {
         let mut arrivals: Vec<u32> = Vec::with_capacity(self.function.nodes().len());
         let mut forms = Vec::with_capacity(self.function.nodes().len());
         let mut due = 0;
         for (value, node) in self.function.values() {
             let limit = limits.map_or(u32::MAX, |limits| limits[value.index()]);
-            let mut best: Option<(Rating, Form, u32)> = None;
+            let mut best: Option<(Rating, ContractionForm, u32)> = None;
             let gains = FORMS.map(|form| self.gain(node, form));
-            let saves = |gain: &Option<Gain>| gain.is_some_and(|gain| gain < Gain::Nothing);
+            let saves = |gain: &Option<ContractionGain>| {
+                gain.is_some_and(|gain| gain < ContractionGain::Nothing)
+            };
             due += if gains.iter().any(saves) { part } else { 0 };
             let saving = due >= WHOLE;
             due -= if saving { WHOLE } else { 0 };
             for (form, gain) in FORMS.into_iter().zip(gains) {
                 let Some(gain) = gain else { continue };
-                let gain = match saving || gain >= Gain::Nothing {
+                let gain = match saving || gain >= ContractionGain::Nothing {
                     true => gain,
-                    false => Gain::Stays,
+                    false => ContractionGain::Stays,
                 };
                 let (operation, operands) = self.shape(node, form);
                 let arrival = self.arrival(&arrivals, operation, &operands);
@@ -273,7 +282,8 @@ impl<'a> Contraction<'a> {
                     best = Some((key, form, arrival));
                 }
             }
-            let (form, arrival) = best.map_or((Form::Plain, 0), |(_, form, at)| (form, at));
+            let (form, arrival) =
+                best.map_or((ContractionForm::Plain, 0), |(_, form, at)| (form, at));
             arrivals.push(arrival);
             forms.push(form);
         }
@@ -282,7 +292,7 @@ impl<'a> Contraction<'a> {
 
     /// Products that some reader takes in and another does not stay; true
     /// when there are new ones.
-    fn note_stays(&mut self, forms: &[Form]) -> bool {
+    fn note_stays(&mut self, forms: &[ContractionForm]) -> bool {
         let taken = taken(self.function, forms);
         let mut new = false;
         for (index, &taken) in taken.iter().enumerate() {
@@ -294,7 +304,7 @@ impl<'a> Contraction<'a> {
         new
     }
 
-    fn arrivals(&self, forms: &[Form]) -> Vec<u32> {
+    fn arrivals(&self, forms: &[ContractionForm]) -> Vec<u32> {
         let mut arrivals: Vec<u32> = Vec::with_capacity(forms.len());
         for (node, &form) in self.function.nodes().iter().zip(forms) {
             let (operation, operands) = self.shape(node, form);
@@ -311,9 +321,9 @@ impl<'a> Contraction<'a> {
     }
 
     /// What a form gains; `None` when the node cannot have it.
-    fn gain(&self, node: &Node, form: Form) -> Option<Gain> {
-        let Form::Fused(side) = form else {
-            return Some(Gain::Nothing);
+    fn gain(&self, node: &Node, form: ContractionForm) -> Option<ContractionGain> {
+        let ContractionForm::Fused(side) = form else {
+            return Some(ContractionGain::Nothing);
         };
         if !is_sum(node) {
             return None;
@@ -326,17 +336,21 @@ impl<'a> Contraction<'a> {
         }
         Some(
             match (self.stays[product.index()], self.uses[product.index()]) {
-                (true, _) => Gain::Stays,
-                (false, 1) => Gain::Vanishes,
-                (false, _) => Gain::MayVanish,
+                (true, _) => ContractionGain::Stays,
+                (false, 1) => ContractionGain::Vanishes,
+                (false, _) => ContractionGain::MayVanish,
             },
         )
     }
 
-    fn shape(&self, node: &Node, form: Form) -> (Operation, [Operand; Operand::MOST]) {
+    fn shape(
+        &self,
+        node: &Node,
+        form: ContractionForm,
+    ) -> (Operation, [Operand; Operand::MAX_COUNT]) {
         match form {
-            Form::Plain => (node.operation, node.operands),
-            Form::Fused(side) => fused(self.function, node, side),
+            ContractionForm::Plain => (node.operation, node.operands),
+            ContractionForm::Fused(side) => fused(self.function, node, side),
         }
     }
 }
@@ -346,7 +360,11 @@ fn is_sum(node: &Node) -> bool {
 }
 
 /// A sum with the product on one side taken in.
-fn fused(function: &Function, node: &Node, side: usize) -> (Operation, [Operand; Operand::MOST]) {
+fn fused(
+    function: &Function,
+    node: &Node,
+    side: usize,
+) -> (Operation, [Operand; Operand::MAX_COUNT]) {
     let operation = match (node.operation, side) {
         (Operation::Sub, 0) => Operation::Fms,
         (Operation::Sub, _) => Operation::Fnma,
@@ -354,16 +372,16 @@ fn fused(function: &Function, node: &Node, side: usize) -> (Operation, [Operand;
     };
     let [a, b, _] = match node.operands[side].value() {
         Some(product) => function.node(product).operands,
-        None => [Operand::NONE; Operand::MOST],
+        None => [Operand::NONE; Operand::MAX_COUNT],
     };
     (operation, [a, b, node.operands[1 - side]])
 }
 
 /// How many readers take in each node.
-fn taken(function: &Function, forms: &[Form]) -> Vec<u32> {
+fn taken(function: &Function, forms: &[ContractionForm]) -> Vec<u32> {
     let mut taken = vec![0; forms.len()];
     for (node, &form) in function.nodes().iter().zip(forms) {
-        if let Form::Fused(side) = form
+        if let ContractionForm::Fused(side) = form
             && let Some(product) = node.operands[side].value()
         {
             taken[product.index()] += 1;
@@ -374,7 +392,11 @@ fn taken(function: &Function, forms: &[Form]) -> Vec<u32> {
 
 /// The function with sums in their forms, without the products that all
 /// their readers took in.
-fn contracted(function: &Function, forms: &[Form], context: &mut Context<'_>) -> Function {
+fn contracted(
+    function: &Function,
+    forms: &[ContractionForm],
+    context: &mut Context<'_>,
+) -> Function {
     let taken = taken(function, forms);
     let uses = function.use_counts();
     let mut rewriter = Rewriter::new(function, function.level);
@@ -384,7 +406,7 @@ fn contracted(function: &Function, forms: &[Form], context: &mut Context<'_>) ->
             rewriter.record(Operand::NONE);
             continue;
         }
-        let Form::Fused(side) = forms[index] else {
+        let ContractionForm::Fused(side) = forms[index] else {
             let operands = rewriter.translate_operands(node);
             rewriter.keep(Node { operands, ..*node });
             continue;
@@ -420,7 +442,7 @@ mod tests {
             .filter(|&index| is_sum(&function.nodes()[index]))
             .collect();
         for code in 0..3_usize.pow(sums.len() as u32) {
-            let mut forms = vec![Form::Plain; function.nodes().len()];
+            let mut forms = vec![ContractionForm::Plain; function.nodes().len()];
             let mut rest = code;
             for &index in &sums {
                 forms[index] = FORMS[rest % 3];
@@ -435,7 +457,7 @@ mod tests {
     }
 
     /// Path and operations of a choice.
-    fn measure(contraction: &Contraction<'_>, forms: &[Form]) -> (u32, usize) {
+    fn measure(contraction: &Contraction<'_>, forms: &[ContractionForm]) -> (u32, usize) {
         let function = contraction.function;
         let taken = taken(function, forms);
         let stays = (0..forms.len())

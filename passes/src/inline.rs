@@ -3,7 +3,7 @@
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::{Rewriter, lay_out, output_symbol};
-use robovec_framework::rewrites::Rewrites;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{
     Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Tables, Value,
 };
@@ -40,7 +40,7 @@ declare_pass! {
 
 impl Pass for Inline {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
-        let choice = Choice::new(function, context.tables, context.rewrites, self);
+        let choice = InliningChoice::new(function, context.tables, context.rewrites, self);
         let substituted = choice.count();
         let new = choice.apply();
         *function = lay_out(&with_sources(new, context.tables));
@@ -51,31 +51,31 @@ impl Pass for Inline {
 
 /// How an expression prints: what it holds, and how deep.
 #[derive(Clone, Copy, Default)]
-struct Extent {
+struct ExpressionExtent {
     operations: u32,
     nesting: u32,
 }
 
 /// Which values lose their names.
-struct Choice<'a> {
+struct InliningChoice<'a> {
     function: &'a Function,
-    rewrites: &'a Rewrites,
+    rewrites: &'a RewriteLimit,
     /// Inner nodes: those the function came with, and those chosen.
     inner: Vec<bool>,
     /// Copies that give way to what they copy.
     skipped: Vec<bool>,
-    extents: Vec<Extent>,
+    extents: Vec<ExpressionExtent>,
 }
 
-impl<'a> Choice<'a> {
+impl<'a> InliningChoice<'a> {
     fn new(
         function: &'a Function,
         tables: &mut Tables,
-        rewrites: &'a Rewrites,
+        rewrites: &'a RewriteLimit,
         limits: &Inline,
-    ) -> Choice<'a> {
+    ) -> InliningChoice<'a> {
         let nodes = function.nodes();
-        let mut choice = Choice {
+        let mut choice = InliningChoice {
             function,
             rewrites,
             inner: nodes.iter().map(|node| node.name.is_none()).collect(),
@@ -90,8 +90,9 @@ impl<'a> Choice<'a> {
                 let source = node.operands[0].value();
                 free[value.index()] =
                     source.is_some_and(|source| std::mem::take(&mut free[source.index()]));
-                let extent =
-                    source.map_or(Extent::default(), |source| choice.extents[source.index()]);
+                let extent = source.map_or(ExpressionExtent::default(), |source| {
+                    choice.extents[source.index()]
+                });
                 choice.extents.push(extent);
                 continue;
             }
@@ -104,7 +105,7 @@ impl<'a> Choice<'a> {
 
     /// Substitutes into a node what fits, the smallest first, and gives the
     /// extent of its expression.
-    fn substitute(&mut self, node: &Node, free: &[bool], limits: &Inline) -> Extent {
+    fn substitute(&mut self, node: &Node, free: &[bool], limits: &Inline) -> ExpressionExtent {
         let mut candidates: Vec<Value> = Vec::new();
         if node.operation != Operation::Copy {
             let values = node.operands().iter().filter_map(|operand| operand.value());
@@ -139,9 +140,9 @@ impl<'a> Choice<'a> {
     }
 
     /// The extent of the expression whose root a node is.
-    fn extent(&self, node: &Node) -> Extent {
+    fn extent(&self, node: &Node) -> ExpressionExtent {
         let (operation, operands) = shape(self.function, node);
-        let mut extent = Extent {
+        let mut extent = ExpressionExtent {
             operations: u32::from(operation != Operation::Copy),
             nesting: 0,
         };
@@ -239,7 +240,7 @@ fn substitutable(function: &Function) -> Vec<bool> {
 }
 
 /// What a node becomes: `0 - x` is a minus, unless `x` is a number.
-fn shape(function: &Function, node: &Node) -> (Operation, [Operand; Operand::MOST]) {
+fn shape(function: &Function, node: &Node) -> (Operation, [Operand; Operand::MAX_COUNT]) {
     let [left, right, _] = node.operands;
     let zero = function
         .number(left)

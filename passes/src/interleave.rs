@@ -10,12 +10,12 @@
 
 use hashbrown::HashMap;
 use robovec_framework::declare_pass;
-use robovec_framework::instances::{Instances, KEY, MOST, Names, numbered};
+use robovec_framework::instances::{InstanceNames, Instances, KEY, MAX_INSTANCES, numbered};
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::lay_out;
 use robovec_ir::{
-    Array, Assignment, Boundary, Formats, Function, Input, Level, Name, Node, Operand, OperandKind,
-    Output, Symbol, Tables, Value,
+    Array, Assignment, Boundary, Function, Input, Level, Name, Node, Operand, OperandKind, Output,
+    Symbol, Tables, Value, ValueFormats,
 };
 use robovec_num::limits::NumberLimit;
 
@@ -38,9 +38,9 @@ declare_pass! {
     pub struct Interleave("interleave") {
         /// How many instances, from 1 to 64; one changes nothing.
         pub instances: u32 = 2 => NumberLimit::whole(
-            1, MOST as u64, "the function becomes so many times as large"),
+            1, MAX_INSTANCES as u64, "the function becomes so many times as large"),
         /// Input arrays that all instances read, such as `m+l+In+g`.
-        pub shared: Names = Names::default(),
+        pub shared: InstanceNames = InstanceNames::default(),
     }
     takes: [Equations, Atomic],
     gives: Gives::Same,
@@ -51,7 +51,7 @@ declare_pass! {
 }
 
 /// The most nodes a function may get.
-const MOST_NODES: u64 = 1 << 28;
+const MAX_NODES: u64 = 1 << 28;
 
 impl Pass for Interleave {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
@@ -85,8 +85,8 @@ impl Interleave {
     /// The options, if they suit the function.
     fn checked(&self, function: &Function, tables: &Tables) -> Result<Instances, PassError> {
         let count = self.instances;
-        if !(1..=MOST).contains(&count) {
-            let message = format!("instances is {count}; it must be from 1 to {MOST}");
+        if !(1..=MAX_INSTANCES).contains(&count) {
+            let message = format!("instances is {count}; it must be from 1 to {MAX_INSTANCES}");
             return Err(PassError::new(message));
         }
         if function.metadata(KEY).is_some() {
@@ -111,10 +111,10 @@ impl Interleave {
         ];
         if sizes
             .into_iter()
-            .any(|size| size as u64 * u64::from(count) > MOST_NODES)
+            .any(|size| size as u64 * u64::from(count) > MAX_NODES)
         {
             return Err(PassError::new(format!(
-                "{count} instances have more than {MOST_NODES} operations or array elements"
+                "{count} instances have more than {MAX_NODES} operations or array elements"
             )));
         }
         Ok(Instances {
@@ -145,7 +145,7 @@ impl<'a> Copier<'a> {
         let entry = (KEY.to_owned(), instances.count.to_string());
         new.metadata.push(entry);
         new.reserve(old.nodes().len() * instances.count as usize);
-        new.formats = old.formats.as_ref().map(|_| Formats::new(0));
+        new.formats = old.formats.as_ref().map(|_| ValueFormats::new(0));
         Copier {
             old,
             instances,

@@ -1,11 +1,11 @@
 //! Look-ahead within a budget of operations.
 
 use crate::balance::balanced;
-use crate::choice::compose::{Limits, look_ahead};
+use crate::choice::compose::{CompositionLimits, look_ahead};
 use crate::choice::emit::emit;
 use crate::choice::import::Import;
 use crate::choice::map::{Mapper, Mapping};
-use crate::choice::timing::Timing;
+use crate::choice::timing::NetworkTiming;
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -72,8 +72,8 @@ declare_pass! {
 impl Pass for Lookahead {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
-        let timing = Timing::new(weights);
-        let limits = Limits {
+        let timing = NetworkTiming::new(weights);
+        let limits = CompositionLimits {
             grid: self.grid.max(1),
             frontiers: self.frontiers,
             doublings: self.doublings,
@@ -83,7 +83,7 @@ impl Pass for Lookahead {
         let Some((import, _)) = look_ahead(function, context, timing, limits) else {
             return Ok(());
         };
-        let search = Search {
+        let search = LookaheadSearch {
             pass: self,
             function,
             import: &import,
@@ -112,15 +112,15 @@ impl Pass for Lookahead {
 const STEPS: u32 = 10;
 
 /// The search for the shortest path within the budget.
-struct Search<'a> {
+struct LookaheadSearch<'a> {
     pass: &'a Lookahead,
     function: &'a Function,
     import: &'a Import,
-    timing: Timing,
+    timing: NetworkTiming,
     weights: Weights,
 }
 
-impl Search<'_> {
+impl LookaheadSearch<'_> {
     /// Longest path in cycles, and operations.
     fn size(&self, function: &Function) -> (u32, u64) {
         let path = arrivals(function, &self.weights).into_iter().max();

@@ -1,10 +1,10 @@
 //! Linear recurrences solved by parallel prefix.
 
 use crate::balance::balanced;
-use crate::choice::compose::{Limits, look_ahead};
+use crate::choice::compose::{CompositionLimits, look_ahead};
 use crate::choice::emit::emit;
 use crate::choice::map::Mapper;
-use crate::choice::timing::Timing;
+use crate::choice::timing::NetworkTiming;
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -59,11 +59,11 @@ declare_pass! {
 impl Pass for Recurrence {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
-        let timing = Timing::new(weights);
+        let timing = NetworkTiming::new(weights);
         let longest = |function: &Function| arrivals(function, &weights).into_iter().max();
         let before = longest(function).unwrap_or(0);
         let grid = self.grid.max(1);
-        let limits = Limits {
+        let limits = CompositionLimits {
             grid,
             frontiers: self.frontiers,
             doublings: (before / grid).checked_ilog2().map_or(0, |power| power + 1),

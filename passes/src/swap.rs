@@ -1,6 +1,6 @@
 //! Tree swapping (thesis 2.4.2).
 
-use crate::reassociate::{Reach, Shape, reassociate_asking};
+use crate::reassociate::{GroupReach, TreeShape, reassociate_asking};
 use robovec_analysis::critical_path::{Weights, critical_path};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -29,8 +29,8 @@ impl Pass for Swap {
             function,
             context.tables,
             &weights,
-            Reach::Cascade,
-            Shape::Cascade,
+            GroupReach::Cascade,
+            TreeShape::Cascade,
             context.rewrites,
         );
         let before = critical_path(function, context.machine).asap_cycle;

@@ -1,6 +1,6 @@
 //! Zero removal (thesis 2.4.1).
 
-use crate::reassociate::{Reach, Shape, reassociate_asking};
+use crate::reassociate::{GroupReach, TreeShape, reassociate_asking};
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -41,8 +41,8 @@ impl Pass for ZeroRemoval {
             function,
             context.tables,
             &weights,
-            Reach::Operation,
-            Shape::Written,
+            GroupReach::Operation,
+            TreeShape::Written,
             context.rewrites,
         );
         let before = minuses(function);

@@ -3,7 +3,7 @@
 use robovec_framework::declare_pass;
 use robovec_framework::manager::*;
 use robovec_framework::pass::{Context, Gives, Pass, PassError, PassInfo};
-use robovec_framework::pipeline::{PassStep, Pipeline, Step};
+use robovec_framework::pipeline::{PassStep, Pipeline, PipelineStep};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, Operation, parse};
 use robovec_passes::registry::REGISTRY;
@@ -72,15 +72,18 @@ impl Pass for Timely {
 const TEXT: &str = "function f atomic {\n  in x\n  in y\n  out o\n\n  %a = x*y\n  %b = %a - y\n  \
                     %c = %b + %a\n\n  o = %c\n}\n";
 
-fn step(info: &'static PassInfo) -> Step {
-    Step::Pass(PassStep {
+fn step(info: &'static PassInfo) -> PipelineStep {
+    PipelineStep::Pass(PassStep {
         info,
         options: Vec::new(),
         span: 0..0,
     })
 }
 
-fn run_steps(steps: Vec<Step>, check_each: Option<u32>) -> Result<(Module, Outcome), RunError> {
+fn run_steps(
+    steps: Vec<PipelineStep>,
+    check_each: Option<u32>,
+) -> Result<(Module, RunOutcome), RunError> {
     let mut module = parse::parse_module("test", TEXT).expect("well formed");
     let machine = Machine::built_in("thesis").expect("it ships");
     let mut log = Vec::new();

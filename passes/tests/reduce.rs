@@ -3,7 +3,7 @@
 
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError, PassInfo};
-use robovec_framework::pipeline::{PassStep, Pipeline, Step};
+use robovec_framework::pipeline::{PassStep, Pipeline, PipelineStep};
 use robovec_framework::reduce::*;
 use robovec_framework::rewrite::lay_out;
 use robovec_ir::{Function, Level, Machine, Operation, Value, View, parse, print, verify};
@@ -125,8 +125,8 @@ const TEXT: &str = "function f equations {
 }
 ";
 
-fn step(info: &'static PassInfo, options: &[(&str, &str)]) -> Step {
-    Step::Pass(PassStep {
+fn step(info: &'static PassInfo, options: &[(&str, &str)]) -> PipelineStep {
+    PipelineStep::Pass(PassStep {
         info,
         options: options
             .iter()
@@ -136,10 +136,10 @@ fn step(info: &'static PassInfo, options: &[(&str, &str)]) -> Step {
     })
 }
 
-fn reduced(steps: &[Step]) -> Option<Reduction> {
+fn reduced(steps: &[PipelineStep]) -> Option<Reduction> {
     let module = parse::parse_module("test", TEXT).expect("well formed");
     let machine = Machine::built_in("thesis").expect("it ships");
-    let setting = Setting {
+    let setting = TrialSetting {
         machine: &machine,
         rules: &RuleSet::default(),
         scene: None,
@@ -153,7 +153,7 @@ fn reduced(steps: &[Step]) -> Option<Reduction> {
     reduce(&module, &pipeline, setting, WORK)
 }
 
-fn registered(name: &str) -> Step {
+fn registered(name: &str) -> PipelineStep {
     step(REGISTRY.find(name).expect("registered"), &[])
 }
 

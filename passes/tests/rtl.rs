@@ -194,7 +194,7 @@ fn everything_that_is_lacking_is_named() {
     );
 
     let fewer = Hardware {
-        elements: vec![Group {
+        elements: vec![ElementGroup {
             kind: "add".to_owned(),
             count: 2,
         }],

@@ -176,7 +176,7 @@ fn a_value_left_alone_has_no_history_and_nobody_asking_leaves_none() {
 fn notes_of_a_pass_reach_the_story() {
     use robovec_analysis::class::NumericClass;
     use robovec_framework::pass::{Context, Gives, Pass, PassError, PassInfo};
-    use robovec_framework::pipeline::{PassStep, Pipeline, Step};
+    use robovec_framework::pipeline::{PassStep, Pipeline, PipelineStep};
     use robovec_ir::{Function, Level, Name, Operand, Operation};
 
     /// Turns `%D = q[4]*%C1` around and says so.
@@ -210,7 +210,7 @@ fn notes_of_a_pass_reach_the_story() {
     let machine = Machine::built_in("thesis").expect("it ships");
     let mut pipeline: Pipeline = REGISTRY.pipeline("atomise").expect("the pipeline is sound");
     let span = 0..0;
-    pipeline.steps.push(Step::Pass(PassStep {
+    pipeline.steps.push(PipelineStep::Pass(PassStep {
         info: &INFO,
         options: Vec::new(),
         span,

@@ -12,7 +12,7 @@ mod view;
 pub use view::{figure, summary, table, text};
 
 use robovec_analysis::critical_path::critical_path;
-use robovec_analysis::rounding::{Change, Rounding};
+use robovec_analysis::rounding::{MedianChange, RoundingErrors};
 use robovec_framework::manager::{self, Config, Progress, RunError};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::states::States;
@@ -39,10 +39,10 @@ pub struct PassAccuracy {
     /// The longest chain, in cycles of the machine.
     pub path: u32,
     /// The errors.
-    pub rounding: Arc<Rounding>,
+    pub rounding: Arc<RoundingErrors>,
     /// What the pass did to the medians of the relative and of the normwise
     /// errors; `None` for the function as it was read.
-    pub changes: Option<[Change; 2]>,
+    pub changes: Option<[MedianChange; 2]>,
 }
 
 /// What is measured.
@@ -129,15 +129,15 @@ fn size(function: &Function, machine: &Machine) -> (usize, u32) {
 
 impl FunctionAccuracy {
     /// The changes from the function as it was read to the end.
-    pub fn overall(&self) -> Option<[Change; 2]> {
+    pub fn overall(&self) -> Option<[MedianChange; 2]> {
         let (first, last) = (self.steps.first()?, self.steps.last()?);
         Some(changes(&first.rounding, &last.rounding))
     }
 }
 
-fn changes(before: &Rounding, after: &Rounding) -> [Change; 2] {
+fn changes(before: &RoundingErrors, after: &RoundingErrors) -> [MedianChange; 2] {
     [
-        Change::relative(before, after),
-        Change::normwise(before, after),
+        MedianChange::relative(before, after),
+        MedianChange::normwise(before, after),
     ]
 }

@@ -4,7 +4,7 @@
 use crate::present::csv::push_line;
 use crate::present::number::{or_dash, scientific};
 use crate::present::text_lines;
-use robovec_analysis::accuracy::{Accuracy, ElementError, FormatAccuracy, Spread};
+use robovec_analysis::accuracy::{Accuracy, ElementError, FormatAccuracy, StateSpread};
 use robovec_ir::View;
 use robovec_ir::print::print_output;
 use serde::Serialize;
@@ -60,8 +60,8 @@ pub struct ErrorQuantiles {
     pub state: u32,
 }
 
-impl From<Spread> for ErrorQuantiles {
-    fn from(spread: Spread) -> ErrorQuantiles {
+impl From<StateSpread> for ErrorQuantiles {
+    fn from(spread: StateSpread) -> ErrorQuantiles {
         ErrorQuantiles {
             median: spread.median,
             percentile_99: spread.percentile_99,
@@ -195,7 +195,7 @@ pub fn text(name: &str, view: View<'_>, accuracy: &Accuracy, most: usize) -> Str
 }
 
 fn arrays(view: View<'_>, format: &FormatAccuracy) -> String {
-    let spread = |spread: &Spread| {
+    let spread = |spread: &StateSpread| {
         [spread.median, spread.percentile_99, spread.worst]
             .map(number)
             .into_iter()

@@ -5,7 +5,7 @@ use crate::present::number::units;
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_lines,
 };
-use robovec_analysis::rounding::{Change, Quantiles, Trend};
+use robovec_analysis::rounding::{MedianChange, Quantiles, Trend};
 use std::fmt::Write;
 
 /// The errors of one subject, one line for each pass.
@@ -94,7 +94,7 @@ impl PassTally<'_> {
         }
     }
 
-    fn count(&mut self, subject: &str, changes: [Change; 2]) {
+    fn count(&mut self, subject: &str, changes: [MedianChange; 2]) {
         let measures = ["relative", "normwise"];
         for ((change, counts), measure) in changes.iter().zip(&mut self.counts).zip(measures) {
             let column = match change.trend {

@@ -3,10 +3,10 @@
 use super::CommandFailure;
 use super::input::InputModule;
 use crate::errors;
-use robovec_framework::trail::{self, Account, Change, Entry, Moment, Trail};
+use robovec_framework::trail::{self, Account, DefinitionChange, Moment, PassEntry, Trail};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::states::States;
-use robovec_ir::{Function, Machine, Place, SourceSet, Step, View, print};
+use robovec_ir::{Function, HistoryStep, Machine, SourcePlace, SourceSet, View, print};
 use std::fmt::Write;
 
 /// So many source places are shown with their lines; the others are named.
@@ -75,7 +75,7 @@ pub(crate) fn explain(
 /// The source equations, with their lines where the file is at hand.
 fn origin(account: &Account, function: &Function, input: &InputModule) -> String {
     let sources = &input.module.tables.sources;
-    let mut places: Vec<Place> = Vec::new();
+    let mut places: Vec<SourcePlace> = Vec::new();
     for place in account.sources.iter().flat_map(|&set| sources.places(set)) {
         if !places.contains(&place) {
             places.push(place);
@@ -89,7 +89,7 @@ fn origin(account: &Account, function: &Function, input: &InputModule) -> String
     };
     let message = format!("{} of '{}' comes from {count}", account.name, function.name);
     let mut diagnostic = Diagnostic::note().with_message(message);
-    let is_read = |place: &Place| sources.files[place.file as usize] == input.name;
+    let is_read = |place: &SourcePlace| sources.files[place.file as usize] == input.name;
     let text = match places.iter().any(is_read) {
         true => input.text(),
         false => None,
@@ -118,12 +118,12 @@ fn origin(account: &Account, function: &Function, input: &InputModule) -> String
     report.render_plain()
 }
 
-fn describe(input: &InputModule, place: Place) -> String {
+fn describe(input: &InputModule, place: SourcePlace) -> String {
     let file = &input.module.tables.sources.files[place.file as usize];
     format!("{file}, line {}, column {}", place.line, place.column)
 }
 
-fn print_entry(entry: &Entry, input: &InputModule, text: &mut String) {
+fn print_entry(entry: &PassEntry, input: &InputModule, text: &mut String) {
     let mut rules: Vec<String> = Vec::new();
     for rule in entry.changes.iter().flat_map(|change| &change.rules) {
         if !rules.contains(rule) {
@@ -140,15 +140,15 @@ fn print_entry(entry: &Entry, input: &InputModule, text: &mut String) {
     }
 }
 
-fn describe_step(step: &Step) -> String {
+fn describe_step(step: &HistoryStep) -> String {
     match &step.rules[..] {
         [] => step.pass.clone(),
         rules => format!("{} ({})", step.pass, rules.join(", ")),
     }
 }
 
-fn print_change(change: &Change, input: &InputModule, text: &mut String) {
-    let Change {
+fn print_change(change: &DefinitionChange, input: &InputModule, text: &mut String) {
+    let DefinitionChange {
         before,
         after,
         merged,
@@ -208,8 +208,8 @@ fn timing(moment: &Moment) -> String {
 }
 
 /// The definition with all that later levels say of it.
-fn last_definition(view: View<'_>, item: trail::Item) -> Option<String> {
-    let trail::Item::Value(name) = item else {
+fn last_definition(view: View<'_>, item: trail::TrackedItem) -> Option<String> {
+    let trail::TrackedItem::Value(name) = item else {
         return None;
     };
     let mut values = view.function.values();
@@ -221,9 +221,9 @@ fn last_definition(view: View<'_>, item: trail::Item) -> Option<String> {
 }
 
 /// Who reads a value.
-fn print_readers(view: View<'_>, item: trail::Item, text: &mut String) {
+fn print_readers(view: View<'_>, item: trail::TrackedItem, text: &mut String) {
     const MOST: usize = 8;
-    let trail::Item::Value(name) = item else {
+    let trail::TrackedItem::Value(name) = item else {
         return;
     };
     let function = view.function;

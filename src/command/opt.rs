@@ -14,7 +14,7 @@ use clap::FromArgMatches;
 use clap_complete::env::{CompleteEnv, Shells};
 use robovec_codegen::rtl::DESCRIPTION;
 use robovec_framework::manager::{
-    self, Config, Outcome, PassFilter, PrintChanged, RunError, usage,
+    self, Config, PassFilter, PrintChanged, RunError, RunOutcome, usage,
 };
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
@@ -288,7 +288,7 @@ fn transform(
     (machine, rules, scene): (&Machine, &RuleSet, Option<&Scene>),
     input: &mut InputModule,
     trail: Option<&mut Trail>,
-) -> Result<Outcome, CommandFailure> {
+) -> Result<RunOutcome, CommandFailure> {
     let mut dump = arguments
         .dump_dir
         .as_deref()
@@ -443,7 +443,7 @@ impl ReadCounts {
 /// standard error.
 fn write_report(
     path: &Path,
-    (module, outcome): (&Module, &Outcome),
+    (module, outcome): (&Module, &RunOutcome),
     read: &[ReadCounts],
     machine: &Machine,
     options: &report::ReportOptions,
@@ -486,7 +486,7 @@ fn write_result(
     path: Option<&Path>,
     force: bool,
     module: &Module,
-    outcome: &Outcome,
+    outcome: &RunOutcome,
 ) -> Result<(), CommandFailure> {
     let text = |writer: &mut dyn Write| match &outcome.artifacts[..] {
         [] => print::write_module(module, writer),

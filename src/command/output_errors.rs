@@ -8,7 +8,7 @@ use crate::hexadecimal;
 use crate::present::json::json_text;
 use clap::Args;
 use robovec_analysis::accuracy::{Measurement, measure};
-use robovec_analysis::reference::Effort;
+use robovec_analysis::reference::ReferenceEffort;
 use robovec_analysis::rounding::usual_states;
 use robovec_framework::manager::{self, Config};
 use robovec_ir::states::States;
@@ -30,8 +30,8 @@ pub(super) struct OutputArguments {
     /// What the outputs are compared with: double-double, certified (proved to
     /// the last bit of binary64), audit (all in arbitrary precision)
     #[arg(long, value_name = "EFFORT", requires = "outputs",
-          default_value_t = Effort::Certified)]
-    reference: Effort,
+          default_value_t = ReferenceEffort::Certified)]
+    reference: ReferenceEffort,
     /// Ranges of the inputs, from a scene
     #[arg(long, value_name = "FILE", requires = "outputs")]
     scene: Option<PathBuf>,

@@ -5,7 +5,7 @@ use super::input::InputModule;
 use robovec_framework::manager::{RunError, check_schedules};
 use robovec_ir::Machine;
 use robovec_ir::diagnostic::{Diagnostic, Report};
-use robovec_ir::parse::{Target, parse_placed};
+use robovec_ir::parse::{VerificationTarget, parse_placed};
 
 /// Refuses input with a schedule of another machine, or a placement that is
 /// wrong on its own.
@@ -26,7 +26,7 @@ pub(super) fn refusal(
 ) -> CommandFailure {
     let functions = &input.module.functions;
     let wanted = |name: &str| functions.iter().any(|function| function.name == name);
-    let target = Target {
+    let target = VerificationTarget {
         machine,
         wanted: &wanted,
     };

@@ -4,7 +4,7 @@
 use super::arguments::OptimiserArguments;
 use super::{CommandFailure, output, reproducer};
 use robovec_framework::pipeline::Pipeline;
-use robovec_framework::reduce::{self, Broken, Reduction, Setting};
+use robovec_framework::reduce::{self, Broken, Reduction, TrialSetting};
 use robovec_framework::scene::Scene;
 use robovec_ir::diagnostic::Diagnostic;
 use robovec_ir::{Machine, Module};
@@ -31,7 +31,7 @@ pub(super) fn follow_up(
     let Some(module) = kept else {
         return failure;
     };
-    let setting = Setting {
+    let setting = TrialSetting {
         machine,
         rules,
         scene,
@@ -60,7 +60,7 @@ pub(super) fn follow_up(
 fn write_files(
     module: &Module,
     pipeline: &Pipeline,
-    setting: Setting<'_>,
+    setting: TrialSetting<'_>,
     arguments: &OptimiserArguments,
 ) -> Result<Vec<String>, CommandFailure> {
     let mut notes = Vec::new();

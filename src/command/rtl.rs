@@ -6,9 +6,11 @@ use super::{CommandFailure, input, output, placed};
 use crate::files::sealed::check_folder;
 use crate::files::{Replace, limited};
 use clap::{Args, ValueEnum};
-use robovec_codegen::hardware::Shape;
+use robovec_codegen::hardware::MachineShape;
 use robovec_codegen::manifest::FileHash;
-use robovec_codegen::rtl::{self, Crossbar, CrossbarChoice, DESCRIPTION, Fit, Hardware, RtlError};
+use robovec_codegen::rtl::{
+    self, Crossbar, CrossbarChoice, DESCRIPTION, Hardware, HardwareFit, RtlError,
+};
 use robovec_codegen::{Artifacts, quartus};
 use robovec_framework::manager::{self, Config};
 use robovec_ir::{Function, Machine, Module, View};
@@ -85,7 +87,7 @@ fn build(arguments: &RtlArguments) -> Result<String, CommandFailure> {
     let mut files = CollectedFiles::default();
     let hardware =
         rtl::write_rtl(view, &machine, choice, &mut files).map_err(|error| failure(&error))?;
-    let shape = Shape::built(&hardware);
+    let shape = MachineShape::built(&hardware);
     files.add_project(&hardware, &shape)?;
     let benches = rtl_bench::benches(&arguments.bench, view, &machine, &files.0)?;
     files.0.extend(benches);
@@ -142,7 +144,7 @@ fn fits(arguments: &RtlArguments, hardware: &Hardware) -> Result<String, Command
 }
 
 /// Why a program does not fit, and what it would take.
-fn notes(fit: &Fit) -> Vec<String> {
+fn notes(fit: &HardwareFit) -> Vec<String> {
     let mut notes = fit.reasons.clone();
     notes.push("hardware built for this program takes 'robovec rtl' without '--fits'".to_owned());
     notes
@@ -310,7 +312,11 @@ impl CollectedFiles {
     }
 
     /// Adds the project for Quartus.
-    fn add_project(&mut self, hardware: &Hardware, shape: &Shape) -> Result<(), CommandFailure> {
+    fn add_project(
+        &mut self,
+        hardware: &Hardware,
+        shape: &MachineShape,
+    ) -> Result<(), CommandFailure> {
         let in_folder = |folder: &str, ending: &str| -> Vec<String> {
             let names = self
                 .0

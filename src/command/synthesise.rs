@@ -8,8 +8,8 @@ use crate::process::ToolError;
 use crate::synthesis::cores::{self, Mapped};
 use crate::synthesis::{SynthesisError, Yosys, machine, page};
 use clap::Args;
-use robovec_codegen::hardware::Shape;
-use robovec_codegen::rtl::cores::Core;
+use robovec_codegen::hardware::MachineShape;
+use robovec_codegen::rtl::cores::OperatorCore;
 use robovec_ir::Format;
 use std::fmt::Write;
 
@@ -45,11 +45,15 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
         )));
     };
     let tool = Yosys::find().map_err(failure)?;
-    let wanted = (arguments.add.iter().map(|stages| (Core::Add, *stages))).chain(
+    let wanted = (arguments
+        .add
+        .iter()
+        .map(|stages| (OperatorCore::Add, *stages)))
+    .chain(
         arguments
             .multiply
             .iter()
-            .map(|stages| (Core::Multiply, *stages)),
+            .map(|stages| (OperatorCore::Multiply, *stages)),
     );
     let mapped: Vec<Mapped> = wanted
         .map(|(core, stages)| cores::map(&tool, core, format, stages))
@@ -75,7 +79,10 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
 }
 
 /// A machine mapped part by part, as a page.
-pub(super) fn machine(shape: &Shape, files: &[(String, String)]) -> Result<String, CommandFailure> {
+pub(super) fn machine(
+    shape: &MachineShape,
+    files: &[(String, String)],
+) -> Result<String, CommandFailure> {
     let tool = Yosys::find().map_err(failure)?;
     let mapped = machine::map(&tool, shape, files).map_err(failure)?;
     Ok(format!("\n{}", page::page(&mapped, &tool)))
@@ -121,9 +128,9 @@ fn operators(mapped: &[Mapped]) -> String {
 /// The row of Tables 1.1 and 1.2.
 fn printed(one: &Mapped) -> Option<Operator> {
     let known: &[Operator] = match one.core {
-        Core::Add => &ADDERS,
-        Core::Multiply => &MULTIPLIERS,
-        Core::Divide | Core::Root | Core::Fused => &[],
+        OperatorCore::Add => &ADDERS,
+        OperatorCore::Multiply => &MULTIPLIERS,
+        OperatorCore::Divide | OperatorCore::Root | OperatorCore::Fused => &[],
     };
     known
         .iter()

@@ -7,8 +7,8 @@ use crate::present::json::json_text;
 use crate::trigonometry::{self, TrigonometryEffect, TrigonometrySetting};
 use clap::{Args, ValueEnum};
 use robovec_ir::{Format, Module};
-use robovec_num::trigonometry::{LARGEST_RANGE, MOST_ORDER};
-use robovec_passes::trigonometry::Method;
+use robovec_num::trigonometry::{LARGEST_RANGE, MAX_ORDER};
+use robovec_passes::trigonometry::CircularMethod;
 use std::path::PathBuf;
 
 /// Which polynomials.
@@ -28,7 +28,7 @@ pub(super) struct TrigArguments {
     files: Vec<PathBuf>,
     /// Orders of the polynomials: the largest power of the angle
     #[arg(long, value_name = "ORDERS", value_delimiter = ',', default_value = "1,3,5,7",
-          add = whole(1, MOST_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"))]
+          add = whole(1, MAX_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"))]
     orders: Vec<u32>,
     /// Ranges of the joints: they move between minus and plus each, rad
     #[arg(long, value_name = "ANGLES", value_delimiter = ',',
@@ -68,8 +68,8 @@ pub(super) fn run(arguments: &TrigArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
     let setting = TrigonometrySetting {
         method: match arguments.method {
-            SeriesChoice::Taylor => Method::Taylor,
-            SeriesChoice::Minimax => Method::Minimax,
+            SeriesChoice::Taylor => CircularMethod::Taylor,
+            SeriesChoice::Minimax => CircularMethod::Minimax,
         },
         orders: arguments.orders.clone(),
         angles: arguments.angles.clone(),

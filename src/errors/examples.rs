@@ -3,7 +3,7 @@
 
 use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
 use crate::model::mbs::read_mbs;
-use robovec_analysis::adjoint::{OutputError, Run, Tape};
+use robovec_analysis::adjoint::{AdjointRun, OutputError, Tape};
 use robovec_analysis::stochastic::stochastic;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
@@ -66,7 +66,7 @@ fn measure_function(view: View<'_>, states: u32, most: usize, found: &mut Errors
     let source = States::new(11);
     for state in 0..states {
         let inputs = source.draw(view, state);
-        let run = Run::of(view.function, &tape, Format::BINARY32, &inputs);
+        let run = AdjointRun::of(view.function, &tape, Format::BINARY32, &inputs);
         let step = tape.outputs().div_ceil(most).max(1);
         let outputs: Vec<usize> = (0..tape.outputs()).step_by(step).collect();
         for (error, &output) in run.outputs(&outputs).iter().zip(&outputs) {

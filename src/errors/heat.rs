@@ -1,6 +1,6 @@
 //! The heat of equations: their shares in the error of the outputs.
 
-use robovec_analysis::adjoint::{Blame, LANES, Run, Tape, output_weights};
+use robovec_analysis::adjoint::{AdjointRun, Blame, LANES, Tape, output_weights};
 use robovec_ir::print::print_operand;
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
@@ -91,7 +91,7 @@ pub(super) fn blame_of(
 ) -> Blame {
     let mut blame = Blame::new(tape);
     for state in range {
-        let run = Run::of(view.function, tape, format, &states.draw(view, state));
+        let run = AdjointRun::of(view.function, tape, format, &states.draw(view, state));
         let mut chosen = outputs.to_vec();
         if most < chosen.len() {
             let weights = output_weights(view.function, &run);

@@ -1,8 +1,8 @@
 //! Every output's error at one state, by several methods.
 
 use super::heat::{Heat, blame_of};
-use robovec_analysis::adjoint::{Run, Tape};
-use robovec_analysis::interval::{Alarm, Interval, Leaves, Window, enclose, integer_bits};
+use robovec_analysis::adjoint::{AdjointRun, Tape};
+use robovec_analysis::interval::{Alarm, ConeWindow, Interval, Leaves, enclose, integer_bits};
 use robovec_analysis::stochastic::{Unsupported, stochastic_slots};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
@@ -112,7 +112,7 @@ impl ErrorTable {
     pub fn measure(view: View<'_>, settings: &ErrorSettings) -> Result<ErrorTable, Unsupported> {
         let tape = Tape::new(view.function);
         let inputs = settings.states.draw(view, settings.state);
-        let run = Run::of(view.function, &tape, settings.format, &inputs);
+        let run = AdjointRun::of(view.function, &tape, settings.format, &inputs);
         let mut rows: Vec<OutputRow> = settings
             .outputs
             .iter()
@@ -141,7 +141,7 @@ impl ErrorTable {
         if asked(ErrorMethod::Interval) {
             let leaves = Leaves::new(view, &tape, &settings.states, settings.samples);
             for (row, &slot) in rows.iter_mut().zip(&slots) {
-                let window = Window::new(&tape, slot, settings.window);
+                let window = ConeWindow::new(&tape, slot, settings.window);
                 row.interval = Some(interval(&tape, &window, settings.format, &leaves));
             }
         }
@@ -161,7 +161,7 @@ impl ErrorTable {
     }
 }
 
-fn row(view: View<'_>, run: &Run<'_>, output: usize) -> OutputRow {
+fn row(view: View<'_>, run: &AdjointRun<'_>, output: usize) -> OutputRow {
     let slot = run.tape().output_slot(output);
     OutputRow {
         name: print_output(view, view.function.assignments[output].output),
@@ -175,7 +175,7 @@ fn row(view: View<'_>, run: &Run<'_>, output: usize) -> OutputRow {
     }
 }
 
-fn interval(tape: &Tape, window: &Window, format: Format, leaves: &Leaves<'_>) -> IntervalRow {
+fn interval(tape: &Tape, window: &ConeWindow, format: Format, leaves: &Leaves<'_>) -> IntervalRow {
     let enclosure = enclose(tape, window, format, leaves);
     // A window has a node or is a single leaf.
     let range = enclosure.exact.last().copied().unwrap_or(Interval::WHOLE);

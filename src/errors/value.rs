@@ -3,8 +3,8 @@
 use super::heat::{Heat, blame, blame_of};
 use super::view::{place, small};
 use crate::present::number::percent;
-use robovec_analysis::adjoint::{Run, Tape};
-use robovec_framework::trail::Item;
+use robovec_analysis::adjoint::{AdjointRun, Tape};
+use robovec_framework::trail::TrackedItem;
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
 use std::fmt::Write;
@@ -15,21 +15,26 @@ const MOST: usize = 5;
 /// What rounding does to a value or an output: its error in the first state,
 /// what it can be, what its own operation adds, and its share in the errors
 /// of the outputs; `None` when the function has no such value.
-pub fn explain(view: View<'_>, item: Item, format: Format, states: &States) -> Option<String> {
+pub fn explain(
+    view: View<'_>,
+    item: TrackedItem,
+    format: Format,
+    states: &States,
+) -> Option<String> {
     let function = view.function;
     let tape = Tape::new(function);
     let (slot, output) = match item {
-        Item::Value(name) => {
+        TrackedItem::Value(name) => {
             let mut nodes = function.nodes().iter();
             (nodes.position(|node| node.name == name)?, None)
         }
-        Item::Output(output) => {
+        TrackedItem::Output(output) => {
             let mut assignments = function.assignments.iter();
             let place = assignments.position(|assignment| assignment.output == output)?;
             (tape.output_slot(place), Some(place))
         }
     };
-    let run = Run::of(function, &tape, format, &states.draw(view, 0));
+    let run = AdjointRun::of(function, &tape, format, &states.draw(view, 0));
     // One slot was asked for.
     let error = run.slots(&[slot]).into_iter().next()?;
     let mut text = format!(

@@ -3,7 +3,7 @@
 //! The formulas are those of [`robovec_codegen::hardware`], for the
 //! hardware that `robovec rtl` writes. Nothing is synthesised.
 
-use robovec_codegen::hardware::{self, Shape};
+use robovec_codegen::hardware::{self, MachineShape};
 use robovec_ir::{Format, Machine};
 use serde::Serialize;
 
@@ -44,7 +44,7 @@ pub fn taken(machine: &Machine, format: Format, cycles: u32, words: u32) -> Devi
         number: format,
         ..machine.clone()
     };
-    let taken = hardware::resources(&Shape::of(&machine, cycles, words));
+    let taken = hardware::resources(&MachineShape::of(&machine, cycles, words));
     DeviceShare {
         look_up_tables: taken.aluts + 20.0 * taken.lab_memories,
         memory_blocks: taken.memory_blocks,

@@ -7,7 +7,7 @@
 //! what ties a program to its yardstick, and what is measured is everything
 //! at once: model, series and rounding.
 
-use robovec_analysis::reference::{Effort, Exact, Reference};
+use robovec_analysis::reference::{ExactOutput, ReferenceEffort, ReferenceEvaluator};
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::print::{print_operand, print_output};
 use robovec_ir::states::States;
@@ -332,9 +332,9 @@ pub fn results(view: View<'_>, format: Format, states: &[Vec<f64>]) -> Vec<Vec<f
 
 /// The exact outputs of a function at states.
 fn exact(view: View<'_>, states: &[Vec<f64>]) -> Vec<Vec<Double>> {
-    let mut reference = Reference::new(view.function, Effort::DoubleDouble);
+    let mut reference = ReferenceEvaluator::new(view.function, ReferenceEffort::DoubleDouble);
     let results = reference.evaluate(states).into_iter();
-    let values = |row: Vec<Exact>| row.into_iter().map(|exact| exact.value).collect();
+    let values = |row: Vec<ExactOutput>| row.into_iter().map(|exact| exact.value).collect();
     results.map(values).collect()
 }
 

@@ -5,10 +5,10 @@
 //! builder therefore collects, and [`ModelBuilder::finish`] numbers.
 //!
 //! ```
-//! use robovec::model::build::{BASE, Builder};
+//! use robovec::model::build::{BASE, ModelBuilder};
 //! use robovec::model::{Axis, JointKind};
 //!
-//! let mut builder = Builder::new("pendulum");
+//! let mut builder = ModelBuilder::new("pendulum");
 //! let hinge = [JointKind::Revolute(Axis::X)];
 //! let upper = builder.body("Upper", BASE.origin(), &hinge);
 //! builder.mass(upper, 2.0, [0.0, 0.0, -0.5], [0.2, 0.2, 0.0, 0.0, 0.0, 0.0]);

@@ -3,9 +3,9 @@
 use super::ReportOptions;
 use super::records::SummaryReport;
 use robovec_analysis::accuracy::{
-    ElementError, FormatAccuracy, MatrixCondition, Measurement, Spread, measure,
+    ElementError, FormatAccuracy, MatrixCondition, Measurement, StateSpread, measure,
 };
-use robovec_analysis::reference::Effort;
+use robovec_analysis::reference::ReferenceEffort;
 use robovec_ir::View;
 use robovec_ir::print::print_output;
 use robovec_num::format::Format;
@@ -121,8 +121,8 @@ pub struct SpreadReport {
     pub worst_state: u32,
 }
 
-impl From<Spread> for SpreadReport {
-    fn from(spread: Spread) -> SpreadReport {
+impl From<StateSpread> for SpreadReport {
+    fn from(spread: StateSpread) -> SpreadReport {
         SpreadReport {
             median: spread.median,
             percentile_99: spread.percentile_99,
@@ -167,8 +167,8 @@ const CONDITION_WORK: u64 = 200_000_000;
 fn measurement(operations: usize) -> Measurement {
     Measurement {
         effort: match operations <= CERTIFIED_OPERATIONS {
-            true => Effort::Certified,
-            false => Effort::DoubleDouble,
+            true => ReferenceEffort::Certified,
+            false => ReferenceEffort::DoubleDouble,
         },
         sensitivities: true,
         condition_work: CONDITION_WORK,

@@ -19,8 +19,8 @@ pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
 use crate::errors::Heat;
 use crate::present::json::json_text;
 use robovec_analysis::critical_path::critical_path;
-use robovec_analysis::rounding::Rounding;
-use robovec_framework::check::Verdict;
+use robovec_analysis::rounding::RoundingErrors;
+use robovec_framework::check::CheckVerdict;
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, View};
@@ -46,10 +46,10 @@ pub struct PassRunRecord {
     /// The longest chain after the pass, in cycles.
     pub asap_cycle: u32,
     /// The semantic check of the pass; absent when it was not asked for.
-    pub verdict: Option<Verdict>,
+    pub verdict: Option<CheckVerdict>,
     /// Rounding errors in binary32 before and after the pass; absent when
     /// they were not measured.
-    pub rounding: Option<[Arc<Rounding>; 2]>,
+    pub rounding: Option<[Arc<RoundingErrors>; 2]>,
 }
 
 /// What a report measures.

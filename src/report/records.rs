@@ -2,8 +2,8 @@
 
 use super::PassRunRecord;
 use super::rounding::RoundingReport;
-use robovec_analysis::accuracy::Summary;
-use robovec_framework::check::{Deviation, ErrorChange, FailureKind, Verdict};
+use robovec_analysis::accuracy::ErrorSummary;
+use robovec_framework::check::{CheckVerdict, Deviation, ErrorChange, FailureKind};
 use robovec_ir::print::print_output;
 use robovec_ir::{Boundary, View};
 use serde::Serialize;
@@ -94,7 +94,7 @@ pub struct SummaryReport {
 }
 
 impl CheckReport {
-    fn new(verdict: &Verdict, view: View<'_>) -> CheckReport {
+    fn new(verdict: &CheckVerdict, view: View<'_>) -> CheckReport {
         use robovec_analysis::class::NumericClass::{Approximating, Exact, Real, RealTrig};
         let result = match (verdict.holds(), verdict.class) {
             (false, _) => "failed",
@@ -142,7 +142,7 @@ impl CheckErrors {
 }
 
 impl SummaryReport {
-    pub(super) fn new(summary: &Summary, view: View<'_>) -> SummaryReport {
+    pub(super) fn new(summary: &ErrorSummary, view: View<'_>) -> SummaryReport {
         SummaryReport {
             median_relative: summary.median_relative,
             worst_normwise: summary.worst_normwise,

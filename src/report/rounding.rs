@@ -1,6 +1,6 @@
 //! What a pass did to the rounding errors in binary32.
 
-use robovec_analysis::rounding::{Change, Quantiles, Rounding, UNIT};
+use robovec_analysis::rounding::{MedianChange, Quantiles, RoundingErrors, UNIT};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ pub struct BeforeAfter {
     /// `better`, `same` or `worse`.
     pub trend: &'static str,
     #[serde(skip)]
-    pub(super) change: Change,
+    pub(super) change: MedianChange,
 }
 
 /// Three places in a distribution, in units of rounding.
@@ -59,8 +59,8 @@ impl From<Quantiles> for QuantilesReport {
 }
 
 impl RoundingReport {
-    pub(super) fn new([before, after]: &[Arc<Rounding>; 2]) -> RoundingReport {
-        let both = |pick: fn(&Rounding) -> Quantiles, change: Change| BeforeAfter {
+    pub(super) fn new([before, after]: &[Arc<RoundingErrors>; 2]) -> RoundingReport {
+        let both = |pick: fn(&RoundingErrors) -> Quantiles, change: MedianChange| BeforeAfter {
             before: pick(before).into(),
             after: pick(after).into(),
             ratio: change.ratio,
@@ -74,11 +74,11 @@ impl RoundingReport {
             seed: before.seed,
             relative: both(
                 |rounding| rounding.relative,
-                Change::relative(before, after),
+                MedianChange::relative(before, after),
             ),
             normwise: both(
                 |rounding| rounding.normwise,
-                Change::normwise(before, after),
+                MedianChange::normwise(before, after),
             ),
         }
     }

@@ -2,7 +2,7 @@
 
 use robovec_ir::placement::{ElementKind, Schedule};
 use robovec_ir::{Format, Function, Machine, Operation};
-use robovec_schedule::{KindStatistics, PlacementStatistics, Spread, placement_statistics};
+use robovec_schedule::{ElementSpread, KindStatistics, PlacementStatistics, placement_statistics};
 use serde::{Serialize, Serializer};
 
 /// Cycles, processing elements and what they hold.
@@ -83,7 +83,7 @@ impl TransferReport {
 
 /// Usage per kind of element, in the machine's order; an object in JSON.
 #[derive(Clone, PartialEq, Debug)]
-pub struct ByKind(pub Vec<(String, Spread)>);
+pub struct ByKind(pub Vec<(String, ElementSpread)>);
 
 impl Serialize for ByKind {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -106,7 +106,7 @@ impl ScheduleReport {
         let issued = schedule.slots.iter().filter(|slot| !slot.is_host()).count();
         let capacity = f64::from(schedule.element_count()) * f64::from(schedule.cycles);
         let placed = placement_statistics(function, machine);
-        let words = |pick: fn(&KindStatistics) -> Spread| {
+        let words = |pick: fn(&KindStatistics) -> ElementSpread| {
             let kinds = placed.as_ref()?.kinds.iter();
             let words = kinds.map(|kind| (kind.kind.clone(), pick(kind)));
             Some(ByKind(words.collect()))

@@ -11,7 +11,7 @@
 use super::Language;
 use super::write::{RobotranWriteError, WriteOptions, write};
 use robovec_codegen::c::{
-    Options, Real, SignatureError, Trial, files, function_name, minimal_data, trial_main,
+    Options, Real, SignatureError, TrialState, files, function_name, minimal_data, trial_main,
 };
 use robovec_ir::states::States;
 use robovec_ir::{Assignment, Function, Module, Output, SourceSet, View};
@@ -103,7 +103,7 @@ fn test(view: View<'_>, options: &DropInOptions) -> String {
         Real::Double => TOLERANCE,
         Real::Float => TOLERANCE_OF_FLOAT,
     };
-    let trial = Trial::new(view, state(view), tolerance);
+    let trial = TrialState::new(view, state(view), tolerance);
     let name = function_name(view, &options.c);
     let rivals = options.rivals.iter().map(String::as_str);
     let contestants: Vec<&str> = rivals.chain([name.as_str()]).collect();

@@ -1,7 +1,7 @@
 //! Lines and columns of a text.
 
 use super::token::SourceSpan;
-use robovec_ir::Place;
+use robovec_ir::SourcePlace;
 
 /// Finds lines and columns; quick when asked in order.
 #[derive(Debug)]
@@ -67,10 +67,10 @@ impl<'t> LineIndex<'t> {
     }
 
     /// The place of a span that is not empty.
-    pub(super) fn place(&mut self, span: SourceSpan) -> Place {
+    pub(super) fn place(&mut self, span: SourceSpan) -> SourcePlace {
         let (line, column) = self.location(span.start);
         let (end_line, after) = self.location(span.end.max(span.start + 1));
-        Place {
+        SourcePlace {
             file: self.file,
             line,
             column,

@@ -3,7 +3,7 @@
 use crate::simulate::mif::{Image, MifError};
 use crate::simulate::{Hazard, LoadError, LoadedProgram, Trace};
 use robovec_codegen::manifest::Manifest;
-use robovec_codegen::rtl::bench::{Bench, BenchError, BusResult, Load, Run};
+use robovec_codegen::rtl::bench::{BenchError, BenchRun, BusResult, Load, TestBench};
 use robovec_ir::{Machine, View};
 
 /// Why there is no bench.
@@ -46,7 +46,7 @@ pub fn bench_files(
     for state in inputs {
         runs.push(run(&program.run_traced(state)?));
     }
-    let bench = Bench {
+    let bench = TestBench {
         view,
         machine,
         manifest: &manifest,
@@ -93,7 +93,7 @@ fn instructions(
     Ok(all)
 }
 
-fn run(trace: &Trace) -> Run {
+fn run(trace: &Trace) -> BenchRun {
     let loads = trace.loaded.iter().map(|load| Load {
         memory: load.memory,
         address: load.address,
@@ -105,7 +105,7 @@ fn run(trace: &Trace) -> Run {
         element: result.element,
         word: result.word,
     });
-    Run {
+    BenchRun {
         loads: loads.collect(),
         results: results.collect(),
         outputs: trace.outputs.words.clone(),

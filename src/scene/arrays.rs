@@ -2,7 +2,7 @@
 
 use super::document::{DocumentProblems, DocumentRange};
 use crate::model::{CutKind, Model};
-use robovec_framework::scene::{IndexPattern, Pattern};
+use robovec_framework::scene::{ElementPattern, IndexPattern};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::{Module, Shape};
 
@@ -174,7 +174,7 @@ impl SceneArrays {
         text: &str,
         span: &DocumentRange,
         problems: &mut DocumentProblems,
-    ) -> Option<(usize, Pattern)> {
+    ) -> Option<(usize, ElementPattern)> {
         let (name, indices) = split(text, span, problems)?;
         let array = self.find(name, span, problems)?;
         let known = &self.list[array];
@@ -190,7 +190,7 @@ impl SceneArrays {
         text: &str,
         span: &DocumentRange,
         problems: &mut DocumentProblems,
-    ) -> Option<Pattern> {
+    ) -> Option<ElementPattern> {
         let (name, indices) = split(text, span, problems)?;
         let Some((_, shape)) = outputs.iter().find(|(output, _)| output == name) else {
             let names: Vec<&str> = outputs.iter().map(|(name, _)| name.as_str()).collect();
@@ -210,8 +210,8 @@ impl SceneArrays {
         words: Option<&str>,
         span: &DocumentRange,
         problems: &mut DocumentProblems,
-    ) -> Option<Pattern> {
-        let mut pattern = Pattern::whole(name);
+    ) -> Option<ElementPattern> {
+        let mut pattern = ElementPattern::whole(name);
         let Some(words) = words else {
             return Some(pattern);
         };

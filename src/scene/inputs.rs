@@ -10,7 +10,7 @@ use super::document::{
 use super::known::{ElementKnowledge, ElementStatements, Rank};
 use crate::model::Model;
 use crate::motion;
-use robovec_framework::scene::{HeldJoint, Hold, IndexPattern, Pattern};
+use robovec_framework::scene::{ElementPattern, HeldJoint, Hold, IndexPattern};
 use robovec_ir::Shape;
 use toml::de::DeValue;
 
@@ -54,7 +54,7 @@ impl InputReader<'_> {
     fn say(
         &mut self,
         array: usize,
-        pattern: &Pattern,
+        pattern: &ElementPattern,
         known: ElementKnowledge,
         span: &DocumentRange,
     ) {
@@ -127,7 +127,7 @@ impl InputReader<'_> {
                 Shape::Matrix(..) => vec![IndexPattern::Any, last],
                 Shape::Scalar | Shape::Vector(_) => vec![last],
             };
-            let pattern = Pattern {
+            let pattern = ElementPattern {
                 indices,
                 ..pattern.clone()
             };
@@ -140,7 +140,7 @@ impl InputReader<'_> {
         &mut self,
         section: InputSection,
         place: usize,
-        pattern: &Pattern,
+        pattern: &ElementPattern,
         span: &DocumentRange,
         value: &DocumentValue<'_>,
     ) {
@@ -180,7 +180,7 @@ impl InputReader<'_> {
             {
                 indices.push(IndexPattern::Any);
             }
-            let element = Pattern {
+            let element = ElementPattern {
                 indices,
                 ..pattern.clone()
             };

@@ -1,7 +1,7 @@
 //! What a scene says of input elements, the more specific word winning.
 
 use super::document::{DocumentProblems, DocumentRange};
-use robovec_framework::scene::{Bindings, Pattern};
+use robovec_framework::scene::{Bindings, ElementPattern};
 use robovec_ir::Shape;
 use robovec_ir::states::Ranges;
 use std::collections::BTreeMap;
@@ -34,7 +34,7 @@ pub(super) enum Rank {
 
 impl Rank {
     /// That of a pattern for an array of a shape.
-    pub(super) fn of(pattern: &Pattern, shape: Shape) -> Rank {
+    pub(super) fn of(pattern: &ElementPattern, shape: Shape) -> Rank {
         let fixed = |index: &robovec_framework::scene::IndexPattern| {
             use robovec_framework::scene::IndexPattern::Between;
             matches!(index, Between(first, last) if first == last)
@@ -68,7 +68,7 @@ impl ElementStatements {
     pub(super) fn say(
         &mut self,
         shape: Shape,
-        pattern: &Pattern,
+        pattern: &ElementPattern,
         known: ElementKnowledge,
         span: &DocumentRange,
         problems: &mut DocumentProblems,

@@ -10,7 +10,7 @@ use super::known::ElementStatements;
 use super::{DEADLINE, ERROR, ModelSubject, SceneFile, SceneSubject};
 use crate::generate::{Formulation, FunctionKind, Options};
 use crate::sources;
-use robovec_framework::scene::{Hold, Measure, Need, Scene, Tolerance};
+use robovec_framework::scene::{Hold, Measure, NeededOutputs, OutputTolerance, Scene};
 use robovec_ir::diagnostic::{Report, clip};
 use robovec_ir::{Module, Shape, View};
 use std::path::{Path, PathBuf};
@@ -261,7 +261,7 @@ fn outputs(
     arrays: &SceneArrays,
     module: &Module,
     problems: &mut DocumentProblems,
-) -> Vec<Need> {
+) -> Vec<NeededOutputs> {
     let Some(value) = get(file, "output") else {
         return Vec::new();
     };
@@ -285,7 +285,7 @@ fn outputs(
             )
         })
         .collect();
-    let mut needs: Vec<(Need, DocumentRange)> = Vec::new();
+    let mut needs: Vec<(NeededOutputs, DocumentRange)> = Vec::new();
     for entry in entries {
         let Some(section) = table(entry, problems) else {
             continue;
@@ -305,7 +305,7 @@ fn outputs(
         for (text, span) in texts {
             let pattern = arrays.output_pattern(&known, text, &span, problems);
             let Some(pattern) = pattern else { continue };
-            let need = Need { pattern, tolerance };
+            let need = NeededOutputs { pattern, tolerance };
             check_need(module, &needs, (&need, &span), problems);
             needs.push((need, span));
         }
@@ -316,8 +316,8 @@ fn outputs(
 /// Complains of outputs that do not exist or come twice.
 fn check_need(
     module: &Module,
-    before: &[(Need, DocumentRange)],
-    (need, span): (&Need, &DocumentRange),
+    before: &[(NeededOutputs, DocumentRange)],
+    (need, span): (&NeededOutputs, &DocumentRange),
     problems: &mut DocumentProblems,
 ) {
     let set = module.functions.iter().any(|function| {
@@ -328,7 +328,7 @@ fn check_need(
         let message = format!("the function does not set '{}'", need.pattern);
         problems.add(span.clone(), message);
     }
-    let measure = |need: &Need| need.tolerance.map(|tolerance| tolerance.measure);
+    let measure = |need: &NeededOutputs| need.tolerance.map(|tolerance| tolerance.measure);
     let twin = before
         .iter()
         .find(|(other, _)| other.pattern == need.pattern && measure(other) == measure(need));
@@ -340,7 +340,10 @@ fn check_need(
 }
 
 /// The error that is allowed.
-fn tolerance(section: &DocumentTable<'_>, problems: &mut DocumentProblems) -> Option<Tolerance> {
+fn tolerance(
+    section: &DocumentTable<'_>,
+    problems: &mut DocumentProblems,
+) -> Option<OutputTolerance> {
     let measure = get(section, "measure").and_then(|value| {
         let name = string(value, problems)?;
         let measure = Measure::from_name(name);
@@ -356,7 +359,7 @@ fn tolerance(section: &DocumentTable<'_>, problems: &mut DocumentProblems) -> Op
         problems.add(value.span(), message);
     }
     let bound = limited(value?, ("error", ERROR), problems)?;
-    Some(Tolerance {
+    Some(OutputTolerance {
         measure: measure.unwrap_or_default(),
         bound,
     })

@@ -29,7 +29,7 @@ pub(super) struct WordFields {
 
 impl WordFields {
     /// Reads the layout of an element's words.
-    pub(super) fn new(element: &manifest::Element) -> Result<WordFields, LoadError> {
+    pub(super) fn new(element: &manifest::ProcessingElement) -> Result<WordFields, LoadError> {
         let fail = |problem: String| LoadError::Layout {
             element: element.name.clone(),
             problem,

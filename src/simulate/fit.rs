@@ -31,7 +31,7 @@ impl Loader<'_> {
         self.check_sources()
     }
 
-    fn check_element(&self, element: &manifest::Element) -> Result<(), LoadError> {
+    fn check_element(&self, element: &manifest::ProcessingElement) -> Result<(), LoadError> {
         let machine = self.machine;
         let fail = |message: String| Err(LoadError::Machine(message));
         let kind = machine
@@ -86,7 +86,7 @@ impl Loader<'_> {
     fn check_sources(&self) -> Result<(), LoadError> {
         let elements = &self.manifest.elements;
         let ports = self.buffer_reads();
-        let ports_of = |element: &manifest::Element| {
+        let ports_of = |element: &manifest::ProcessingElement| {
             element
                 .buffer
                 .as_ref()

@@ -4,10 +4,10 @@ use super::decode::{DecodedSteps, WordFields};
 use super::error::LoadError;
 use super::mif::Image;
 use super::program::{ElementUnit, HostStep, LoadedProgram, MemoryUnit, OutputPlace, OutputUnit};
-use robovec_codegen::manifest::{self, Manifest, OutputValue, Reference, WordAddress};
+use robovec_codegen::manifest::{self, Manifest, OutputValue, ValueReference, WordAddress};
 use robovec_ir::{Machine, Operation};
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_num::trigonometry::host::Unit;
+use robovec_num::trigonometry::host::TrigonometricUnit;
 use std::collections::BTreeMap;
 
 /// Most words of all memories, of all buffers, of all instruction images in
@@ -165,7 +165,7 @@ impl<'a> Loader<'a> {
             host.push(self.host_step(place, value, words)?);
         }
         let unit = manifest.trigonometry.as_deref().map(|name| {
-            let unit = name.parse().and_then(Unit::new);
+            let unit = name.parse().and_then(TrigonometricUnit::new);
             unit.map_err(|error| LoadError::Dangling {
                 user: "the manifest's 'trigonometry'".to_owned(),
                 what: format!("'{name}': {error}"),
@@ -268,7 +268,7 @@ impl<'a> Loader<'a> {
                 .iter()
                 .map(|name| self.operation(&element.name, name))
                 .collect::<Result<_, _>>()?;
-            let place = |memory: Option<&manifest::Memory>| {
+            let place = |memory: Option<&manifest::OperandMemory>| {
                 memory
                     .and_then(|memory| self.names.get(&memory.name))
                     .copied()
@@ -339,11 +339,16 @@ impl<'a> Loader<'a> {
     }
 
     /// A reference must be in range; among the host's values, before `host`.
-    fn reference(&self, user: &str, reference: Reference, host: usize) -> Result<(), LoadError> {
+    fn reference(
+        &self,
+        user: &str,
+        reference: ValueReference,
+        host: usize,
+    ) -> Result<(), LoadError> {
         let (index, length, what) = match reference {
-            Reference::Input(index) => (index, self.manifest.inputs.len(), "input"),
-            Reference::Constant(index) => (index, self.manifest.constants.len(), "constant"),
-            Reference::Host(index) => (index, host, "earlier host value"),
+            ValueReference::Input(index) => (index, self.manifest.inputs.len(), "input"),
+            ValueReference::Constant(index) => (index, self.manifest.constants.len(), "constant"),
+            ValueReference::Host(index) => (index, host, "earlier host value"),
         };
         if (index as usize) < length {
             return Ok(());

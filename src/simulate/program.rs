@@ -1,10 +1,10 @@
 //! A program as loaded from its images.
 
 use super::decode::DecodedSteps;
-use robovec_codegen::manifest::Reference;
+use robovec_codegen::manifest::ValueReference;
 use robovec_ir::Operation;
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_num::trigonometry::host::Unit;
+use robovec_num::trigonometry::host::TrigonometricUnit;
 
 /// A program in the simulator's memories, ready to be run any number of times.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ pub struct LoadedProgram {
     pub(super) constants: Vec<f64>,
     pub(super) host: Vec<HostStep>,
     /// What computes the host's sines and cosines, when it is said.
-    pub(super) unit: Option<Unit>,
+    pub(super) unit: Option<TrigonometricUnit>,
     pub(super) outputs: Vec<OutputUnit>,
     pub(super) steps: DecodedSteps,
 }
@@ -64,7 +64,7 @@ pub(super) struct MemoryUnit {
 pub(super) struct HostStep {
     pub(super) operation: Operation,
     /// Behind the operands of the operation the first one again.
-    pub(super) operands: [Reference; 3],
+    pub(super) operands: [ValueReference; 3],
     /// Where it is loaded.
     pub(super) words: Vec<u32>,
 }
@@ -86,7 +86,7 @@ pub(super) enum OutputPlace {
         written: u32,
     },
     /// Known before the run.
-    Known(Reference),
+    Known(ValueReference),
 }
 
 impl LoadedProgram {

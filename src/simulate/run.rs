@@ -9,7 +9,7 @@ use super::decode::{BufferWrite, Issue, MemoryWrite};
 use super::error::Hazard;
 use super::program::{LoadedProgram, OutputPlace};
 use super::trace::{Observer, Silent};
-use robovec_codegen::manifest::Reference;
+use robovec_codegen::manifest::ValueReference;
 use robovec_num::arithmetic::Arithmetic;
 
 /// What a run gives.
@@ -408,11 +408,11 @@ struct InitialValues {
 }
 
 impl InitialValues {
-    fn get(&self, reference: Reference) -> f64 {
+    fn get(&self, reference: ValueReference) -> f64 {
         match reference {
-            Reference::Input(index) => self.inputs[index as usize],
-            Reference::Constant(index) => self.constants[index as usize],
-            Reference::Host(index) => self.host[index as usize],
+            ValueReference::Input(index) => self.inputs[index as usize],
+            ValueReference::Constant(index) => self.constants[index as usize],
+            ValueReference::Host(index) => self.host[index as usize],
         }
     }
 }

@@ -5,7 +5,7 @@ use super::plan::{NamedMachine, PlacementRequest};
 use super::program::StudyProgram;
 use crate::explore::placing::{verified, with_counts};
 use robovec_ir::Operation;
-use robovec_schedule::Spread;
+use robovec_schedule::ElementSpread;
 use serde::{Deserialize, Serialize};
 
 /// What is kept of a placement. Names and numbers of its [`PlacementRequest`] are not
@@ -97,6 +97,6 @@ pub fn measure(
     }
 }
 
-fn words(spread: Spread) -> [f64; 3] {
+fn words(spread: ElementSpread) -> [f64; 3] {
     [f64::from(spread.min), spread.mean, f64::from(spread.max)]
 }

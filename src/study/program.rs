@@ -5,7 +5,7 @@ use super::plan::{NamedMachine, NamedPipeline, StudySubject};
 use crate::explore::program::{transformed, view};
 use crate::explore::store::PointKey;
 use robovec_analysis::critical_path::critical_path;
-use robovec_analysis::rounding::{Rounding, rounding, usual_states};
+use robovec_analysis::rounding::{RoundingErrors, rounding, usual_states};
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Report, did_you_mean};
 use robovec_ir::states::States;
@@ -57,7 +57,7 @@ pub struct ProgramFacts {
     pub path_add: u32,
     /// Rounding errors in binary32, as read and now, at the same states.
     #[serde(skip)]
-    pub rounding: [Arc<Rounding>; 2],
+    pub rounding: [Arc<RoundingErrors>; 2],
 }
 
 impl ProgramFacts {
@@ -93,7 +93,7 @@ pub struct StudyEquations {
     pub key: PointKey,
     equations: usize,
     vectors: usize,
-    rounding: Arc<Rounding>,
+    rounding: Arc<RoundingErrors>,
 }
 
 impl StudyEquations {

@@ -3,7 +3,7 @@
 use crate::explore::axes::Axes;
 use crate::explore::operators::{Couple, MEMORY_CAP_MHZ, couples, with_stages};
 use crate::explore::placing::with_counts;
-use robovec_ir::machine::{BufferDescription, Interconnect, MemoryStyle, Network, Topology};
+use robovec_ir::machine::{BufferDescription, Interconnect, LinkNetwork, MemoryStyle, Topology};
 use robovec_ir::{Machine, Operation};
 use serde::Serialize;
 
@@ -154,7 +154,7 @@ impl DesignSpace {
 
 /// Names of all interconnects, the crossbar first.
 pub fn interconnect_names() -> Vec<&'static str> {
-    let networks = Topology::ALL.map(|topology| Interconnect::Network(Network::of(topology)));
+    let networks = Topology::ALL.map(|topology| Interconnect::Network(LinkNetwork::of(topology)));
     let all = std::iter::once(Interconnect::Crossbar).chain(networks);
     all.map(|interconnect| interconnect.name()).collect()
 }

@@ -5,8 +5,8 @@
 
 use super::timing::{FAST_NET, NetlistTiming, Path, PathSelection, SLOW_NET};
 use super::{SynthesisDesign, SynthesisError, Yosys, count};
-use robovec_codegen::hardware::{Resources, operator};
-use robovec_codegen::rtl::cores::{Core, SOURCES, cuts};
+use robovec_codegen::hardware::{ResourceUse, operator};
+use robovec_codegen::rtl::cores::{OperatorCore, SOURCES, cuts};
 use robovec_ir::Format;
 use robovec_num::NumberFormat;
 
@@ -14,13 +14,13 @@ use robovec_num::NumberFormat;
 #[derive(Clone, PartialEq, Debug)]
 pub struct Mapped {
     /// Which.
-    pub core: Core,
+    pub core: OperatorCore,
     /// Pipeline stages.
     pub stages: u32,
     /// What yosys counts.
-    pub counted: Resources,
+    pub counted: ResourceUse,
     /// What the formulas say.
-    pub estimated: Resources,
+    pub estimated: ResourceUse,
     /// Longest paths with quick and with slow nets, ps.
     pub quick: Delays,
     /// The same with slow nets.
@@ -41,7 +41,7 @@ pub struct Delays {
 }
 
 /// The Verilog of an operator.
-pub fn design(core: Core, format: NumberFormat, stages: u32) -> SynthesisDesign {
+pub fn design(core: OperatorCore, format: NumberFormat, stages: u32) -> SynthesisDesign {
     let cuts = cuts(core, format, stages);
     let parameters = [
         ("EXPONENT", format.exponent.to_string()),
@@ -72,7 +72,7 @@ pub fn design(core: Core, format: NumberFormat, stages: u32) -> SynthesisDesign 
 /// When yosys cannot be run or refuses it.
 pub fn map(
     tool: &Yosys,
-    core: Core,
+    core: OperatorCore,
     format: NumberFormat,
     stages: u32,
 ) -> Result<Mapped, SynthesisError> {
@@ -116,7 +116,11 @@ mod tests {
     #[ignore = "needs yosys; cargo test -- --ignored tabulated"]
     fn the_tabulated_delays_are_those_of_the_mapping() {
         let tool = Yosys::find().expect("yosys is installed");
-        for (core, stages) in [(Core::Add, 1), (Core::Add, 10), (Core::Multiply, 5)] {
+        for (core, stages) in [
+            (OperatorCore::Add, 1),
+            (OperatorCore::Add, 10),
+            (OperatorCore::Multiply, 5),
+        ] {
             let mapped =
                 map(&tool, core, NumberFormat::BINARY32, stages).expect("it can be mapped");
             for (guess, delays) in [mapped.quick, mapped.slow].into_iter().enumerate() {

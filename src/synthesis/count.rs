@@ -10,7 +10,7 @@
 use super::SynthesisError;
 use super::delays::TRUE_DUAL_PORT;
 use super::netlist::{Bit, Netlist, NetlistCell, NetlistModule, readable};
-use robovec_codegen::hardware::{Resources, true_dual_port_blocks};
+use robovec_codegen::hardware::{ResourceUse, true_dual_port_blocks};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Bits of a word of an MLAB.
@@ -27,9 +27,9 @@ pub struct ModuleCount {
     /// How often it occurs below the top.
     pub instances: u32,
     /// What one instance takes, without the modules inside.
-    pub own: Resources,
+    pub own: ResourceUse,
     /// What one instance takes, with the modules inside.
-    pub total: Resources,
+    pub total: ResourceUse,
 }
 
 /// Counts a design, bottom up: the top comes last.
@@ -39,7 +39,7 @@ pub struct ModuleCount {
 /// When a module instantiates itself.
 pub fn count(netlist: &Netlist, top: &str) -> Result<Vec<ModuleCount>, SynthesisError> {
     let order = netlist.bottom_up(top)?;
-    let mut totals: BTreeMap<&str, Resources> = BTreeMap::new();
+    let mut totals: BTreeMap<&str, ResourceUse> = BTreeMap::new();
     let mut counts = Vec::new();
     for name in &order {
         let module = &netlist.modules[*name];
@@ -82,8 +82,8 @@ fn instances<'a>(netlist: &'a Netlist, order: &[&'a str], top: &'a str) -> BTree
 }
 
 /// What a module's own cells take.
-fn own(module: &NetlistModule) -> Resources {
-    let mut taken = Resources::default();
+fn own(module: &NetlistModule) -> ResourceUse {
+    let mut taken = ResourceUse::default();
     let mut mlabs: BTreeMap<String, usize> = BTreeMap::new();
     for cell in module.cells.values() {
         match cell.kind.as_str() {

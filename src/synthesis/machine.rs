@@ -8,8 +8,8 @@
 use super::netlist::{Netlist, readable};
 use super::timing::{FAST_NET, NetlistTiming, Path, PathSelection, SLOW_NET};
 use super::{SynthesisDesign, SynthesisError, Yosys, count};
-use robovec_codegen::hardware::{Part, PartKind, Resources, Shape, parts};
-use robovec_codegen::rtl::cores::Core;
+use robovec_codegen::hardware::{MachinePart, MachineShape, PartKind, ResourceUse, parts};
+use robovec_codegen::rtl::cores::OperatorCore;
 use std::collections::BTreeMap;
 
 /// The top of every machine.
@@ -36,9 +36,9 @@ const MODULES: [(&str, PartKind); 7] = [
 #[derive(Clone, PartialEq, Debug)]
 pub struct MappedMachine {
     /// What the formulas say of every part.
-    pub estimated: Vec<Part>,
+    pub estimated: Vec<MachinePart>,
     /// What yosys counts, in the same order: all of a part together.
-    pub counted: Vec<Resources>,
+    pub counted: Vec<ResourceUse>,
     /// The longest path with quick nets.
     pub quick: Option<Path>,
     /// The longest path with slow nets.
@@ -50,12 +50,12 @@ pub struct MappedMachine {
 
 impl MappedMachine {
     /// What yosys counts in all.
-    pub fn total(&self) -> Resources {
+    pub fn total(&self) -> ResourceUse {
         self.counted.iter().copied().sum()
     }
 
     /// What the formulas say in all.
-    pub fn estimate(&self) -> Resources {
+    pub fn estimate(&self) -> ResourceUse {
         let all = self.estimated.iter();
         all.map(|part| part.each * f64::from(part.count)).sum()
     }
@@ -69,7 +69,7 @@ pub fn design(files: &[(String, String)]) -> SynthesisDesign {
         .cloned()
         .partition(|(name, _)| name == CLOSED);
     let parts = MODULES.iter().map(|(name, _)| *name);
-    let operators = Core::ALL.iter().map(|core| core.module());
+    let operators = OperatorCore::ALL.iter().map(|core| core.module());
     SynthesisDesign {
         top: TOP.to_owned(),
         parameters: vec![("INITIAL".to_owned(), "0".to_owned())],
@@ -92,7 +92,7 @@ pub fn design(files: &[(String, String)]) -> SynthesisDesign {
 /// another cell unmapped.
 pub fn map(
     tool: &Yosys,
-    shape: &Shape,
+    shape: &MachineShape,
     files: &[(String, String)],
 ) -> Result<MappedMachine, SynthesisError> {
     let netlist = tool.map(&design(files))?;
@@ -100,7 +100,7 @@ pub fn map(
 }
 
 /// Counts and times a mapped machine.
-fn measure(netlist: &Netlist, shape: &Shape) -> Result<MappedMachine, SynthesisError> {
+fn measure(netlist: &Netlist, shape: &MachineShape) -> Result<MappedMachine, SynthesisError> {
     let unknown = count::unknown_cells(netlist, TOP)?;
     if !unknown.is_empty() {
         return Err(SynthesisError::Netlist(format!(
@@ -130,13 +130,13 @@ fn measure(netlist: &Netlist, shape: &Shape) -> Result<MappedMachine, SynthesisE
 /// What every part of a kind takes in all.
 fn by_part(
     netlist: &Netlist,
-) -> Result<BTreeMap<(Option<String>, PartKind), Resources>, SynthesisError> {
+) -> Result<BTreeMap<(Option<String>, PartKind), ResourceUse>, SynthesisError> {
     let counts = count::count(netlist, TOP)?;
-    let totals: BTreeMap<&str, Resources> = counts
+    let totals: BTreeMap<&str, ResourceUse> = counts
         .iter()
         .map(|count| (count.netlist_name.as_str(), count.total))
         .collect();
-    let mut parts: BTreeMap<(Option<String>, PartKind), Resources> = BTreeMap::new();
+    let mut parts: BTreeMap<(Option<String>, PartKind), ResourceUse> = BTreeMap::new();
     for count in &counts {
         let kind = count.name.strip_prefix(ELEMENT);
         // What stands in an element or the top itself, outside of its parts.
@@ -147,7 +147,7 @@ fn by_part(
         };
         let kind = kind.map(str::to_owned);
         let times = f64::from(count.instances);
-        let mut add = |part: PartKind, taken: Resources| {
+        let mut add = |part: PartKind, taken: ResourceUse| {
             *parts.entry((kind.clone(), part)).or_default() += taken * times;
         };
         add(own, count.own);

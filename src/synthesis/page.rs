@@ -4,7 +4,7 @@ use super::Yosys;
 use super::machine::MappedMachine;
 use super::timing::{FAST_NET, Path, SLOW_NET};
 use crate::present::text_table;
-use robovec_codegen::hardware::{PartKind, Resources};
+use robovec_codegen::hardware::{PartKind, ResourceUse};
 use std::fmt::Write;
 
 /// What Table 1.4 of the thesis prints for all of a part of its 4 adders and
@@ -77,8 +77,8 @@ fn resources(machine: &MappedMachine) -> String {
 
 /// Tables, registers, memory blocks and multiplier blocks: both counts and
 /// the difference.
-fn pairs(counted: &Resources, estimated: &Resources) -> Vec<String> {
-    let of = |value: fn(&Resources) -> f64| (value(counted), value(estimated));
+fn pairs(counted: &ResourceUse, estimated: &ResourceUse) -> Vec<String> {
+    let of = |value: fn(&ResourceUse) -> f64| (value(counted), value(estimated));
     let all = [
         of(|taken| taken.aluts),
         of(|taken| taken.registers),

@@ -22,14 +22,14 @@ use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Format, Input, Machine, Module, View};
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_passes::registry::REGISTRY;
-use robovec_passes::trigonometry::{Angle, Method, Trigonometry};
+use robovec_passes::trigonometry::{AngleOption, CircularMethod, Trigonometry};
 use std::sync::Arc;
 
 /// What is measured.
 #[derive(Clone, Debug)]
 pub struct TrigonometrySetting {
     /// How sines and cosines are computed.
-    pub method: Method,
+    pub method: CircularMethod,
     /// Orders of the polynomials.
     pub orders: Vec<u32>,
     /// Ranges of the joints, of either sign, rad (and m, where they slide).
@@ -162,7 +162,7 @@ fn replaced(
     order: u32,
     angle: f64,
 ) -> Result<Module, RunError> {
-    let (method, range) = (setting.method.print(), Angle(angle).print());
+    let (method, range) = (setting.method.print(), AngleOption(angle).print());
     let halvings = setting.halvings;
     let text = format!(
         "trigonometry{{method={method} order={order} range={range} halvings={halvings}}},\

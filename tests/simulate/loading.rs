@@ -4,7 +4,7 @@ use super::float;
 use super::hand::{Edited, mif};
 use robovec::simulate::mif::Image;
 use robovec::simulate::{LoadError, LoadedProgram};
-use robovec_codegen::manifest::{HostElement, Reference};
+use robovec_codegen::manifest::{HostElement, ValueReference};
 use robovec_ir::Machine;
 use robovec_ir::machine::{BufferDescription, MemoryStyle};
 use robovec_num::fnv::Fnv;
@@ -278,15 +278,15 @@ fn host_values_read_earlier_ones_only() {
         operands: vec![operand],
         words: Vec::new(),
     };
-    let with = |operands: [Reference; 2]| {
+    let with = |operands: [ValueReference; 2]| {
         let mut images = Edited::new();
         let values = ["first", "second"].into_iter().zip(operands);
         images.manifest.host = values.map(|(name, operand)| value(name, operand)).collect();
         images.load()
     };
-    assert!(with([Reference::Input(0), Reference::Host(0)]).is_ok());
+    assert!(with([ValueReference::Input(0), ValueReference::Host(0)]).is_ok());
     for later in [0, 1] {
-        let error = with([Reference::Host(later), Reference::Input(0)]);
+        let error = with([ValueReference::Host(later), ValueReference::Input(0)]);
         let error = error.expect_err("it is not known yet");
         let user = "first".to_owned();
         let what = format!("earlier host value {later}");

@@ -19,7 +19,7 @@ use robovec_ir::{Format, Machine, Module, View};
 use robovec_num::NumberFormat;
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_passes::registry::REGISTRY;
-use robovec_schedule::{Choice, PlaceOptions, place};
+use robovec_schedule::{ElementChoice, PlaceOptions, place};
 
 /// A floating-point format.
 fn float(exponent: u32, mantissa: u32, subnormals: bool) -> Format {
@@ -115,8 +115,13 @@ fn placed_programs_give_the_evaluators_bits() {
             for element in &mut machine.elements {
                 element.count = count;
             }
-            for choice in [Choice::First, Choice::Preferential] {
-                let seed = u64::from(count) + if choice == Choice::First { 100 } else { 0 };
+            for choice in [ElementChoice::First, ElementChoice::Preferential] {
+                let seed = u64::from(count)
+                    + if choice == ElementChoice::First {
+                        100
+                    } else {
+                        0
+                    };
                 let mut module = naive::random_function(&mut Random(seed), 400, &machine);
                 let options = PlaceOptions {
                     choice,

@@ -130,7 +130,7 @@ pub(crate) fn place(function: &mut Function, machine: &Machine, random: &mut Ran
 
 struct Naive {
     schedule: Schedule,
-    reads: Vec<[u32; Operand::MOST]>,
+    reads: Vec<[u32; Operand::MAX_COUNT]>,
     buffers: Vec<u32>,
     writes: Vec<Vec<Write>>,
     preloads: Vec<Preload>,
@@ -159,7 +159,7 @@ impl Naive {
                 cycles: 0,
                 lower_bound: 0,
             },
-            reads: vec![[Placement::NONE; Operand::MOST]; count],
+            reads: vec![[Placement::NONE; Operand::MAX_COUNT]; count],
             buffers: vec![Placement::NONE; count],
             writes: vec![Vec::new(); count],
             preloads: Vec::new(),
@@ -183,7 +183,7 @@ impl Naive {
         self.issued += 1;
         self.schedule.slots.push(Slot { cycle, element });
         let banks = match machine.memory.style {
-            MemoryStyle::Unified | MemoryStyle::FourPort => [Bank::Unified; Operand::MOST],
+            MemoryStyle::Unified | MemoryStyle::FourPort => [Bank::Unified; Operand::MAX_COUNT],
             MemoryStyle::SideSplit => [Bank::Left, Bank::Right, Bank::Left],
         };
         for (side, &operand) in node.operands().iter().enumerate() {

@@ -12,7 +12,7 @@ mod theorems;
 
 use crate::statistics::{Run, Statistics};
 use arbitrary::{Result, Unstructured};
-use robovec_rules::check::{Verdict, check};
+use robovec_rules::check::{RuleVerdict, check};
 use robovec_rules::{Rule, RuleSet};
 
 /// How often [`rules_are_judged`] ran, and on what.
@@ -55,7 +55,7 @@ fn judge_true(bytes: &mut Unstructured<'_>) -> Result<Judged> {
     let rule = theorems::theorem(bytes)?;
     let verdict = check(&rule, TRIALS).verdict;
     assert!(
-        !matches!(verdict, Verdict::False(_)),
+        !matches!(verdict, RuleVerdict::False(_)),
         "true: {rule}\n{verdict:?}"
     );
     Ok(judged(&rule, &verdict, false))
@@ -66,17 +66,17 @@ fn judge_false(bytes: &mut Unstructured<'_>) -> Result<Judged> {
     let changed = changes::changed(bytes, &rule)?.ok_or(arbitrary::Error::IncorrectFormat)?;
     let verdict = check(&changed, TRIALS).verdict;
     assert!(
-        !matches!(verdict, Verdict::Proved(_)),
+        !matches!(verdict, RuleVerdict::Proved(_)),
         "false: {changed}\n{verdict:?}"
     );
     Ok(judged(&changed, &verdict, true))
 }
 
-fn judged(rule: &Rule, verdict: &Verdict, is_false: bool) -> Judged {
+fn judged(rule: &Rule, verdict: &RuleVerdict, is_false: bool) -> Judged {
     Judged {
         text: rule.to_string(),
         is_false,
-        decided: !matches!(verdict, Verdict::Unproved(_)),
+        decided: !matches!(verdict, RuleVerdict::Unproved(_)),
         size: (rule.left.nodes.len() + rule.right.nodes.len()) as u64,
     }
 }

@@ -17,7 +17,7 @@ const BEFORE: usize = 80;
 /// Bytes shown from the start of the label in a longer line.
 const AFTER: usize = 140;
 /// A label over more lines than this is shown on its first line only.
-const MOST_LINES: usize = 8;
+const MAX_LINES: usize = 8;
 
 /// The excerpts of the texts that one message refers to.
 pub(super) struct Excerpts {
@@ -28,11 +28,11 @@ struct Excerpt {
     id: FileId,
     name: String,
     text: String,
-    lines: Vec<Line>,
+    lines: Vec<ExcerptLine>,
 }
 
 /// A line of an excerpt.
-struct Line {
+struct ExcerptLine {
     /// Number in the whole text, from 0.
     index: usize,
     /// The bytes of the whole text that are shown.
@@ -77,7 +77,7 @@ fn fitted(source: &SourceText, label: &Label) -> Label {
     let end = boundary_after(text, label.range.end).max(start);
     let mut end = start + text[start..end].trim_end_matches(['\n', '\r']).len();
     let first = source.line_index(start);
-    if source.line_index(end) - first >= MOST_LINES {
+    if source.line_index(end) - first >= MAX_LINES {
         end = source.line_range(first).end.max(start);
     }
     Label {
@@ -147,7 +147,7 @@ impl Excerpt {
             self.text.push('…');
         }
         self.text.push('\n');
-        self.lines.push(Line {
+        self.lines.push(ExcerptLine {
             index,
             skipped: text[line.start..window.start].chars().count(),
             window,
@@ -178,13 +178,13 @@ impl Excerpt {
         });
     }
 
-    fn line_of(&self, index: usize) -> &Line {
+    fn line_of(&self, index: usize) -> &ExcerptLine {
         let at = self.lines.partition_point(|line| line.index < index);
         &self.lines[at]
     }
 }
 
-impl Line {
+impl ExcerptLine {
     fn moved(&self, byte: usize) -> usize {
         let clamped = byte.clamp(self.window.start, self.window.end);
         self.start + self.lead + clamped - self.window.start
@@ -197,7 +197,7 @@ impl Excerpts {
         found.ok_or(Error::FileMissing)
     }
 
-    fn line(&self, id: FileId, index: usize) -> Result<&Line, Error> {
+    fn line(&self, id: FileId, index: usize) -> Result<&ExcerptLine, Error> {
         let lines = &self.file(id)?.lines;
         lines.get(index).ok_or(Error::LineTooLarge {
             given: index,

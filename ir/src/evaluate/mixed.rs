@@ -8,25 +8,25 @@
 
 use super::evaluate_nodes;
 use crate::entity::{Operand, OperandKind, Value};
-use crate::formats::Formats;
 use crate::function::Function;
+use crate::value_formats::ValueFormats;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::format::Format;
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_num::trigonometry::host::{ImplementationError, KEY, Unit};
+use robovec_num::trigonometry::host::{ImplementationError, KEY, TrigonometricUnit};
 
 /// The arithmetic of every value of a function.
 #[derive(Clone, Debug)]
 pub struct MixedArithmetic<'a> {
-    formats: Option<&'a Formats>,
+    formats: Option<&'a ValueFormats>,
     /// Of values without a format, then those of the table.
     arithmetics: Vec<FormatArithmetic>,
 }
 
 impl<'a> MixedArithmetic<'a> {
     /// Values without a format are computed in `default`.
-    pub fn new(formats: Option<&'a Formats>, default: Format) -> MixedArithmetic<'a> {
-        let Some(table) = formats.map(Formats::table) else {
+    pub fn new(formats: Option<&'a ValueFormats>, default: Format) -> MixedArithmetic<'a> {
+        let Some(table) = formats.map(ValueFormats::table) else {
             return MixedArithmetic {
                 formats,
                 arithmetics: vec![FormatArithmetic::new(default)],
@@ -72,7 +72,7 @@ pub fn evaluate_mixed_nodes(function: &Function, default: Format, inputs: &[f64]
 /// As [`evaluate_nodes`], and when there are not as many formats as nodes.
 pub fn evaluate_nodes_in(
     function: &Function,
-    formats: Option<&Formats>,
+    formats: Option<&ValueFormats>,
     default: Format,
     inputs: &[f64],
 ) -> Vec<f64> {
@@ -134,8 +134,8 @@ impl Function {
     /// # Errors
     ///
     /// When the name is that of no implementation.
-    pub fn trigonometry_unit(&self) -> Option<Result<Unit, ImplementationError>> {
-        self.metadata(KEY).map(Unit::named)
+    pub fn trigonometry_unit(&self) -> Option<Result<TrigonometricUnit, ImplementationError>> {
+        self.metadata(KEY).map(TrigonometricUnit::named)
     }
 }
 

@@ -28,7 +28,7 @@ use std::fmt;
 ///
 /// In a machine file either a name (`"crossbar"`, `"bus"`, `"mesh"`,
 /// `"torus"`, `"omega"`, `"hypercube"`) or a table with the name as `kind`
-/// and the fields of [`Network`].
+/// and the fields of [`LinkNetwork`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Interconnect {
     /// Every result and every buffer output reaches every write port, any
@@ -36,12 +36,12 @@ pub enum Interconnect {
     #[default]
     Crossbar,
     /// Words pass links that are shared.
-    Network(Network),
+    Network(LinkNetwork),
 }
 
 /// A network of links.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Network {
+pub struct LinkNetwork {
     /// Its shape.
     pub topology: Topology,
     /// Cycles from one link to the next, and from the last to the memory: 1
@@ -96,11 +96,11 @@ impl Topology {
     }
 }
 
-impl Network {
+impl LinkNetwork {
     /// The network of a shape with one word per link and cycle and a register
     /// behind every link.
-    pub fn of(topology: Topology) -> Network {
-        Network {
+    pub fn of(topology: Topology) -> LinkNetwork {
+        LinkNetwork {
             topology,
             hop: 1,
             words: 1,
@@ -142,7 +142,7 @@ impl Interconnect {
         }
         let mut all = Topology::ALL.into_iter();
         let topology = all.find(|topology| topology.name() == name)?;
-        Some(Interconnect::Network(Network::of(topology)))
+        Some(Interconnect::Network(LinkNetwork::of(topology)))
     }
 }
 
@@ -192,13 +192,15 @@ struct Table {
 impl Serialize for Interconnect {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
-            Interconnect::Network(network) if *network != Network::of(network.topology) => Table {
-                kind: self.name().to_owned(),
-                hop: Some(network.hop),
-                words: Some(network.words),
-                columns: network.columns,
+            Interconnect::Network(network) if *network != LinkNetwork::of(network.topology) => {
+                Table {
+                    kind: self.name().to_owned(),
+                    hop: Some(network.hop),
+                    words: Some(network.words),
+                    columns: network.columns,
+                }
+                .serialize(serializer)
             }
-            .serialize(serializer),
             _ => serializer.serialize_str(self.name()),
         }
     }
@@ -206,13 +208,13 @@ impl Serialize for Interconnect {
 
 impl<'de> Deserialize<'de> for Interconnect {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Interconnect, D::Error> {
-        deserializer.deserialize_any(Reader)
+        deserializer.deserialize_any(InterconnectVisitor)
     }
 }
 
-struct Reader;
+struct InterconnectVisitor;
 
-impl<'de> Visitor<'de> for Reader {
+impl<'de> Visitor<'de> for InterconnectVisitor {
     type Value = Interconnect;
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -268,10 +270,10 @@ mod tests {
             assert_eq!(Machine::parse(&written), Ok(machine));
         }
         let machine = machine("{kind = \"mesh\", columns = 2, hop = 0}").expect("it is one");
-        let expected = Network {
+        let expected = LinkNetwork {
             hop: 0,
             columns: Some(2),
-            ..Network::of(Topology::Mesh)
+            ..LinkNetwork::of(Topology::Mesh)
         };
         assert_eq!(machine.interconnect, Interconnect::Network(expected));
         let written = toml::to_string(&machine).expect("it can be written");

@@ -3,14 +3,14 @@
 //! Attributes may stand in any order. They are collected here and given to
 //! the definition or assignment when its line ends.
 
-use super::builder::{ADDRESS, Builder, CYCLE, Span};
+use super::builder::{ADDRESS, CYCLE, ModuleBuilder, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;
 use crate::function::{Level, Timing};
 use crate::history::History;
 use crate::placement::{Placement, Slot, Word, Write};
-use crate::source::{Place, SourceSet};
+use crate::source::{SourcePlace, SourceSet};
 use robovec_num::format::Format;
 
 const TIMING_KEYS: [&str; 5] = ["asap", "alap", "asap_cycle", "alap_cycle", "mobility"];
@@ -20,7 +20,7 @@ const TIMING_KEYS: [&str; 5] = ["asap", "alap", "asap_cycle", "alap_cycle", "mob
 pub(super) struct Attributes {
     pub(super) sources: Option<(SourceSet, Span)>,
     pub(super) slot: Option<(Slot, Span)>,
-    pub(super) reads: Option<([u32; Operand::MOST], Span)>,
+    pub(super) reads: Option<([u32; Operand::MAX_COUNT], Span)>,
     pub(super) buffer: Option<(u32, Span)>,
     pub(super) write: Option<Span>,
     pub(super) home: Option<(Word, Span)>,
@@ -36,7 +36,7 @@ impl Attributes {
     }
 }
 
-impl Builder<'_> {
+impl ModuleBuilder<'_> {
     fn once(&mut self, first: Option<Span>, span: Span, what: &str) -> bool {
         if let Some(first) = first {
             self.conflict(span, format!("{what} is given twice"), first, "first here");
@@ -95,7 +95,7 @@ impl Builder<'_> {
     }
 
     /// `read 12 40`.
-    pub(super) fn read(&mut self, addresses: [Option<Span>; Operand::MOST], span: Span) {
+    pub(super) fn read(&mut self, addresses: [Option<Span>; Operand::MAX_COUNT], span: Span) {
         let first = self.attributes.reads.map(|(_, span)| span);
         if self.belongs_to(Level::Placed, span, "addresses") && self.once(first, span, "'read'") {
             let reads = addresses.map(|address| {
@@ -274,7 +274,7 @@ impl Builder<'_> {
         }
     }
 
-    fn read_place(&mut self, span: Span) -> Option<Place> {
+    fn read_place(&mut self, span: Span) -> Option<SourcePlace> {
         let Some(place) = scan_place(&self.text.as_bytes()[span.range()]) else {
             self.error(span, "a number of this place is too large");
             return None;
@@ -301,7 +301,7 @@ impl Builder<'_> {
 
 /// Reads `@file/line:column-line:column`, whose form the lexer has checked;
 /// `None` when a number is too large.
-fn scan_place(bytes: &[u8]) -> Option<Place> {
+fn scan_place(bytes: &[u8]) -> Option<SourcePlace> {
     let mut numbers = [0u32; 5];
     let mut count = 0;
     let (mut file, mut lines) = (false, 0);
@@ -326,7 +326,7 @@ fn scan_place(bytes: &[u8]) -> Option<Place> {
         2 => (rest[2], rest[3]),
         _ => (line, rest[2]),
     };
-    Some(Place {
+    Some(SourcePlace {
         file,
         line,
         column,
@@ -341,7 +341,7 @@ mod tests {
 
     #[test]
     fn places_are_scanned_in_all_four_forms() {
-        let place = |file, line, column, end_line, end_column| Place {
+        let place = |file, line, column, end_line, end_column| SourcePlace {
             file,
             line,
             column,

@@ -1,6 +1,6 @@
 //! Definitions, assignments and their expressions.
 
-use super::builder::{Builder, Head, Indices, PendingAssignment, Span};
+use super::builder::{Head, Indices, ModuleBuilder, PendingAssignment, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::{Input, Operand, Output, Value};
@@ -24,7 +24,7 @@ const FUNCTIONS: [Operation; 6] = [
 /// The arguments of a function: the first ones, and how many there are.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arguments {
-    operands: [Operand; Operand::MOST],
+    operands: [Operand; Operand::MAX_COUNT],
     count: u32,
 }
 
@@ -54,7 +54,7 @@ fn arguments(count: u32) -> String {
     }
 }
 
-impl Builder<'_> {
+impl ModuleBuilder<'_> {
     /// `%x =`.
     pub(super) fn begin_definition(&mut self, span: Span) {
         self.inside(span);
@@ -91,7 +91,7 @@ impl Builder<'_> {
     fn push(
         &mut self,
         operation: Operation,
-        operands: [Operand; Operand::MOST],
+        operands: [Operand; Operand::MAX_COUNT],
         span: Span,
     ) -> Operand {
         let node = Node {
@@ -407,7 +407,7 @@ impl Builder<'_> {
         let Some(placement) = &mut self.open.function.placement else {
             return;
         };
-        let none = [Placement::NONE; Operand::MOST];
+        let none = [Placement::NONE; Operand::MAX_COUNT];
         placement.reads.resize(count - 1, none);
         placement
             .reads

@@ -5,7 +5,7 @@
 //! expressions are reduced; the head of a statement says where its nodes
 //! start, its end gives the last of them the name.
 
-use super::Target;
+use super::VerificationTarget;
 use super::attributes::Attributes;
 use super::names::{NameTable, Recent};
 use super::problems::{Problems, also, error};
@@ -190,7 +190,7 @@ impl Open<'_> {
 }
 
 /// Everything read so far.
-pub(super) struct Builder<'t> {
+pub(super) struct ModuleBuilder<'t> {
     pub(super) text: &'t str,
     pub(super) module: Module,
     pub(super) problems: Problems,
@@ -208,12 +208,12 @@ pub(super) struct Builder<'t> {
     pub(super) kinds: Vec<(Span, u32)>,
     pub(super) machine_hash: Option<Fnv>,
     /// What placements are verified against.
-    pub(super) target: Option<Target<'t>>,
+    pub(super) target: Option<VerificationTarget<'t>>,
 }
 
-impl<'t> Builder<'t> {
-    pub(super) fn new(text: &'t str) -> Builder<'t> {
-        Builder {
+impl<'t> ModuleBuilder<'t> {
+    pub(super) fn new(text: &'t str) -> ModuleBuilder<'t> {
+        ModuleBuilder {
             text,
             module: Module::new(),
             problems: Problems::default(),

@@ -1,15 +1,15 @@
 //! The end of a function: what could not be done before all of it was read.
 
-use super::builder::{Builder, Open, PendingAssignment, Span};
+use super::builder::{ModuleBuilder, Open, PendingAssignment, Span};
 use super::problems::error;
 use crate::entity::{Operand, Value};
 use crate::function::{Assignment, Function, Level, Node, Timing};
 use crate::history::History;
 use crate::module::View;
 use crate::placement::{Placement, Preload, Slot};
-use crate::verify::{Subject, Violation, verify, verify_placement};
+use crate::verify::{Violation, ViolationSubject, verify, verify_placement};
 
-impl<'t> Builder<'t> {
+impl<'t> ModuleBuilder<'t> {
     /// Ends the function being read and adds it to the module if it is sound.
     pub(super) fn close_function(&mut self) {
         if let Some(head) = self.open.head {
@@ -62,7 +62,7 @@ impl<'t> Builder<'t> {
         }
         if let Err(mismatch) = schedule.check_machine(target.machine) {
             return vec![Violation {
-                subject: Subject::Schedule,
+                subject: ViolationSubject::Schedule,
                 message: mismatch.to_string(),
             }];
         }
@@ -207,7 +207,7 @@ impl<'t> Builder<'t> {
         if let Some(placement) = &mut function.placement {
             placement
                 .reads
-                .resize(count, [Placement::NONE; Operand::MOST]);
+                .resize(count, [Placement::NONE; Operand::MAX_COUNT]);
             placement.buffers.resize(count, Placement::NONE);
             placement
                 .write_starts
@@ -225,15 +225,15 @@ fn place(
     violation: &Violation,
 ) -> Span {
     let found = match violation.subject {
-        Subject::Function => None,
-        Subject::Input(index) => open.input_spans.get(index),
-        Subject::Output(index) => open.output_spans.get(index),
-        Subject::Boundary(index) => open.boundary_spans.get(index),
-        Subject::Constant(_) => None,
-        Subject::Value(value) => open.spans.get(value.index()),
-        Subject::Assignment(index) => assignments.get(index),
-        Subject::Preload(index) => preloads.get(index),
-        Subject::Schedule => Some(&open.schedule_span),
+        ViolationSubject::Function => None,
+        ViolationSubject::Input(index) => open.input_spans.get(index),
+        ViolationSubject::Output(index) => open.output_spans.get(index),
+        ViolationSubject::Boundary(index) => open.boundary_spans.get(index),
+        ViolationSubject::Constant(_) => None,
+        ViolationSubject::Value(value) => open.spans.get(value.index()),
+        ViolationSubject::Assignment(index) => assignments.get(index),
+        ViolationSubject::Preload(index) => preloads.get(index),
+        ViolationSubject::Schedule => Some(&open.schedule_span),
     };
     found.copied().unwrap_or(head)
 }

@@ -1,12 +1,12 @@
 //! Statements that come before the definitions: functions, arrays, places,
 //! user calls, schedules.
 
-use super::builder::{ADDRESS, Builder, CYCLE, ELEMENT, Indices, Open, PendingPreload, Span};
+use super::builder::{ADDRESS, CYCLE, ELEMENT, Indices, ModuleBuilder, Open, PendingPreload, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;
 use crate::function::{Boundary, Level, Shape};
-use crate::history::{History, Step};
+use crate::history::{History, HistoryStep};
 use crate::placement::{Bank, ElementKind, Placement, Schedule, Word};
 use robovec_num::limits::{Amount, NumberLimit};
 
@@ -17,7 +17,7 @@ pub(super) const ELEMENTS: NumberLimit = NumberLimit::whole(
     "every evaluation and every check keeps several numbers for each, half a gigabyte",
 );
 
-impl Builder<'_> {
+impl ModuleBuilder<'_> {
     /// `source 0 "file"`.
     pub(super) fn source(&mut self, number: Span, name: Span) {
         let index = self.integer(number);
@@ -179,7 +179,7 @@ impl Builder<'_> {
     pub(super) fn step(&mut self, number: Span, before: Option<Span>, pass: Span, span: Span) {
         if self.inside(span) {
             let before = before.map_or(History::NONE, |before| self.history_of(before));
-            let step = Step {
+            let step = HistoryStep {
                 before,
                 pass: self.string(pass),
                 rules: std::mem::take(&mut self.arguments),

@@ -11,7 +11,7 @@ use logos::{Lexer, Logos};
 #[derive(Logos, Clone, Copy, PartialEq, Eq, Debug)]
 #[logos(skip r"[ \t\r\f]+")]
 #[logos(skip(r"//[^\n]*", allow_greedy = true))]
-pub(super) enum Token {
+pub(super) enum ModuleToken {
     /// End of a line.
     #[token("\n")]
     Newline,
@@ -111,20 +111,20 @@ pub(super) enum Token {
     Unknown,
 }
 
-impl Token {
+impl ModuleToken {
     /// True when the statement goes on after a line end behind this token.
     fn goes_on(self) -> bool {
         matches!(
             self,
-            Token::Equals
-                | Token::Plus
-                | Token::Minus
-                | Token::Star
-                | Token::Slash
-                | Token::Comma
-                | Token::Arrow
-                | Token::OpenParenthesis
-                | Token::OpenBracket
+            ModuleToken::Equals
+                | ModuleToken::Plus
+                | ModuleToken::Minus
+                | ModuleToken::Star
+                | ModuleToken::Slash
+                | ModuleToken::Comma
+                | ModuleToken::Arrow
+                | ModuleToken::OpenParenthesis
+                | ModuleToken::OpenBracket
         )
     }
 
@@ -132,22 +132,22 @@ impl Token {
     fn continues(self) -> bool {
         let closes = matches!(
             self,
-            Token::CloseParenthesis | Token::CloseBracket | Token::OpenBrace
+            ModuleToken::CloseParenthesis | ModuleToken::CloseBracket | ModuleToken::OpenBrace
         );
-        let follows = matches!(self, Token::Place | Token::SetReference);
-        closes || follows || (self.goes_on() && self != Token::OpenBracket)
+        let follows = matches!(self, ModuleToken::Place | ModuleToken::SetReference);
+        closes || follows || (self.goes_on() && self != ModuleToken::OpenBracket)
     }
 }
 
 /// A token with the bytes it stands at.
-pub(super) type Spanned = (u32, Token, u32);
+pub(super) type Spanned = (u32, ModuleToken, u32);
 
 /// The tokens of a text; every statement ends with exactly one
-/// [`Token::Newline`].
+/// [`ModuleToken::Newline`].
 pub(super) struct Tokens<'t> {
-    lexer: Lexer<'t, Token>,
+    lexer: Lexer<'t, ModuleToken>,
     ahead: Option<Spanned>,
-    previous: Token,
+    previous: ModuleToken,
     /// Where the statement of the last token starts.
     statement: u32,
     /// The last line end that did not end the statement.
@@ -157,14 +157,14 @@ pub(super) struct Tokens<'t> {
 impl<'t> Tokens<'t> {
     /// Starts at the beginning of a text shorter than 4 GiB.
     pub(super) fn new(text: &'t str) -> Tokens<'t> {
-        let mut lexer = Token::lexer(text);
+        let mut lexer = ModuleToken::lexer(text);
         if text.starts_with('\u{feff}') {
             lexer.bump('\u{feff}'.len_utf8());
         }
         Tokens {
             lexer,
             ahead: None,
-            previous: Token::Newline,
+            previous: ModuleToken::Newline,
             statement: 0,
             joined: None,
         }
@@ -182,20 +182,20 @@ impl<'t> Tokens<'t> {
 
     /// Drops the rest of the statement that the last token belongs to.
     pub(super) fn skip_statement(&mut self) {
-        while self.previous != Token::Newline && self.next().is_some() {}
+        while self.previous != ModuleToken::Newline && self.next().is_some() {}
     }
 
     fn raw(&mut self) -> Option<Spanned> {
-        let token = self.lexer.next()?.unwrap_or(Token::Unknown);
+        let token = self.lexer.next()?.unwrap_or(ModuleToken::Unknown);
         let span = self.lexer.span();
         Some((span.start as u32, token, span.end as u32))
     }
 
     /// True when the token and the text behind it begin a new definition, as
     /// after a line that breaks off.
-    fn is_head(&self, token: Token, end: u32) -> bool {
+    fn is_head(&self, token: ModuleToken, end: u32) -> bool {
         let rest = self.lexer.source()[end as usize..].trim_start_matches([' ', '\t']);
-        matches!(token, Token::Value | Token::Word) && rest.starts_with('=')
+        matches!(token, ModuleToken::Value | ModuleToken::Word) && rest.starts_with('=')
     }
 
     /// What follows a line end: the line end itself, or, when the statement
@@ -203,20 +203,20 @@ impl<'t> Tokens<'t> {
     fn after_newline(&mut self, newline: Spanned) -> Option<Spanned> {
         let following = loop {
             match self.raw() {
-                Some((_, Token::Newline, _)) => {}
+                Some((_, ModuleToken::Newline, _)) => {}
                 other => break other,
             }
         };
         let ends = match following {
-            None => self.previous != Token::Newline,
+            None => self.previous != ModuleToken::Newline,
             Some((_, token, end)) => {
-                self.previous != Token::Newline
+                self.previous != ModuleToken::Newline
                     && (!self.previous.goes_on() || self.is_head(token, end))
                     && !token.continues()
             }
         };
         if !ends {
-            self.joined = (self.previous != Token::Newline).then_some(newline.0);
+            self.joined = (self.previous != ModuleToken::Newline).then_some(newline.0);
             return following;
         }
         self.ahead = following;
@@ -229,14 +229,14 @@ impl Iterator for Tokens<'_> {
 
     fn next(&mut self) -> Option<Spanned> {
         let token = match self.ahead.take().or_else(|| self.raw()) {
-            Some(newline @ (_, Token::Newline, _)) => self.after_newline(newline),
-            None if self.previous != Token::Newline => {
+            Some(newline @ (_, ModuleToken::Newline, _)) => self.after_newline(newline),
+            None if self.previous != ModuleToken::Newline => {
                 let end = self.lexer.source().len() as u32;
-                Some((end, Token::Newline, end))
+                Some((end, ModuleToken::Newline, end))
             }
             other => other,
         }?;
-        if self.previous == Token::Newline {
+        if self.previous == ModuleToken::Newline {
             self.statement = token.0;
             self.joined = None;
         }
@@ -249,7 +249,7 @@ impl Iterator for Tokens<'_> {
 mod tests {
     use super::*;
 
-    fn tokens(text: &str) -> Vec<(Token, &str)> {
+    fn tokens(text: &str) -> Vec<(ModuleToken, &str)> {
         Tokens::new(text)
             .map(|(start, token, end)| (token, &text[start as usize..end as usize]))
             .collect()
@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn ranges_reals_and_names_are_told_apart() {
-        use Token::*;
+        use ModuleToken::*;
         assert_eq!(
             tokens("q[1..6] 1.5e-3 2e7 %OM16.1 sens.P"),
             [
@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn a_place_is_one_token_and_comments_are_none() {
-        use Token::*;
+        use ModuleToken::*;
         assert_eq!(
             tokens("@43:3-20 @1/43:3-44:20 // @1:1-1\n\n@!2 !2"),
             [
@@ -293,8 +293,8 @@ mod tests {
 
     #[test]
     fn line_ends_inside_a_statement_vanish() {
-        use Token::*;
-        let kinds: Vec<Token> = tokens("\n\n%x = 1 +\n2\n  * 3 // why\n\n%y = 4\n")
+        use ModuleToken::*;
+        let kinds: Vec<ModuleToken> = tokens("\n\n%x = 1 +\n2\n  * 3 // why\n\n%y = 4\n")
             .into_iter()
             .map(|(token, _)| token)
             .collect();
@@ -310,8 +310,8 @@ mod tests {
     #[test]
     fn unfinished_and_unknown_characters_are_tokens_too() {
         let found = tokens("\"abc\n§ \"a\\\"b\"");
-        assert_eq!(found[0], (Token::OpenString, "\"abc"));
-        assert_eq!(found[2].0, Token::Unknown);
-        assert_eq!(found[3], (Token::String, "\"a\\\"b\""));
+        assert_eq!(found[0], (ModuleToken::OpenString, "\"abc"));
+        assert_eq!(found[2].0, ModuleToken::Unknown);
+        assert_eq!(found[3], (ModuleToken::String, "\"a\\\"b\""));
     }
 }

@@ -70,7 +70,7 @@ impl<'t> Recent<'t> {
 }
 
 #[derive(Clone, Default)]
-struct Entry {
+struct NameEntry {
     function: u32,
     /// The value that bears the symbol itself, or `ABSENT`.
     plain: u32,
@@ -82,7 +82,7 @@ struct Entry {
 #[derive(Default)]
 pub(super) struct NameTable {
     function: u32,
-    entries: Vec<Entry>,
+    entries: Vec<NameEntry>,
     sparse: HashMap<Name, u32, FxBuildHasher>,
 }
 
@@ -129,7 +129,7 @@ impl NameTable {
         let index = name.base.index();
         if index >= self.entries.len() {
             let grown = (index + 1).max(2 * self.entries.len());
-            self.entries.resize(grown, Entry::default());
+            self.entries.resize(grown, NameEntry::default());
         }
         let entry = &mut self.entries[index];
         if entry.function != self.function {

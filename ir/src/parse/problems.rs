@@ -4,7 +4,7 @@ use super::builder::Span;
 use crate::diagnostic::{Diagnostic, Label};
 
 /// How many errors are shown.
-const MOST: usize = 20;
+const MAX_SHOWN: usize = 20;
 
 /// The first errors of a text.
 #[derive(Default)]
@@ -28,7 +28,7 @@ impl Problems {
     /// True when further errors would not be shown: costly advice is not
     /// worth computing.
     pub(super) fn is_full(&self) -> bool {
-        self.list.len() >= MOST
+        self.list.len() >= MAX_SHOWN
     }
 
     /// How many there are.
@@ -46,7 +46,8 @@ impl Problems {
         });
         if full {
             self.list.push(
-                Diagnostic::note().with_message(format!("only the first {MOST} errors are shown")),
+                Diagnostic::note()
+                    .with_message(format!("only the first {MAX_SHOWN} errors are shown")),
             );
         }
         self.list

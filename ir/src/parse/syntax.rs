@@ -1,7 +1,7 @@
 //! Errors of the grammar, said for people.
 
-use super::builder::{Builder, Head, Open, Span};
-use super::lexer::{Spanned, Token, Tokens};
+use super::builder::{Head, ModuleBuilder, Open, Span};
+use super::lexer::{ModuleToken, Spanned, Tokens};
 use super::problems::{also, error};
 use crate::diagnostic::clip;
 use crate::function::Level;
@@ -10,14 +10,14 @@ use logos::Logos;
 use robovec_num::operation::Operation;
 
 /// How many of the expected tokens are listed.
-const MOST_EXPECTED: usize = 6;
+const MAX_EXPECTED: usize = 6;
 
-impl Builder<'_> {
+impl ModuleBuilder<'_> {
     /// Records an error of the grammar and gives the unfinished statement an
     /// end that causes no further errors.
     pub(super) fn syntax_error(
         &mut self,
-        error: ParseError<u32, Token, std::convert::Infallible>,
+        error: ParseError<u32, ModuleToken, std::convert::Infallible>,
         tokens: &Tokens<'_>,
     ) {
         match error {
@@ -47,9 +47,9 @@ impl Builder<'_> {
         let span = Span::new(start, end);
         let text = self.slice(span);
         let mut diagnostic = match token {
-            Token::Newline => error(Span::new(start, start), "the line ends too early"),
-            Token::OpenString => error(span, "the quotes are not closed on this line"),
-            Token::Unknown => error(span, format!("'{}' has no meaning here", clip(text))),
+            ModuleToken::Newline => error(Span::new(start, start), "the line ends too early"),
+            ModuleToken::OpenString => error(span, "the quotes are not closed on this line"),
+            ModuleToken::Unknown => error(span, format!("'{}' has no meaning here", clip(text))),
             _ => error(span, format!("'{}' is not expected here", clip(text))),
         };
         if let Some(joined) = joined {
@@ -60,11 +60,11 @@ impl Builder<'_> {
             diagnostic = diagnostic.with_label(label);
         }
         let note = match token {
-            Token::OpenString => None,
-            Token::Unknown if text.starts_with('%') => {
+            ModuleToken::OpenString => None,
+            ModuleToken::Unknown if text.starts_with('%') => {
                 Some("help: a value is a % and a name, like %OM16.1".to_owned())
             }
-            Token::Unknown if text.starts_with('.') => {
+            ModuleToken::Unknown if text.starts_with('.') => {
                 Some("help: a number has digits before and behind its point".to_owned())
             }
             _ => expected_list(expected).map(|list| format!("expected {list}")),
@@ -81,7 +81,7 @@ impl Builder<'_> {
         let first = self.token_at(statement);
         let second = first.and_then(|(_, _, end)| self.token_at(end));
         match (first, second) {
-            (Some((start, Token::Value, end)), Some((_, Token::Equals, _))) => {
+            (Some((start, ModuleToken::Value, end)), Some((_, ModuleToken::Equals, _))) => {
                 self.begin_definition(Span::new(start, end));
                 let nothing = self.nothing();
                 let value = self.unary(Operation::Copy, nothing, Span::new(start, end));
@@ -91,11 +91,11 @@ impl Builder<'_> {
                     self.names.set(name, value);
                 }
             }
-            (Some((_, Token::In | Token::Out, _)), Some((start, _, end))) => {
+            (Some((_, ModuleToken::In | ModuleToken::Out, _)), Some((start, _, end))) => {
                 let name = self.slice(Span::new(start, end));
                 self.open.broken.insert(name, ());
             }
-            (Some((_, Token::Function, _)), Some((start, _, end))) => {
+            (Some((_, ModuleToken::Function, _)), Some((start, _, end))) => {
                 self.close_function();
                 self.open = Open::new("", Level::Equations, Some(Span::new(start, end)));
             }
@@ -106,7 +106,7 @@ impl Builder<'_> {
 
     /// The token that starts at a byte or behind the blanks there.
     fn token_at(&self, start: u32) -> Option<Spanned> {
-        let mut lexer = Token::lexer(&self.text[start as usize..]);
+        let mut lexer = ModuleToken::lexer(&self.text[start as usize..]);
         let token = lexer.next()?.ok()?;
         let span = lexer.span();
         Some((start + span.start as u32, token, start + span.end as u32))
@@ -151,7 +151,7 @@ fn expected_list(expected: &[String]) -> Option<String> {
         true => (*name).to_owned(),
         false => format!("'{name}'"),
     }));
-    if names.is_empty() || names.len() > MOST_EXPECTED {
+    if names.is_empty() || names.len() > MAX_EXPECTED {
         return None;
     }
     names.sort_by_key(|name| name.starts_with('\''));

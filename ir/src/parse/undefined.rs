@@ -4,7 +4,7 @@
 //! message: that it is defined later, that its definition goes in a circle
 //! (shown), or what may have been meant.
 
-use super::builder::{Builder, FastMap, Span};
+use super::builder::{FastMap, ModuleBuilder, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{Diagnostic, clip, did_you_mean};
 use crate::entity::Value;
@@ -14,13 +14,13 @@ use petgraph::graph::{DiGraph, NodeIndex};
 use std::collections::VecDeque;
 
 /// Uses beyond this number are not looked at.
-const MOST_USES: usize = 100_000;
+const MAX_USES: usize = 100_000;
 
 /// How many definitions of a circle are shown.
-const MOST_SHOWN: usize = 6;
+const MAX_SHOWN: usize = 6;
 
 /// How many names are compared with a misspelt one.
-const MOST_COMPARED: usize = 20_000;
+const MAX_COMPARED: usize = 20_000;
 
 /// Uses of names that no value bore when they were read.
 #[derive(Default)]
@@ -32,7 +32,7 @@ pub(super) struct Undefined {
 
 impl Undefined {
     pub(super) fn push(&mut self, span: Span, node: u32) {
-        if self.uses.len() < MOST_USES {
+        if self.uses.len() < MAX_USES {
             self.uses.push((span, node));
         }
     }
@@ -45,7 +45,7 @@ struct Forward {
     span: Span,
 }
 
-impl Builder<'_> {
+impl ModuleBuilder<'_> {
     /// Reports the undefined names of the function being read.
     pub(super) fn report_undefined(&mut self) {
         let uses = std::mem::take(&mut self.open.undefined.uses);
@@ -155,7 +155,7 @@ impl Builder<'_> {
             // One edit changes at most two bits of the set.
             .filter(|candidate| (letter_set(candidate) ^ letters).count_ones() <= 6)
             .filter(|candidate| candidate.len().abs_diff(word.len()) <= 3)
-            .take(MOST_COMPARED);
+            .take(MAX_COMPARED);
         did_you_mean(word, bases).map(str::to_owned)
     }
 
@@ -244,14 +244,14 @@ impl Builder<'_> {
                 format!("{} is defined by itself", clip(self.slice(span))),
             )
         } else {
-            let mut way: Vec<String> = circle.iter().take(MOST_SHOWN).map(name).collect();
-            if circle.len() > MOST_SHOWN {
-                way.push(format!("{} more", circle.len() - MOST_SHOWN));
+            let mut way: Vec<String> = circle.iter().take(MAX_SHOWN).map(name).collect();
+            if circle.len() > MAX_SHOWN {
+                way.push(format!("{} more", circle.len() - MAX_SHOWN));
             }
             way.push(name(&circle[0]));
             let labels = circle[1..]
                 .iter()
-                .take(MOST_SHOWN - 1)
+                .take(MAX_SHOWN - 1)
                 .map(|&value| also(self.open.name_span(value, self.text), "in the circle"));
             error(span, "these definitions go in a circle")
                 .with_labels_iter(labels)

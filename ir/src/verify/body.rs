@@ -1,13 +1,13 @@
 //! Invariants 3, 6, 8 to 10 and 12: nodes, expressions, assignments.
 
-use super::{Collector, Subject, describe_operand};
+use super::{ViolationCollector, ViolationSubject, describe_operand};
 use crate::entity::{Operand, OperandKind, Output, Value};
 use crate::function::{Array, Level, Node};
 use crate::source::SourceSet;
 use robovec_num::operation::Operation;
 
 /// True when every operand exists.
-pub(super) fn check(collector: &mut Collector<'_>) -> bool {
+pub(super) fn check(collector: &mut ViolationCollector<'_>) -> bool {
     let sound = operands(collector);
     let sound = assignments(collector) && sound;
     if !sound {
@@ -38,14 +38,14 @@ impl Bounds {
     }
 }
 
-fn bounds(collector: &Collector<'_>) -> Bounds {
+fn bounds(collector: &ViolationCollector<'_>) -> Bounds {
     Bounds {
         inputs: collector.view.function.input_len(),
         constants: collector.view.function.constants().len(),
     }
 }
 
-fn operands(collector: &mut Collector<'_>) -> bool {
+fn operands(collector: &mut ViolationCollector<'_>) -> bool {
     let bounds = bounds(collector);
     let mut sound = true;
     for (value, node) in collector.view.function.values() {
@@ -67,7 +67,7 @@ fn operands(collector: &mut Collector<'_>) -> bool {
     sound
 }
 
-fn assignments(collector: &mut Collector<'_>) -> bool {
+fn assignments(collector: &mut ViolationCollector<'_>) -> bool {
     let bounds = bounds(collector);
     let function = collector.view.function;
     let (elements, values) = (function.output_len(), function.nodes().len());
@@ -97,7 +97,7 @@ fn assignments(collector: &mut Collector<'_>) -> bool {
     sound
 }
 
-fn outputs(collector: &mut Collector<'_>) {
+fn outputs(collector: &mut ViolationCollector<'_>) {
     let view = collector.view;
     let arrays = view.function.outputs();
     let end = |array: &Array| array.offset as usize + array.shape.len();
@@ -114,12 +114,12 @@ fn outputs(collector: &mut Collector<'_>) {
         {
             let name = view.tables.symbols.text(array.name);
             let message = || format!("no element of the output array '{name}' is ever set");
-            collector.add(Subject::Output(index), message);
+            collector.add(ViolationSubject::Output(index), message);
         }
     }
 }
 
-fn atomic(collector: &mut Collector<'_>) {
+fn atomic(collector: &mut ViolationCollector<'_>) {
     let level = collector.view.function.level;
     for (value, node) in collector.view.function.values() {
         if node.name.is_none() {
@@ -141,7 +141,7 @@ fn atomic(collector: &mut Collector<'_>) {
 
 /// Inner nodes, with a stack of those not yet used: what an operation reads
 /// must lie on top, and a definition must leave nothing behind.
-fn expressions(collector: &mut Collector<'_>) {
+fn expressions(collector: &mut ViolationCollector<'_>) {
     let function = collector.view.function;
     let named: Vec<bool> = function
         .nodes()
@@ -172,7 +172,7 @@ fn expressions(collector: &mut Collector<'_>) {
     trees_of_assignments(collector, &open, &named, first);
 }
 
-fn take(collector: &mut Collector<'_>, open: &mut Vec<Value>, inner: Value, user: Value) {
+fn take(collector: &mut ViolationCollector<'_>, open: &mut Vec<Value>, inner: Value, user: Value) {
     if open.last() == Some(&inner) {
         open.pop();
         return;
@@ -192,7 +192,7 @@ fn take(collector: &mut Collector<'_>, open: &mut Vec<Value>, inner: Value, user
     }
 }
 
-fn copy(collector: &mut Collector<'_>, value: Value, node: &Node, named: &[bool]) {
+fn copy(collector: &mut ViolationCollector<'_>, value: Value, node: &Node, named: &[bool]) {
     if node.operation != Operation::Copy {
         return;
     }
@@ -208,7 +208,7 @@ fn copy(collector: &mut Collector<'_>, value: Value, node: &Node, named: &[bool]
     }
 }
 
-fn sources(collector: &mut Collector<'_>, inner: std::ops::Range<u32>, set: SourceSet) {
+fn sources(collector: &mut ViolationCollector<'_>, inner: std::ops::Range<u32>, set: SourceSet) {
     for value in inner.map(Value) {
         if collector.view.function.node(value).sources != set {
             collector.value(value, || {
@@ -221,7 +221,7 @@ fn sources(collector: &mut Collector<'_>, inner: std::ops::Range<u32>, set: Sour
 /// The expressions of assignments: what is open behind the definitions, in
 /// the order of the assignments.
 fn trees_of_assignments(
-    collector: &mut Collector<'_>,
+    collector: &mut ViolationCollector<'_>,
     open: &[Value],
     named: &[bool],
     mut first: u32,

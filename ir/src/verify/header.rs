@@ -1,37 +1,47 @@
 //! Invariants 1, 2, 5 and 7: words, arrays, constants, user calls.
 
-use super::{Collector, Subject, is_word};
+use super::{ViolationCollector, ViolationSubject, is_word};
 use crate::entity::Constant;
 use crate::function::Array;
 use hashbrown::HashSet;
 use robovec_num::trigonometry::host;
 use rustc_hash::FxBuildHasher;
 
-const MOST_ELEMENTS: u64 = 1 << 28;
+const MAX_ELEMENTS: u64 = 1 << 28;
 
-pub(super) fn check(collector: &mut Collector<'_>) {
+pub(super) fn check(collector: &mut ViolationCollector<'_>) {
     let function = collector.view.function;
     if !is_word(&function.name) {
         let message = || format!("the name '{}' of the function is not a word", function.name);
-        collector.add(Subject::Function, message);
+        collector.add(ViolationSubject::Function, message);
     }
     if let Some(text) = function.metadata(host::KEY)
         && let Err(error) = text.parse::<host::Implementation>()
     {
         let message = || format!("the metadata entry '{}' is '{text}': {error}", host::KEY);
-        collector.add(Subject::Function, message);
+        collector.add(ViolationSubject::Function, message);
     }
     for (key, _) in &function.metadata {
         if !is_word(key) {
             let message = || format!("the key '{key}' of the metadata is not a word");
-            collector.add(Subject::Function, message);
+            collector.add(ViolationSubject::Function, message);
         }
     }
-    arrays(collector, function.inputs(), "input", Subject::Input);
-    arrays(collector, function.outputs(), "output", Subject::Output);
+    arrays(
+        collector,
+        function.inputs(),
+        "input",
+        ViolationSubject::Input,
+    );
+    arrays(
+        collector,
+        function.outputs(),
+        "output",
+        ViolationSubject::Output,
+    );
     for (index, &number) in function.constants().iter().enumerate() {
         if !number.is_finite() {
-            let subject = Subject::Constant(Constant(index as u32));
+            let subject = ViolationSubject::Constant(Constant(index as u32));
             collector.add(subject, || format!("the constant {number} is not finite"));
         }
     }
@@ -39,10 +49,10 @@ pub(super) fn check(collector: &mut Collector<'_>) {
 }
 
 fn arrays(
-    collector: &mut Collector<'_>,
+    collector: &mut ViolationCollector<'_>,
     arrays: &[Array],
     kind: &str,
-    subject: impl Fn(usize) -> Subject,
+    subject: impl Fn(usize) -> ViolationSubject,
 ) {
     let symbols = &collector.view.tables.symbols;
     let mut seen: HashSet<_, FxBuildHasher> = HashSet::default();
@@ -63,14 +73,14 @@ fn arrays(
         }
         let before = elements;
         elements = elements.saturating_add(array.shape.len() as u64);
-        if before <= MOST_ELEMENTS && elements > MOST_ELEMENTS {
-            let message = || format!("the {kind} arrays have more than {MOST_ELEMENTS} elements");
+        if before <= MAX_ELEMENTS && elements > MAX_ELEMENTS {
+            let message = || format!("the {kind} arrays have more than {MAX_ELEMENTS} elements");
             collector.add(subject(index), message);
         }
     }
 }
 
-fn boundaries(collector: &mut Collector<'_>) {
+fn boundaries(collector: &mut ViolationCollector<'_>) {
     let view = collector.view;
     let inputs = view.function.inputs().iter();
     let names: HashSet<&str, FxBuildHasher> = inputs
@@ -81,7 +91,7 @@ fn boundaries(collector: &mut Collector<'_>) {
         if let Some(result) = &boundary.result
             && !names.contains(result.as_str())
         {
-            collector.add(Subject::Boundary(index), || {
+            collector.add(ViolationSubject::Boundary(index), || {
                 let callee = &boundary.callee;
                 format!("the result '{result}' of the call of '{callee}' is not an input array")
             });

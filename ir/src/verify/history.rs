@@ -1,9 +1,9 @@
 //! Invariant 20: histories.
 
-use super::{Collector, Subject};
+use super::{ViolationCollector, ViolationSubject};
 use crate::history::{Histories, History};
 
-pub(super) fn check(collector: &mut Collector<'_>) {
+pub(super) fn check(collector: &mut ViolationCollector<'_>) {
     let function = collector.view.function;
     let Some(histories) = &function.histories else {
         return;
@@ -18,7 +18,7 @@ pub(super) fn check(collector: &mut Collector<'_>) {
     ] {
         if found != count {
             let message = || format!("there are histories for {found} of {count} {what}");
-            return collector.add(Subject::Function, message);
+            return collector.add(ViolationSubject::Function, message);
         }
     }
     for (&history, (value, node)) in histories.values.iter().zip(function.values()) {

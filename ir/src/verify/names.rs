@@ -1,10 +1,10 @@
 //! Invariant 4: names.
 
-use super::{Collector, is_word};
+use super::{ViolationCollector, is_word};
 use crate::entity::Value;
 use crate::symbol::{Name, Symbol};
 
-pub(super) fn check(collector: &mut Collector<'_>) {
+pub(super) fn check(collector: &mut ViolationCollector<'_>) {
     let view = collector.view;
     let symbols = &view.tables.symbols;
     // What is wrong with a symbol is found out once.
@@ -28,8 +28,10 @@ pub(super) fn check(collector: &mut Collector<'_>) {
                 "bears a name that is no word, or reads as derived from another".to_owned()
             });
         }
-        if name.suffix > Name::MOST {
-            collector.value(value, || format!("bears a number above {}", Name::MOST));
+        if name.suffix > Name::MAX_NUMBER {
+            collector.value(value, || {
+                format!("bears a number above {}", Name::MAX_NUMBER)
+            });
         }
         keys.push(u64::from(name.base.0) << 32 | u64::from(name.suffix));
     }
@@ -40,7 +42,7 @@ pub(super) fn check(collector: &mut Collector<'_>) {
 }
 
 /// Names the later bearers of names that occur twice.
-fn duplicates(collector: &mut Collector<'_>, keys: &[u64]) {
+fn duplicates(collector: &mut ViolationCollector<'_>, keys: &[u64]) {
     let view = collector.view;
     let mut twice: Vec<u64> = keys
         .windows(2)

@@ -4,19 +4,19 @@
 //! [`crate::machine::interconnect`] and writes down which wire it is on in
 //! which cycle. Nothing is shared with the placer.
 
-use super::placement::Check;
-use super::{Collector, Subject};
+use super::placement::PlacementCheck;
+use super::{ViolationCollector, ViolationSubject};
 use crate::entity::Value;
-use crate::machine::interconnect::{Interconnect, Network, Topology, places};
+use crate::machine::interconnect::{Interconnect, LinkNetwork, Topology, places};
 use crate::placement::Placement;
 
 /// A point of a network: a place and, behind the switches of an omega
 /// network, how many of them lie before it.
-type Point = (u32, u32);
+type NetworkPoint = (u32, u32);
 
 /// The network a placement is for.
 pub(super) struct Routes {
-    network: Network,
+    network: LinkNetwork,
     places: Vec<u32>,
 }
 
@@ -33,7 +33,7 @@ impl Routes {
     }
 
     /// The wires between two elements, as pairs of points.
-    fn wires(&self, from: u32, to: u32) -> Vec<(Point, Point)> {
+    fn wires(&self, from: u32, to: u32) -> Vec<(NetworkPoint, NetworkPoint)> {
         let (mut at, end) = (self.places[from as usize], self.places[to as usize]);
         let mut wires = Vec::new();
         if from == to {
@@ -91,7 +91,7 @@ impl Routes {
     }
 
     /// The wires a word is on, and how long after its departure.
-    fn uses(&self, from: u32, to: u32) -> Vec<((Point, Point), u64)> {
+    fn uses(&self, from: u32, to: u32) -> Vec<((NetworkPoint, NetworkPoint), u64)> {
         let hop = u64::from(self.network.hop);
         let wires = self.wires(from, to).into_iter();
         let mut uses: Vec<_> = (0..).zip(wires).map(|(k, wire)| (wire, k * hop)).collect();
@@ -117,11 +117,15 @@ fn step(at: u32, end: u32, length: u32, ring: bool) -> u32 {
 }
 
 /// A word on a wire in a cycle: wire, cycle, value, departure.
-type Use = ((Point, Point), u64, u32, u64);
+type Use = ((NetworkPoint, NetworkPoint), u64, u32, u64);
 
 /// Reports every wire that carries more words than it can, and every buffer
 /// that hands out more.
-pub(super) fn check(check: &Check<'_>, routes: &Routes, collector: &mut Collector<'_>) {
+pub(super) fn check(
+    check: &PlacementCheck<'_>,
+    routes: &Routes,
+    collector: &mut ViolationCollector<'_>,
+) {
     let mut uses: Vec<Use> = Vec::new();
     let mut sent: Vec<(u32, u64, u32)> = Vec::new();
     for value in check.placed_values() {
@@ -161,7 +165,7 @@ pub(super) fn check(check: &Check<'_>, routes: &Routes, collector: &mut Collecto
         if group.len() > limit as usize {
             let (kind, number) = check.schedule.element_name(group[0].0);
             let cycle = group[0].1;
-            collector.add(Subject::Schedule, || {
+            collector.add(ViolationSubject::Schedule, || {
                 format!(
                     "more words of the buffer of {kind}{number} are read at cycle {cycle} than the \
                      {limit} it hands out"

@@ -1,11 +1,15 @@
 //! Invariants 17 to 19: what of a placement can be checked without knowing
 //! the machine.
 
-use super::{Collector, Subject};
+use super::{ViolationCollector, ViolationSubject};
 use crate::entity::{Operand, OperandKind, Value};
 use crate::placement::{Placement, Schedule, Word};
 
-pub(super) fn check(collector: &mut Collector<'_>, schedule: &Schedule, placement: &Placement) {
+pub(super) fn check(
+    collector: &mut ViolationCollector<'_>,
+    schedule: &Schedule,
+    placement: &Placement,
+) {
     if !lengths(collector, placement) {
         return;
     }
@@ -31,7 +35,7 @@ pub(super) fn check(collector: &mut Collector<'_>, schedule: &Schedule, placemen
     homes(collector, schedule, placement, elements);
 }
 
-fn lengths(collector: &mut Collector<'_>, placement: &Placement) -> bool {
+fn lengths(collector: &mut ViolationCollector<'_>, placement: &Placement) -> bool {
     let function = collector.view.function;
     let nodes = function.nodes().len();
     let starts = &placement.write_starts;
@@ -44,12 +48,17 @@ fn lengths(collector: &mut Collector<'_>, placement: &Placement) -> bool {
         && placement.homes.len() == function.assignments.len();
     if !sound {
         let message = || "the tables of the placement do not fit the function".to_owned();
-        collector.add(Subject::Schedule, message);
+        collector.add(ViolationSubject::Schedule, message);
     }
     sound
 }
 
-fn writes(collector: &mut Collector<'_>, schedule: &Schedule, placement: &Placement, value: Value) {
+fn writes(
+    collector: &mut ViolationCollector<'_>,
+    schedule: &Schedule,
+    placement: &Placement,
+    value: Value,
+) {
     let slot = schedule.slots[value.index()];
     let writes = placement.writes_of(value);
     let buffered = placement.buffers[value.index()] != Placement::NONE;
@@ -98,7 +107,7 @@ fn is_initial(schedule: &Schedule, operand: Operand) -> bool {
     }
 }
 
-fn exists(collector: &Collector<'_>, operand: Operand) -> bool {
+fn exists(collector: &ViolationCollector<'_>, operand: Operand) -> bool {
     let function = collector.view.function;
     match operand.kind() {
         OperandKind::Value(value) => value.index() < function.nodes().len(),
@@ -109,14 +118,14 @@ fn exists(collector: &Collector<'_>, operand: Operand) -> bool {
 }
 
 fn preloads(
-    collector: &mut Collector<'_>,
+    collector: &mut ViolationCollector<'_>,
     schedule: &Schedule,
     placement: &Placement,
     elements: u32,
 ) {
     let mut last: Option<Word> = None;
     for (index, preload) in placement.preloads.iter().enumerate() {
-        let subject = Subject::Preload(index);
+        let subject = ViolationSubject::Preload(index);
         if preload.word.element >= elements {
             collector.add(subject, || {
                 "initial data lies in a processing element that does not exist".to_owned()
@@ -137,7 +146,12 @@ fn preloads(
     }
 }
 
-fn homes(collector: &mut Collector<'_>, schedule: &Schedule, placement: &Placement, elements: u32) {
+fn homes(
+    collector: &mut ViolationCollector<'_>,
+    schedule: &Schedule,
+    placement: &Placement,
+    elements: u32,
+) {
     let assignments = &collector.view.function.assignments;
     for (index, (assignment, home)) in assignments.iter().zip(&placement.homes).enumerate() {
         match home {

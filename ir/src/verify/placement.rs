@@ -7,7 +7,7 @@
 //! write later than the result comes from the buffer of the element.
 
 use super::network::{self, Routes};
-use super::{Collector, Subject, Violation, replay, verify};
+use super::{Violation, ViolationCollector, ViolationSubject, replay, verify};
 use crate::entity::Value;
 use crate::machine::{Machine, MemoryStyle};
 use crate::module::View;
@@ -35,18 +35,18 @@ pub fn verify_placement(view: View<'_>, machine: &Machine) -> Vec<Violation> {
     if !violations.is_empty() {
         return violations;
     }
-    let mut collector = Collector::new(view);
+    let mut collector = ViolationCollector::new(view);
     let function = view.function;
     let (Some(schedule), Some(placement)) = (&function.schedule, &function.placement) else {
         let message = || "only a placed function can be checked against a machine".to_owned();
-        collector.add(Subject::Function, message);
+        collector.add(ViolationSubject::Function, message);
         return collector.finish();
     };
     let Some(stages) = stages(&mut collector, schedule, machine) else {
         return collector.finish();
     };
     let counts: Vec<u32> = schedule.kinds.iter().map(|kind| kind.count).collect();
-    let check = Check {
+    let check = PlacementCheck {
         view,
         machine,
         schedule,
@@ -67,19 +67,19 @@ pub fn verify_placement(view: View<'_>, machine: &Machine) -> Vec<Violation> {
 /// The stages of each processing element; `None` when the kinds are not those
 /// of the machine.
 fn stages(
-    collector: &mut Collector<'_>,
+    collector: &mut ViolationCollector<'_>,
     schedule: &Schedule,
     machine: &Machine,
 ) -> Option<Vec<u32>> {
     if let Err(mismatch) = schedule.check_machine(machine) {
-        collector.add(Subject::Schedule, || mismatch.to_string());
+        collector.add(ViolationSubject::Schedule, || mismatch.to_string());
         return None;
     }
     let mut stages = Vec::new();
     for kind in &schedule.kinds {
         let mut elements = machine.elements.iter();
         let Some(element) = elements.find(|element| element.kind == kind.name) else {
-            collector.add(Subject::Schedule, || {
+            collector.add(ViolationSubject::Schedule, || {
                 format!("the machine has no processing elements '{}'", kind.name)
             });
             return None;
@@ -89,7 +89,7 @@ fn stages(
     Some(stages)
 }
 
-pub(super) struct Check<'a> {
+pub(super) struct PlacementCheck<'a> {
     pub(super) view: View<'a>,
     pub(super) machine: &'a Machine,
     pub(super) schedule: &'a Schedule,
@@ -99,7 +99,7 @@ pub(super) struct Check<'a> {
     pub(super) routes: Option<Routes>,
 }
 
-impl Check<'_> {
+impl PlacementCheck<'_> {
     pub(super) fn slot(&self, value: Value) -> Slot {
         self.schedule.slots[value.index()]
     }
@@ -137,7 +137,7 @@ impl Check<'_> {
         format!("{kind}{number}{bank}[{}]", word.address)
     }
 
-    fn performers(&self, collector: &mut Collector<'_>) {
+    fn performers(&self, collector: &mut ViolationCollector<'_>) {
         for value in self.placed_values() {
             let operation = self.view.function.node(value).operation;
             let (kind, number) = self.schedule.element_name(self.slot(value).element);
@@ -173,10 +173,10 @@ impl Check<'_> {
         }
     }
 
-    fn words(&self, collector: &mut Collector<'_>) {
+    fn words(&self, collector: &mut ViolationCollector<'_>) {
         for (index, preload) in self.placement.preloads.iter().enumerate() {
             if !self.fits(preload.word) {
-                collector.add(Subject::Preload(index), || {
+                collector.add(ViolationSubject::Preload(index), || {
                     format!("the machine has no word {}", self.name(preload.word))
                 });
             }
@@ -193,7 +193,7 @@ impl Check<'_> {
         }
     }
 
-    fn write_cycles(&self, collector: &mut Collector<'_>) {
+    fn write_cycles(&self, collector: &mut ViolationCollector<'_>) {
         for value in self.placed_values() {
             let back = self.write_back(value);
             let writes = self.placement.writes_of(value);
@@ -229,7 +229,7 @@ impl Check<'_> {
         }
     }
 
-    fn buffer_word(&self, collector: &mut Collector<'_>, value: Value) {
+    fn buffer_word(&self, collector: &mut ViolationCollector<'_>, value: Value) {
         let word = self.placement.buffers[value.index()];
         let words = self.machine.buffer.map_or(Some(0), |buffer| buffer.words);
         if word != Placement::NONE

@@ -6,8 +6,8 @@
 //! about contents and ports are checked in one pass over the events in order
 //! of time.
 
-use super::placement::Check;
-use super::{Collector, Subject, describe, describe_operand};
+use super::placement::PlacementCheck;
+use super::{ViolationCollector, ViolationSubject, describe, describe_operand};
 use crate::entity::{Operand, OperandKind, Value};
 use crate::placement::{Bank, Placement, Word};
 use hashbrown::HashMap;
@@ -15,9 +15,9 @@ use rustc_hash::FxBuildHasher;
 
 /// Replays the run and reports every read of a wrong word, and every port or
 /// buffer word used more than it can be.
-pub(super) fn check(check: &Check<'_>, collector: &mut Collector<'_>) {
+pub(super) fn check(check: &PlacementCheck<'_>, collector: &mut ViolationCollector<'_>) {
     let elements = check.schedule.element_count() as usize;
-    let mut replay = Replay {
+    let mut replay = PlacementReplay {
         check,
         collector,
         memories: memories(check, elements),
@@ -32,19 +32,19 @@ pub(super) fn check(check: &Check<'_>, collector: &mut Collector<'_>) {
 
 /// Words by address; far addresses go through a map, so that a few of them
 /// cost no memory.
-struct Words<Content> {
+struct WordStore<Content> {
     dense: Vec<Content>,
     sparse: HashMap<u32, Content, FxBuildHasher>,
 }
 
-impl<Content: Copy + Default> Words<Content> {
+impl<Content: Copy + Default> WordStore<Content> {
     /// Room for the words used, unless they lie far apart.
-    fn with(extent: Extent) -> Words<Content> {
+    fn with(extent: MemoryExtent) -> WordStore<Content> {
         let dense = match extent.words <= 8 * extent.uses + 64 {
             true => extent.words as usize,
             false => 0,
         };
-        Words {
+        WordStore {
             dense: vec![Content::default(); dense],
             sparse: HashMap::default(),
         }
@@ -67,13 +67,13 @@ impl<Content: Copy + Default> Words<Content> {
 
 /// How much of a memory is used.
 #[derive(Clone, Copy, Default)]
-struct Extent {
+struct MemoryExtent {
     /// The largest address and one.
     words: u64,
     uses: u64,
 }
 
-impl Extent {
+impl MemoryExtent {
     fn add(&mut self, address: u32) {
         self.words = self.words.max(u64::from(address) + 1);
         self.uses += 1;
@@ -126,13 +126,13 @@ impl Port {
     }
 }
 
-struct Replay<'c, 'a, 'v> {
-    check: &'c Check<'a>,
-    collector: &'c mut Collector<'v>,
+struct PlacementReplay<'c, 'a, 'v> {
+    check: &'c PlacementCheck<'a>,
+    collector: &'c mut ViolationCollector<'v>,
     /// Three banks for every processing element.
-    memories: Vec<Words<Cell>>,
+    memories: Vec<WordStore<Cell>>,
     memory_ports: Vec<Port>,
-    buffers: Vec<Words<Stay>>,
+    buffers: Vec<WordStore<Stay>>,
     buffer_ports: Vec<Port>,
 }
 
@@ -145,28 +145,28 @@ fn memory(word: Word) -> usize {
     3 * word.element as usize + bank
 }
 
-fn memories(check: &Check<'_>, elements: usize) -> Vec<Words<Cell>> {
-    let mut extents = vec![Extent::default(); 3 * elements];
+fn memories(check: &PlacementCheck<'_>, elements: usize) -> Vec<WordStore<Cell>> {
+    let mut extents = vec![MemoryExtent::default(); 3 * elements];
     let preloads = check.placement.preloads.iter().map(|preload| preload.word);
     let writes = check.placement.writes.iter().map(|write| write.word);
     for word in preloads.chain(writes) {
         extents[memory(word)].add(word.address);
     }
-    extents.into_iter().map(Words::with).collect()
+    extents.into_iter().map(WordStore::with).collect()
 }
 
-fn buffers(check: &Check<'_>, elements: usize) -> Vec<Words<Stay>> {
-    let mut extents = vec![Extent::default(); elements];
+fn buffers(check: &PlacementCheck<'_>, elements: usize) -> Vec<WordStore<Stay>> {
+    let mut extents = vec![MemoryExtent::default(); elements];
     for value in check.placed_values() {
         let word = check.placement.buffers[value.index()];
         if word != Placement::NONE {
             extents[check.slot(value).element as usize].add(word);
         }
     }
-    extents.into_iter().map(Words::with).collect()
+    extents.into_iter().map(WordStore::with).collect()
 }
 
-impl Replay<'_, '_, '_> {
+impl PlacementReplay<'_, '_, '_> {
     fn preload(&mut self) {
         for preload in &self.check.placement.preloads {
             let word = preload.word;
@@ -304,7 +304,7 @@ impl Replay<'_, '_, '_> {
         stay.read = cycle + 1;
         if self.buffer_ports[element as usize].take(cycle) == limit.saturating_add(1) {
             let (kind, number) = self.check.schedule.element_name(element);
-            self.collector.add(Subject::Schedule, || {
+            self.collector.add(ViolationSubject::Schedule, || {
                 format!(
                     "more words of the buffer of {kind}{number} are read at cycle {cycle} than the {limit} it hands out"
                 )
@@ -330,7 +330,7 @@ impl Replay<'_, '_, '_> {
     }
 }
 
-fn holds(check: &Check<'_>, held: Operand) -> String {
+fn holds(check: &PlacementCheck<'_>, held: Operand) -> String {
     match held.kind() {
         OperandKind::None => "holds nothing yet".to_owned(),
         _ => format!("holds {}", describe_operand(check.view, held)),

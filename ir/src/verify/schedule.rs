@@ -1,25 +1,25 @@
 //! Invariants 14 to 16: what of a schedule can be checked without knowing the
 //! machine.
 
-use super::{Collector, Subject, describe};
+use super::{ViolationCollector, ViolationSubject, describe};
 use crate::entity::Value;
 use crate::placement::{Schedule, Slot};
 
 /// True when every node has a slot on an element that exists.
-pub(super) fn check(collector: &mut Collector<'_>, schedule: &Schedule) -> bool {
+pub(super) fn check(collector: &mut ViolationCollector<'_>, schedule: &Schedule) -> bool {
     kinds(collector, schedule);
     let count = collector.view.function.nodes().len();
     if schedule.slots.len() != count {
         let slots = schedule.slots.len();
         let message = || format!("there are slots for {slots} of {count} nodes");
-        collector.add(Subject::Schedule, message);
+        collector.add(ViolationSubject::Schedule, message);
         return false;
     }
     let sound = slots(collector, schedule);
     dependencies(collector, schedule);
     one_at_a_time(collector, schedule);
     if schedule.lower_bound > schedule.cycles {
-        collector.add(Subject::Schedule, || {
+        collector.add(ViolationSubject::Schedule, || {
             let (cycles, bound) = (schedule.cycles, schedule.lower_bound);
             format!("the schedule of {cycles} cycles is shorter than its lower bound {bound}")
         });
@@ -27,13 +27,13 @@ pub(super) fn check(collector: &mut Collector<'_>, schedule: &Schedule) -> bool 
     sound
 }
 
-fn kinds(collector: &mut Collector<'_>, schedule: &Schedule) {
+fn kinds(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
     let mut elements = 0u64;
     for (index, kind) in schedule.kinds.iter().enumerate() {
         let name = &kind.name;
         let letters = name.bytes().all(|byte| byte.is_ascii_lowercase());
         if name.is_empty() || !letters || name == "host" {
-            collector.add(Subject::Schedule, || {
+            collector.add(ViolationSubject::Schedule, || {
                 format!("the kind '{name}' is not a word of lower-case letters other than 'host'")
             });
         }
@@ -42,17 +42,17 @@ fn kinds(collector: &mut Collector<'_>, schedule: &Schedule) {
             .any(|other| other.name == *name)
         {
             let message = || format!("there are two kinds '{name}' of processing elements");
-            collector.add(Subject::Schedule, message);
+            collector.add(ViolationSubject::Schedule, message);
         }
         elements += u64::from(kind.count);
     }
     if elements >= 1 << 24 {
         let message = || "there are more than 2^24 processing elements".to_owned();
-        collector.add(Subject::Schedule, message);
+        collector.add(ViolationSubject::Schedule, message);
     }
 }
 
-fn slots(collector: &mut Collector<'_>, schedule: &Schedule) -> bool {
+fn slots(collector: &mut ViolationCollector<'_>, schedule: &Schedule) -> bool {
     let elements: u64 = schedule
         .kinds
         .iter()
@@ -85,7 +85,7 @@ fn slots(collector: &mut Collector<'_>, schedule: &Schedule) -> bool {
     sound
 }
 
-fn dependencies(collector: &mut Collector<'_>, schedule: &Schedule) {
+fn dependencies(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
     let view = collector.view;
     for (value, node) in view.function.values() {
         let slot = schedule.slots[value.index()];
@@ -112,7 +112,7 @@ fn dependencies(collector: &mut Collector<'_>, schedule: &Schedule) {
     }
 }
 
-fn one_at_a_time(collector: &mut Collector<'_>, schedule: &Schedule) {
+fn one_at_a_time(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
     let key = |slot: &Slot| u64::from(slot.element) << 32 | u64::from(slot.cycle);
     let mut keys: Vec<u64> = schedule
         .slots

@@ -61,8 +61,8 @@ fn operands_must_exist_and_fit_the_operation() {
         Operand::list([Input(3).into(), Input(0).into()]),
         Operand::list([Constant(0).into(), Input(0).into()]),
         Operand::list([Input(0).into()]),
-        [Operand::NONE; Operand::MOST],
-        [Input(0).into(); Operand::MOST],
+        [Operand::NONE; Operand::MAX_COUNT],
+        [Input(0).into(); Operand::MAX_COUNT],
     ];
     for operands in broken {
         let messages = after(ATOMIC, |f| f.node_mut(Value(1)).operands = operands);
@@ -215,9 +215,9 @@ fn long_lists_are_cut_and_counted() {
         tables: &tables,
         function: &function,
     });
-    assert_eq!(violations.len(), MOST + 1);
+    assert_eq!(violations.len(), MAX_DESCRIBED + 1);
     assert_eq!(
-        violations[MOST].message,
+        violations[MAX_DESCRIBED].message,
         "900 further violations are not shown"
     );
 }

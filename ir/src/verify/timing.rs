@@ -1,22 +1,22 @@
 //! Invariants 11 and 13: earliest and latest times.
 
-use super::{Collector, Subject};
+use super::{ViolationCollector, ViolationSubject};
 use crate::entity::Value;
 use crate::function::{Level, Timing};
 
-pub(super) fn check(collector: &mut Collector<'_>) {
+pub(super) fn check(collector: &mut ViolationCollector<'_>) {
     let function = collector.view.function;
     let Some(timing) = &function.timing else {
         return;
     };
     if function.level == Level::Equations {
         let message = || "a function of the level equations has no times".to_owned();
-        return collector.add(Subject::Function, message);
+        return collector.add(ViolationSubject::Function, message);
     }
     let count = function.nodes().len();
     if timing.len() != count {
         let message = || format!("there are times for {} of {count} nodes", timing.len());
-        return collector.add(Subject::Function, message);
+        return collector.add(ViolationSubject::Function, message);
     }
     for (value, node) in function.values() {
         let own = timing[value.index()];
@@ -42,7 +42,7 @@ fn follows(own: Timing, operand: Timing, least: u32) -> bool {
         && after(own.alap_cycle, operand.alap_cycle)
 }
 
-fn contradiction(collector: &mut Collector<'_>, value: Value, operand: Value) {
+fn contradiction(collector: &mut ViolationCollector<'_>, value: Value, operand: Value) {
     let view = collector.view;
     collector.value(value, || {
         let operand = super::describe(view, operand);

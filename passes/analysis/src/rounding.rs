@@ -40,10 +40,10 @@ pub const SIGNIFICANT: f64 = 3.5;
 pub const NOTICEABLE: f64 = 0.02;
 
 /// States are chosen so that about as many operations are evaluated, within
-/// [`FEWEST`] and [`MOST`].
+/// [`MIN_STATES`] and [`MAX_STATES`].
 const OPERATIONS: usize = 8_000_000;
-const FEWEST: usize = 16;
-const MOST: usize = 256;
+const MIN_STATES: usize = 16;
+const MAX_STATES: usize = 256;
 
 /// Three places in a distribution of errors, in units of [`UNIT`].
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
@@ -58,7 +58,7 @@ pub struct Quantiles {
 
 /// The errors of all outputs of a function in all states.
 #[derive(Clone, PartialEq, Default, Debug)]
-pub struct Rounding {
+pub struct RoundingErrors {
     /// How many states.
     pub states: u32,
     /// Where they come from.
@@ -96,7 +96,7 @@ impl Trend {
 
 /// A median compared with another one at the same states.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Change {
+pub struct MedianChange {
     /// The median afterwards over that before.
     pub ratio: f64,
     /// The standard error of the ratio, as a part of it.
@@ -109,12 +109,12 @@ pub struct Change {
 /// the smaller it is, so that small functions are not judged by a few numbers
 /// and large ones in reasonable time.
 pub fn usual_states(operations: usize) -> u32 {
-    (OPERATIONS / operations.max(1)).clamp(FEWEST, MOST) as u32
+    (OPERATIONS / operations.max(1)).clamp(MIN_STATES, MAX_STATES) as u32
 }
 
 /// Measures the errors of a function over a number of states. Takes some ten
 /// nanoseconds per operation and state.
-pub fn rounding(view: View<'_>, states: &States, count: u32) -> Rounding {
+pub fn rounding(view: View<'_>, states: &States, count: u32) -> RoundingErrors {
     let samples = samples(view, states, count, Format::BINARY32);
     let drawn = count;
     let count = count as usize;
@@ -126,7 +126,7 @@ pub fn rounding(view: View<'_>, states: &States, count: u32) -> Rounding {
     };
     let block = |block: usize| block * count / BLOCKS..(block + 1) * count / BLOCKS;
     let blocks = (0..BLOCKS).map(block);
-    Rounding {
+    RoundingErrors {
         states: drawn,
         seed: states.seed(),
         relative: Quantiles::of(&mut relative(0..count)),
@@ -164,22 +164,22 @@ impl Quantiles {
     }
 }
 
-impl Change {
+impl MedianChange {
     /// The medians of the relative errors of two versions of a function,
     /// measured at the same states.
-    pub fn relative(before: &Rounding, after: &Rounding) -> Change {
-        Change::of(&before.blocks[0], &after.blocks[0])
+    pub fn relative(before: &RoundingErrors, after: &RoundingErrors) -> MedianChange {
+        MedianChange::of(&before.blocks[0], &after.blocks[0])
     }
 
     /// The medians of the normwise errors of two versions of a function,
     /// measured at the same states.
-    pub fn normwise(before: &Rounding, after: &Rounding) -> Change {
-        Change::of(&before.blocks[1], &after.blocks[1])
+    pub fn normwise(before: &RoundingErrors, after: &RoundingErrors) -> MedianChange {
+        MedianChange::of(&before.blocks[1], &after.blocks[1])
     }
 
     /// Compares medians block by block.
-    fn of(before: &[f64], after: &[f64]) -> Change {
-        let same = Change {
+    fn of(before: &[f64], after: &[f64]) -> MedianChange {
+        let same = MedianChange {
             ratio: 1.0,
             noise: 0.0,
             trend: Trend::Same,
@@ -197,7 +197,7 @@ impl Change {
             // Half of all errors are zero, before or after, or not finite:
             // there is nothing to divide by.
             let (before, after) = (before.iter().sum::<f64>(), after.iter().sum::<f64>());
-            return Change {
+            return MedianChange {
                 ratio: after / before,
                 noise: f64::INFINITY,
                 trend: match before.total_cmp(&after) {
@@ -212,7 +212,7 @@ impl Change {
         let squares = logarithms.iter().map(|log| (log - mean) * (log - mean));
         let noise = (squares.sum::<f64>() / (count - 1.0) / count).sqrt();
         let threshold = (SIGNIFICANT * noise).max(NOTICEABLE.ln_1p());
-        Change {
+        MedianChange {
             ratio: mean.exp(),
             noise,
             trend: if mean > threshold {
@@ -226,7 +226,7 @@ impl Change {
     }
 }
 
-impl fmt::Display for Change {
+impl fmt::Display for MedianChange {
     /// `same`, or by how much the median is better or worse.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(self.trend.name())?;
@@ -243,7 +243,7 @@ mod tests {
     use super::*;
     use robovec_ir::parse::parse_module;
 
-    fn measured(expression: &str, states: u32) -> Rounding {
+    fn measured(expression: &str, states: u32) -> RoundingErrors {
         let text = format!(
             "function f equations {{\n  in q[1..9]\n  out c[1..2]\n  c[1] = {expression}\n  c[2] = q[2]*q[1]\n}}\n"
         );
@@ -273,14 +273,14 @@ mod tests {
         let short = measured("q[1]*q[2]", 256);
         let long = measured("q[1]*q[2]*q[3]*q[4]*q[5]*q[6]*q[7]*q[8]", 256);
         let turned = measured("q[5]*q[6]*q[7]*q[8]*q[1]*q[2]*q[3]*q[4]", 256);
-        assert_eq!(Change::relative(&short, &long).trend, Trend::Worse);
-        assert_eq!(Change::relative(&long, &short).trend, Trend::Better);
-        let other = Change::relative(&long, &turned);
+        assert_eq!(MedianChange::relative(&short, &long).trend, Trend::Worse);
+        assert_eq!(MedianChange::relative(&long, &short).trend, Trend::Better);
+        let other = MedianChange::relative(&long, &turned);
         assert!(
             other.ratio != 1.0 && other.trend == Trend::Same,
             "{other:?}"
         );
-        assert_eq!(Change::relative(&long, &long).noise, 0.0);
+        assert_eq!(MedianChange::relative(&long, &long).noise, 0.0);
     }
 
     #[test]

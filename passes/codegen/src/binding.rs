@@ -4,7 +4,8 @@
 use super::ImageError;
 use super::manifest::Home;
 use super::manifest::{
-    ConstantElement, HostElement, InputElement, OutputElement, OutputValue, Reference, WordAddress,
+    ConstantElement, HostElement, InputElement, OutputElement, OutputValue, ValueReference,
+    WordAddress,
 };
 use super::traffic::Traffic;
 use robovec_ir::placement::{Preload, Word};
@@ -14,10 +15,10 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::soft_float::FormatArithmetic;
 
 /// Input elements a manifest can list.
-const MOST_INPUTS: usize = 1 << 22;
+const MAX_INPUTS: usize = 1 << 22;
 
 /// The values known before the run and the words they are loaded into.
-pub(super) struct Binding<'a> {
+pub(super) struct PreloadBinding<'a> {
     traffic: &'a Traffic<'a>,
     /// The preloads in order of operand.
     by_operand: Vec<Preload>,
@@ -27,14 +28,14 @@ pub(super) struct Binding<'a> {
     host: Vec<Value>,
 }
 
-impl<'a> Binding<'a> {
+impl<'a> PreloadBinding<'a> {
     /// Collects the initial data.
-    pub(super) fn new(traffic: &'a Traffic<'a>) -> Result<Binding<'a>, ImageError> {
+    pub(super) fn new(traffic: &'a Traffic<'a>) -> Result<PreloadBinding<'a>, ImageError> {
         let function = traffic.view.function;
-        if function.input_len() > MOST_INPUTS {
+        if function.input_len() > MAX_INPUTS {
             return Err(ImageError::TooManyInputs {
                 count: function.input_len(),
-                most: MOST_INPUTS,
+                most: MAX_INPUTS,
             });
         }
         let mut by_operand = traffic.placement.preloads.clone();
@@ -54,7 +55,7 @@ impl<'a> Binding<'a> {
             .collect();
         constants.sort_unstable();
         constants.dedup();
-        let binding = Binding {
+        let binding = PreloadBinding {
             traffic,
             by_operand,
             constants,
@@ -95,15 +96,15 @@ impl<'a> Binding<'a> {
     }
 
     /// Where an operand stands in the manifest's lists.
-    fn reference(&self, operand: Operand) -> Result<Reference, ImageError> {
+    fn reference(&self, operand: Operand) -> Result<ValueReference, ImageError> {
         let place = |found: Result<usize, usize>| found.ok().map(|place| place as u32);
         let reference = match operand.kind() {
-            OperandKind::Input(input) => Some(Reference::Input(input.0)),
+            OperandKind::Input(input) => Some(ValueReference::Input(input.0)),
             OperandKind::Constant(constant) => {
-                place(self.constants.binary_search(&constant)).map(Reference::Constant)
+                place(self.constants.binary_search(&constant)).map(ValueReference::Constant)
             }
             OperandKind::Value(value) => {
-                place(self.host.binary_search(&value)).map(Reference::Host)
+                place(self.host.binary_search(&value)).map(ValueReference::Host)
             }
             OperandKind::None => None,
         };
@@ -238,7 +239,7 @@ impl<'a> Binding<'a> {
         for &value in &self.host {
             let node = function.node(value);
             let get = |operand: Operand| self.number(arithmetic, inputs, &host, operand);
-            let mut operands = Some([0.0; Operand::MOST]);
+            let mut operands = Some([0.0; Operand::MAX_COUNT]);
             for (place, &operand) in node.operands().iter().enumerate() {
                 operands = operands.zip(get(operand)).map(|(mut known, number)| {
                     known[place] = number;

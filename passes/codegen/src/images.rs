@@ -1,14 +1,14 @@
 //! Memory images of a placed function.
 
 use super::ImageError;
-use super::binding::Binding;
+use super::binding::PreloadBinding;
 use super::hex::HexWriter;
-use super::layout::{Layout, Sizes};
+use super::layout::{Sizes, WordLayout};
 use super::manifest::{self, Manifest};
 use super::mif::MifWriter;
 use super::rtl::Hardware;
 use super::traffic::Traffic;
-use super::words::Words;
+use super::words::NonzeroWords;
 use robovec_ir::placement::{Bank, Preload};
 use robovec_ir::{Format, Machine, View};
 use robovec_num::fnv::Fnv;
@@ -100,7 +100,7 @@ pub(super) fn write_traffic(
         return Err(ImageError::Number(message));
     }
     let arithmetic = FormatArithmetic::new(format);
-    let binding = Binding::new(traffic)?;
+    let binding = PreloadBinding::new(traffic)?;
     let loaded = binding.loaded(&arithmetic, inputs)?;
     let writer = ImageWriter {
         sizes: match hardware {
@@ -288,8 +288,8 @@ pub(super) fn select(traffic: &Traffic<'_>, value: u32, cycle: u32) -> u32 {
 }
 
 /// The window, one memory per line.
-fn write_window(target: &mut dyn io::Write, window: &manifest::Window) -> io::Result<()> {
-    let head = serde_json::to_string(&manifest::Window {
+fn write_window(target: &mut dyn io::Write, window: &manifest::AddressMap) -> io::Result<()> {
+    let head = serde_json::to_string(&manifest::AddressMap {
         units: Vec::new(),
         ..window.clone()
     })?;
@@ -337,9 +337,9 @@ impl ImageWriter<'_> {
         &self.traffic.machine.elements[kind].operations
     }
 
-    fn layout(&self, element: u32) -> Layout {
+    fn layout(&self, element: u32) -> WordLayout {
         let kind = &self.traffic.machine.elements[self.traffic.kinds[element as usize]];
-        Layout::new(&self.sizes, kind.operations.len(), kind.is_fused())
+        WordLayout::new(&self.sizes, kind.operations.len(), kind.is_fused())
     }
 
     fn banks(&self) -> &'static [Bank] {
@@ -369,7 +369,7 @@ impl ImageWriter<'_> {
     fn instruction_image(
         &self,
         element: u32,
-        layout: &Layout,
+        layout: &WordLayout,
         hash: Fnv,
         artifacts: &mut dyn Artifacts,
     ) -> Result<Fnv, ImageError> {
@@ -379,7 +379,7 @@ impl ImageWriter<'_> {
         let file = self.instruction_file(&name);
         artifacts.file(&file, &mut |target| {
             let mut mif = MifWriter::new(target, hash, &title, layout.width(), self.depth())?;
-            let mut words = Words::new(self, element, layout);
+            let mut words = NonzeroWords::new(self, element, layout);
             let mut next = 0;
             while let Some(cycle) = words.advance() {
                 if cycle > next {
@@ -404,7 +404,7 @@ impl ImageWriter<'_> {
     fn instruction_hex(
         &self,
         element: u32,
-        layout: &Layout,
+        layout: &WordLayout,
         hardware: &Hardware,
         artifacts: &mut dyn Artifacts,
     ) -> Result<(), ImageError> {
@@ -413,7 +413,7 @@ impl ImageWriter<'_> {
         let file = hex_name(&self.instruction_file(&name));
         artifacts.file(&file, &mut |target| {
             let mut hex = HexWriter::new(target, &title, layout.width())?;
-            let mut words = Words::new(self, element, layout);
+            let mut words = NonzeroWords::new(self, element, layout);
             let mut next = 0;
             while let Some(cycle) = words.advance() {
                 hex.zeros(cycle - next)?;
@@ -477,12 +477,12 @@ impl ImageWriter<'_> {
         format!("{what}: function {function} on machine {machine}").replace(['\n', '\r'], " ")
     }
 
-    fn element(&self, element: u32, layout: &Layout) -> manifest::Element {
+    fn element(&self, element: u32, layout: &WordLayout) -> manifest::ProcessingElement {
         let name = self.traffic.element_name(element);
         let kind = self.traffic.kinds[element as usize];
         let memories = self.banks().iter().map(|&bank| {
             let name = self.traffic.memory_name(element, bank);
-            manifest::Memory {
+            manifest::OperandMemory {
                 file: self.data_file(&name),
                 name,
                 words: self.sizes.words,
@@ -490,7 +490,7 @@ impl ImageWriter<'_> {
             }
         });
         let fields = layout.fields().iter().filter(|field| field.width > 0);
-        manifest::Element {
+        manifest::ProcessingElement {
             kind: self.traffic.machine.elements[kind].kind.clone(),
             operations: self.operations(element).to_vec(),
             instructions: manifest::Instructions {

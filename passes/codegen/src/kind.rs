@@ -8,7 +8,7 @@ use robovec_ir::Function;
 
 /// What a file of equations is for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Kind {
+pub struct EquationKind {
     /// Its name in file names, `dirdyna`.
     pub name: &'static str,
     /// Robotran's number of the function; 0 where it has none.
@@ -21,7 +21,7 @@ pub struct Kind {
 }
 
 /// All kinds.
-pub const KINDS: [Kind; 12] = [
+pub const KINDS: [EquationKind; 12] = [
     kind(
         "dirdyna",
         1,
@@ -66,8 +66,8 @@ const fn kind(
     number: u32,
     title: &'static str,
     outputs: &'static [(&'static str, usize)],
-) -> Kind {
-    Kind {
+) -> EquationKind {
+    EquationKind {
         name,
         number,
         title,
@@ -75,26 +75,28 @@ const fn kind(
     }
 }
 
-impl Kind {
+impl EquationKind {
     /// The kind of a name.
-    pub fn find(name: &str) -> Option<Kind> {
+    pub fn find(name: &str) -> Option<EquationKind> {
         KINDS.into_iter().find(|kind| kind.name == name)
     }
 
     /// The kind of a function and, for sensors, its number: by what its
     /// metadata say of the file it came from, else by its name.
-    pub fn of(function: &Function) -> Option<(Kind, Option<u32>)> {
+    pub fn of(function: &Function) -> Option<(EquationKind, Option<u32>)> {
         let name = function.name.strip_prefix("mbs_").unwrap_or(&function.name);
         let numbered = name
             .rsplit_once('_')
             .and_then(|(stem, digits)| Some((stem, digits.parse::<u32>().ok()?)));
         let by_name = match numbered {
-            Some((stem, number)) if Kind::find(stem).is_some_and(Kind::is_sensor) => {
-                Kind::find(stem).map(|kind| (kind, Some(number)))
+            Some((stem, number))
+                if EquationKind::find(stem).is_some_and(EquationKind::is_sensor) =>
+            {
+                EquationKind::find(stem).map(|kind| (kind, Some(number)))
             }
-            _ => Kind::find(name).map(|kind| (kind, None)),
+            _ => EquationKind::find(name).map(|kind| (kind, None)),
         };
-        let by_file = function.metadata("kind").and_then(Kind::find);
+        let by_file = function.metadata("kind").and_then(EquationKind::find);
         match (by_file, by_name) {
             // Python calls both kinds of sensors `sensor`.
             (Some(file), Some((named, number))) if file.is_sensor() && named.is_sensor() => {

@@ -56,8 +56,8 @@ pub(super) fn bits(count: u32) -> u32 {
 
 /// The fields of one element's word, from bit 0 up.
 #[derive(Clone, Debug)]
-pub(super) struct Layout {
-    fields: Vec<manifest::Field>,
+pub(super) struct WordLayout {
+    fields: Vec<manifest::InstructionField>,
     width: u32,
     write_ports: u32,
     writes_from: u32,
@@ -72,11 +72,11 @@ pub(super) const OPERATION: u32 = 1;
 /// fused operations, `read.addend`.
 pub(super) const READ: u32 = 2;
 
-impl Layout {
+impl WordLayout {
     /// The layout of an element that performs a number of operations, on
     /// three operands if some of them are fused.
-    pub(super) fn new(sizes: &Sizes, operations: usize, fused: bool) -> Layout {
-        let mut layout = Layout {
+    pub(super) fn new(sizes: &Sizes, operations: usize, fused: bool) -> WordLayout {
+        let mut layout = WordLayout {
             fields: Vec::new(),
             width: 0,
             write_ports: sizes.write_ports,
@@ -122,7 +122,7 @@ impl Layout {
     }
 
     fn field(&mut self, name: String, width: u32) {
-        self.fields.push(manifest::Field {
+        self.fields.push(manifest::InstructionField {
             name,
             low: self.width,
             width,
@@ -136,7 +136,7 @@ impl Layout {
     }
 
     /// All fields, those without a bit included.
-    pub(super) fn fields(&self) -> &[manifest::Field] {
+    pub(super) fn fields(&self) -> &[manifest::InstructionField] {
         &self.fields
     }
 
@@ -186,7 +186,7 @@ mod tests {
             buffer: Some((16, 1)),
             elements: 8,
         };
-        let layout = Layout::new(&sizes, 2, false);
+        let layout = WordLayout::new(&sizes, 2, false);
         // Four addresses of 11 bits, two enables and the operation as in the
         // thesis; the issue bit is ours; two selects of 4 bits; 9 bits for
         // the buffer.
@@ -200,7 +200,7 @@ mod tests {
         assert_eq!(name(layout.write(0, 1)), "write1.enable");
         assert_eq!(name(layout.buffer_write()), "buffer.write.enable");
         assert_eq!(name(layout.buffer_read(0)), "buffer.read0.address");
-        let fused = Layout::new(&sizes, 2, true);
+        let fused = WordLayout::new(&sizes, 2, true);
         assert_eq!(fused.width(), layout.width() + 11);
         let addend = fused.fields().iter().position(|f| f.name == "read.addend");
         assert_eq!(addend, Some(READ as usize + 2));

@@ -40,4 +40,4 @@ mod words;
 
 pub use error::ImageError;
 pub use images::{Artifacts, images, write_images};
-pub use pass::{Codegen, Target};
+pub use pass::{Codegen, CodegenTarget};

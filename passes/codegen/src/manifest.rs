@@ -34,7 +34,7 @@ pub struct Manifest {
     /// this are not those the manifest belongs to.
     pub files: Vec<FileHash>,
     /// The elements, in the order that the crossbar counts them.
-    pub elements: Vec<Element>,
+    pub elements: Vec<ProcessingElement>,
     /// What the crossbar's select codes stand for: code `i` is `sources[i]`.
     pub sources: Vec<String>,
     /// Every input element, in order.
@@ -53,7 +53,7 @@ pub struct Manifest {
     /// Where the host finds the memories of the hardware the images were
     /// made for; absent when they were made from the machine file alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub window: Option<Window>,
+    pub window: Option<AddressMap>,
 }
 
 /// The host's window into the hardware: addresses count 32-bit words.
@@ -62,7 +62,7 @@ pub struct Manifest {
 /// stride` and after it; writing the last one writes the word.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Window {
+pub struct AddressMap {
     /// Version of the map, as the register `version` says it.
     pub version: u32,
     /// Bits of the host's address.
@@ -82,13 +82,13 @@ pub struct Window {
     /// Address of the low half of the machine's hash; the high half follows.
     pub machine: u32,
     /// Every memory: those of instructions and those of operands.
-    pub units: Vec<Unit>,
+    pub units: Vec<MappedMemory>,
 }
 
 /// A memory in the host's window.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Unit {
+pub struct MappedMemory {
     /// `add0.instructions`, or the name of an operand memory.
     pub name: String,
     /// Address of its first limb.
@@ -129,7 +129,7 @@ pub struct MachineIdentity {
 /// One processing element.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Element {
+pub struct ProcessingElement {
     /// Kind and number: `add0`.
     pub name: String,
     /// The kind in the machine file.
@@ -139,7 +139,7 @@ pub struct Element {
     /// Its instruction image.
     pub instructions: Instructions,
     /// Its memories: one, or left and right.
-    pub memories: Vec<Memory>,
+    pub memories: Vec<OperandMemory>,
     /// Its buffer, on machines that have one.
     pub buffer: Option<Buffer>,
 }
@@ -153,14 +153,14 @@ pub struct Instructions {
     /// Bits of a word.
     pub width: u32,
     /// The fields, from bit 0 up.
-    pub fields: Vec<Field>,
+    pub fields: Vec<InstructionField>,
 }
 
 /// A field of an instruction word. A field of the layout that would have no
 /// bit is left out and counts as 0.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Field {
+pub struct InstructionField {
     /// Its name, as in `docs/images.md`.
     pub name: String,
     /// Its lowest bit.
@@ -172,7 +172,7 @@ pub struct Field {
 /// An operand memory.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Memory {
+pub struct OperandMemory {
     /// Its name in this manifest: `add0`, `add0.left`, `add0.right`.
     pub name: String,
     /// The data image, beside the manifest.
@@ -207,7 +207,7 @@ pub struct WordAddress {
 /// lists, from 0.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Reference {
+pub enum ValueReference {
     /// An input element.
     Input(u32),
     /// A constant.
@@ -246,7 +246,7 @@ pub struct HostElement {
     /// What is computed: `sin`, `cos` ….
     pub operation: String,
     /// From what: inputs, constants and earlier values of the host.
-    pub operands: Vec<Reference>,
+    pub operands: Vec<ValueReference>,
     /// Where it must stand at the start.
     pub words: Vec<WordAddress>,
 }
@@ -271,7 +271,7 @@ pub enum OutputValue {
     /// In a memory after the last cycle.
     Home(Home),
     /// Known before the run.
-    Known(Reference),
+    Known(ValueReference),
 }
 
 /// The word that holds an output at the end.

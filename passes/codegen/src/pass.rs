@@ -1,9 +1,9 @@
 //! Code generation as a pass.
 
 use super::batch::{self, batch_files};
-use super::c::{self, Options, Order, Real, Signature, SignatureError, Sines};
+use super::c::{self, Options, Real, Signature, SignatureError, Sines, StatementOrder};
 use super::images::foreign_format;
-use super::rolled::{self, Circular, rolled_files};
+use super::rolled::{self, RolledCircular, rolled_files};
 use super::rtl::{self, CrossbarChoice, RtlError, write_rtl};
 use super::{Artifacts, ImageError, write_images};
 use robovec_framework::pass::{Artifact, Context, Gives, Pass, PassError};
@@ -14,7 +14,7 @@ use std::io;
 
 option_words! {
     /// What code is generated for.
-    pub enum Target {
+    pub enum CodegenTarget {
         /// Memory images and their manifest, for the machine of elements.
         Mif = "mif",
         /// The machine of elements in Verilog, with its images.
@@ -39,12 +39,12 @@ option_words! {
 }
 
 /// Puts files into a folder that bears the function's name.
-struct Folder<'a> {
+struct FunctionFolder<'a> {
     name: &'a str,
     artifacts: &'a mut Vec<Artifact>,
 }
 
-impl Artifacts for Folder<'_> {
+impl Artifacts for FunctionFolder<'_> {
     fn file(
         &mut self,
         name: &str,
@@ -97,7 +97,7 @@ declare_pass! {
     /// The function itself stays as it is.
     pub struct Codegen("codegen") {
         /// What code is generated for.
-        pub target: Target = Target::Mif,
+        pub target: CodegenTarget = CodegenTarget::Mif,
         /// How much of the crossbar is built in Verilog.
         pub crossbar: CrossbarChoice = CrossbarChoice::Full,
         /// The type C code computes in; images follow the machine file.
@@ -112,12 +112,12 @@ declare_pass! {
         /// Who computes sines and cosines in C.
         pub sines: Sines = Sines::Inline,
         /// The order of statements in C.
-        pub order: Order = Order::Depth,
+        pub order: StatementOrder = StatementOrder::Depth,
         /// Operations per function in C.
         pub part: u32 = 500 => NumberLimit::whole(
             1, 1_000_000, "compilers take a time that grows faster than the length of a function"),
         /// How rolled code computes sines and cosines of inputs.
-        pub circular: Circular = Circular::Vector,
+        pub circular: RolledCircular = RolledCircular::Vector,
     }
     takes: [Equations, Atomic, Scheduled, Placed],
     gives: Gives::Same,
@@ -152,18 +152,18 @@ impl Pass for Codegen {
             function,
         };
         match self.target {
-            Target::Mif => {
+            CodegenTarget::Mif => {
                 write_images(view, context.machine, None, context.artifacts).map_err(explain)?;
             }
-            Target::Rtl => {
-                let mut folder = Folder {
+            CodegenTarget::Rtl => {
+                let mut folder = FunctionFolder {
                     name: &view.function.name,
                     artifacts: context.artifacts,
                 };
                 write_rtl(view, context.machine, self.crossbar, &mut folder)
                     .map_err(|error| explain_rtl(&error))?;
             }
-            Target::C | Target::Rolled | Target::Batch => {
+            CodegenTarget::C | CodegenTarget::Rolled | CodegenTarget::Batch => {
                 let own = match self.number {
                     Real::Double => Format::BINARY64,
                     Real::Float => Format::BINARY32,
@@ -177,7 +177,7 @@ impl Pass for Codegen {
                     return Err(PassError::new(message).help(help));
                 }
                 let files = match self.target {
-                    Target::Rolled => {
+                    CodegenTarget::Rolled => {
                         let options = rolled::Options {
                             real: self.number,
                             circular: self.circular,
@@ -187,7 +187,7 @@ impl Pass for Codegen {
                         context.statistics.extend(rolled.summary.statistics());
                         rolled.files
                     }
-                    Target::Batch => batch_files(view, &self.batch_options()?),
+                    CodegenTarget::Batch => batch_files(view, &self.batch_options()?),
                     _ => c::files(view, &self.options()).map_err(refuse)?,
                 };
                 context.artifacts.extend(

@@ -8,7 +8,7 @@ use robovec_ir::placement::{Bank, Placement, Schedule};
 use robovec_ir::{Machine, Value, View};
 
 /// The most elements of a kind, as in a machine file.
-const MOST_ELEMENTS: u32 = 4096;
+const MAX_ELEMENTS: u32 = 4096;
 
 /// For each element of the schedule its kind's place in the machine file.
 pub(super) fn element_kinds(
@@ -21,7 +21,7 @@ pub(super) fn element_kinds(
             .elements
             .iter()
             .position(|element| element.kind == kind.name);
-        let Some(place) = place.filter(|_| kind.count <= MOST_ELEMENTS) else {
+        let Some(place) = place.filter(|_| kind.count <= MAX_ELEMENTS) else {
             return Err(ImageError::UnknownKind {
                 kind: kind.name.clone(),
             });

@@ -28,14 +28,14 @@ pub(super) struct Usage {
 }
 
 /// Numbers grouped by element.
-pub(super) struct Groups {
+pub(super) struct ElementGroups {
     starts: Vec<u32>,
     items: Vec<u32>,
 }
 
-impl Groups {
+impl ElementGroups {
     /// Sorts the pairs (element, item) by element, keeping their order.
-    fn new(elements: u32, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> Groups {
+    fn new(elements: u32, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> ElementGroups {
         let mut starts = vec![0u32; elements as usize + 1];
         for (element, _) in pairs.clone() {
             starts[element as usize + 1] += 1;
@@ -50,7 +50,7 @@ impl Groups {
             items[*place as usize] = item;
             *place += 1;
         }
-        Groups { starts, items }
+        ElementGroups { starts, items }
     }
 
     /// The items of one element.
@@ -79,9 +79,9 @@ pub(super) struct Traffic<'a> {
     /// For each write the value written.
     pub(super) owners: Vec<u32>,
     /// The values each element issues, in order of cycle.
-    pub(super) issues: Groups,
+    pub(super) issues: ElementGroups,
     /// The writes into each element's memories, in order of cycle and word.
-    pub(super) arrivals: Groups,
+    pub(super) arrivals: ElementGroups,
     /// The buffer words read, each once per cycle, sorted.
     pub(super) buffer_reads: Vec<BufferRead>,
     pub(super) usage: Usage,
@@ -109,14 +109,14 @@ impl<'a> Traffic<'a> {
         let elements = kinds.len() as u32;
         let slots = &schedule.slots;
         let on_elements = |&(element, _): &(u32, u32)| element != Slot::HOST;
-        let mut issues = Groups::new(
+        let mut issues = ElementGroups::new(
             elements,
             (0u32..)
                 .zip(slots)
                 .map(|(value, slot)| (slot.element, value))
                 .filter(on_elements),
         );
-        let mut arrivals = Groups::new(
+        let mut arrivals = ElementGroups::new(
             elements,
             (0u32..)
                 .zip(&placement.writes)

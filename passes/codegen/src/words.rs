@@ -4,37 +4,41 @@
 //! of cycle; the words are their merge, made one at a time.
 
 use super::images::{ImageWriter, select};
-use super::layout::{ISSUE, Layout, OPERATION, READ};
-use super::manifest::Field;
+use super::layout::{ISSUE, OPERATION, READ, WordLayout};
+use super::manifest::InstructionField;
 use super::traffic::BufferRead;
 use robovec_ir::Value;
 use robovec_ir::placement::{Bank, Placement};
 use std::iter::Peekable;
 
-type Groups<'a, T> = Peekable<Box<dyn Iterator<Item = &'a [T]> + 'a>>;
+type PeekableGroups<'a, T> = Peekable<Box<dyn Iterator<Item = &'a [T]> + 'a>>;
 
 /// An iterator over the words that are not zero.
-pub(super) struct Words<'a> {
+pub(super) struct NonzeroWords<'a> {
     writer: &'a ImageWriter<'a>,
-    layout: &'a Layout,
+    layout: &'a WordLayout,
     element: u32,
     issues: &'a [u32],
     /// The values that enter the buffer: a subsequence of the issues, since
     /// all results take equally long.
     buffered: &'a [u32],
-    writes: Groups<'a, u32>,
-    reads: Groups<'a, BufferRead>,
+    writes: PeekableGroups<'a, u32>,
+    reads: PeekableGroups<'a, BufferRead>,
     limbs: Vec<u64>,
 }
 
-impl<'a> Words<'a> {
-    pub(super) fn new(writer: &'a ImageWriter<'a>, element: u32, layout: &'a Layout) -> Words<'a> {
+impl<'a> NonzeroWords<'a> {
+    pub(super) fn new(
+        writer: &'a ImageWriter<'a>,
+        element: u32,
+        layout: &'a WordLayout,
+    ) -> NonzeroWords<'a> {
         let issues = writer.traffic.issues.of(element);
         let writes: Box<dyn Iterator<Item = &'a [u32]>> =
             Box::new(writer.traffic.write_groups(element));
         let reads: Box<dyn Iterator<Item = &'a [BufferRead]>> =
             Box::new(writer.traffic.buffer_groups(element));
-        Words {
+        NonzeroWords {
             writer,
             layout,
             element,
@@ -137,7 +141,7 @@ impl<'a> Words<'a> {
 
     /// Sets a field, whose bits are zero before.
     fn set(&mut self, field: u32, content: u32) {
-        let Field { low, width, .. } = self.layout.fields()[field as usize];
+        let InstructionField { low, width, .. } = self.layout.fields()[field as usize];
         if width == 0 {
             return;
         }

@@ -181,7 +181,7 @@ impl Images {
     pub fn operate(
         &self,
         operation: Operation,
-        operands: [Fingerprint; Operand::MOST],
+        operands: [Fingerprint; Operand::MAX_COUNT],
         literal_divisor: bool,
     ) -> Fingerprint {
         if operation == Operation::Div && literal_divisor {

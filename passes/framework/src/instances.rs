@@ -8,7 +8,7 @@
 use crate::options::OptionValue;
 
 /// The most instances in one program.
-pub const MOST: u32 = 64;
+pub const MAX_INSTANCES: u32 = 64;
 
 /// The key of the metadata that says how many instances a function holds.
 pub const KEY: &str = "instances";
@@ -19,7 +19,7 @@ pub struct Instances {
     /// How many.
     pub count: u32,
     /// Names of the input arrays that are there once.
-    pub shared: Names,
+    pub shared: InstanceNames,
 }
 
 impl Instances {
@@ -46,28 +46,28 @@ pub fn numbered(name: &str, instance: u32) -> String {
 
 /// Names as an option: joined by `+`, or `none`.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
-pub struct Names(pub Vec<String>);
+pub struct InstanceNames(pub Vec<String>);
 
-impl Names {
+impl InstanceNames {
     /// True when the name is among them.
     pub fn contains(&self, name: &str) -> bool {
         self.0.iter().any(|known| known == name)
     }
 }
 
-impl OptionValue for Names {
+impl OptionValue for InstanceNames {
     fn type_name() -> String {
         "none | NAME+NAME+...".to_owned()
     }
-    fn parse(text: &str) -> Result<Names, String> {
+    fn parse(text: &str) -> Result<InstanceNames, String> {
         if text == "none" {
-            return Ok(Names::default());
+            return Ok(InstanceNames::default());
         }
         let names: Vec<String> = text.split('+').map(str::to_owned).collect();
         if names.iter().any(String::is_empty) {
             return Err(format!("'{text}' is not a list of names joined by '+'"));
         }
-        Ok(Names(names))
+        Ok(InstanceNames(names))
     }
     fn print(&self) -> String {
         match self.0.is_empty() {

@@ -17,7 +17,7 @@ pub mod pipeline;
 pub mod reduce;
 pub mod registry;
 pub mod rewrite;
-pub mod rewrites;
+pub mod rewrite_limit;
 pub mod scene;
 pub mod trail;
 

@@ -9,7 +9,7 @@ use crate::check::Promise;
 use crate::instances::Instances;
 use crate::options::{OptionError, OptionInfo};
 use crate::registry::Registry;
-use crate::rewrites::Rewrites;
+use crate::rewrite_limit::RewriteLimit;
 use crate::scene::Scene;
 use crate::trail::Notes;
 use robovec_analysis::class::NumericClass;
@@ -68,7 +68,7 @@ pub struct Context<'a> {
     /// The rules it applied, value by value; see [`Context::note`].
     pub notes: &'a mut Notes,
     /// Counts the rewrites, and stops them when one is looked for.
-    pub rewrites: &'a Rewrites,
+    pub rewrites: &'a RewriteLimit,
 }
 
 impl Context<'_> {
@@ -83,7 +83,7 @@ impl Context<'_> {
 
     /// Whether a value may be written anew: asked before every rewrite, so
     /// that the one that breaks a function can be found
-    /// ([`Rewrites::allow`]).
+    /// ([`RewriteLimit::allow`]).
     pub fn allow_rewrite(&self, name: Name, rule: &str) -> bool {
         self.rewrites.allow(name, rule)
     }

@@ -1,10 +1,10 @@
 //! Writing a function anew: what every pass that changes the body shares.
 
-use crate::rewrites::Rewrites;
+use crate::rewrite_limit::RewriteLimit;
 use robovec_analysis::slice::needed;
 use robovec_ir::{
-    Assignment, Formats, Function, Level, Node, Operand, OperandKind, Output, SourceSet, Symbol,
-    Tables, Value, View, print,
+    Assignment, Function, Level, Node, Operand, OperandKind, Output, SourceSet, Symbol, Tables,
+    Value, ValueFormats, View, print,
 };
 
 /// A function being written from another one, with the translation of the
@@ -34,7 +34,7 @@ impl<'a> Rewriter<'a> {
     /// the same: without this the formats are gone, which the manager refuses.
     pub fn with_formats(old: &'a Function, level: Level) -> Rewriter<'a> {
         let mut rewriter = Rewriter::new(old, level);
-        rewriter.new.formats = old.formats.as_ref().map(|_| Formats::new(0));
+        rewriter.new.formats = old.formats.as_ref().map(|_| ValueFormats::new(0));
         rewriter
     }
 
@@ -59,7 +59,7 @@ impl<'a> Rewriter<'a> {
     }
 
     /// The operands of a node, translated.
-    pub fn translate_operands(&mut self, node: &Node) -> [Operand; Operand::MOST] {
+    pub fn translate_operands(&mut self, node: &Node) -> [Operand; Operand::MAX_COUNT] {
         node.operands.map(|operand| self.translate(operand))
     }
 
@@ -154,7 +154,7 @@ pub fn owners(tables: &mut Tables, function: &Function) -> Vec<Symbol> {
 /// before right, and those of the outputs at the end. Inner nodes take over
 /// the sources of the definition or output they belong to.
 pub fn lay_out(function: &Function) -> Function {
-    let mut layout = Layout {
+    let mut layout = ExpressionLayout {
         rewriter: Rewriter::unmapped(function, Level::Equations),
         open: Vec::new(),
     };
@@ -173,13 +173,13 @@ pub fn lay_out(function: &Function) -> Function {
     layout.rewriter.finish()
 }
 
-struct Layout<'a> {
+struct ExpressionLayout<'a> {
     rewriter: Rewriter<'a>,
     /// Nodes to write, with whether their operands have been.
     open: Vec<(Value, bool)>,
 }
 
-impl Layout<'_> {
+impl ExpressionLayout<'_> {
     fn tree(&mut self, root: Value, sources: SourceSet) {
         self.open.push((root, false));
         while let Some((value, ready)) = self.open.pop() {
@@ -209,11 +209,11 @@ impl Layout<'_> {
 /// The function without the operations no output depends on, and how many
 /// there were; `None` when there are none.
 pub fn remove_dead(function: &Function) -> Option<(Function, u64)> {
-    remove_dead_asking(function, &Rewrites::default())
+    remove_dead_asking(function, &RewriteLimit::default())
 }
 
 /// As [`remove_dead`], asking before each removal.
-pub fn remove_dead_asking(function: &Function, rewrites: &Rewrites) -> Option<(Function, u64)> {
+pub fn remove_dead_asking(function: &Function, rewrites: &RewriteLimit) -> Option<(Function, u64)> {
     let outputs = function.assignments.iter();
     let live = needed(
         function,

@@ -15,7 +15,7 @@ use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
 use std::ops::Range;
 
 /// Most mistakes told of one file; after so many it is no rule file.
-const MOST_MISTAKES: usize = 20;
+const MAX_MISTAKES: usize = 20;
 
 /// Words that cannot be the name of a rule.
 const RESERVED: [&str; 3] = ["rule", "when", "class"];
@@ -108,7 +108,7 @@ impl<'text> RuleBuilder<'text> {
 
     /// True when more mistakes would not be told.
     pub(super) fn is_hopeless(&self) -> bool {
-        self.diagnostics.len() >= MOST_MISTAKES
+        self.diagnostics.len() >= MAX_MISTAKES
     }
 
     /// Tells a mistake.

@@ -16,7 +16,7 @@ use std::time::Duration;
 
 /// A node of a graph.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub(super) enum Term {
+pub(super) enum GraphTerm {
     /// A value that nothing is known of.
     Leaf(u32),
     /// A number, by its bits.
@@ -27,81 +27,81 @@ pub(super) enum Term {
     Binary(Operation, [Id; 2]),
 }
 
-impl fmt::Display for Term {
+impl fmt::Display for GraphTerm {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Term::Leaf(leaf) => write!(formatter, "x{leaf}"),
-            Term::Number(bits) => write!(formatter, "{}", f64::from_bits(*bits)),
-            Term::Unary(operation, _) | Term::Binary(operation, _) => {
+            GraphTerm::Leaf(leaf) => write!(formatter, "x{leaf}"),
+            GraphTerm::Number(bits) => write!(formatter, "{}", f64::from_bits(*bits)),
+            GraphTerm::Unary(operation, _) | GraphTerm::Binary(operation, _) => {
                 formatter.write_str(operation.name())
             }
         }
     }
 }
 
-impl Language for Term {
+impl Language for GraphTerm {
     type Discriminant = (u8, u64);
 
     fn discriminant(&self) -> (u8, u64) {
         match self {
-            Term::Leaf(leaf) => (0, u64::from(*leaf)),
-            Term::Number(bits) => (1, *bits),
-            Term::Unary(operation, _) => (2, *operation as u64),
-            Term::Binary(operation, _) => (3, *operation as u64),
+            GraphTerm::Leaf(leaf) => (0, u64::from(*leaf)),
+            GraphTerm::Number(bits) => (1, *bits),
+            GraphTerm::Unary(operation, _) => (2, *operation as u64),
+            GraphTerm::Binary(operation, _) => (3, *operation as u64),
         }
     }
 
-    fn matches(&self, other: &Term) -> bool {
+    fn matches(&self, other: &GraphTerm) -> bool {
         self.discriminant() == other.discriminant()
     }
 
     fn children(&self) -> &[Id] {
         match self {
-            Term::Leaf(_) | Term::Number(_) => &[],
-            Term::Unary(_, children) => children,
-            Term::Binary(_, children) => children,
+            GraphTerm::Leaf(_) | GraphTerm::Number(_) => &[],
+            GraphTerm::Unary(_, children) => children,
+            GraphTerm::Binary(_, children) => children,
         }
     }
 
     fn children_mut(&mut self) -> &mut [Id] {
         match self {
-            Term::Leaf(_) | Term::Number(_) => &mut [],
-            Term::Unary(_, children) => children,
-            Term::Binary(_, children) => children,
+            GraphTerm::Leaf(_) | GraphTerm::Number(_) => &mut [],
+            GraphTerm::Unary(_, children) => children,
+            GraphTerm::Binary(_, children) => children,
         }
     }
 }
 
-fn operation(operation: Operation, operands: [u32; 2]) -> Term {
+fn operation(operation: Operation, operands: [u32; 2]) -> GraphTerm {
     let [a, b] = operands.map(|operand| Id::from(operand as usize));
     match operation.arity() {
-        1 => Term::Unary(operation, [a]),
-        _ => Term::Binary(operation, [a, b]),
+        1 => GraphTerm::Unary(operation, [a]),
+        _ => GraphTerm::Binary(operation, [a, b]),
     }
 }
 
 /// A pattern as a term: its variables become leaves.
-pub(super) fn term(pattern: &Pattern) -> RecExpr<Term> {
+pub(super) fn term(pattern: &Pattern) -> RecExpr<GraphTerm> {
     let nodes = pattern.nodes.iter().map(|node| match *node {
-        PatternNode::Variable(variable) => Term::Leaf(variable),
-        PatternNode::Number(number) => Term::Number(number.to_bits()),
+        PatternNode::Variable(variable) => GraphTerm::Leaf(variable),
+        PatternNode::Number(number) => GraphTerm::Number(number.to_bits()),
         PatternNode::Operation(kind, operands) => operation(kind, operands),
     });
-    nodes.collect::<Vec<Term>>().into()
+    nodes.collect::<Vec<GraphTerm>>().into()
 }
 
-fn side(pattern: &Pattern) -> egg::Pattern<Term> {
+fn side(pattern: &Pattern) -> egg::Pattern<GraphTerm> {
     let nodes = pattern.nodes.iter().map(|node| match *node {
         PatternNode::Variable(variable) => ENodeOrVar::Var(Var::from_u32(variable)),
-        PatternNode::Number(number) => ENodeOrVar::ENode(Term::Number(number.to_bits())),
+        PatternNode::Number(number) => ENodeOrVar::ENode(GraphTerm::Number(number.to_bits())),
         PatternNode::Operation(kind, operands) => ENodeOrVar::ENode(operation(kind, operands)),
     });
-    let nodes: RecExpr<ENodeOrVar<Term>> = nodes.collect::<Vec<_>>().into();
+    let nodes: RecExpr<ENodeOrVar<GraphTerm>> = nodes.collect::<Vec<_>>().into();
     egg::Pattern::new(nodes)
 }
 
 /// The rewrites of a rule: one for each direction.
-pub(super) fn rewrites(rule: &Rule) -> Vec<Rewrite<Term, ()>> {
+pub(super) fn rewrites(rule: &Rule) -> Vec<Rewrite<GraphTerm, ()>> {
     let directed = rule.directed().into_iter();
     directed
         .map(|rule| {
@@ -113,7 +113,7 @@ pub(super) fn rewrites(rule: &Rule) -> Vec<Rewrite<Term, ()>> {
 
 /// What growing a graph may cost.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Budget {
+pub(super) struct GraphBudget {
     /// Nodes.
     pub(super) nodes: usize,
     /// Iterations.
@@ -122,7 +122,7 @@ pub(super) struct Budget {
 
 /// A graph after growing.
 pub(super) struct Grown {
-    pub(super) graph: EGraph<Term, ()>,
+    pub(super) graph: EGraph<GraphTerm, ()>,
     /// The class of each term it was grown from.
     pub(super) roots: Vec<Id>,
     /// True when nothing more can be found.
@@ -131,11 +131,11 @@ pub(super) struct Grown {
 
 /// Grows a graph from terms by rewrites, whose names must differ.
 pub(super) fn grow(
-    terms: &[RecExpr<Term>],
-    rewrites: &[Rewrite<Term, ()>],
-    budget: Budget,
+    terms: &[RecExpr<GraphTerm>],
+    rewrites: &[Rewrite<GraphTerm, ()>],
+    budget: GraphBudget,
 ) -> Grown {
-    let mut runner = Runner::<Term, ()>::new(())
+    let mut runner = Runner::<GraphTerm, ()>::new(())
         .with_scheduler(SimpleScheduler)
         .with_iter_limit(budget.iterations)
         .with_node_limit(budget.nodes)

@@ -7,12 +7,12 @@ use robovec_ir::Operation;
 use std::fmt::{self, Write};
 
 /// A piece of text and how strongly its outermost operation binds.
-struct Piece {
+struct TermText {
     text: String,
     strength: u32,
 }
 
-impl Piece {
+impl TermText {
     /// The text, in parentheses when it binds more weakly than needed.
     fn within(&self, least: u32) -> String {
         if self.strength < least {
@@ -39,14 +39,14 @@ const SIGN: u32 = 3;
 impl Pattern {
     /// The pattern as text, with the names of its variables.
     pub fn to_text(&self, variables: &[String]) -> String {
-        let mut pieces: Vec<Piece> = Vec::with_capacity(self.nodes.len());
+        let mut pieces: Vec<TermText> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
             let piece = match *node {
-                PatternNode::Variable(variable) => Piece {
+                PatternNode::Variable(variable) => TermText {
                     text: variables[variable as usize].clone(),
                     strength: VALUE,
                 },
-                PatternNode::Number(number) => Piece {
+                PatternNode::Number(number) => TermText {
                     text: format!("{number}"),
                     strength: if number < 0.0 { SIGN } else { VALUE },
                 },
@@ -60,7 +60,7 @@ impl Pattern {
     }
 }
 
-fn operation_text(operation: Operation, a: &Piece, b: &Piece) -> Piece {
+fn operation_text(operation: Operation, a: &TermText, b: &TermText) -> TermText {
     let sign = match operation {
         Operation::Add => " + ",
         Operation::Sub => " - ",
@@ -68,20 +68,20 @@ fn operation_text(operation: Operation, a: &Piece, b: &Piece) -> Piece {
         Operation::Div => "/",
         // A sign before a number would be read as part of the number.
         Operation::Neg if !a.text.starts_with(|first: char| first.is_ascii_digit()) => {
-            return Piece {
+            return TermText {
                 text: format!("-{}", a.within(VALUE)),
                 strength: SIGN,
             };
         }
         _ => {
-            return Piece {
+            return TermText {
                 text: format!("{}({})", operation.name(), a.text),
                 strength: VALUE,
             };
         }
     };
     let strength = strength(operation);
-    Piece {
+    TermText {
         text: format!("{}{sign}{}", a.within(strength), b.within(strength + 1)),
         strength,
     }

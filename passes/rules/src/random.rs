@@ -2,11 +2,11 @@
 
 /// A sequence of random numbers (SplitMix64).
 #[derive(Clone, Debug)]
-pub(super) struct Random(u64);
+pub(super) struct RuleRandom(u64);
 
-impl Random {
-    pub(super) fn new(seed: u64) -> Random {
-        Random(seed)
+impl RuleRandom {
+    pub(super) fn new(seed: u64) -> RuleRandom {
+        RuleRandom(seed)
     }
 
     pub(super) fn next(&mut self) -> u64 {

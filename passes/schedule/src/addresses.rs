@@ -4,9 +4,9 @@
 //! handing out a freed address whenever there is one needs exactly as many
 //! addresses as words are ever alive at once: no allocation needs fewer.
 
-use super::graph::Graph;
-use super::locations::{Entry, FOREVER, NO_ENTRY, PRELOADED};
-use super::sweep::Draft;
+use super::graph::DependenceGraph;
+use super::locations::{FOREVER, NO_ENTRY, PRELOADED, StoredDatum};
+use super::sweep::ScheduleDraft;
 
 /// An address for each entry, and how many each memory uses.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ impl Pool {
 
 /// Addresses for all entries. A word may be rewritten in a cycle after the
 /// one in which it is last read.
-pub(super) fn allocate(graph: &Graph, draft: &Draft) -> Addresses {
+pub(super) fn allocate(graph: &DependenceGraph, draft: &ScheduleDraft) -> Addresses {
     let entries = &draft.locations.entries;
     let mut pools = vec![Pool::default(); draft.live.len()];
     let mut of_entry = vec![0; entries.len()];
@@ -46,8 +46,8 @@ pub(super) fn allocate(graph: &Graph, draft: &Draft) -> Addresses {
         let memory = entries[entry as usize].memory as usize;
         of_entry[entry as usize] = pools[memory].take();
     }
-    let written = |entry: &Entry| (entry.written != PRELOADED).then_some(entry.written);
-    let dies = |entry: &Entry| (entry.last_read != FOREVER).then_some(entry.last_read);
+    let written = |entry: &StoredDatum| (entry.written != PRELOADED).then_some(entry.written);
+    let dies = |entry: &StoredDatum| (entry.last_read != FOREVER).then_some(entry.last_read);
     let mut dying = sorted_by(entries, draft.cycles, dies)
         .into_iter()
         .peekable();
@@ -71,7 +71,11 @@ pub(super) fn allocate(graph: &Graph, draft: &Draft) -> Addresses {
 /// The indices of the entries that have a key, by key and then index. Keys
 /// are cycles, so that counting them beats comparing them unless the
 /// schedule is mostly waiting.
-fn sorted_by(entries: &[Entry], cycles: u32, key: impl Fn(&Entry) -> Option<u32>) -> Vec<u32> {
+fn sorted_by(
+    entries: &[StoredDatum],
+    cycles: u32,
+    key: impl Fn(&StoredDatum) -> Option<u32>,
+) -> Vec<u32> {
     let with_key = entries
         .iter()
         .enumerate()
@@ -98,7 +102,7 @@ fn sorted_by(entries: &[Entry], cycles: u32, key: impl Fn(&Entry) -> Option<u32>
 }
 
 /// The entries of initial data with their data, by memory and datum.
-fn preloads(graph: &Graph, draft: &Draft) -> Vec<(u32, u32)> {
+fn preloads(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<(u32, u32)> {
     let mut found: Vec<(u32, u32, u32)> = (0..graph.data_len() as u32)
         .filter(|&datum| !graph.is_computed(datum))
         .flat_map(|datum| {
@@ -116,7 +120,7 @@ fn preloads(graph: &Graph, draft: &Draft) -> Vec<(u32, u32)> {
 /// The buffer word of each node, or [`NO_ENTRY`], for those whose result is
 /// read from the buffer. A word is taken in the write-back cycle and can be
 /// taken anew in a cycle after its last read.
-pub(super) fn allocate_buffers(graph: &Graph, draft: &Draft) -> Vec<u32> {
+pub(super) fn allocate_buffers(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<u32> {
     let mut words = vec![NO_ENTRY; graph.kind.len()];
     let mut stays: Vec<(u32, u32, u32)> = Vec::new();
     for node in 0..graph.kind.len() as u32 {

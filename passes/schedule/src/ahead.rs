@@ -20,11 +20,11 @@
 //! is not issued yet; ports of later cycles are always free, so this never
 //! gets stuck, whatever the machine.
 
-use super::graph::{Graph, NO_DATUM};
+use super::graph::{DependenceGraph, NO_DATUM};
 use super::locations::{NOT_COMPUTED, Travel};
-use super::plan::{Plan, Verdict};
-use super::ports::{PLANNED, Word};
-use super::sweep::{Manner, Outcome, Sweep};
+use super::plan::{IssueDecision, IssuePlan};
+use super::ports::{PLANNED, WordTransfer};
+use super::sweep::{IssueOutcome, Manner, Sweep};
 use robovec_ir::Operand;
 
 const UNBOUND: u32 = u32::MAX;
@@ -50,20 +50,20 @@ pub(super) struct Seat {
 
 /// A word that must be written for a seat.
 #[derive(Clone, Copy, Debug)]
-struct Need {
-    word: Word,
+struct WordNeed {
+    word: WordTransfer,
     memory: usize,
     arrives: u32,
 }
 
 /// What is needed for a seat, one word per operand at most.
-type Needs = [Option<Need>; Operand::MOST];
+type Needs = [Option<WordNeed>; Operand::MAX_COUNT];
 
 /// What the issue of an operation entails for its readers.
 #[derive(Default, Debug)]
 struct Booking {
     /// The words reserved by it, in this order.
-    needs: Vec<Need>,
+    needs: Vec<WordNeed>,
     /// Readers with the seat they had.
     seats: Vec<(u32, Option<Seat>)>,
 }
@@ -126,55 +126,55 @@ impl Ahead {
 
 impl Sweep<'_> {
     /// Issues a node if an element can take it and its result finds ports.
-    pub(super) fn issue_ahead(&mut self, node: usize, cycle: u32) -> Outcome {
+    pub(super) fn issue_ahead(&mut self, node: usize, cycle: u32) -> IssueOutcome {
         let back = cycle + self.graph.weight(node) - 1;
         self.draft.ports.reach(back);
         let Some(first) = self.plan_ahead(node, cycle, None) else {
-            return Outcome::Failed;
+            return IssueOutcome::Failed;
         };
         let Some(booking) = self.book(node, back, first.element, false) else {
-            return Outcome::Failed;
+            return IssueOutcome::Failed;
         };
         // What was just reserved may have taken the ports of the plan.
         let Some(plan) = self.plan_ahead(node, cycle, Some(first)) else {
             self.undo(node, &booking);
-            return Outcome::Failed;
+            return IssueOutcome::Failed;
         };
         self.finish_ahead(node, cycle, plan, &booking);
-        Outcome::Issued
+        IssueOutcome::Issued
     }
 
     /// Issues a node where its operands were booked to, and books its result;
     /// where either is impossible the node waits if it can, and else goes to
     /// any element and leaves its result to the buffer.
-    pub(super) fn issue_booked(&mut self, node: usize, cycle: u32) -> Outcome {
+    pub(super) fn issue_booked(&mut self, node: usize, cycle: u32) -> IssueOutcome {
         let back = cycle + self.graph.weight(node) - 1;
         self.draft.ports.reach(back);
         let waits = self.can_wait(node, cycle);
         let seat = self.ahead.as_ref().and_then(|ahead| ahead.seat(node));
         if waits && seat.is_some_and(|seat| self.busy[seat.element] == cycle + 1) {
-            return Outcome::Waits;
+            return IssueOutcome::Waits;
         }
         let plan = match self.consider(node, cycle) {
-            Verdict::Issue(plan) => plan,
-            Verdict::Wait => return Outcome::Waits,
-            Verdict::Fail => return Outcome::Failed,
+            IssueDecision::Issue(plan) => plan,
+            IssueDecision::Wait => return IssueOutcome::Waits,
+            IssueDecision::Fail => return IssueOutcome::Failed,
         };
         let Some(booking) = self.book(node, back, plan.element, !waits) else {
-            return Outcome::Waits;
+            return IssueOutcome::Waits;
         };
         match self.consider(node, cycle) {
-            Verdict::Issue(plan) => {
+            IssueDecision::Issue(plan) => {
                 self.finish_ahead(node, cycle, plan, &booking);
-                Outcome::Issued
+                IssueOutcome::Issued
             }
-            Verdict::Wait => {
+            IssueDecision::Wait => {
                 self.undo(node, &booking);
-                Outcome::Waits
+                IssueOutcome::Waits
             }
-            Verdict::Fail => {
+            IssueDecision::Fail => {
                 self.undo(node, &booking);
-                Outcome::Failed
+                IssueOutcome::Failed
             }
         }
     }
@@ -182,7 +182,12 @@ impl Sweep<'_> {
     /// How a node can be issued without buffers: at its seat if that is free,
     /// else wherever the operands can have been written; or again as a plan
     /// says.
-    fn plan_ahead(&mut self, node: usize, cycle: u32, again: Option<Plan>) -> Option<Plan> {
+    fn plan_ahead(
+        &mut self,
+        node: usize,
+        cycle: u32,
+        again: Option<IssuePlan>,
+    ) -> Option<IssuePlan> {
         let sources = self.graph.data[node].map(|datum| self.source(datum));
         self.mark(sources);
         let seat = match again {
@@ -192,8 +197,8 @@ impl Sweep<'_> {
             }),
             None => self.ahead.as_ref()?.seat(node),
         };
-        let is_free = |at: &Plan| self.busy[at.element] != cycle + 1;
-        let is_seat = |at: &Plan| {
+        let is_free = |at: &IssuePlan| self.busy[at.element] != cycle + 1;
+        let is_seat = |at: &IssuePlan| {
             seat == Some(Seat {
                 element: at.element,
                 swapped: at.swapped,
@@ -274,14 +279,14 @@ impl Sweep<'_> {
     fn needs(&self, user: usize, seat: Seat) -> Option<Needs> {
         let ahead = self.ahead.as_ref()?;
         let (ports, locations) = (&self.draft.ports, &self.draft.locations);
-        let mut needs: Needs = [None; Operand::MOST];
+        let mut needs: Needs = [None; Operand::MAX_COUNT];
         for (operand, &datum) in self.graph.data[user].iter().enumerate() {
             if datum == NO_DATUM || locations.data[datum as usize].back == NOT_COMPUTED {
                 continue;
             }
             let memory = ahead.memory(seat, operand);
             let known = locations.data[datum as usize];
-            let same = |need: &Need| need.word.datum == datum && need.memory == memory;
+            let same = |need: &WordNeed| need.word.datum == datum && need.memory == memory;
             if needs.iter().flatten().any(same) || locations.find(datum, memory).is_some() {
                 continue;
             }
@@ -289,13 +294,13 @@ impl Sweep<'_> {
             let arrives = known.back + ports.latency(from, memory);
             let beside = needs.iter().flatten();
             let beside = beside.filter(|need| (need.memory, need.arrives) == (memory, arrives));
-            let word = Word {
+            let word = WordTransfer {
                 datum,
                 from,
                 to: seat.element,
                 departs: known.back,
             };
-            let planned = || -> [Option<Word>; PLANNED] {
+            let planned = || -> [Option<WordTransfer>; PLANNED] {
                 std::array::from_fn(|other| needs[other].map(|need| need.word))
             };
             if !ports.can_write(arrives, memory, beside.count() as u8 + 1)
@@ -303,7 +308,7 @@ impl Sweep<'_> {
             {
                 return None;
             }
-            needs[operand] = Some(Need {
+            needs[operand] = Some(WordNeed {
                 word,
                 memory,
                 arrives,
@@ -313,10 +318,10 @@ impl Sweep<'_> {
     }
 
     /// Any memory that can take the result of an output nobody reads.
-    fn find_home(&self, node: usize, back: u32, element: usize) -> Option<Need> {
+    fn find_home(&self, node: usize, back: u32, element: usize) -> Option<WordNeed> {
         let (ports, locations) = (&self.draft.ports, &self.draft.locations);
-        let need = |memory: usize| Need {
-            word: Word {
+        let need = |memory: usize| WordNeed {
+            word: WordTransfer {
                 datum: node as u32,
                 from: element,
                 to: ports.element_of(memory),
@@ -325,7 +330,7 @@ impl Sweep<'_> {
             memory,
             arrives: back + ports.latency(element, memory),
         };
-        let free = |need: &Need| {
+        let free = |need: &WordNeed| {
             ports.can_write(need.arrives, need.memory, 1)
                 && ports.can_travel(locations, need.word, || [None; PLANNED])
         };
@@ -345,7 +350,7 @@ impl Sweep<'_> {
         }
     }
 
-    fn reserve(&mut self, need: Need, booking: &mut Booking) {
+    fn reserve(&mut self, need: WordNeed, booking: &mut Booking) {
         let draft = &mut self.draft;
         draft.ports.write(need.arrives, need.memory);
         draft.ports.travel(&draft.locations, need.word);
@@ -380,12 +385,12 @@ impl Sweep<'_> {
     }
 
     /// Issues a node, and settles the claims that changed.
-    fn finish_ahead(&mut self, node: usize, cycle: u32, plan: Plan, booking: &Booking) {
+    fn finish_ahead(&mut self, node: usize, cycle: u32, plan: IssuePlan, booking: &Booking) {
         if let Some(ahead) = &mut self.ahead {
             let seat = ahead.seat(node);
             ahead.bind(node, None);
             if let Some(seat) = seat {
-                let read: [Option<usize>; Operand::MOST] = std::array::from_fn(|operand| {
+                let read: [Option<usize>; Operand::MAX_COUNT] = std::array::from_fn(|operand| {
                     plan.routes[operand].map(|_| plan.memories[operand])
                 });
                 self.release(node, seat, None, read);
@@ -403,7 +408,7 @@ impl Sweep<'_> {
             let only = (old == Some(seat)).then_some(node as u32);
             self.claim_seat(user, seat, only);
             if let Some(old) = moved {
-                self.release(user, old, Some(node as u32), [None; Operand::MOST]);
+                self.release(user, old, Some(node as u32), [None; Operand::MAX_COUNT]);
             }
         }
     }
@@ -429,7 +434,7 @@ impl Sweep<'_> {
         user: usize,
         seat: Seat,
         except: Option<u32>,
-        read: [Option<usize>; Operand::MOST],
+        read: [Option<usize>; Operand::MAX_COUNT],
     ) {
         let Some(ahead) = &mut self.ahead else { return };
         let data = self.graph.data[user];
@@ -442,14 +447,14 @@ impl Sweep<'_> {
                 continue;
             };
             let left = ahead.claim(index, false);
-            let is_read = (0..Operand::MOST)
+            let is_read = (0..Operand::MAX_COUNT)
                 .any(|operand| data[operand] == datum && read[operand] == Some(memory));
             let entry = draft.locations.entries[index as usize];
             if left > 0 || is_read || entry.last_read != entry.written {
                 continue;
             }
             let from = draft.locations.data[datum as usize].element as usize;
-            let word = Word {
+            let word = WordTransfer {
                 datum,
                 from,
                 to: draft.ports.element_of(memory),
@@ -466,12 +471,12 @@ impl Sweep<'_> {
 
 /// The memories and data a node at a seat claims, each pair once.
 fn claimed(
-    graph: &Graph,
+    graph: &DependenceGraph,
     ahead: &Ahead,
     user: usize,
     seat: Seat,
-) -> [Option<(usize, u32)>; Operand::MOST] {
-    let mut pairs = [None; Operand::MOST];
+) -> [Option<(usize, u32)>; Operand::MAX_COUNT] {
+    let mut pairs = [None; Operand::MAX_COUNT];
     for (operand, &datum) in graph.data[user].iter().enumerate() {
         let pair = Some((ahead.memory(seat, operand), datum));
         if datum != NO_DATUM && graph.is_computed(datum) && !pairs.contains(&pair) {

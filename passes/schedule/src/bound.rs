@@ -14,20 +14,20 @@
 //! so that one sweep finds the best of all pairs of thresholds. Whole
 //! numbers throughout: the bound is proved, not estimated.
 
-use super::graph::Graph;
-use super::order::Order;
+use super::graph::DependenceGraph;
+use super::order::SchedulingOrder;
 use super::ready::RankSet;
 
 /// The longest chain, or the bound of the scarcest kind if that is larger.
 ///
 /// `by_tail` is any order that puts the longest tails first.
-pub(super) fn lower_bound(graph: &Graph, by_tail: &Order) -> u32 {
+pub(super) fn lower_bound(graph: &DependenceGraph, by_tail: &SchedulingOrder) -> u32 {
     (0..graph.kinds.len())
         .map(|kind| kind_bound(graph, by_tail, kind))
         .fold(graph.path, u32::max)
 }
 
-fn kind_bound(graph: &Graph, by_tail: &Order, kind: usize) -> u32 {
+fn kind_bound(graph: &DependenceGraph, by_tail: &SchedulingOrder, kind: usize) -> u32 {
     let ranked = &by_tail.nodes[kind];
     let mut released: Vec<(u32, u32)> = ranked
         .iter()
@@ -64,10 +64,10 @@ mod tests {
     use super::*;
     use crate::graph::HOST;
     use crate::list;
-    use crate::testing::{Random, machine, random_function};
+    use crate::testing::{TestRandom, machine, random_function};
 
     /// The formula of the module's documentation, pair by pair.
-    fn by_thresholds(graph: &Graph) -> u32 {
+    fn by_thresholds(graph: &DependenceGraph) -> u32 {
         let mut bound = graph.path;
         for (kind, description) in graph.kinds.iter().enumerate() {
             let nodes: Vec<usize> = (0..graph.kind.len())
@@ -89,7 +89,7 @@ mod tests {
     /// The least length of any schedule without memories, by trying all
     /// shorter than `best`: operations in program order, each in every cycle
     /// that its operands and the elements allow.
-    fn optimum(graph: &Graph, issue: &mut Vec<u32>, mut best: u32) -> u32 {
+    fn optimum(graph: &DependenceGraph, issue: &mut Vec<u32>, mut best: u32) -> u32 {
         let node = issue.len();
         if node == graph.kind.len() {
             let ends = issue.iter().enumerate();
@@ -129,12 +129,13 @@ mod tests {
     #[test]
     fn one_sweep_finds_the_best_pair_of_thresholds() {
         for seed in 0..60 {
-            let mut random = Random(seed);
+            let mut random = TestRandom(seed);
             let function = random_function(10 + random.below(80), 1 + random.below(30), seed);
             let adders = 1 + random.below(3) as u32;
-            let graph = Graph::new(&function, &machine("thesis", adders, 2)).expect("it fits");
+            let graph =
+                DependenceGraph::new(&function, &machine("thesis", adders, 2)).expect("it fits");
             assert_eq!(
-                lower_bound(&graph, &Order::fan_out(&graph)),
+                lower_bound(&graph, &SchedulingOrder::fan_out(&graph)),
                 by_thresholds(&graph)
             );
         }
@@ -144,14 +145,14 @@ mod tests {
     fn no_schedule_of_a_small_program_beats_the_bound() {
         let mut met = 0;
         for seed in 0..80 {
-            let mut random = Random(seed);
+            let mut random = TestRandom(seed);
             let function = random_function(4 + random.below(4), 1 + random.below(6), seed);
             let mut machine = machine("thesis", 1, 1);
             // Short pipelines make elements scarce in small programs.
             machine.elements[0].stages = 2;
             machine.elements[1].stages = 1;
-            let graph = Graph::new(&function, &machine).expect("it fits");
-            let order = Order::fan_out(&graph);
+            let graph = DependenceGraph::new(&function, &machine).expect("it fits");
+            let order = SchedulingOrder::fan_out(&graph);
             let bound = lower_bound(&graph, &order);
             let reached = list::forward(&graph, &order).cycles;
             let optimum = optimum(&graph, &mut Vec::new(), reached);

@@ -8,14 +8,14 @@
 //! indirect ones are looked at only when no element does without.
 
 use super::locations::{Locations, PRELOADED};
-use super::ports::{PLANNED, Ports, Word};
+use super::ports::{PLANNED, Ports, WordTransfer};
 use robovec_framework::option_words;
 
 option_words! {
     /// How the processing element is chosen among those that can take an
     /// operation.
     #[derive(Default)]
-    pub enum Choice {
+    pub enum ElementChoice {
         /// The smallest rank of Table 2.1; among equals the shortest stay in
         /// buffers, the fewest new words of initial data, the fewest live
         /// words. An operation that needs a buffer waits, while its chain
@@ -44,7 +44,7 @@ const LATE_WINDOW: u32 = 24;
 
 /// An operand at the moment its reader is to be issued.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Source {
+pub(super) struct OperandSource {
     /// Which datum.
     pub(super) datum: u32,
     /// Its write-back cycle and producer; `None` for initial data.
@@ -79,15 +79,20 @@ impl Route {
 /// and not yet reserved.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Planned {
-    source: Source,
+    source: OperandSource,
     memory: usize,
     route: Route,
     /// The cycle in which the word departs, unless it is there.
-    word: Option<Word>,
+    word: Option<WordTransfer>,
 }
 
 impl Planned {
-    pub(super) fn new(ports: &Ports, source: Source, memory: usize, route: Route) -> Planned {
+    pub(super) fn new(
+        ports: &Ports,
+        source: OperandSource,
+        memory: usize,
+        route: Route,
+    ) -> Planned {
         Planned {
             source,
             memory,
@@ -113,12 +118,17 @@ impl Planned {
 }
 
 /// The word that a route puts on its way.
-pub(super) fn word(ports: &Ports, source: Source, memory: usize, route: Route) -> Option<Word> {
+pub(super) fn word(
+    ports: &Ports,
+    source: OperandSource,
+    memory: usize,
+    route: Route,
+) -> Option<WordTransfer> {
     let (Route::Direct(at) | Route::Indirect(at)) = route else {
         return None;
     };
     let (_, from) = source.result?;
-    Some(Word {
+    Some(WordTransfer {
         datum: source.datum,
         from,
         to: ports.element_of(memory),
@@ -149,7 +159,7 @@ impl Others {
     }
 
     /// The words they put on their way.
-    fn words(&self) -> [Option<Word>; PLANNED] {
+    fn words(&self) -> [Option<WordTransfer>; PLANNED] {
         self.0
             .map(|planned| planned.and_then(|planned| planned.word))
     }
@@ -188,7 +198,7 @@ pub(super) struct Wanted {
 pub(super) fn plain_route(
     ports: &Ports,
     locations: &Locations,
-    source: Source,
+    source: OperandSource,
     wanted: Wanted,
     others: &Others,
 ) -> Option<Route> {
@@ -220,7 +230,7 @@ pub(super) fn plain_route(
 pub(super) fn indirect_route(
     ports: &Ports,
     locations: &Locations,
-    source: Source,
+    source: OperandSource,
     memory: usize,
     issue: u32,
     others: &Others,
@@ -270,7 +280,7 @@ struct Room {
 }
 
 impl Room {
-    fn new(ports: &Ports, locations: &Locations, source: Source, others: &Others) -> Room {
+    fn new(ports: &Ports, locations: &Locations, source: OperandSource, others: &Others) -> Room {
         let (back, producer) = source.result.unwrap_or((0, 0));
         let mut next = back;
         if ports.buffers_are_limited()

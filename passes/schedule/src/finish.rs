@@ -2,17 +2,17 @@
 
 use super::addresses::{Addresses, allocate};
 use super::error::PlaceError;
-use super::graph::{Graph, HOST};
+use super::graph::{DependenceGraph, HOST};
 use super::locations::NO_ENTRY;
 use super::ports::{Ports, banks};
-use super::sweep::Draft;
+use super::sweep::ScheduleDraft;
 use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
 use robovec_ir::{Function, Level, Machine, Value};
 
 /// Everything that is decided, but for addresses in memories.
 pub(super) struct Settled {
     /// Cycles, elements and transfers.
-    pub(super) draft: Draft,
+    pub(super) draft: ScheduleDraft,
     /// The entry that keeps each assignment, or [`NO_ENTRY`].
     pub(super) homes: Vec<u32>,
     /// The buffer word of each node, or [`NO_ENTRY`].
@@ -28,7 +28,7 @@ pub(super) struct Settled {
 /// When a memory is too small for the words alive at once.
 pub(super) fn finish(
     function: &mut Function,
-    mut graph: Graph,
+    mut graph: DependenceGraph,
     machine: &Machine,
     settled: Settled,
 ) -> Result<(), PlaceError> {
@@ -72,7 +72,7 @@ pub(super) fn finish(
     Ok(())
 }
 
-fn slots(graph: &Graph, draft: &Draft) -> Vec<Slot> {
+fn slots(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<Slot> {
     let data = draft.locations.data.iter().enumerate();
     data.take(graph.kind.len())
         .map(|(node, datum)| match graph.kind[node] {
@@ -124,7 +124,7 @@ fn check_sizes(
 struct WordNames<'a> {
     banks: u32,
     addresses: &'a Addresses,
-    draft: &'a Draft,
+    draft: &'a ScheduleDraft,
 }
 
 impl WordNames<'_> {
@@ -142,7 +142,7 @@ impl WordNames<'_> {
         }
     }
 
-    fn placement(&self, graph: &Graph, homes: &[u32], buffers: Vec<u32>) -> Placement {
+    fn placement(&self, graph: &DependenceGraph, homes: &[u32], buffers: Vec<u32>) -> Placement {
         let address = |entry: u32| match entry {
             NO_ENTRY => Placement::NONE,
             entry => self.addresses.of_entry[entry as usize],

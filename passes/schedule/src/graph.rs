@@ -13,7 +13,7 @@ const LONGEST: u64 = 1 << 30;
 
 /// A kind of processing element.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kind {
+pub(super) struct SchedulingKind {
     /// Cycles from an issue to the first issue that can read the result.
     pub(super) weight: u32,
     /// How many elements there are.
@@ -24,15 +24,15 @@ pub(super) struct Kind {
 
 /// The dependences of a function.
 #[derive(Clone, Debug)]
-pub(super) struct Graph {
+pub(super) struct DependenceGraph {
     /// The kinds of elements, in the order of the machine file.
-    pub(super) kinds: Vec<Kind>,
+    pub(super) kinds: Vec<SchedulingKind>,
     /// The kind that performs each node, or [`HOST`].
     pub(super) kind: Vec<u8>,
     /// `users[user_starts[i]..user_starts[i + 1]]` are the nodes that read
     /// node `i`, in program order, twice when they read it twice.
     pub(super) user_starts: Vec<u32>,
-    /// See [`Graph::user_starts`].
+    /// See [`DependenceGraph::user_starts`].
     pub(super) users: Vec<u32>,
     /// How many operands of each node the machine computes.
     pub(super) computed_operands: Vec<u8>,
@@ -44,8 +44,8 @@ pub(super) struct Graph {
     /// The longest chain of the program.
     pub(super) path: u32,
     /// The data each node reads: below the number of nodes a node, from there
-    /// on an index into [`Graph::initial`]; [`NO_DATUM`] for no operand.
-    pub(super) data: Vec<[u32; Operand::MOST]>,
+    /// on an index into [`DependenceGraph::initial`]; [`NO_DATUM`] for no operand.
+    pub(super) data: Vec<[u32; Operand::MAX_COUNT]>,
     /// The inputs and constants that are read, in order.
     pub(super) initial: Vec<Operand>,
 }
@@ -53,14 +53,17 @@ pub(super) struct Graph {
 /// No operand.
 pub(super) const NO_DATUM: u32 = u32::MAX;
 
-impl Graph {
+impl DependenceGraph {
     /// Builds the graph.
     ///
     /// # Errors
     ///
     /// When the function is not atomic, the machine cannot perform an
     /// operation, or the longest chain does not fit.
-    pub(super) fn new(function: &Function, machine: &Machine) -> Result<Graph, PlaceError> {
+    pub(super) fn new(
+        function: &Function,
+        machine: &Machine,
+    ) -> Result<DependenceGraph, PlaceError> {
         if function.level == Level::Equations {
             return Err(PlaceError::NotAtomic {
                 level: function.level,
@@ -68,19 +71,19 @@ impl Graph {
         }
         let kind = kinds_of(function, machine)?;
         let mut first = 0;
-        let kinds: Vec<Kind> = machine
+        let kinds: Vec<SchedulingKind> = machine
             .elements
             .iter()
             .map(|element| {
                 first += element.count;
-                Kind {
+                SchedulingKind {
                     weight: element.weight(),
                     count: element.count,
                     first: first - element.count,
                 }
             })
             .collect();
-        let mut graph = Graph {
+        let mut graph = DependenceGraph {
             kinds,
             computed_operands: vec![0; kind.len()],
             head: vec![0; kind.len()],

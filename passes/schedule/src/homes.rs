@@ -1,10 +1,10 @@
 //! Words for the outputs: every result that is an output stays readable.
 
-use super::choice::Source;
-use super::graph::Graph;
+use super::choice::OperandSource;
+use super::graph::DependenceGraph;
 use super::locations::{FOREVER, NO_ENTRY, Travel};
-use super::ports::{PLANNED, Word};
-use super::sweep::{Draft, Stuck, reserve_indirect};
+use super::ports::{PLANNED, WordTransfer};
+use super::sweep::{ScheduleDraft, Stuck, reserve_indirect};
 use robovec_ir::Function;
 
 /// Gives each assignment the entry that keeps its result to the end, or
@@ -19,8 +19,8 @@ use robovec_ir::Function;
 /// [`Stuck`] when there is neither a free port nor room in the buffer.
 pub(super) fn settle_homes(
     function: &Function,
-    graph: &Graph,
-    draft: &mut Draft,
+    graph: &DependenceGraph,
+    draft: &mut ScheduleDraft,
 ) -> Result<Vec<u32>, Stuck> {
     let mut kept = vec![0_u32; draft.live.len()];
     let mut homes = Vec::with_capacity(function.assignments.len());
@@ -57,16 +57,16 @@ pub(super) fn settle_homes(
 }
 
 /// Reserves a write for a result that nothing reads.
-fn new_home(draft: &mut Draft, datum: u32, kept: &[u32]) -> Result<u32, Stuck> {
+fn new_home(draft: &mut ScheduleDraft, datum: u32, kept: &[u32]) -> Result<u32, Stuck> {
     let known = draft.locations.data[datum as usize];
     let (producer, back) = (known.element as usize, known.back);
     draft.ports.reach(back);
     // The emptiest memory a word that departs in a cycle gets into, and when.
-    let emptiest = |draft: &Draft, departs: u32| {
+    let emptiest = |draft: &ScheduleDraft, departs: u32| {
         let reach = |memory: usize| {
             let ports = &draft.ports;
             let arrives = departs + ports.latency(producer, memory);
-            let word = Word {
+            let word = WordTransfer {
                 datum,
                 from: producer,
                 to: ports.element_of(memory),
@@ -101,7 +101,7 @@ fn new_home(draft: &mut Draft, datum: u32, kept: &[u32]) -> Result<u32, Stuck> {
             continue;
         }
         if let Some((memory, travel, _)) = emptiest(draft, cycle) {
-            let source = Source {
+            let source = OperandSource {
                 datum,
                 result: Some((back, producer)),
             };
@@ -111,7 +111,7 @@ fn new_home(draft: &mut Draft, datum: u32, kept: &[u32]) -> Result<u32, Stuck> {
     }
 }
 
-fn add(draft: &mut Draft, datum: u32, memory: usize, travel: Travel) -> u32 {
+fn add(draft: &mut ScheduleDraft, datum: u32, memory: usize, travel: Travel) -> u32 {
     draft.live[memory] += 1;
     draft.cycles = draft.cycles.max(travel.arrives + 1);
     draft.locations.add(datum, memory, travel, FOREVER)

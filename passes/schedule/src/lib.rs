@@ -44,17 +44,17 @@ mod testing;
 #[cfg(test)]
 mod tests;
 
-pub use choice::Choice;
+pub use choice::ElementChoice;
 pub use error::PlaceError;
 pub use order::Priority;
 pub use pass::Place;
 pub use pass::{ElementCounts, explain, with_counts};
-pub use statistics::{KindStatistics, PlacementStatistics, Spread, placement_statistics};
+pub use statistics::{ElementSpread, KindStatistics, PlacementStatistics, placement_statistics};
 
-use graph::Graph;
-use order::Order;
+use graph::DependenceGraph;
+use order::SchedulingOrder;
 use robovec_ir::{Function, Machine};
-use search::Search;
+use search::PlacementSearch;
 use sweep::Task;
 
 /// The most entries the table of write ports may have: one per memory and
@@ -67,7 +67,7 @@ pub struct PlaceOptions {
     /// Which operation goes first.
     pub priority: Priority,
     /// Which element it goes to.
-    pub choice: Choice,
+    pub choice: ElementChoice,
 }
 
 /// What placement reached.
@@ -90,8 +90,11 @@ pub struct PlaceSummary {
 ///
 /// As [`place`], but for memories.
 pub fn schedule_bound(function: &Function, machine: &Machine) -> Result<u32, PlaceError> {
-    let graph = Graph::new(function, machine)?;
-    Ok(bound::lower_bound(&graph, &Order::fan_out(&graph)))
+    let graph = DependenceGraph::new(function, machine)?;
+    Ok(bound::lower_bound(
+        &graph,
+        &SchedulingOrder::fan_out(&graph),
+    ))
 }
 
 /// Places a function on a machine.
@@ -106,7 +109,7 @@ pub fn place(
     machine: &Machine,
     options: PlaceOptions,
 ) -> Result<PlaceSummary, PlaceError> {
-    let graph = Graph::new(function, machine)?;
+    let graph = DependenceGraph::new(function, machine)?;
     let memories = ports::Ports::new(machine).width() as u64;
     if u64::from(graph.path) * memories > LARGEST_TABLE {
         return Err(PlaceError::TooLong {
@@ -114,9 +117,9 @@ pub fn place(
             limit: LARGEST_TABLE / memories,
         });
     }
-    let fan_out = Order::fan_out(&graph);
+    let fan_out = SchedulingOrder::fan_out(&graph);
     let lower_bound = bound::lower_bound(&graph, &fan_out);
-    let mut search = Search {
+    let mut search = PlacementSearch {
         task: Task {
             function,
             graph: &graph,
@@ -128,8 +131,8 @@ pub fn place(
         tries: 0,
     };
     match options.priority {
-        Priority::Alap => search.sweep("alap", &Order::alap(&graph)),
-        Priority::Mobility => search.sweep("mobility", &Order::mobility(&graph)),
+        Priority::Alap => search.sweep("alap", &SchedulingOrder::alap(&graph)),
+        Priority::Mobility => search.sweep("mobility", &SchedulingOrder::mobility(&graph)),
         Priority::FanOut => search.sweep("fan-out", &fan_out),
         Priority::Best => search.best(&fan_out),
     }

@@ -5,8 +5,8 @@
 //! of such a schedule are in turn an order, which knows where elements are
 //! scarce late in the program as no longest path can.
 
-use super::graph::{Graph, HOST};
-use super::order::Order;
+use super::graph::{DependenceGraph, HOST};
+use super::order::SchedulingOrder;
 use super::ready::{Calendar, RankSet};
 use robovec_ir::Function;
 
@@ -21,8 +21,8 @@ pub(super) struct ListSchedule {
 }
 
 /// Schedules from the start; operations wait for their operands.
-pub(super) fn forward(graph: &Graph, order: &Order) -> ListSchedule {
-    let mut run = Run::new(
+pub(super) fn forward(graph: &DependenceGraph, order: &SchedulingOrder) -> ListSchedule {
+    let mut run = ListScheduler::new(
         graph,
         order,
         graph.computed_operands.iter().map(|&n| n.into()),
@@ -42,9 +42,13 @@ pub(super) fn forward(graph: &Graph, order: &Order) -> ListSchedule {
 }
 
 /// Schedules from the end; operations wait for their readers.
-pub(super) fn backward(graph: &Graph, function: &Function, order: &Order) -> ListSchedule {
+pub(super) fn backward(
+    graph: &DependenceGraph,
+    function: &Function,
+    order: &SchedulingOrder,
+) -> ListSchedule {
     let readers = (0..graph.kind.len()).map(|node| graph.users_of(node).len() as u32);
-    let mut run = Run::new(graph, order, readers);
+    let mut run = ListScheduler::new(graph, order, readers);
     for node in 0..graph.kind.len() {
         if graph.kind[node] != HOST && graph.users_of(node).is_empty() {
             run.calendar.enter(graph.weight(node), node as u32);
@@ -66,18 +70,22 @@ pub(super) fn backward(graph: &Graph, function: &Function, order: &Order) -> Lis
     })
 }
 
-struct Run<'a> {
-    graph: &'a Graph,
-    order: &'a Order,
+struct ListScheduler<'a> {
+    graph: &'a DependenceGraph,
+    order: &'a SchedulingOrder,
     waits_for: Vec<u32>,
     issue: Vec<u32>,
     calendar: Calendar,
     cycles: u32,
 }
 
-impl<'a> Run<'a> {
-    fn new(graph: &'a Graph, order: &'a Order, waits_for: impl Iterator<Item = u32>) -> Run<'a> {
-        Run {
+impl<'a> ListScheduler<'a> {
+    fn new(
+        graph: &'a DependenceGraph,
+        order: &'a SchedulingOrder,
+        waits_for: impl Iterator<Item = u32>,
+    ) -> ListScheduler<'a> {
+        ListScheduler {
             graph,
             order,
             waits_for: waits_for.collect(),
@@ -98,7 +106,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn sweep(mut self, mut issued: impl FnMut(&mut Run<'a>, usize, u32)) -> ListSchedule {
+    fn sweep(mut self, mut issued: impl FnMut(&mut ListScheduler<'a>, usize, u32)) -> ListSchedule {
         let graph = self.graph;
         let order = self.order;
         let mut ready: Vec<RankSet> = order

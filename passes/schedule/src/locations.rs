@@ -28,7 +28,7 @@ impl Travel {
 
 /// A datum in a memory.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
+pub(super) struct StoredDatum {
     /// The memory: element times banks plus bank.
     pub(super) memory: u32,
     /// The cycle at whose end the word is written, or [`PRELOADED`].
@@ -66,7 +66,7 @@ pub(super) struct Locations {
     /// The data.
     pub(super) data: Vec<Datum>,
     /// The entries, in the order in which they were reserved.
-    pub(super) entries: Vec<Entry>,
+    pub(super) entries: Vec<StoredDatum>,
 }
 
 impl Locations {
@@ -90,7 +90,7 @@ impl Locations {
     pub(super) fn add(&mut self, datum: u32, memory: usize, travel: Travel, read: u32) -> u32 {
         let index = self.entries.len() as u32;
         let first = &mut self.data[datum as usize].first;
-        self.entries.push(Entry {
+        self.entries.push(StoredDatum {
             memory: memory as u32,
             written: travel.arrives,
             last_read: read,
@@ -102,7 +102,7 @@ impl Locations {
     }
 
     /// The entries of a datum with their indices, latest reservation first.
-    pub(super) fn of(&self, datum: u32) -> impl Iterator<Item = (u32, &Entry)> + '_ {
+    pub(super) fn of(&self, datum: u32) -> impl Iterator<Item = (u32, &StoredDatum)> + '_ {
         let mut next = self.data[datum as usize].first;
         std::iter::from_fn(move || {
             let index = next;
@@ -146,7 +146,7 @@ impl Locations {
     /// Forgets the words that were booked and are never read: those whose
     /// last read is still the cycle in which they are written.
     pub(super) fn drop_unread(&mut self) {
-        let unread = |entry: &Entry| entry.last_read == entry.written;
+        let unread = |entry: &StoredDatum| entry.last_read == entry.written;
         if !self.entries.iter().any(unread) {
             return;
         }

@@ -4,12 +4,12 @@
 //! Ways are followed link by link where they are asked for, never stored: a
 //! table of all pairs would grow with the square of the elements.
 
-use robovec_ir::machine::interconnect::{self, Interconnect, Network, Topology};
+use robovec_ir::machine::interconnect::{self, Interconnect, LinkNetwork, Topology};
 
 /// The links of a machine's network.
 #[derive(Clone, Debug)]
 pub(super) struct Wires {
-    network: Network,
+    network: LinkNetwork,
     /// The place of each element.
     places: Vec<u32>,
     columns: u32,
@@ -165,7 +165,7 @@ mod tests {
     use super::*;
 
     fn wires(topology: Topology, elements: u32) -> Wires {
-        let interconnect = Interconnect::Network(Network::of(topology));
+        let interconnect = Interconnect::Network(LinkNetwork::of(topology));
         Wires::new(interconnect, &[elements]).expect("it is a network")
     }
 

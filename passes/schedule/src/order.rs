@@ -1,6 +1,6 @@
 //! Priorities: which of the operations that could be issued goes first.
 
-use super::graph::{Graph, HOST};
+use super::graph::{DependenceGraph, HOST};
 use robovec_framework::option_words;
 
 option_words! {
@@ -24,7 +24,7 @@ option_words! {
 
 /// The operations of each kind of element, ranked.
 #[derive(Clone, Debug)]
-pub(super) struct Order {
+pub(super) struct SchedulingOrder {
     /// The rank of each node among those of its kind, from 0; meaningless
     /// for nodes of the host.
     pub(super) rank: Vec<u32>,
@@ -32,9 +32,9 @@ pub(super) struct Order {
     pub(super) nodes: Vec<Vec<u32>>,
 }
 
-impl Order {
+impl SchedulingOrder {
     /// Ranks by a key, smallest first; equal keys keep program order.
-    pub(super) fn by_key(graph: &Graph, key: impl Fn(usize) -> u64) -> Order {
+    pub(super) fn by_key(graph: &DependenceGraph, key: impl Fn(usize) -> u64) -> SchedulingOrder {
         let mut rank = vec![0; graph.kind.len()];
         let mut nodes = Vec::with_capacity(graph.kinds.len());
         for kind in 0..graph.kinds.len() {
@@ -49,35 +49,35 @@ impl Order {
             nodes.push(keyed.into_iter().map(|(_, node)| node).collect());
         }
         debug_assert!(graph.kinds.len() < HOST as usize);
-        Order { rank, nodes }
+        SchedulingOrder { rank, nodes }
     }
 
     /// ALAPCycle, then ASAPCycle. Within a kind all weights are equal, so
     /// the times of issue order like the times of completion.
-    pub(super) fn alap(graph: &Graph) -> Order {
-        Order::by_key(graph, |node| {
+    pub(super) fn alap(graph: &DependenceGraph) -> SchedulingOrder {
+        SchedulingOrder::by_key(graph, |node| {
             pair(graph.path - graph.tail[node], graph.head[node])
         })
     }
 
     /// Mobility, then ALAPCycle.
-    pub(super) fn mobility(graph: &Graph) -> Order {
-        Order::by_key(graph, |node| {
+    pub(super) fn mobility(graph: &DependenceGraph) -> SchedulingOrder {
+        SchedulingOrder::by_key(graph, |node| {
             let latest = graph.path - graph.tail[node];
             pair(latest - graph.head[node], latest)
         })
     }
 
     /// ALAPCycle, then the number of readers, most first.
-    pub(super) fn fan_out(graph: &Graph) -> Order {
-        Order::by_key(graph, |node| {
+    pub(super) fn fan_out(graph: &DependenceGraph) -> SchedulingOrder {
+        SchedulingOrder::by_key(graph, |node| {
             let readers = graph.users_of(node).len() as u32;
             pair(graph.path - graph.tail[node], u32::MAX - readers)
         })
     }
 }
 
-impl Order {
+impl SchedulingOrder {
     /// ALAPCycle plus `share / 64` of the place in program order, both on the
     /// scale of the longest chain.
     ///
@@ -85,9 +85,9 @@ impl Order {
     /// consist of additions or of products mostly, the other elements idle.
     /// The program as written goes through the stages of one body after the
     /// other, so that leaning towards it mixes the kinds.
-    pub(super) fn towards_program(graph: &Graph, share: u64) -> Order {
+    pub(super) fn towards_program(graph: &DependenceGraph, share: u64) -> SchedulingOrder {
         let nodes = graph.kind.len().max(1) as u64;
-        Order::by_key(graph, |node| {
+        SchedulingOrder::by_key(graph, |node| {
             let place = node as u64 * u64::from(graph.path) / nodes;
             u64::from(graph.path - graph.tail[node]) * 64 + place * share
         })

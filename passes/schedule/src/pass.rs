@@ -1,6 +1,6 @@
 //! Placement as a pass.
 
-use super::{Choice, PlaceError, PlaceOptions, Priority, place};
+use super::{ElementChoice, PlaceError, PlaceOptions, Priority, place};
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::{declare_pass, instances};
 use robovec_ir::machine::fields;
@@ -54,7 +54,7 @@ declare_pass! {
         /// Which operation goes first.
         pub priority: Priority = Priority::default(),
         /// Which element it goes to.
-        pub choice: Choice = Choice::default(),
+        pub choice: ElementChoice = ElementChoice::default(),
     }
     takes: [Atomic, Scheduled, Placed],
     gives: Gives::Level(Level::Placed),

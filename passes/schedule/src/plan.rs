@@ -2,8 +2,8 @@
 //! there; then the best of them.
 
 use super::choice::{
-    ADDEND_RANKS, Choice, Others, Planned, RANKS, Route, Source, Wanted, indirect_route,
-    plain_route,
+    ADDEND_RANKS, ElementChoice, OperandSource, Others, Planned, RANKS, Route, Wanted,
+    indirect_route, plain_route,
 };
 use super::graph::NO_DATUM;
 use super::locations::NOT_COMPUTED;
@@ -18,27 +18,27 @@ const MARGIN: u32 = 4;
 /// Plans compared for one operation: more than any machine that can be built
 /// has elements of a kind, so that only machines of thousands of elements,
 /// asked for what the longest chain allows, are searched in part.
-const MOST_COMPARED: usize = 128;
+const MAX_COMPARED: usize = 128;
 
 /// How one operation is carried out.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Plan {
+pub(super) struct IssuePlan {
     /// The element.
     pub(super) element: usize,
     /// The operands change sides.
     pub(super) swapped: bool,
     /// The memory each operand, as written in the program, is read from.
-    pub(super) memories: [usize; Operand::MOST],
+    pub(super) memories: [usize; Operand::MAX_COUNT],
     /// How it gets there; `None` for no operand or not planned yet.
-    pub(super) routes: [Option<Route>; Operand::MOST],
+    pub(super) routes: [Option<Route>; Operand::MAX_COUNT],
 }
 
 /// The operands of an operation as data flow; `None` behind the last one.
-pub(super) type Sources = [Option<Source>; Operand::MOST];
+pub(super) type OperandSources = [Option<OperandSource>; Operand::MAX_COUNT];
 
 /// The route of an earlier operand that is the same datum in the same memory:
 /// one transfer, not two that compete.
-fn shared(sources: &Sources, plan: &Plan, operand: usize) -> Option<Route> {
+fn shared(sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Option<Route> {
     let same = |&before: &usize| {
         sources[before] == sources[operand] && plan.memories[before] == plan.memories[operand]
     };
@@ -48,9 +48,9 @@ fn shared(sources: &Sources, plan: &Plan, operand: usize) -> Option<Route> {
 }
 
 /// The transfers planned for the other operands.
-fn planned(ports: &Ports, sources: &Sources, plan: &Plan, operand: usize) -> Others {
+fn planned(ports: &Ports, sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Others {
     let mut others = Others::default();
-    for other in (0..Operand::MOST).filter(|&other| other != operand) {
+    for other in (0..Operand::MAX_COUNT).filter(|&other| other != operand) {
         if let (Some(source), Some(route)) = (sources[other], plan.routes[other]) {
             let same =
                 sources[operand] == Some(source) && plan.memories[operand] == plan.memories[other];
@@ -62,16 +62,16 @@ fn planned(ports: &Ports, sources: &Sources, plan: &Plan, operand: usize) -> Oth
     others
 }
 
-/// What [`Choice::Preferential`] minimises: the rank, the cycles results stay
+/// What [`ElementChoice::Preferential`] minimises: the rank, the cycles results stay
 /// in buffers, the way through the network, new words of initial data, live
 /// words.
-type Cost = (u8, u32, u32, u8, u32);
+type IssueCost = (u8, u32, u32, u8, u32);
 
 /// What can be done with an operation in a cycle.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Verdict {
+pub(super) enum IssueDecision {
     /// Issue it so.
-    Issue(Plan),
+    Issue(IssuePlan),
     /// An element that is taken in this cycle could do without a buffer.
     Wait,
     /// No free element can take it.
@@ -80,16 +80,16 @@ pub(super) enum Verdict {
 
 impl Sweep<'_> {
     /// The operand as data flow, `None` for the absent second one.
-    pub(super) fn source(&self, datum: u32) -> Option<Source> {
+    pub(super) fn source(&self, datum: u32) -> Option<OperandSource> {
         if datum == NO_DATUM {
             return None;
         }
         let known = self.draft.locations.data[datum as usize];
         let result = (known.back != NOT_COMPUTED).then_some((known.back, known.element as usize));
-        Some(Source { datum, result })
+        Some(OperandSource { datum, result })
     }
 
-    pub(super) fn mark(&mut self, sources: Sources) {
+    pub(super) fn mark(&mut self, sources: OperandSources) {
         self.stamp += 1;
         for (marks, source) in self.marks.iter_mut().zip(sources) {
             let Some(source) = source else { continue };
@@ -105,22 +105,22 @@ impl Sweep<'_> {
     }
 
     /// The best plan for a node whose operands have been computed.
-    pub(super) fn consider(&mut self, node: usize, cycle: u32) -> Verdict {
+    pub(super) fn consider(&mut self, node: usize, cycle: u32) -> IssueDecision {
         let sources = self.graph.data[node].map(|datum| self.source(datum));
         self.mark(sources);
-        let is_free = |at: &Plan| self.busy[at.element] != cycle + 1;
+        let is_free = |at: &IssuePlan| self.busy[at.element] != cycle + 1;
         let plan = match self.choice {
-            Choice::First => self.places(node).filter(is_free).find_map(|at| {
+            ElementChoice::First => self.places(node).filter(is_free).find_map(|at| {
                 self.plain(sources, at, cycle)
                     .or_else(|| self.indirect(sources, at, cycle))
             }),
-            Choice::Preferential => {
+            ElementChoice::Preferential => {
                 let free = || self.places(node).filter(is_free);
                 let best = self.cheapest(sources, free(), |at| self.plain(sources, at, cycle));
                 if best.is_none() && self.can_wait(node, cycle) {
                     let mut later = self.places(node).filter(|at| !is_free(at));
                     if later.any(|at| self.plain(sources, at, cycle).is_some()) {
-                        return Verdict::Wait;
+                        return IssueDecision::Wait;
                     }
                 }
                 best.or_else(|| {
@@ -128,18 +128,18 @@ impl Sweep<'_> {
                 })
             }
         };
-        plan.map_or(Verdict::Fail, Verdict::Issue)
+        plan.map_or(IssueDecision::Fail, IssueDecision::Issue)
     }
 
-    /// The plan of least cost among the first [`MOST_COMPARED`], the first of
+    /// The plan of least cost among the first [`MAX_COMPARED`], the first of
     /// equals.
     pub(super) fn cheapest(
         &self,
-        sources: Sources,
-        places: impl Iterator<Item = Plan>,
-        plan: impl Fn(Plan) -> Option<Plan>,
-    ) -> Option<Plan> {
-        let mut best: Option<(Cost, Plan)> = None;
+        sources: OperandSources,
+        places: impl Iterator<Item = IssuePlan>,
+        plan: impl Fn(IssuePlan) -> Option<IssuePlan>,
+    ) -> Option<IssuePlan> {
+        let mut best: Option<(IssueCost, IssuePlan)> = None;
         let mut compared = 0;
         for at in places {
             if let Some(plan) = plan(at) {
@@ -148,7 +148,7 @@ impl Sweep<'_> {
                 if best.is_none_or(|(least, _)| cost < least) {
                     best = Some((cost, plan));
                 }
-                if compared == MOST_COMPARED {
+                if compared == MAX_COMPARED {
                     break;
                 }
             }
@@ -165,7 +165,7 @@ impl Sweep<'_> {
     /// The elements that perform a node, and on each the ways to feed it its
     /// operands: as written and, where that is possible and makes a
     /// difference, with sides exchanged.
-    pub(super) fn places(&self, node: usize) -> impl Iterator<Item = Plan> + use<> {
+    pub(super) fn places(&self, node: usize) -> impl Iterator<Item = IssuePlan> + use<> {
         let kind = self.graph.kinds[self.graph.kind[node] as usize];
         let [left, right, _] = self.graph.data[node];
         let banks = self.banks;
@@ -179,7 +179,7 @@ impl Sweep<'_> {
                 _ => (place >> 1, place & 1 == 1),
             };
             let (near, far) = (element * banks, (element + 1) * banks - 1);
-            Plan {
+            IssuePlan {
                 element,
                 swapped,
                 // Machines with a memory per side have no third operand.
@@ -188,14 +188,14 @@ impl Sweep<'_> {
                 } else {
                     [near, far, near]
                 },
-                routes: [None; Operand::MOST],
+                routes: [None; Operand::MAX_COUNT],
             }
         })
     }
 
     fn plain_route(
         &self,
-        source: Source,
+        source: OperandSource,
         memory: usize,
         held: Option<u32>,
         before: u32,
@@ -211,9 +211,14 @@ impl Sweep<'_> {
     }
 
     /// The plan without buffers that has everything written before a cycle.
-    pub(super) fn plain(&self, sources: Sources, at: Plan, before: u32) -> Option<Plan> {
+    pub(super) fn plain(
+        &self,
+        sources: OperandSources,
+        at: IssuePlan,
+        before: u32,
+    ) -> Option<IssuePlan> {
         let mut plan = at;
-        for operand in 0..Operand::MOST {
+        for operand in 0..Operand::MAX_COUNT {
             let Some(source) = sources[operand] else {
                 break;
             };
@@ -233,13 +238,13 @@ impl Sweep<'_> {
 
     /// The plan with at least one operand through a buffer; called when there
     /// is none without. What can go directly does.
-    fn indirect(&self, sources: Sources, at: Plan, cycle: u32) -> Option<Plan> {
+    fn indirect(&self, sources: OperandSources, at: IssuePlan, cycle: u32) -> Option<IssuePlan> {
         let draft = &self.draft;
         if !draft.ports.has_buffer() {
             return None;
         }
         let mut plan = at;
-        for operand in 0..Operand::MOST {
+        for operand in 0..Operand::MAX_COUNT {
             if let Some(source) = sources[operand] {
                 let memory = plan.memories[operand];
                 let held = self.held(operand, memory);
@@ -249,7 +254,7 @@ impl Sweep<'_> {
                 });
             }
         }
-        for operand in 0..Operand::MOST {
+        for operand in 0..Operand::MAX_COUNT {
             let Some(source) = sources[operand] else {
                 continue;
             };
@@ -270,7 +275,7 @@ impl Sweep<'_> {
         Some(plan)
     }
 
-    fn cost(&self, sources: Sources, plan: &Plan) -> Cost {
+    fn cost(&self, sources: OperandSources, plan: &IssuePlan) -> IssueCost {
         let status = |side: usize| {
             // Exchanged, the first operand is the one on the right.
             plan.routes[side ^ usize::from(plan.swapped)].map_or(0, Route::status)
@@ -299,7 +304,7 @@ impl Sweep<'_> {
                 .map_or(0, |(_, from)| ports.latency(from, plan.memories[operand]))
         };
         let travels: u32 = match ports.has_network() {
-            true => (0..Operand::MOST).map(travel).sum(),
+            true => (0..Operand::MAX_COUNT).map(travel).sum(),
             false => 0,
         };
         let stay = plan.routes.iter().zip(sources).map(|(route, source)| {
@@ -328,10 +333,10 @@ impl Sweep<'_> {
 
     /// True when every operand is there, can go directly, or can stay in its
     /// buffer until now, so that a later cycle may find a port.
-    fn may_wait(&self, sources: Sources, at: Plan, cycle: u32) -> bool {
+    fn may_wait(&self, sources: OperandSources, at: IssuePlan, cycle: u32) -> bool {
         let draft = &self.draft;
         draft.ports.has_buffer()
-            && (0..Operand::MOST).all(|operand| {
+            && (0..Operand::MAX_COUNT).all(|operand| {
                 let Some(source) = sources[operand] else {
                     return true;
                 };

@@ -11,7 +11,7 @@ use super::network::Wires;
 use robovec_ir::{Machine, Operand};
 
 /// The most words planned at once, beside the one asked about.
-pub(super) const PLANNED: usize = Operand::MOST - 1;
+pub(super) const PLANNED: usize = Operand::MAX_COUNT - 1;
 
 /// Reservations of all cycles so far.
 #[derive(Clone, Default, Debug)]
@@ -36,7 +36,7 @@ pub(super) struct Ports {
 
 /// A word on its way: what, from which element to which, and when it departs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Word {
+pub(super) struct WordTransfer {
     pub(super) datum: u32,
     pub(super) from: usize,
     pub(super) to: usize,
@@ -114,8 +114,8 @@ impl Ports {
     pub(super) fn can_travel(
         &self,
         locations: &Locations,
-        word: Word,
-        planned: impl Fn() -> [Option<Word>; PLANNED] + Clone,
+        word: WordTransfer,
+        planned: impl Fn() -> [Option<WordTransfer>; PLANNED] + Clone,
     ) -> bool {
         let Some(wires) = &self.wires else {
             return true;
@@ -136,7 +136,7 @@ impl Ports {
     }
 
     /// True when the word is on the link anyway, on its way elsewhere.
-    fn carries(&self, locations: &Locations, word: Word, link: usize) -> bool {
+    fn carries(&self, locations: &Locations, word: WordTransfer, link: usize) -> bool {
         let Some(wires) = &self.wires else {
             return false;
         };
@@ -148,7 +148,7 @@ impl Ports {
     }
 
     /// Takes the links on the way of a word, before its entry is added.
-    pub(super) fn travel(&mut self, locations: &Locations, word: Word) {
+    pub(super) fn travel(&mut self, locations: &Locations, word: WordTransfer) {
         self.change_links(locations, word, |uses| *uses += 1);
     }
 
@@ -157,7 +157,7 @@ impl Ports {
     pub(super) fn retract(
         &mut self,
         locations: &Locations,
-        word: Word,
+        word: WordTransfer,
         arrives: u32,
         memory: usize,
     ) {
@@ -165,7 +165,12 @@ impl Ports {
         self.change_links(locations, word, |uses| *uses -= 1);
     }
 
-    fn change_links(&mut self, locations: &Locations, word: Word, change: impl Fn(&mut u8)) {
+    fn change_links(
+        &mut self,
+        locations: &Locations,
+        word: WordTransfer,
+        change: impl Fn(&mut u8),
+    ) {
         let Some(wires) = &self.wires else { return };
         let width = wires.links();
         let own = wires.way(word.from, word.to);

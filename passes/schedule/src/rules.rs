@@ -1,13 +1,13 @@
 //! Tests of each rule of the machine, on programs made for it.
 
 use super::choice::RANKS;
-use super::testing::{Builder, machine, replay};
-use super::{Choice, PlaceError, PlaceOptions, Priority, place};
+use super::testing::{TestFunctionBuilder, machine, replay};
+use super::{ElementChoice, PlaceError, PlaceOptions, Priority, place};
 use robovec_ir::machine::BufferDescription;
 use robovec_ir::placement::{Bank, Placement};
 use robovec_ir::{Function, Machine, Operand, Operation, Value};
 
-fn placed(builder: Builder, machine: &Machine) -> Function {
+fn placed(builder: TestFunctionBuilder, machine: &Machine) -> Function {
     let mut function = builder.function;
     if let Err(error) = place(&mut function, machine, PlaceOptions::default()) {
         panic!("{error}");
@@ -33,8 +33,8 @@ fn placement(function: &Function) -> &Placement {
 }
 
 /// `(q1*q2) + (q3*q4)` and its three nodes.
-fn sum_of_products() -> (Builder, [Operand; 3]) {
-    let mut builder = Builder::new(4, 1);
+fn sum_of_products() -> (TestFunctionBuilder, [Operand; 3]) {
+    let mut builder = TestFunctionBuilder::new(4, 1);
     let q: Vec<Operand> = (0..4).map(|number| builder.input(number)).collect();
     let a = builder.push(Operation::Mul, q[0], q[1]);
     let b = builder.push(Operation::Mul, q[2], q[3]);
@@ -51,7 +51,7 @@ fn the_ranks_are_those_of_table_2_1() {
 
 #[test]
 fn a_chain_waits_for_weights_and_nothing_else() {
-    let mut builder = Builder::new(3, 1);
+    let mut builder = TestFunctionBuilder::new(3, 1);
     let q: Vec<Operand> = (0..3).map(|number| builder.input(number)).collect();
     let product = builder.push(Operation::Mul, q[0], q[1]);
     let sum = builder.push(Operation::Add, product, q[2]);
@@ -115,7 +115,7 @@ fn one_write_port_carries_one_word_a_cycle() {
     // Two multipliers make four products in two cycles for an adder with one
     // write port: the last of them arrives two cycles late, wherever the
     // others wait.
-    let mut builder = Builder::new(8, 2);
+    let mut builder = TestFunctionBuilder::new(8, 2);
     let q: Vec<Operand> = (0..8).map(|number| builder.input(number)).collect();
     let products: Vec<Operand> = (0..4)
         .map(|pair| builder.push(Operation::Mul, q[2 * pair], q[2 * pair + 1]))
@@ -133,7 +133,7 @@ fn one_write_port_carries_one_word_a_cycle() {
 
 #[test]
 fn a_full_buffer_is_never_overfilled() {
-    let mut builder = Builder::new(8, 8);
+    let mut builder = TestFunctionBuilder::new(8, 8);
     let q: Vec<Operand> = (0..8).map(|number| builder.input(number)).collect();
     let products: Vec<Operand> = (0..8)
         .map(|number| builder.push(Operation::Mul, q[number], q[(number + 3) % 8]))
@@ -154,7 +154,7 @@ fn a_full_buffer_is_never_overfilled() {
 
 #[test]
 fn a_commutative_operation_changes_sides_where_that_saves_a_transfer() {
-    let mut builder = Builder::new(3, 3);
+    let mut builder = TestFunctionBuilder::new(3, 3);
     let q: Vec<Operand> = (0..3).map(|number| builder.input(number)).collect();
     let a = builder.push(Operation::Add, q[0], q[1]);
     let left = builder.push(Operation::Mul, a, q[1]);
@@ -178,7 +178,7 @@ fn a_commutative_operation_changes_sides_where_that_saves_a_transfer() {
 #[test]
 fn a_square_reads_one_word_or_one_of_each_side() {
     for (name, words) in [("thesis", 1), ("side-split", 2)] {
-        let mut builder = Builder::new(2, 1);
+        let mut builder = TestFunctionBuilder::new(2, 1);
         let (q1, q2) = (builder.input(0), builder.input(1));
         let sum = builder.push(Operation::Add, q1, q2);
         let square = builder.push(Operation::Mul, sum, sum);
@@ -192,8 +192,8 @@ fn a_square_reads_one_word_or_one_of_each_side() {
 
 #[test]
 fn the_preferential_choice_goes_where_the_operands_are() {
-    for (choice, expected) in [(Choice::First, 0), (Choice::Preferential, 1)] {
-        let mut builder = Builder::new(4, 3);
+    for (choice, expected) in [(ElementChoice::First, 0), (ElementChoice::Preferential, 1)] {
+        let mut builder = TestFunctionBuilder::new(4, 3);
         let q: Vec<Operand> = (0..4).map(|number| builder.input(number)).collect();
         let p = builder.push(Operation::Mul, q[0], q[1]);
         let r = builder.push(Operation::Mul, q[2], q[3]);
@@ -218,7 +218,7 @@ fn the_preferential_choice_goes_where_the_operands_are() {
 
 #[test]
 fn a_host_value_is_preloaded() {
-    let mut builder = Builder::new(2, 2);
+    let mut builder = TestFunctionBuilder::new(2, 2);
     let (q1, q2) = (builder.input(0), builder.input(1));
     let sine = builder.push(Operation::Sin, q1, Operand::NONE);
     let product = builder.push(Operation::Mul, sine, q2);
@@ -240,7 +240,7 @@ fn a_host_value_is_preloaded() {
 #[test]
 fn what_the_machine_cannot_do_is_refused() {
     let refusal = |operation, angle: bool| {
-        let mut builder = Builder::new(2, 1);
+        let mut builder = TestFunctionBuilder::new(2, 1);
         let (q1, q2) = (builder.input(0), builder.input(1));
         let sum = builder.push(Operation::Add, q1, q2);
         let right = if angle { Operand::NONE } else { q2 };
@@ -301,7 +301,7 @@ fn a_memory_that_is_too_small_is_named() {
 #[test]
 fn addresses_are_used_again() {
     // A chain of 200 sums keeps a handful of words alive.
-    let mut builder = Builder::new(1, 1);
+    let mut builder = TestFunctionBuilder::new(1, 1);
     let q = builder.input(0);
     let mut last = q;
     for _ in 0..200 {

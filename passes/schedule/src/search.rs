@@ -1,10 +1,10 @@
 //! Which placement is kept: orders and manners are tried while the work is
 //! in proportion, and the best result wins.
 
-use super::choice::Choice;
+use super::choice::ElementChoice;
 use super::locations::NO_ENTRY;
-use super::order::Order;
-use super::sweep::{Draft, Manner, Stuck, Task, sweep};
+use super::order::SchedulingOrder;
+use super::sweep::{Manner, ScheduleDraft, Stuck, Task, sweep};
 use super::{addresses, homes, list};
 use robovec_ir::machine::Interconnect;
 
@@ -18,7 +18,7 @@ const WORK_BUDGET: usize = 300_000;
 const BUFFERLESS_BUDGET: usize = 150_000;
 
 /// The most orders tried for small programs.
-const MOST_TRIES: usize = 40;
+const MAX_TRIES: usize = 40;
 
 /// A buffer of this many words is not worth another try.
 const SHALLOW: u32 = 2;
@@ -27,19 +27,19 @@ const SHALLOW: u32 = 2;
 const SWEEP_COST: usize = 4;
 
 /// Tries orders and keeps the best placement.
-pub(super) struct Search<'a> {
+pub(super) struct PlacementSearch<'a> {
     /// What is to be placed.
     pub(super) task: Task<'a>,
     /// The best placement so far.
-    pub(super) best: Option<Candidate>,
+    pub(super) best: Option<PlacementCandidate>,
     /// Orders tried.
     pub(super) tries: u32,
 }
 
-impl Search<'_> {
+impl PlacementSearch<'_> {
     /// Places in an order, in the manners that suit the machine, and keeps
     /// the result if it is better than what there is.
-    pub(super) fn sweep(&mut self, name: &'static str, order: &Order) {
+    pub(super) fn sweep(&mut self, name: &'static str, order: &SchedulingOrder) {
         self.tries += 1;
         if self.books() {
             self.consider(name, sweep(self.task, order, Manner::Booked));
@@ -59,15 +59,16 @@ impl Search<'_> {
     /// more of them, booking only ties hands.
     fn books(&self) -> bool {
         let graph = self.task.graph;
-        self.task.choice == Choice::Preferential
+        self.task.choice == ElementChoice::Preferential
             && self.task.machine.buffer.is_some()
             && self.task.machine.interconnect == Interconnect::Crossbar
             && graph.kinds.iter().all(|kind| kind.count <= 2)
             && graph.operations() * SWEEP_COST <= WORK_BUDGET
     }
 
-    fn consider(&mut self, name: &'static str, draft: Result<Draft, Stuck>) {
-        if let Ok(candidate) = draft.and_then(|draft| Candidate::new(&self.task, name, draft))
+    fn consider(&mut self, name: &'static str, draft: Result<ScheduleDraft, Stuck>) {
+        if let Ok(candidate) =
+            draft.and_then(|draft| PlacementCandidate::new(&self.task, name, draft))
             && self
                 .best
                 .as_ref()
@@ -84,14 +85,14 @@ impl Search<'_> {
     }
 
     /// See [`Priority::Best`].
-    pub(super) fn best(&mut self, fan_out: &Order) {
+    pub(super) fn best(&mut self, fan_out: &SchedulingOrder) {
         self.sweep("fan-out", fan_out);
         if self.books() && self.best.as_ref().is_some_and(|best| best.cost.1 > SHALLOW) {
-            self.sweep("alap", &Order::alap(self.task.graph));
+            self.sweep("alap", &SchedulingOrder::alap(self.task.graph));
         }
         if self.best_cycles() > self.task.target {
             let graph = self.task.graph;
-            let budget = (WORK_BUDGET / graph.operations().max(1)).min(MOST_TRIES);
+            let budget = (WORK_BUDGET / graph.operations().max(1)).min(MAX_TRIES);
             let trials = Trials::run(&self.task, budget.saturating_sub(SWEEP_COST));
             self.tries += trials.tries;
             if let Some((cycles, name, order)) = trials.best
@@ -116,7 +117,7 @@ impl Search<'_> {
             if self.best_cycles() <= self.task.target {
                 return;
             }
-            self.sweep("program", &Order::towards_program(graph, share));
+            self.sweep("program", &SchedulingOrder::towards_program(graph, share));
         }
     }
 }
@@ -126,7 +127,7 @@ struct Trials<'a> {
     task: &'a Task<'a>,
     budget: usize,
     tries: u32,
-    best: Option<(u32, &'static str, Order)>,
+    best: Option<(u32, &'static str, SchedulingOrder)>,
 }
 
 impl<'a> Trials<'a> {
@@ -140,18 +141,19 @@ impl<'a> Trials<'a> {
             best: None,
         };
         let graph = task.graph;
-        trials.schedule("alap", || Order::alap(graph));
+        trials.schedule("alap", || SchedulingOrder::alap(graph));
         for share in [32, 8, 64, 16, 128] {
-            trials.schedule("program", || Order::towards_program(graph, share));
+            trials.schedule("program", || SchedulingOrder::towards_program(graph, share));
         }
-        let mut schedule = list::forward(graph, &Order::fan_out(graph));
+        let mut schedule = list::forward(graph, &SchedulingOrder::fan_out(graph));
         while trials.budget > 0 {
             // What is late in a schedule from the end must be early here.
             let late = |node: usize| u64::from(u32::MAX - schedule.issue[node]);
-            let backward = list::backward(graph, task.function, &Order::by_key(graph, late));
+            let backward =
+                list::backward(graph, task.function, &SchedulingOrder::by_key(graph, late));
             trials.budget = trials.budget.saturating_sub(1);
             let early = |node: usize| u64::from(backward.cycles - backward.issue[node]);
-            match trials.schedule("backward", || Order::by_key(graph, early)) {
+            match trials.schedule("backward", || SchedulingOrder::by_key(graph, early)) {
                 Some(next) if next.issue != schedule.issue => schedule = next,
                 _ => break,
             }
@@ -162,7 +164,7 @@ impl<'a> Trials<'a> {
     fn schedule(
         &mut self,
         name: &'static str,
-        order: impl Fn() -> Order,
+        order: impl Fn() -> SchedulingOrder,
     ) -> Option<list::ListSchedule> {
         let least = self.best.as_ref().map_or(u32::MAX, |&(least, _, _)| least);
         if self.budget == 0 || least <= self.task.target {
@@ -181,9 +183,9 @@ impl<'a> Trials<'a> {
 }
 
 /// A complete placement, but for addresses.
-pub(super) struct Candidate {
+pub(super) struct PlacementCandidate {
     /// Cycles, elements and transfers.
-    pub(super) draft: Draft,
+    pub(super) draft: ScheduleDraft,
     /// The entry that keeps each assignment.
     pub(super) homes: Vec<u32>,
     /// The buffer word of each node.
@@ -195,15 +197,19 @@ pub(super) struct Candidate {
     cost: (u32, u32, u32),
 }
 
-impl Candidate {
-    fn new(task: &Task<'_>, order: &'static str, mut draft: Draft) -> Result<Candidate, Stuck> {
+impl PlacementCandidate {
+    fn new(
+        task: &Task<'_>,
+        order: &'static str,
+        mut draft: ScheduleDraft,
+    ) -> Result<PlacementCandidate, Stuck> {
         let homes = homes::settle_homes(task.function, task.graph, &mut draft)?;
         draft.locations.drop_unread();
         let buffers = addresses::allocate_buffers(task.graph, &draft);
         let used = buffers.iter().filter(|&&word| word != NO_ENTRY);
         let depth = used.map(|word| word + 1).max().unwrap_or(0);
         let above = draft.cycles - task.target;
-        Ok(Candidate {
+        Ok(PlacementCandidate {
             cost: (above / (task.target / 4096 + 1), depth, above),
             draft,
             homes,

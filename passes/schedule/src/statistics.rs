@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// The least, the mean and the most over the elements of a kind.
 #[derive(Clone, Copy, PartialEq, Debug, Default, Serialize)]
-pub struct Spread {
+pub struct ElementSpread {
     /// The least.
     pub min: u32,
     /// The arithmetic mean.
@@ -29,9 +29,9 @@ pub struct KindStatistics {
     /// Operations per element and cycle: 1 is an issue in every cycle.
     pub occupancy: f64,
     /// Words of memory per element, both sides of a split one together.
-    pub memory: Spread,
+    pub memory: ElementSpread,
     /// Words of buffer per element.
-    pub buffer: Spread,
+    pub buffer: ElementSpread,
 }
 
 /// What a placement uses (thesis 2.3, figures 2.4 to 2.7, and 1.2.3).
@@ -112,9 +112,9 @@ fn rate(operations: u32, elements: u32, cycles: u32) -> f64 {
     }
 }
 
-fn spread(numbers: &[u32]) -> Spread {
+fn spread(numbers: &[u32]) -> ElementSpread {
     let total: u64 = numbers.iter().map(|&number| u64::from(number)).sum();
-    Spread {
+    ElementSpread {
         min: numbers.iter().copied().min().unwrap_or(0),
         mean: total as f64 / numbers.len().max(1) as f64,
         max: numbers.iter().copied().max().unwrap_or(0),
@@ -230,13 +230,13 @@ impl PlacedView<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{Builder, machine, random_function};
+    use crate::testing::{TestFunctionBuilder, machine, random_function};
     use crate::{PlaceOptions, place};
     use robovec_ir::{Operand, Operation};
 
     #[test]
     fn a_small_placement_is_counted_by_hand() {
-        let mut builder = Builder::new(4, 1);
+        let mut builder = TestFunctionBuilder::new(4, 1);
         let q: Vec<Operand> = (0..4).map(|number| builder.input(number)).collect();
         let a = builder.push(Operation::Mul, q[0], q[1]);
         let b = builder.push(Operation::Mul, q[2], q[3]);

@@ -8,12 +8,12 @@
 //! to the operations however crowded the ports are.
 
 use super::ahead::Ahead;
-use super::choice::{Choice, Route, Source, word};
-use super::graph::{Graph, HOST, NO_DATUM};
+use super::choice::{ElementChoice, OperandSource, Route, word};
+use super::graph::{DependenceGraph, HOST, NO_DATUM};
 use super::locations::{Locations, NO_ENTRY, Travel};
-use super::order::Order;
-use super::plan::{Plan, Verdict};
-use super::ports::{Ports, Word};
+use super::order::SchedulingOrder;
+use super::plan::{IssueDecision, IssuePlan};
+use super::ports::{Ports, WordTransfer};
 use super::ready::{Calendar, RankSet};
 use robovec_ir::{Function, Machine, Operand};
 
@@ -22,9 +22,9 @@ const LONGEST_PAUSE: u32 = 64;
 
 /// A schedule with its transfers, before addresses.
 #[derive(Clone, Debug)]
-pub(super) struct Draft {
+pub(super) struct ScheduleDraft {
     /// The entries each node reads as its operands.
-    pub(super) reads: Vec<[u32; Operand::MOST]>,
+    pub(super) reads: Vec<[u32; Operand::MAX_COUNT]>,
     /// The nodes whose operands change sides.
     pub(super) swapped: Vec<bool>,
     /// Where the data are.
@@ -44,7 +44,7 @@ pub(super) struct Stuck;
 
 /// What came of trying to issue an operation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Outcome {
+pub(super) enum IssueOutcome {
     /// It is issued.
     Issued,
     /// It stays ready.
@@ -59,11 +59,11 @@ pub(super) struct Task<'a> {
     /// The function.
     pub(super) function: &'a Function,
     /// Its dependences.
-    pub(super) graph: &'a Graph,
+    pub(super) graph: &'a DependenceGraph,
     /// The machine.
     pub(super) machine: &'a Machine,
     /// Which element an operation goes to.
-    pub(super) choice: Choice,
+    pub(super) choice: ElementChoice,
     /// The length aimed at: the bound.
     pub(super) target: u32,
 }
@@ -88,7 +88,11 @@ pub(super) enum Manner {
 /// [`Stuck`] when the machine has no buffers or small ones and the choices
 /// left an operand without a way; with [`Manner::Ahead`], only when memories
 /// take no writes at all.
-pub(super) fn sweep(task: Task<'_>, order: &Order, manner: Manner) -> Result<Draft, Stuck> {
+pub(super) fn sweep(
+    task: Task<'_>,
+    order: &SchedulingOrder,
+    manner: Manner,
+) -> Result<ScheduleDraft, Stuck> {
     let mut sweep = Sweep::new(task, order, manner);
     sweep.run()?;
     Ok(sweep.draft)
@@ -108,11 +112,11 @@ pub(super) struct Waiting {
 /// The state of a sweep.
 pub(super) struct Sweep<'a> {
     pub(super) function: &'a Function,
-    pub(super) graph: &'a Graph,
-    pub(super) order: &'a Order,
-    pub(super) choice: Choice,
+    pub(super) graph: &'a DependenceGraph,
+    pub(super) order: &'a SchedulingOrder,
+    pub(super) choice: ElementChoice,
     pub(super) banks: usize,
-    pub(super) draft: Draft,
+    pub(super) draft: ScheduleDraft,
     pub(super) calendar: Calendar,
     pub(super) ready: Vec<RankSet>,
     /// What each node waits for.
@@ -120,7 +124,7 @@ pub(super) struct Sweep<'a> {
     /// The last cycle each element issued in, plus one.
     pub(super) busy: Vec<u32>,
     /// Per operand and memory: the stamp of the last look, and the entry.
-    pub(super) marks: [Vec<(u32, u32)>; Operand::MOST],
+    pub(super) marks: [Vec<(u32, u32)>; Operand::MAX_COUNT],
     pub(super) stamp: u32,
     pub(super) last_issue: u32,
     /// Operations wait for an element that needs no buffer while the schedule
@@ -135,7 +139,7 @@ pub(super) struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    fn new(task: Task<'a>, order: &'a Order, manner: Manner) -> Sweep<'a> {
+    fn new(task: Task<'a>, order: &'a SchedulingOrder, manner: Manner) -> Sweep<'a> {
         let Task {
             function,
             graph,
@@ -154,8 +158,8 @@ impl<'a> Sweep<'a> {
             order,
             choice,
             banks,
-            draft: Draft {
-                reads: vec![[NO_ENTRY; Operand::MOST]; nodes],
+            draft: ScheduleDraft {
+                reads: vec![[NO_ENTRY; Operand::MAX_COUNT]; nodes],
                 swapped: vec![false; nodes],
                 locations: Locations::new(count_readers(function, graph).into_iter()),
                 ports,
@@ -236,15 +240,15 @@ impl<'a> Sweep<'a> {
                 rank = next + 1;
                 let node = self.order.nodes[kind][next as usize] as usize;
                 match self.issue(node, cycle) {
-                    Outcome::Issued => {
+                    IssueOutcome::Issued => {
                         self.ready[kind].remove(next);
                         free -= 1;
                     }
-                    Outcome::Waits => {
+                    IssueOutcome::Waits => {
                         waiting += 1;
                         tries_left -= 1;
                     }
-                    Outcome::Failed => {
+                    IssueOutcome::Failed => {
                         self.ready[kind].remove(next);
                         self.postpone(node, cycle)?;
                         tries_left -= 1;
@@ -258,19 +262,19 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
-    fn issue(&mut self, node: usize, cycle: u32) -> Outcome {
+    fn issue(&mut self, node: usize, cycle: u32) -> IssueOutcome {
         match self.manner {
             Manner::AtIssue => {}
             Manner::Booked => return self.issue_booked(node, cycle),
             Manner::Ahead => return self.issue_ahead(node, cycle),
         }
         match self.consider(node, cycle) {
-            Verdict::Issue(plan) => {
+            IssueDecision::Issue(plan) => {
                 self.commit(node, cycle, plan);
-                Outcome::Issued
+                IssueOutcome::Issued
             }
-            Verdict::Wait => Outcome::Waits,
-            Verdict::Fail => Outcome::Failed,
+            IssueDecision::Wait => IssueOutcome::Waits,
+            IssueDecision::Fail => IssueOutcome::Failed,
         }
     }
 
@@ -292,10 +296,10 @@ impl<'a> Sweep<'a> {
     }
 
     /// Issues a node as planned.
-    pub(super) fn commit(&mut self, node: usize, cycle: u32, plan: Plan) {
+    pub(super) fn commit(&mut self, node: usize, cycle: u32, plan: IssuePlan) {
         let data = self.graph.data[node];
-        let mut reads = [NO_ENTRY; Operand::MOST];
-        for operand in 0..Operand::MOST {
+        let mut reads = [NO_ENTRY; Operand::MAX_COUNT];
+        for operand in 0..Operand::MAX_COUNT {
             let (Some(route), Some(source)) = (plan.routes[operand], self.source(data[operand]))
             else {
                 continue;
@@ -325,7 +329,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Reserves a transfer and returns the entry that is read.
-    fn transfer(&mut self, source: Source, route: Route, memory: usize, cycle: u32) -> u32 {
+    fn transfer(&mut self, source: OperandSource, route: Route, memory: usize, cycle: u32) -> u32 {
         let draft = &mut self.draft;
         let word = word(&draft.ports, source, memory, route);
         let travel = match route {
@@ -400,13 +404,18 @@ impl<'a> Sweep<'a> {
 }
 
 /// Reserves the ports, the links and the buffer words of an indirect write.
-pub(super) fn reserve_indirect(draft: &mut Draft, source: Source, memory: usize, travel: Travel) {
+pub(super) fn reserve_indirect(
+    draft: &mut ScheduleDraft,
+    source: OperandSource,
+    memory: usize,
+    travel: Travel,
+) {
     let Some((back, producer)) = source.result else {
         return;
     };
     draft.ports.write(travel.arrives, memory);
     let departs = travel.departs;
-    let word = Word {
+    let word = WordTransfer {
         datum: source.datum,
         from: producer,
         to: draft.ports.element_of(memory),
@@ -436,7 +445,7 @@ fn outputs(function: &Function) -> Vec<bool> {
 
 /// How often each datum is read; an output counts once more, so that its
 /// words are never taken for dead.
-fn count_readers(function: &Function, graph: &Graph) -> Vec<u32> {
+fn count_readers(function: &Function, graph: &DependenceGraph) -> Vec<u32> {
     let mut readers = vec![0; graph.data_len()];
     for datum in graph.data.iter().flatten() {
         if *datum != NO_DATUM {

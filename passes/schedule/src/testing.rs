@@ -10,9 +10,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// A generator of numbers, the same on every machine.
 #[derive(Clone, Debug)]
-pub(super) struct Random(pub(super) u64);
+pub(super) struct TestRandom(pub(super) u64);
 
-impl Random {
+impl TestRandom {
     /// A number below `limit`.
     pub(super) fn below(&mut self, limit: usize) -> usize {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -24,18 +24,18 @@ impl Random {
 }
 
 /// A function under construction.
-pub(super) struct Builder {
+pub(super) struct TestFunctionBuilder {
     pub(super) function: Function,
     inputs: u32,
 }
 
-impl Builder {
+impl TestFunctionBuilder {
     /// A function with so many inputs and outputs.
-    pub(super) fn new(inputs: u32, outputs: u32) -> Builder {
+    pub(super) fn new(inputs: u32, outputs: u32) -> TestFunctionBuilder {
         let mut function = Function::new("test", Level::Atomic);
         function.add_input(Symbol(0), Shape::Vector(inputs));
         function.add_output(Symbol(1), Shape::Vector(outputs));
-        Builder { function, inputs }
+        TestFunctionBuilder { function, inputs }
     }
 
     /// The input element with this number, from 0.
@@ -72,16 +72,16 @@ impl Builder {
 /// A random program: mostly near operands, some far, some initial; every
 /// twentieth result is an output.
 pub(super) fn random_function(operations: usize, near: usize, seed: u64) -> Function {
-    let mut random = Random(seed);
+    let mut random = TestRandom(seed);
     let inputs = 8;
-    let mut builder = Builder::new(inputs, operations as u32);
+    let mut builder = TestFunctionBuilder::new(inputs, operations as u32);
     let zero = Operand::from(builder.function.constant(0.0));
     let mut values: Vec<Operand> = (0..inputs).map(|input| builder.input(input)).collect();
     values.push(zero);
     values.push(builder.push(Operation::Sin, values[0], Operand::NONE));
     values.push(builder.push(Operation::Cos, values[1], Operand::NONE));
     for _ in 0..operations {
-        let pick = |random: &mut Random| match random.below(10) {
+        let pick = |random: &mut TestRandom| match random.below(10) {
             0..7 => values[values.len() - 1 - random.below(near.min(values.len()))],
             _ => values[random.below(values.len())],
         };
@@ -106,7 +106,7 @@ pub(super) fn random_function(operations: usize, near: usize, seed: u64) -> Func
 /// The program with an addend for every second product: an earlier value, an
 /// input, or one of the factors.
 pub(super) fn with_fused(mut function: Function, seed: u64) -> Function {
-    let mut random = Random(seed);
+    let mut random = TestRandom(seed);
     for index in 0..function.nodes().len() {
         let node = function.node_mut(Value(index as u32));
         if node.operation != Operation::Mul || random.below(2) == 0 {
@@ -126,12 +126,12 @@ pub(super) fn with_fused(mut function: Function, seed: u64) -> Function {
 
 /// A random program with quotients and roots as well.
 pub(super) fn random_function_with_roots(operations: usize, seed: u64) -> Function {
-    let mut random = Random(seed);
-    let mut builder = Builder::new(3, 2);
+    let mut random = TestRandom(seed);
+    let mut builder = TestFunctionBuilder::new(3, 2);
     let mut values: Vec<Operand> = (0..3).map(|input| builder.input(input)).collect();
     for _ in 0..operations {
         let pick =
-            |random: &mut Random| values[values.len() - 1 - random.below(values.len().min(25))];
+            |random: &mut TestRandom| values[values.len() - 1 - random.below(values.len().min(25))];
         let (left, right) = (pick(&mut random), pick(&mut random));
         let operations = [
             Operation::Add,
@@ -165,10 +165,10 @@ pub(super) fn machine(name: &str, adders: u32, multipliers: u32) -> Machine {
 /// Replays a placed function cycle by cycle and refuses every breach of the
 /// rules of the machine; the sentence says which.
 pub(super) fn replay(function: &Function, machine: &Machine) -> Result<(), String> {
-    Replay::new(function, machine)?.run()
+    TestReplay::new(function, machine)?.run()
 }
 
-struct Replay<'a> {
+struct TestReplay<'a> {
     function: &'a Function,
     machine: &'a Machine,
     placement: &'a Placement,
@@ -180,11 +180,11 @@ struct Replay<'a> {
     cycles: u32,
 }
 
-impl<'a> Replay<'a> {
-    fn new(function: &'a Function, machine: &'a Machine) -> Result<Replay<'a>, String> {
+impl<'a> TestReplay<'a> {
+    fn new(function: &'a Function, machine: &'a Machine) -> Result<TestReplay<'a>, String> {
         let schedule = function.schedule.as_ref().ok_or("no schedule")?;
         let placement = function.placement.as_ref().ok_or("no placement")?;
-        let mut replay = Replay {
+        let mut replay = TestReplay {
             function,
             machine,
             placement,

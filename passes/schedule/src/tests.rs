@@ -1,12 +1,12 @@
 //! Placement on random programs and at the edges of the machine's rules.
 
 use super::testing::{machine, random_function, random_function_with_roots, replay, with_fused};
-use super::{Choice, PlaceOptions, Priority, place};
-use robovec_ir::machine::{Interconnect, Network, Topology};
+use super::{ElementChoice, PlaceOptions, Priority, place};
+use robovec_ir::machine::{Interconnect, LinkNetwork, Topology};
 use robovec_ir::verify::{Violation, verify_placement};
 use robovec_ir::{Machine, Operation, Tables, View};
 
-const CHOICES: [Choice; 2] = [Choice::Preferential, Choice::First];
+const CHOICES: [ElementChoice; 2] = [ElementChoice::Preferential, ElementChoice::First];
 const PRIORITIES: [Priority; 4] = [
     Priority::Best,
     Priority::Alap,
@@ -120,8 +120,8 @@ fn random_programs_obey_networks() {
     for name in ["q", "o", "v"] {
         tables.symbols.intern(name);
     }
-    let networks = Topology::ALL.map(Network::of);
-    let wide = networks.map(|network| Network {
+    let networks = Topology::ALL.map(LinkNetwork::of);
+    let wide = networks.map(|network| LinkNetwork {
         hop: 0,
         words: 2,
         ..network
@@ -171,9 +171,9 @@ fn a_placement_for_a_crossbar_breaks_the_rules_of_a_network() {
         (Topology::Mesh, 1, "before its result is there"),
         (Topology::Bus, 0, "words on one link of the bus"),
     ] {
-        machine.interconnect = Interconnect::Network(Network {
+        machine.interconnect = Interconnect::Network(LinkNetwork {
             hop,
-            ..Network::of(topology)
+            ..LinkNetwork::of(topology)
         });
         // The schedule claims to be for this machine, and is not.
         let mut function = function.clone();

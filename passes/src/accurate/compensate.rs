@@ -15,7 +15,7 @@
 //!
 //! Over the real numbers every correction is zero.
 
-use super::profile::{LANES, Lanes, Profile, add, is_exact, product, squares};
+use super::profile::{LANES, SensitivityProfile, StateLanes, add, is_exact, product, squares};
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::pass::Context;
 use robovec_framework::rewrite::{Rewriter, owners, remove_dead};
@@ -27,7 +27,7 @@ use robovec_ir::{
 const ATTEMPTS: usize = 10;
 
 /// What compensation may use.
-pub(super) struct Budget {
+pub(super) struct CompensationBudget {
     /// The longest path, in cycles.
     pub(super) limit: u32,
     /// Operations.
@@ -50,8 +50,8 @@ pub(super) struct Compensated {
 /// allows, a half of them, a quarter, and so on; the best first.
 pub(super) fn compensated(
     function: &Function,
-    profile: &Profile,
-    budget: &Budget,
+    profile: &SensitivityProfile,
+    budget: &CompensationBudget,
     context: &mut Context<'_>,
 ) -> Vec<Compensated> {
     let fused = context.machine.kind_of(Operation::Fms).is_some();
@@ -83,7 +83,7 @@ pub(super) fn compensated(
 
 /// The values whose rounding can be computed, the one first that saves most
 /// per operation.
-fn ranked(function: &Function, profile: &Profile, fused: bool) -> Vec<Value> {
+fn ranked(function: &Function, profile: &SensitivityProfile, fused: bool) -> Vec<Value> {
     let mut ranked: Vec<(f64, Value)> = Vec::new();
     for (value, node) in function.values() {
         let cost = match node.operation {
@@ -115,7 +115,7 @@ struct Correction {
 
 /// What an old value has become.
 #[derive(Clone, Copy)]
-struct State {
+struct CompensatedValue {
     /// The value as it is rounded.
     main: Operand,
     correction: Option<Correction>,
@@ -127,11 +127,11 @@ struct State {
 }
 
 /// A correction with the part it was before others were added.
-type Parts = Vec<(usize, Correction)>;
+type CorrectionParts = Vec<(usize, Correction)>;
 
-struct Writer<'a> {
+struct CompensationWriter<'a> {
     function: &'a Function,
-    budget: &'a Budget,
+    budget: &'a CompensationBudget,
     weights: Weights,
     fused: bool,
     required: Vec<u32>,
@@ -140,7 +140,7 @@ struct Writer<'a> {
     raised: Vec<bool>,
     rewriter: Rewriter<'a>,
     arrivals: Vec<u32>,
-    states: Vec<State>,
+    states: Vec<CompensatedValue>,
     /// High and low halves of old values and other operands, once made.
     halves: hashbrown::HashMap<Operand, [Operand; 2], rustc_hash::FxBuildHasher>,
     names: FreshNames,
@@ -149,8 +149,8 @@ struct Writer<'a> {
 
 fn write(
     function: &Function,
-    profile: &Profile,
-    budget: &Budget,
+    profile: &SensitivityProfile,
+    budget: &CompensationBudget,
     chosen: &[Value],
     context: &mut Context<'_>,
 ) -> Compensated {
@@ -162,7 +162,7 @@ fn write(
     }
     let raised = raised(function, &tracked);
     let tails = tails(function, &weights).into_iter();
-    let mut writer = Writer {
+    let mut writer = CompensationWriter {
         rewriter: Rewriter::new(function, function.level),
         arrivals: Vec::with_capacity(function.nodes().len()),
         states: Vec::with_capacity(function.nodes().len()),
@@ -188,7 +188,7 @@ fn write(
         writer.rewriter.record(state.absorbed);
     }
     let predicted = writer.predicted(profile);
-    let Writer { rewriter, .. } = writer;
+    let CompensationWriter { rewriter, .. } = writer;
     let new = rewriter.finish();
     let live = remove_dead(&new).map(|(function, _)| function);
     Compensated {
@@ -210,7 +210,7 @@ fn raised(function: &Function, tracked: &[bool]) -> Vec<bool> {
     raised
 }
 
-impl Writer<'_> {
+impl CompensationWriter<'_> {
     fn arrival(&self, operand: Operand) -> u32 {
         let value = operand.value();
         value.map_or(0, |value| self.arrivals[value.index()])
@@ -225,10 +225,10 @@ impl Writer<'_> {
     }
 
     /// A value that takes no corrections.
-    fn plain(&mut self, node: &Node) -> State {
+    fn plain(&mut self, node: &Node) -> CompensatedValue {
         let operands = self.rewriter.translate_operands(node);
         let main = self.push(Node { operands, ..*node });
-        State {
+        CompensatedValue {
             main,
             correction: None,
             absorbed: main,
@@ -247,18 +247,18 @@ impl Writer<'_> {
         }
     }
 
-    fn raise(&mut self, value: Value, node: &Node, context: &mut Context<'_>) -> State {
+    fn raise(&mut self, value: Value, node: &Node, context: &mut Context<'_>) -> CompensatedValue {
         let [(a, of_a), (b, of_b)] = [self.known(node.operands[0]), self.known(node.operands[1])];
         let main = self.push(Node {
             operands: Operand::list([a, b]),
             ..*node
         });
-        let mut make = Maker {
+        let mut make = CorrectionMaker {
             owner: self.owners[value.index()],
             sources: node.sources,
             writer: self,
         };
-        let mut parts = Parts::new();
+        let mut parts = CorrectionParts::new();
         if make.writer.tracked[value.index()] {
             let operand = match node.operation {
                 Operation::Mul => make.error_of_product(a, b, main),
@@ -293,7 +293,7 @@ impl Writer<'_> {
             }
         }
         context.note(node.name, "compensate");
-        State {
+        CompensatedValue {
             main,
             correction,
             absorbed: absorbed.unwrap_or(main),
@@ -302,7 +302,7 @@ impl Writer<'_> {
     }
 
     /// The squared error to be expected of the outputs.
-    fn predicted(&self, profile: &Profile) -> f64 {
+    fn predicted(&self, profile: &SensitivityProfile) -> f64 {
         let function = self.function;
         let count = function.nodes().len();
         // What reaches the outputs of a rounding although it is tracked, and
@@ -339,7 +339,7 @@ impl Writer<'_> {
                 let Some(read) = operand.value().map(Value::index) else {
                     continue;
                 };
-                let through = |adjoint: &Lanes| product(adjoint, &partials[side]);
+                let through = |adjoint: &StateLanes| product(adjoint, &partials[side]);
                 match self.raised[index] {
                     true => add(&mut lost[read], &through(&reached[side + 1])),
                     false => add(&mut plain[read], &through(profile.adjoint(index))),
@@ -351,13 +351,13 @@ impl Writer<'_> {
 }
 
 /// Makes the operations beside a value.
-struct Maker<'w, 'a> {
-    writer: &'w mut Writer<'a>,
+struct CorrectionMaker<'w, 'a> {
+    writer: &'w mut CompensationWriter<'a>,
     owner: Symbol,
     sources: SourceSet,
 }
 
-impl Maker<'_, '_> {
+impl CorrectionMaker<'_, '_> {
     fn emit<const COUNT: usize>(
         &mut self,
         operation: Operation,

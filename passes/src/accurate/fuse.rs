@@ -7,7 +7,7 @@
 //! errors (`super::compensate`) is left alone without being known: a product
 //! whose error is computed is read more than once.
 
-use super::profile::Profile;
+use super::profile::SensitivityProfile;
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::pass::Context;
 use robovec_framework::rewrite::Rewriter;
@@ -17,7 +17,7 @@ use robovec_ir::{Function, Node, Operand, Operation, Value};
 /// none.
 pub(super) fn fuse(
     function: &Function,
-    profile: &Profile,
+    profile: &SensitivityProfile,
     limit: u32,
     context: &mut Context<'_>,
 ) -> Option<(Function, u64)> {
@@ -26,7 +26,7 @@ pub(super) fn fuse(
     let tails = tails(function, &weights);
     let mut arrivals: Vec<u32> = Vec::with_capacity(uses.len());
     let mut taken = vec![false; uses.len()];
-    let mut forms: Vec<Option<(Operation, [Operand; Operand::MOST])>> = vec![None; uses.len()];
+    let mut forms: Vec<Option<(Operation, [Operand; Operand::MAX_COUNT])>> = vec![None; uses.len()];
     let mut count = 0;
     for (value, node) in function.values() {
         let finish = |arrivals: &[u32], operation, operands: &[Operand]| {
@@ -78,7 +78,7 @@ fn fused(
     node: &Node,
     product: Value,
     side: usize,
-) -> (Operation, [Operand; Operand::MOST]) {
+) -> (Operation, [Operand; Operand::MAX_COUNT]) {
     let operation = match (node.operation, side) {
         (Operation::Sub, 0) => Operation::Fms,
         (Operation::Sub, _) => Operation::Fnma,
@@ -91,7 +91,7 @@ fn fused(
 fn write(
     function: &Function,
     taken: &[bool],
-    forms: &[Option<(Operation, [Operand; Operand::MOST])>],
+    forms: &[Option<(Operation, [Operand; Operand::MAX_COUNT])>],
     context: &mut Context<'_>,
 ) -> Function {
     let mut rewriter = Rewriter::new(function, function.level);

@@ -17,7 +17,7 @@ use robovec_num::soft_float::FormatArithmetic;
 const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
 
 /// Inputs and exact outputs in some states.
-pub(crate) struct Reference {
+pub(crate) struct ReferenceOutputs {
     inputs: Vec<Vec<f64>>,
     exact: Vec<Vec<Double>>,
     /// The output array of every assignment.
@@ -35,9 +35,9 @@ pub(crate) struct Errors {
     pub(crate) normwise: [f64; 4],
 }
 
-impl Reference {
+impl ReferenceOutputs {
     /// Evaluates a function in double-double at some states.
-    pub(crate) fn new(view: View<'_>, states: &States, first: u32, count: u32) -> Reference {
+    pub(crate) fn new(view: View<'_>, states: &States, first: u32, count: u32) -> ReferenceOutputs {
         let inputs: Vec<Vec<f64>> = (first..first + count)
             .map(|index| states.draw(view, index))
             .collect();
@@ -48,7 +48,7 @@ impl Reference {
         let outputs = view.function.outputs();
         let assignments = view.function.assignments.iter();
         let array = |place: u32| outputs.partition_point(|array| array.offset <= place) - 1;
-        Reference {
+        ReferenceOutputs {
             inputs,
             exact,
             arrays: assignments.map(|a| array(a.output.0)).collect(),

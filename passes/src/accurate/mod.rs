@@ -9,9 +9,9 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
-use compensate::Budget;
-use measure::{Errors, Reference};
-use profile::{LANES, Profile};
+use compensate::CompensationBudget;
+use measure::{Errors, ReferenceOutputs};
+use profile::{LANES, SensitivityProfile};
 use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::usual_states;
 use robovec_framework::declare_pass;
@@ -24,34 +24,34 @@ use robovec_num::limits::{Amount, NumberLimit};
 
 /// How long the longest path may become.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Cycles {
+pub enum CycleLimit {
     /// As long as it is.
     Same,
     /// So many cycles of the machine, and never shorter than it is.
     AtMost(u32),
 }
 
-impl OptionValue for Cycles {
+impl OptionValue for CycleLimit {
     const IS_NUMBER: bool = true;
     fn type_name() -> String {
         "integer | same".to_owned()
     }
-    fn parse(text: &str) -> Result<Cycles, String> {
+    fn parse(text: &str) -> Result<CycleLimit, String> {
         match text {
-            "same" => Ok(Cycles::Same),
-            other => u32::parse(other).map(Cycles::AtMost),
+            "same" => Ok(CycleLimit::Same),
+            other => u32::parse(other).map(CycleLimit::AtMost),
         }
     }
     fn print(&self) -> String {
         match self {
-            Cycles::Same => "same".to_owned(),
-            Cycles::AtMost(cycles) => cycles.to_string(),
+            CycleLimit::Same => "same".to_owned(),
+            CycleLimit::AtMost(cycles) => cycles.to_string(),
         }
     }
     fn amount(&self) -> Option<Amount> {
         match self {
-            Cycles::Same => None,
-            Cycles::AtMost(cycles) => cycles.amount(),
+            CycleLimit::Same => None,
+            CycleLimit::AtMost(cycles) => cycles.amount(),
         }
     }
 }
@@ -87,7 +87,7 @@ declare_pass! {
     pub struct Accurate("accurate") {
         /// The longest path allowed, in cycles of the machine; `same` for its
         /// length before the pass.
-        pub cycles: Cycles = Cycles::Same => NumberLimit::whole(
+        pub cycles: CycleLimit = CycleLimit::Same => NumberLimit::whole(
             0, 1_000_000_000, "no function takes more cycles"),
         /// Cycles allowed beyond that, in per cent of it.
         pub slack: u32 = 0 => NumberLimit::whole(
@@ -135,8 +135,8 @@ impl Pass for Accurate {
         };
         let before = critical_path(function, context.machine).asap_cycle;
         let allowed = match self.cycles {
-            Cycles::Same => before,
-            Cycles::AtMost(cycles) => cycles,
+            CycleLimit::Same => before,
+            CycleLimit::AtMost(cycles) => cycles,
         };
         let slack = u64::from(allowed) * u64::from(self.slack) / 100;
         let limit = allowed
@@ -148,9 +148,9 @@ impl Pass for Accurate {
         };
         let reference = {
             let tables = &*context.tables;
-            Reference::new(View { tables, function }, &states, FIRST_MEASURED, count)
+            ReferenceOutputs::new(View { tables, function }, &states, FIRST_MEASURED, count)
         };
-        let mut search = Search {
+        let mut search = AccuracySearch {
             reference,
             states,
             limit,
@@ -167,7 +167,7 @@ impl Pass for Accurate {
         search.run(context);
         let fresh = {
             let tables = &*context.tables;
-            Reference::new(
+            ReferenceOutputs::new(
                 View { tables, function },
                 &search.states,
                 FIRST_CHECKED,
@@ -191,8 +191,8 @@ impl Pass for Accurate {
 }
 
 /// The best version so far, and what versions are measured with.
-struct Search {
-    reference: Reference,
+struct AccuracySearch {
+    reference: ReferenceOutputs,
     states: States,
     /// The longest path allowed, in cycles.
     limit: u32,
@@ -206,7 +206,7 @@ struct Search {
     statistics: Vec<(&'static str, u64)>,
 }
 
-impl Search {
+impl AccuracySearch {
     fn run(&mut self, context: &mut Context<'_>) {
         let original = self.best.clone();
         let mut base = original.clone();
@@ -236,7 +236,7 @@ impl Search {
         }
         let mut compensated = 0;
         if self.growth > 0 {
-            let budget = Budget {
+            let budget = CompensationBudget {
                 limit: self.limit,
                 operations: self.size + self.size * self.growth as usize / 100,
                 format: self.format,
@@ -273,10 +273,10 @@ impl Search {
         false
     }
 
-    fn profile(&self, function: &Function, part: u32, context: &Context<'_>) -> Profile {
+    fn profile(&self, function: &Function, part: u32, context: &Context<'_>) -> SensitivityProfile {
         let tables = &*context.tables;
         let first = part * LANES as u32;
-        Profile::new(View { tables, function }, &self.states, first)
+        SensitivityProfile::new(View { tables, function }, &self.states, first)
     }
 }
 

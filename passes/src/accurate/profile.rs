@@ -33,44 +33,44 @@ use std::array;
 pub(crate) const LANES: usize = 8;
 
 /// One number per state.
-pub(crate) type Lanes = [f64; LANES];
+pub(crate) type StateLanes = [f64; LANES];
 
 /// Sizes and derivatives of the values of a function in a few states.
-pub(crate) struct Profile {
+pub(crate) struct SensitivityProfile {
     /// The inputs, element by element.
-    inputs: Vec<Lanes>,
+    inputs: Vec<StateLanes>,
     /// What each node is.
-    values: Vec<Lanes>,
+    values: Vec<StateLanes>,
     /// The derivative of the weighted outputs, each with a random sign, with
     /// respect to each node.
-    adjoints: Vec<Lanes>,
+    adjoints: Vec<StateLanes>,
     /// The same of every assignment itself.
-    seeds: Vec<Lanes>,
+    seeds: Vec<StateLanes>,
 }
 
-impl Profile {
+impl SensitivityProfile {
     /// Evaluates the function in binary64 at states `first..first + LANES`
     /// and sweeps back once, with weights that make every output better by
     /// the same factor.
-    pub(crate) fn new(view: View<'_>, states: &States, first: u32) -> Profile {
+    pub(crate) fn new(view: View<'_>, states: &States, first: u32) -> SensitivityProfile {
         let function = view.function;
-        Profile::with_seeds(view, states, first, |profile| profile.balanced(function))
+        SensitivityProfile::with_seeds(view, states, first, |profile| profile.balanced(function))
     }
 
-    /// As [`Profile::new`], with these weights of every assignment, lane by
+    /// As [`SensitivityProfile::new`], with these weights of every assignment, lane by
     /// lane.
     pub(crate) fn with_seeds(
         view: View<'_>,
         states: &States,
         first: u32,
-        weights: impl FnOnce(&Profile) -> Vec<Lanes>,
-    ) -> Profile {
+        weights: impl FnOnce(&SensitivityProfile) -> Vec<StateLanes>,
+    ) -> SensitivityProfile {
         let function = view.function;
         let drawn: [Vec<f64>; LANES] =
             array::from_fn(|lane| states.draw(view, first + lane as u32));
         let inputs = Batch::<Binary64, LANES>::gather(&drawn);
         let values = evaluate_nodes(function, &Batch([Binary64; LANES]), &inputs);
-        let mut profile = Profile {
+        let mut profile = SensitivityProfile {
             inputs,
             values,
             adjoints: Vec::new(),
@@ -89,12 +89,12 @@ impl Profile {
     }
 
     /// What a node is.
-    pub(crate) fn value(&self, index: usize) -> &Lanes {
+    pub(crate) fn value(&self, index: usize) -> &StateLanes {
         &self.values[index]
     }
 
     /// What an operand is.
-    pub(crate) fn operand(&self, function: &Function, operand: Operand) -> Lanes {
+    pub(crate) fn operand(&self, function: &Function, operand: Operand) -> StateLanes {
         match operand.kind() {
             OperandKind::Value(value) => self.values[value.index()],
             OperandKind::Input(input) => self.inputs[input.index()],
@@ -104,12 +104,12 @@ impl Profile {
     }
 
     /// The signed derivative with respect to a node.
-    pub(crate) fn adjoint(&self, index: usize) -> &Lanes {
+    pub(crate) fn adjoint(&self, index: usize) -> &StateLanes {
         &self.adjoints[index]
     }
 
     /// The signed weights of an assignment.
-    pub(crate) fn seed(&self, assignment: usize) -> &Lanes {
+    pub(crate) fn seed(&self, assignment: usize) -> &StateLanes {
         &self.seeds[assignment]
     }
 
@@ -121,18 +121,22 @@ impl Profile {
 
     /// The derivatives of an operation with respect to its operands, lane by
     /// lane; zero where they are not finite.
-    pub(crate) fn partials(&self, function: &Function, index: usize) -> [Lanes; Operand::MOST] {
+    pub(crate) fn partials(
+        &self,
+        function: &Function,
+        index: usize,
+    ) -> [StateLanes; Operand::MAX_COUNT] {
         let node = &function.nodes()[index];
         let [a, b, _] = node.operands.map(|operand| self.operand(function, operand));
         let result = &self.values[index];
-        let all: [[f64; Operand::MOST]; LANES] = array::from_fn(|lane| {
+        let all: [[f64; Operand::MAX_COUNT]; LANES] = array::from_fn(|lane| {
             partials(node.operation, a[lane], b[lane], result[lane]).map(finite)
         });
         array::from_fn(|side| array::from_fn(|lane| all[lane][side]))
     }
 
     /// Weights that make every output better by the same factor.
-    fn balanced(&self, function: &Function) -> Vec<Lanes> {
+    fn balanced(&self, function: &Function) -> Vec<StateLanes> {
         let outputs = function.outputs();
         let array = |assignment: usize| {
             let place = function.assignments[assignment].output.0;
@@ -140,7 +144,7 @@ impl Profile {
         };
         let variances = self.variances(function);
         let zero = [0.0; LANES];
-        let expected: Vec<&Lanes> = function
+        let expected: Vec<&StateLanes> = function
             .assignments
             .iter()
             .map(|assignment| match assignment.operand.value() {
@@ -156,7 +160,7 @@ impl Profile {
                 *largest = largest.max(*expected);
             }
         }
-        let seed = |(assignment, expected): (usize, &&Lanes)| -> Lanes {
+        let seed = |(assignment, expected): (usize, &&StateLanes)| -> StateLanes {
             let (largest, count) = (&largest[array(assignment)], counts[array(assignment)]);
             array::from_fn(|lane| {
                 let product = expected[lane].sqrt() * largest[lane].sqrt();
@@ -168,8 +172,8 @@ impl Profile {
 
     /// The squared error to be expected of every node if all errors were
     /// independent, in units of the squared roundoff.
-    fn variances(&self, function: &Function) -> Vec<Lanes> {
-        let mut variances: Vec<Lanes> = Vec::with_capacity(function.nodes().len());
+    fn variances(&self, function: &Function) -> Vec<StateLanes> {
+        let mut variances: Vec<StateLanes> = Vec::with_capacity(function.nodes().len());
         for (value, node) in function.values() {
             let index = value.index();
             let mut variance = match is_exact(function, node) {
@@ -188,7 +192,7 @@ impl Profile {
         variances
     }
 
-    fn sweep(&self, function: &Function) -> Vec<Lanes> {
+    fn sweep(&self, function: &Function) -> Vec<StateLanes> {
         let mut adjoints = vec![[0.0; LANES]; function.nodes().len()];
         for (assignment, seed) in function.assignments.iter().zip(&self.seeds) {
             if let Some(value) = assignment.operand.value() {
@@ -245,26 +249,26 @@ fn finite(number: f64) -> f64 {
 }
 
 /// Adds lane by lane.
-pub(crate) fn add(sum: &mut Lanes, term: &Lanes) {
+pub(crate) fn add(sum: &mut StateLanes, term: &StateLanes) {
     for (sum, term) in sum.iter_mut().zip(term) {
         *sum += term;
     }
 }
 
 /// Multiplies lane by lane; zero where the product is not finite.
-pub(crate) fn product(a: &Lanes, b: &Lanes) -> Lanes {
+pub(crate) fn product(a: &StateLanes, b: &StateLanes) -> StateLanes {
     array::from_fn(|lane| finite(a[lane] * b[lane]))
 }
 
 /// The sum over the lanes of the squared products, without those that are not
 /// finite.
-pub(crate) fn squares(a: &Lanes, b: &Lanes) -> f64 {
+pub(crate) fn squares(a: &StateLanes, b: &StateLanes) -> f64 {
     let products = a.iter().zip(b).map(|(a, b)| a * b);
     products.map(|product| finite(product * product)).sum()
 }
 
 /// The derivatives of an operation with respect to its operands.
-fn partials(operation: Operation, a: f64, b: f64, result: f64) -> [f64; Operand::MOST] {
+fn partials(operation: Operation, a: f64, b: f64, result: f64) -> [f64; Operand::MAX_COUNT] {
     match operation {
         Operation::Copy => [1.0, 0.0, 0.0],
         Operation::Neg => [-1.0, 0.0, 0.0],

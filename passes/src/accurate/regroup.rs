@@ -11,9 +11,9 @@
 //! was only where that saves more than a small part of the error of the whole
 //! function.
 
-use super::profile::{Lanes, Profile, squares};
-use super::terms::{self, Factor, Plan, Setting, Source, Term};
-use crate::reassociate::{Family, Groups, Leaf, Reach};
+use super::profile::{SensitivityProfile, StateLanes, squares};
+use super::terms::{self, StepSource, SumPlan, SumSetting, SumTerm, TermFactor};
+use crate::reassociate::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_analysis::slice::live;
 use robovec_framework::pass::Context;
@@ -37,7 +37,7 @@ pub(super) struct Regrouped {
 /// The function with its sums written anew; dead products are still there.
 pub(super) fn regroup(
     function: &Function,
-    profile: &Profile,
+    profile: &SensitivityProfile,
     limit: u32,
     context: &mut Context<'_>,
 ) -> (Function, Regrouped) {
@@ -52,8 +52,8 @@ pub(super) fn regroup(
         .iter()
         .map(|tail| limit.saturating_sub(*tail))
         .collect();
-    let groups = Groups::find(function, Reach::Maximal);
-    let mut writer = Writer {
+    let groups = OperandGroups::find(function, GroupReach::Maximal);
+    let mut writer = RegroupingWriter {
         rewriter: Rewriter::new(function, function.level),
         names: function.fresh_names(),
         owners: owners(context.tables, function),
@@ -84,10 +84,10 @@ pub(super) fn regroup(
     (writer.rewriter.finish(), done)
 }
 
-struct Writer<'a> {
+struct RegroupingWriter<'a> {
     function: &'a Function,
-    profile: &'a Profile,
-    groups: Groups,
+    profile: &'a SensitivityProfile,
+    groups: OperandGroups,
     weights: Weights,
     rewriter: Rewriter<'a>,
     names: FreshNames,
@@ -101,9 +101,9 @@ struct Writer<'a> {
     done: Regrouped,
 }
 
-impl Writer<'_> {
+impl RegroupingWriter<'_> {
     fn is_sum(&self, value: Value) -> bool {
-        Family::of(self.function.node(value).operation) == Some(Family::Sum)
+        GroupFamily::of(self.function.node(value).operation) == Some(GroupFamily::Sum)
     }
 
     fn push(&mut self, node: Node) -> Value {
@@ -142,7 +142,7 @@ impl Writer<'_> {
 
     /// A better way to compute the sum of a value, and whether it factors
     /// differences.
-    fn choose(&mut self, root: Value) -> Option<(Plan, bool)> {
+    fn choose(&mut self, root: Value) -> Option<(SumPlan, bool)> {
         if !self.is_sum(root) {
             return None;
         }
@@ -151,13 +151,13 @@ impl Writer<'_> {
         let products = leaves.iter().filter(|leaf| self.product(leaf).is_some());
         let products = products.count();
         // Two terms have one order; they can still be two products.
-        if count > terms::MOST || !(count > 2 || products == 2) || is_error_term(leaves) {
+        if count > terms::MAX_TERMS || !(count > 2 || products == 2) || is_error_term(leaves) {
             return None;
         }
-        let terms: Vec<Term> = leaves.to_vec().iter().map(|leaf| self.term(leaf)).collect();
+        let terms: Vec<SumTerm> = leaves.to_vec().iter().map(|leaf| self.term(leaf)).collect();
         let present = self.present(root, &terms);
         let index = root.index();
-        let setting = |deadline| Setting {
+        let setting = |deadline| SumSetting {
             adjoint: *self.profile.adjoint(index),
             deadline,
             add: self
@@ -166,7 +166,7 @@ impl Writer<'_> {
                 .max(self.weights.of(Operation::Sub)),
             multiply: self.weights.of(Operation::Mul),
         };
-        let best = |deadline: u32| -> Option<(Plan, bool)> {
+        let best = |deadline: u32| -> Option<(SumPlan, bool)> {
             let factored = (products >= 2)
                 .then(|| terms::plan(&setting(deadline), &terms, true))
                 .flatten();
@@ -187,7 +187,7 @@ impl Writer<'_> {
             false => None,
         };
         let cost =
-            |plan: &Option<(Plan, bool)>| plan.as_ref().map_or(present.0, |(plan, _)| plan.cost);
+            |plan: &Option<(SumPlan, bool)>| plan.as_ref().map_or(present.0, |(plan, _)| plan.cost);
         let chosen = match cost(&prompt) - cost(&patient) > self.worth {
             true => patient,
             false => prompt,
@@ -196,7 +196,7 @@ impl Writer<'_> {
     }
 
     /// What the sum costs as it is, and when it would be there.
-    fn present(&self, root: Value, terms: &[Term]) -> (f64, u32) {
+    fn present(&self, root: Value, terms: &[SumTerm]) -> (f64, u32) {
         let adjoint = self.profile.adjoint(root.index());
         let products = terms.iter().filter(|term| term.factors.is_some());
         let mut cost: f64 = products.map(|term| squares(adjoint, &term.lanes)).sum();
@@ -237,28 +237,28 @@ impl Writer<'_> {
     }
 
     /// The product that a leaf is, when nothing else reads it.
-    fn product(&self, leaf: &Leaf) -> Option<Value> {
+    fn product(&self, leaf: &GroupLeaf) -> Option<Value> {
         let value = leaf.operand.value()?;
         let single = self.uses[value.index()] == 1;
         (single && self.function.node(value).operation == Operation::Mul).then_some(value)
     }
 
-    fn term(&mut self, leaf: &Leaf) -> Term {
+    fn term(&mut self, leaf: &GroupLeaf) -> SumTerm {
         let lanes = self.profile.operand(self.function, leaf.operand);
         let source = self.rewriter.translate(leaf.operand);
         let factors = self.product(leaf).map(|product| {
             let [a, b, _] = self.function.node(product).operands;
             [a, b].map(|operand| {
                 let source = self.rewriter.translate(operand);
-                Factor {
-                    source: Source::Operand(source),
+                TermFactor {
+                    source: StepSource::Operand(source),
                     lanes: self.profile.operand(self.function, operand),
                     arrival: self.arrival(source),
                 }
             })
         });
-        Term {
-            source: Source::Operand(source),
+        SumTerm {
+            source: StepSource::Operand(source),
             negative: leaf.negative,
             lanes: if leaf.negative {
                 lanes.map(|number| -number)
@@ -271,7 +271,7 @@ impl Writer<'_> {
     }
 
     /// Writes the operations of a plan in the place of a group.
-    fn write(&mut self, root: Value, plan: &Plan, factoring: bool, context: &mut Context<'_>) {
+    fn write(&mut self, root: Value, plan: &SumPlan, factoring: bool, context: &mut Context<'_>) {
         let node = *self.function.node(root);
         let inner = self.groups.inner(root).to_vec();
         let mut sets = vec![node.sources];
@@ -294,7 +294,7 @@ impl Writer<'_> {
                 results.push(Operand::NONE);
                 continue;
             }
-            let last = plan.result == Source::Step(place);
+            let last = plan.result == StepSource::Step(place);
             let name = match (last, spare.pop()) {
                 (true, _) => node.name,
                 (false, Some(name)) => name,
@@ -330,20 +330,22 @@ impl Writer<'_> {
     }
 
     /// The operand of a source; the absent one stands for zero.
-    fn resolve(&mut self, source: Source, results: &[Operand]) -> Operand {
+    fn resolve(&mut self, source: StepSource, results: &[Operand]) -> Operand {
         match source {
-            Source::Operand(operand) if operand.is_none() => self.rewriter.new.constant(0.0).into(),
-            Source::Operand(operand) => operand,
-            Source::Step(place) => results[place],
+            StepSource::Operand(operand) if operand.is_none() => {
+                self.rewriter.new.constant(0.0).into()
+            }
+            StepSource::Operand(operand) => operand,
+            StepSource::Step(place) => results[place],
         }
     }
 }
 
 /// The steps that the result needs.
-fn needed(plan: &Plan) -> Vec<bool> {
+fn needed(plan: &SumPlan) -> Vec<bool> {
     let mut needed = vec![false; plan.steps.len()];
-    let mark = |needed: &mut Vec<bool>, source: Source| {
-        if let Source::Step(place) = source {
+    let mark = |needed: &mut Vec<bool>, source: StepSource| {
+        if let StepSource::Step(place) = source {
             needed[place] = true;
         }
     };
@@ -359,8 +361,8 @@ fn needed(plan: &Plan) -> Vec<bool> {
 }
 
 /// What adding two numbers costs.
-fn addition(adjoint: &Lanes, a: &Lanes, b: &Lanes) -> f64 {
-    let setting = Setting {
+fn addition(adjoint: &StateLanes, a: &StateLanes, b: &StateLanes) -> f64 {
+    let setting = SumSetting {
         adjoint: *adjoint,
         deadline: 0,
         add: 0,
@@ -372,8 +374,8 @@ fn addition(adjoint: &Lanes, a: &Lanes, b: &Lanes) -> f64 {
 /// True when a term occurs with both signs. Over the real numbers such terms
 /// would vanish; they are there for the rounding errors between them
 /// (`super::compensate`).
-fn is_error_term(leaves: &[Leaf]) -> bool {
-    let opposite = |leaf: &Leaf| Leaf {
+fn is_error_term(leaves: &[GroupLeaf]) -> bool {
+    let opposite = |leaf: &GroupLeaf| GroupLeaf {
         negative: !leaf.negative,
         ..*leaf
     };

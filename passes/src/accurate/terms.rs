@@ -17,7 +17,7 @@
 //! Subtracting numbers within a factor of two of each other is exact (Sterbenz,
 //! *Floating-Point Computation*, 1974), and so is adding zero.
 
-use super::profile::{LANES, Lanes, squares};
+use super::profile::{LANES, StateLanes, squares};
 use robovec_ir::{Operand, Operation};
 use std::array;
 use std::cmp::Reverse;
@@ -27,11 +27,11 @@ use std::collections::BinaryHeap;
 const EXHAUSTIVE: usize = 6;
 
 /// Sums of more terms stay as they are.
-pub(super) const MOST: usize = 64;
+pub(super) const MAX_TERMS: usize = 64;
 
 /// What a step reads.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Source {
+pub(super) enum StepSource {
     /// An operand of the function that is written.
     Operand(Operand),
     /// The result of a step.
@@ -40,37 +40,37 @@ pub(super) enum Source {
 
 /// An operation of a plan.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Step {
+pub(super) struct SumStep {
     pub(super) operation: Operation,
-    pub(super) operands: [Source; 2],
+    pub(super) operands: [StepSource; 2],
 }
 
 /// A factor of a product.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Factor {
-    pub(super) source: Source,
-    pub(super) lanes: Lanes,
+pub(super) struct TermFactor {
+    pub(super) source: StepSource,
+    pub(super) lanes: StateLanes,
     pub(super) arrival: u32,
 }
 
 /// A term of a sum.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Term {
-    pub(super) source: Source,
+pub(super) struct SumTerm {
+    pub(super) source: StepSource,
     /// Whether the term is the negative of what the source holds.
     pub(super) negative: bool,
     /// The term, with its sign.
-    pub(super) lanes: Lanes,
+    pub(super) lanes: StateLanes,
     pub(super) arrival: u32,
     /// The factors of a product that nothing else reads.
-    pub(super) factors: Option<[Factor; 2]>,
+    pub(super) factors: Option<[TermFactor; 2]>,
 }
 
 /// A way to compute a sum.
 #[derive(Clone, Debug)]
-pub(super) struct Plan {
-    pub(super) steps: Vec<Step>,
-    pub(super) result: Source,
+pub(super) struct SumPlan {
+    pub(super) steps: Vec<SumStep>,
+    pub(super) result: StepSource,
     /// When the result is there, in cycles.
     #[cfg(test)]
     pub(super) arrival: u32,
@@ -80,9 +80,9 @@ pub(super) struct Plan {
 }
 
 /// What a plan is made for.
-pub(super) struct Setting {
+pub(super) struct SumSetting {
     /// What the sum does to the outputs: its adjoint, lane by lane.
-    pub(super) adjoint: Lanes,
+    pub(super) adjoint: StateLanes,
     /// When the result must be there.
     pub(super) deadline: u32,
     /// Cycles of an addition and of a multiplication.
@@ -91,22 +91,22 @@ pub(super) struct Setting {
 }
 
 /// A plan while it grows.
-struct Draft<'a> {
-    setting: &'a Setting,
-    steps: Vec<Step>,
-    terms: Vec<Term>,
+struct SumDraft<'a> {
+    setting: &'a SumSetting,
+    steps: Vec<SumStep>,
+    terms: Vec<SumTerm>,
     cost: f64,
 }
 
-impl Setting {
+impl SumSetting {
     /// The cost of one rounding of these numbers.
-    fn rounding(&self, lanes: &Lanes) -> f64 {
+    fn rounding(&self, lanes: &StateLanes) -> f64 {
         squares(&self.adjoint, lanes)
     }
 
     /// The cost of adding two terms.
-    pub(super) fn addition(&self, a: &Lanes, b: &Lanes) -> f64 {
-        let sum: Lanes = array::from_fn(|lane| {
+    pub(super) fn addition(&self, a: &StateLanes, b: &StateLanes) -> f64 {
+        let sum: StateLanes = array::from_fn(|lane| {
             let (a, b) = (a[lane], b[lane]);
             let (small, large) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
             let exact = small == 0.0 || (a * b < 0.0 && large <= 2.0 * small);
@@ -136,9 +136,9 @@ impl Setting {
 
 /// The best plan that meets the deadline, `None` when there is none. Without
 /// `factoring` products stay as they are.
-pub(super) fn plan(setting: &Setting, terms: &[Term], factoring: bool) -> Option<Plan> {
+pub(super) fn plan(setting: &SumSetting, terms: &[SumTerm], factoring: bool) -> Option<SumPlan> {
     let products = terms.iter().filter(|term| term.factors.is_some());
-    let mut draft = Draft {
+    let mut draft = SumDraft {
         setting,
         steps: Vec::new(),
         cost: products.map(|term| setting.rounding(&term.lanes)).sum(),
@@ -159,7 +159,7 @@ pub(super) fn plan(setting: &Setting, terms: &[Term], factoring: bool) -> Option
         return None;
     };
     let met = last.arrival <= setting.deadline && !last.negative;
-    met.then_some(Plan {
+    met.then_some(SumPlan {
         steps: draft.steps,
         result: last.source,
         #[cfg(test)]
@@ -168,13 +168,13 @@ pub(super) fn plan(setting: &Setting, terms: &[Term], factoring: bool) -> Option
     })
 }
 
-impl Draft<'_> {
+impl SumDraft<'_> {
     /// A sum of negative terms alone starts from zero.
     fn close_sign(&mut self) {
         if self.terms.iter().all(|term| term.negative) {
-            self.terms.push(Term {
+            self.terms.push(SumTerm {
                 // The writer knows the absent operand as the number zero.
-                source: Source::Operand(Operand::NONE),
+                source: StepSource::Operand(Operand::NONE),
                 negative: false,
                 lanes: [0.0; LANES],
                 arrival: 0,
@@ -183,17 +183,17 @@ impl Draft<'_> {
         }
     }
 
-    fn step(&mut self, operation: Operation, operands: [Source; 2]) -> Source {
-        self.steps.push(Step {
+    fn step(&mut self, operation: Operation, operands: [StepSource; 2]) -> StepSource {
+        self.steps.push(SumStep {
             operation,
             operands,
         });
-        Source::Step(self.steps.len() - 1)
+        StepSource::Step(self.steps.len() - 1)
     }
 
     /// The sum or difference of two signed sources: what is stored, and
     /// whether it has the other sign.
-    fn signed_sum(&mut self, a: (Source, bool), b: (Source, bool)) -> (Source, bool) {
+    fn signed_sum(&mut self, a: (StepSource, bool), b: (StepSource, bool)) -> (StepSource, bool) {
         match (a.1, b.1) {
             (false, true) => (self.step(Operation::Sub, [a.0, b.0]), false),
             (true, false) => (self.step(Operation::Sub, [b.0, a.0]), false),
@@ -209,7 +209,7 @@ impl Draft<'_> {
         self.replace(
             i,
             j,
-            Term {
+            SumTerm {
                 source,
                 negative,
                 lanes: array::from_fn(|lane| a.lanes[lane] + b.lanes[lane]),
@@ -220,7 +220,7 @@ impl Draft<'_> {
     }
 
     /// Puts a term in the place of two.
-    fn replace(&mut self, i: usize, j: usize, term: Term) {
+    fn replace(&mut self, i: usize, j: usize, term: SumTerm) {
         let (first, second) = (i.min(j), i.max(j));
         self.terms.remove(second);
         self.terms[first] = term;
@@ -230,7 +230,7 @@ impl Draft<'_> {
     fn factor(&mut self) -> bool {
         let mut found = false;
         loop {
-            let mut best: Option<(f64, usize, usize, Difference)> = None;
+            let mut best: Option<(f64, usize, usize, FactoredPair)> = None;
             for j in 0..self.terms.len() {
                 for i in 0..j {
                     for difference in self.differences(i, j) {
@@ -250,7 +250,7 @@ impl Draft<'_> {
         }
     }
 
-    fn in_time(&self, i: usize, j: usize, difference: &Difference) -> bool {
+    fn in_time(&self, i: usize, j: usize, difference: &FactoredPair) -> bool {
         let others = (0..self.terms.len()).filter(|&index| index != i && index != j);
         let arrivals = others.map(|index| self.terms[index].arrival);
         let arrival = difference.arrival(self.setting);
@@ -258,12 +258,12 @@ impl Draft<'_> {
     }
 
     /// The ways to factor two terms.
-    fn differences(&self, i: usize, j: usize) -> Vec<Difference> {
+    fn differences(&self, i: usize, j: usize) -> Vec<FactoredPair> {
         let (a, b) = (&self.terms[i], &self.terms[j]);
         let (Some(left), Some(right)) = (a.factors, b.factors) else {
             return Vec::new();
         };
-        let sum: Lanes = array::from_fn(|lane| a.lanes[lane] + b.lanes[lane]);
+        let sum: StateLanes = array::from_fn(|lane| a.lanes[lane] + b.lanes[lane]);
         let before = self.setting.rounding(&a.lanes)
             + self.setting.rounding(&b.lanes)
             + self.setting.addition(&a.lanes, &b.lanes);
@@ -278,7 +278,7 @@ impl Draft<'_> {
             // The rounding of `b - c` is multiplied by the common factor;
             // where the difference is exact it costs nothing.
             let inner = self.setting.addition(&a.lanes, &self.terms[j].lanes);
-            found.push(Difference {
+            found.push(FactoredPair {
                 gain: before - product - inner,
                 common: Some(common),
                 pair: [b, c],
@@ -286,9 +286,9 @@ impl Draft<'_> {
                 lanes: sum,
             });
         }
-        let square = |factors: &[Factor; 2]| factors[0].source == factors[1].source;
+        let square = |factors: &[TermFactor; 2]| factors[0].source == factors[1].source;
         if square(&left) && square(&right) && a.negative != b.negative {
-            found.push(Difference {
+            found.push(FactoredPair {
                 gain: before - 3.0 * product,
                 common: None,
                 pair: [left[0], right[0]],
@@ -300,7 +300,7 @@ impl Draft<'_> {
     }
 
     /// Writes a factored difference in the place of its two terms.
-    fn write(&mut self, i: usize, j: usize, difference: &Difference) {
+    fn write(&mut self, i: usize, j: usize, difference: &FactoredPair) {
         let [b, c] = difference.pair;
         let [first, second] = difference.signs;
         let inner = self.signed_sum((b.source, first), (c.source, second));
@@ -311,7 +311,7 @@ impl Draft<'_> {
                 // With the signs of the terms, `inner` is `b - c` or `c - b`.
                 let sum = self.step(Operation::Add, [b.source, c.source]);
                 let lanes = array::from_fn(|lane| b.lanes[lane] + c.lanes[lane]);
-                let factor = Factor {
+                let factor = TermFactor {
                     source: sum,
                     lanes,
                     arrival: ready,
@@ -321,7 +321,7 @@ impl Draft<'_> {
         };
         let source = self.step(Operation::Mul, [other.source, inner]);
         let size = |lane: usize| (difference.lanes[lane] / other.lanes[lane]).abs();
-        let factor = Factor {
+        let factor = TermFactor {
             source: inner,
             lanes: array::from_fn(size),
             arrival: ready,
@@ -329,7 +329,7 @@ impl Draft<'_> {
         self.replace(
             i,
             j,
-            Term {
+            SumTerm {
                 source,
                 negative,
                 lanes: difference.lanes,
@@ -374,14 +374,14 @@ impl Draft<'_> {
         }
         let full = (1usize << count) - 1;
         let mut sums = vec![[0.0; LANES]; full + 1];
-        let mut trees: Vec<Vec<Tree>> = vec![Vec::new(); full + 1];
+        let mut trees: Vec<Vec<SubsetTree>> = vec![Vec::new(); full + 1];
         for subset in 1..=full {
             let lowest = subset.trailing_zeros() as usize;
             let rest = subset & (subset - 1);
             sums[subset] = array::from_fn(|lane| sums[rest][lane] + self.terms[lowest].lanes[lane]);
             if rest == 0 {
                 let arrival = self.terms[lowest].arrival;
-                trees[subset].push(Tree {
+                trees[subset].push(SubsetTree {
                     cost: 0.0,
                     arrival,
                     split: 0,
@@ -416,7 +416,13 @@ impl Draft<'_> {
     }
 
     /// Writes the tree that was chosen; as deep as there are terms.
-    fn build(&mut self, terms: &[Term], trees: &[Vec<Tree>], subset: usize, place: usize) -> Term {
+    fn build(
+        &mut self,
+        terms: &[SumTerm],
+        trees: &[Vec<SubsetTree>],
+        subset: usize,
+        place: usize,
+    ) -> SumTerm {
         let tree = trees[subset][place];
         if tree.split == 0 {
             return terms[subset.trailing_zeros() as usize];
@@ -431,7 +437,7 @@ impl Draft<'_> {
 
 /// A tree over a subset of the terms.
 #[derive(Clone, Copy, Debug)]
-struct Tree {
+struct SubsetTree {
     cost: f64,
     arrival: u32,
     /// The subset on the right, 0 for a single term.
@@ -442,14 +448,14 @@ struct Tree {
 
 /// All pairs of trees of two subsets.
 fn pairs_of<'a>(
-    left: &'a [Tree],
-    right: &'a [Tree],
+    left: &'a [SubsetTree],
+    right: &'a [SubsetTree],
     rounding: f64,
     add: u32,
     split: usize,
-) -> Vec<Tree> {
-    let pair = |(i, a): (usize, &'a Tree)| {
-        right.iter().enumerate().map(move |(j, b)| Tree {
+) -> Vec<SubsetTree> {
+    let pair = |(i, a): (usize, &'a SubsetTree)| {
+        right.iter().enumerate().map(move |(j, b)| SubsetTree {
             cost: a.cost + b.cost + rounding,
             arrival: a.arrival.max(b.arrival).saturating_add(add),
             split,
@@ -460,7 +466,7 @@ fn pairs_of<'a>(
 }
 
 /// Keeps the trees that no other beats in cost and finish; at most sixteen.
-fn keep_best(trees: &mut Vec<Tree>, deadline: u32) {
+fn keep_best(trees: &mut Vec<SubsetTree>, deadline: u32) {
     trees.retain(|tree| tree.arrival <= deadline);
     // A stable order, so that equal trees are always chosen alike.
     trees.sort_by(|a, b| (a.arrival.cmp(&b.arrival)).then(a.cost.total_cmp(&b.cost)));
@@ -474,18 +480,18 @@ fn keep_best(trees: &mut Vec<Tree>, deadline: u32) {
 }
 
 /// A factored pair of products.
-struct Difference {
+struct FactoredPair {
     gain: f64,
     /// The common factor; none for a difference of squares.
-    common: Option<Factor>,
-    pair: [Factor; 2],
+    common: Option<TermFactor>,
+    pair: [TermFactor; 2],
     /// Which of the two terms are negative.
     signs: [bool; 2],
-    lanes: Lanes,
+    lanes: StateLanes,
 }
 
-impl Difference {
-    fn arrival(&self, setting: &Setting) -> u32 {
+impl FactoredPair {
+    fn arrival(&self, setting: &SumSetting) -> u32 {
         let [b, c] = &self.pair;
         let inner = b.arrival.max(c.arrival).saturating_add(setting.add);
         let common = self.common.map_or(0, |common| common.arrival);
@@ -498,17 +504,17 @@ mod tests {
     use super::*;
     use robovec_ir::Input;
 
-    fn input(index: u32, value: f64) -> Factor {
-        Factor {
-            source: Source::Operand(Input(index).into()),
+    fn input(index: u32, value: f64) -> TermFactor {
+        TermFactor {
+            source: StepSource::Operand(Input(index).into()),
             lanes: [value; LANES],
             arrival: 0,
         }
     }
 
-    fn term(index: u32, value: f64, arrival: u32) -> Term {
-        Term {
-            source: Source::Operand(Input(index).into()),
+    fn term(index: u32, value: f64, arrival: u32) -> SumTerm {
+        SumTerm {
+            source: StepSource::Operand(Input(index).into()),
             negative: value < 0.0,
             lanes: [value; LANES],
             arrival,
@@ -516,8 +522,8 @@ mod tests {
         }
     }
 
-    fn setting(deadline: u32) -> Setting {
-        Setting {
+    fn setting(deadline: u32) -> SumSetting {
+        SumSetting {
             adjoint: [1.0; LANES],
             deadline,
             add: 12,
@@ -525,14 +531,14 @@ mod tests {
         }
     }
 
-    fn first(plan: &Plan) -> [Source; 2] {
+    fn first(plan: &SumPlan) -> [StepSource; 2] {
         plan.steps[0].operands
     }
 
     #[test]
     fn small_terms_come_first_where_there_is_time() {
         for count in [5, 8] {
-            let terms: Vec<Term> = (0..count)
+            let terms: Vec<SumTerm> = (0..count)
                 .map(|index| term(index, 2f64.powi(-(index as i32)) * 1.1, 0))
                 .collect();
             let free = plan(&setting(1000), &terms, false).expect("there is time");
@@ -556,8 +562,8 @@ mod tests {
     #[test]
     fn a_common_factor_of_what_cancels_is_taken_out() {
         let [a, b, c] = [(0, 3.0), (1, 1.001), (2, 1.0)].map(|(i, value)| input(i, value));
-        let product = |x: Factor, y: Factor, sign: f64| Term {
-            source: Source::Operand(Input(9).into()),
+        let product = |x: TermFactor, y: TermFactor, sign: f64| SumTerm {
+            source: StepSource::Operand(Input(9).into()),
             negative: sign < 0.0,
             lanes: array::from_fn(|lane| sign * x.lanes[lane] * y.lanes[lane]),
             arrival: 7,

@@ -19,15 +19,15 @@
 //! columns of a mass matrix), and are found to be.
 
 use super::import::{Import, import};
-use super::network::{Class, Form, Network, Signed, Term};
-use super::timing::{Arrivals, Timing};
+use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm, SignedClass};
+use super::timing::{Arrivals, NetworkTiming};
 use robovec_framework::pass::Context;
 use robovec_ir::Function;
 use std::rc::Rc;
 
 /// How far and how wide forms go.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Limits {
+pub(crate) struct CompositionLimits {
     /// Cycles from one frontier to the next.
     pub(crate) grid: u32,
     /// How many frontiers a form looks back; of every distance.
@@ -45,8 +45,8 @@ pub(crate) struct Limits {
 /// `Σ coefficient · variable + rest`, the value of a class with its sign.
 #[derive(Clone, PartialEq, Debug)]
 struct Linear {
-    terms: Vec<(Signed, Class)>,
-    rest: Option<Signed>,
+    terms: Vec<(SignedClass, Class)>,
+    rest: Option<SignedClass>,
 }
 
 /// A function as a network whose classes have forms that look back, and the
@@ -55,8 +55,8 @@ struct Linear {
 pub(crate) fn look_ahead(
     function: &Function,
     context: &mut Context<'_>,
-    timing: Timing,
-    limits: Limits,
+    timing: NetworkTiming,
+    limits: CompositionLimits,
 ) -> Option<(Import, u32)> {
     let Some(mut import) = import(function, context.tables, timing) else {
         let reason = "a value is undefined everywhere; nothing is changed";
@@ -67,7 +67,7 @@ pub(crate) fn look_ahead(
     Some((import, chain))
 }
 
-fn add_forms(import: &mut Import, timing: Timing, limits: Limits) -> u32 {
+fn add_forms(import: &mut Import, timing: NetworkTiming, limits: CompositionLimits) -> u32 {
     let mut composer = Composer {
         network: &mut import.network,
         reference: import.arrivals.clone(),
@@ -86,13 +86,13 @@ fn add_forms(import: &mut Import, timing: Timing, limits: Limits) -> u32 {
 }
 
 struct Composer<'a> {
-    network: &'a mut Network,
+    network: &'a mut ChoiceNetwork,
     /// Arrivals of the function as it was read: they place the frontiers.
     reference: Arrivals,
     /// Earliest arrivals by all forms made so far.
     arrivals: &'a mut Arrivals,
-    timing: Timing,
-    limits: Limits,
+    timing: NetworkTiming,
+    limits: CompositionLimits,
     /// By class: how many equations lie behind it, one linear in the latest
     /// value of the next.
     chains: Vec<u32>,
@@ -165,12 +165,12 @@ impl Composer<'_> {
     fn base(&mut self, class: Class) -> Option<Linear> {
         let first = self.network.forms(class).last()?;
         let form = self.network.form(first);
-        let terms: Vec<(Signed, Class)> = match form {
-            Form::Sum(..) => {
+        let terms: Vec<(SignedClass, Class)> = match form {
+            ChoiceForm::Sum(..) => {
                 let terms = self.network.terms(form).to_vec();
                 terms.into_iter().map(|term| self.split(term)).collect()
             }
-            Form::Product(..) => {
+            ChoiceForm::Product(..) => {
                 let mut factors: Vec<Class> =
                     self.network.terms(form).iter().map(|term| term.a).collect();
                 factors.sort_by_key(|&factor| (self.arrivals.of(factor), factor));
@@ -182,13 +182,13 @@ impl Composer<'_> {
             }
             _ => return None,
         };
-        let plain: Vec<Term> = terms.iter().map(|&term| as_term(term)).collect();
+        let plain: Vec<ProductTerm> = terms.iter().map(|&term| as_term(term)).collect();
         let value = self.network.sum_value(&plain);
         let negated = value.is_negation_of(&self.network.value(class));
-        let signed = |(coefficient, variable): (Signed, Class)| {
+        let signed = |(coefficient, variable): (SignedClass, Class)| {
             let negative = coefficient.negative ^ negated;
             (
-                Signed {
+                SignedClass {
                     negative,
                     ..coefficient
                 },
@@ -202,24 +202,24 @@ impl Composer<'_> {
     }
 
     /// A term as coefficient and variable, the variable being the later one.
-    fn split(&self, term: Term) -> (Signed, Class) {
+    fn split(&self, term: ProductTerm) -> (SignedClass, Class) {
         let key = |class: Class| (self.reference.of(class), class);
         let (class, variable) = match key(term.a) <= key(term.b) {
             true => (term.a, term.b),
             false => (term.b, term.a),
         };
         let negative = term.negative;
-        (Signed { class, negative }, variable)
+        (SignedClass { class, negative }, variable)
     }
 
     /// Substitutes the forms at a frontier for the variables behind it; adds
     /// the result to the class.
     fn compose(&mut self, class: Class, outer: &Linear, frontier: u32) -> Option<Rc<Linear>> {
         let time = frontier * self.limits.grid;
-        let mut collected: Vec<(Class, Vec<Term>)> = Vec::new();
-        let mut rest: Vec<Term> = Vec::new();
+        let mut collected: Vec<(Class, Vec<ProductTerm>)> = Vec::new();
+        let mut rest: Vec<ProductTerm> = Vec::new();
         rest.extend(outer.rest.map(plain));
-        let mut collect = |variable: Class, term: Term| match collected
+        let mut collect = |variable: Class, term: ProductTerm| match collected
             .iter_mut()
             .find(|(known, _)| *known == variable)
         {
@@ -255,7 +255,7 @@ impl Composer<'_> {
             }
         }
         let rest = self.sum(rest);
-        let mut form: Vec<Term> = terms.iter().map(|&term| as_term(term)).collect();
+        let mut form: Vec<ProductTerm> = terms.iter().map(|&term| as_term(term)).collect();
         form.extend(rest.map(plain));
         self.network.tidy(&mut form);
         self.network.add_sum(class, &mut form);
@@ -263,7 +263,7 @@ impl Composer<'_> {
         Some(Rc::new(Linear { terms, rest }))
     }
 
-    fn sum(&mut self, terms: Vec<Term>) -> Option<Signed> {
+    fn sum(&mut self, terms: Vec<ProductTerm>) -> Option<SignedClass> {
         let sum = self.network.sum(terms);
         if let Some(signed) = sum {
             self.arrivals
@@ -274,24 +274,24 @@ impl Composer<'_> {
 }
 
 /// A signed class as a term.
-fn plain(signed: Signed) -> Term {
-    Term {
+fn plain(signed: SignedClass) -> ProductTerm {
+    ProductTerm {
         a: signed.class,
         b: Class::ONE,
         negative: signed.negative,
     }
 }
 
-fn as_term((coefficient, variable): (Signed, Class)) -> Term {
-    Term {
+fn as_term((coefficient, variable): (SignedClass, Class)) -> ProductTerm {
+    ProductTerm {
         a: coefficient.class,
         b: variable,
         negative: coefficient.negative,
     }
 }
 
-fn product(a: Signed, b: Signed) -> Term {
-    Term {
+fn product(a: SignedClass, b: SignedClass) -> ProductTerm {
+    ProductTerm {
         a: a.class,
         b: b.class,
         negative: a.negative ^ b.negative,

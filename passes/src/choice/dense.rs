@@ -4,13 +4,13 @@
 //! rank, so that operands come first and lie near their users, and the terms
 //! of all forms lie in one vector.
 
-use super::network::{Class, Form, Network, Signed};
-use super::timing::{Timing, earliest_first, levels};
+use super::network::{ChoiceForm, ChoiceNetwork, Class, SignedClass};
+use super::timing::{NetworkTiming, earliest_first, levels};
 use smallvec::SmallVec;
 
 /// What a form does with its terms.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Kind {
+pub(crate) enum DenseKind {
     /// Nothing: an input or constant.
     Leaf,
     /// An operation of this weight.
@@ -23,7 +23,7 @@ pub(crate) enum Kind {
 
 #[derive(Clone, Copy, Debug)]
 struct DenseForm {
-    kind: Kind,
+    kind: DenseKind,
     start: u32,
     end: u32,
     cost: u32,
@@ -44,7 +44,11 @@ impl Dense {
     /// The second factor of a term that is no product.
     pub(crate) const NONE: u32 = u32::MAX;
 
-    pub(crate) fn new(network: &Network, timing: &Timing, outputs: &[Option<Signed>]) -> Dense {
+    pub(crate) fn new(
+        network: &ChoiceNetwork,
+        timing: &NetworkTiming,
+        outputs: &[Option<SignedClass>],
+    ) -> Dense {
         let mut classes = reachable(network, outputs);
         classes.sort_by_key(|&class| (network.rank(class), class));
         let mut places = vec![Dense::NONE; network.len()];
@@ -70,12 +74,12 @@ impl Dense {
         dense
     }
 
-    fn push(&mut self, network: &Network, timing: &Timing, original: u32) {
+    fn push(&mut self, network: &ChoiceNetwork, timing: &NetworkTiming, original: u32) {
         let form = network.form(original);
         let start = self.terms.len() as u32;
         let (kind, cost) = match form {
-            Form::Input(..) | Form::Constant(_) => (Kind::Leaf, 0),
-            Form::Opaque(index) => {
+            ChoiceForm::Input(..) | ChoiceForm::Constant(_) => (DenseKind::Leaf, 0),
+            ChoiceForm::Opaque(index) => {
                 let opaque = &network.opaques[index as usize];
                 for operand in opaque.operands.iter().flatten() {
                     let place = self.place(operand.class);
@@ -84,19 +88,19 @@ impl Dense {
                 let operation = opaque.operation;
                 let weight = timing.weights.of(operation);
                 (
-                    Kind::Opaque(weight),
+                    DenseKind::Opaque(weight),
                     u32::from(!operation.is_trigonometric()),
                 )
             }
-            Form::Product(..) => {
+            ChoiceForm::Product(..) => {
                 let terms = network.terms(form);
                 for term in terms {
                     let place = self.place(term.a);
                     self.terms.push((place, Dense::NONE));
                 }
-                (Kind::Product, terms.len() as u32 - 1)
+                (DenseKind::Product, terms.len() as u32 - 1)
             }
-            Form::Sum(..) => {
+            ChoiceForm::Sum(..) => {
                 let terms = network.terms(form);
                 let mut cost = terms.len() as u32 - 1;
                 for term in terms {
@@ -108,7 +112,7 @@ impl Dense {
                     let a = self.place(term.a);
                     self.terms.push((a, b));
                 }
-                (Kind::Sum, cost)
+                (DenseKind::Sum, cost)
             }
         };
         let end = self.terms.len() as u32;
@@ -146,7 +150,7 @@ impl Dense {
         self.forms[form as usize].original
     }
 
-    pub(crate) fn kind(&self, form: u32) -> Kind {
+    pub(crate) fn kind(&self, form: u32) -> DenseKind {
         self.forms[form as usize].kind
     }
 
@@ -168,7 +172,7 @@ impl Dense {
 
     fn term_arrivals<'a>(
         &'a self,
-        timing: &Timing,
+        timing: &NetworkTiming,
         arrivals: &'a [u32],
         form: u32,
     ) -> impl Iterator<Item = u32> + 'a {
@@ -183,13 +187,13 @@ impl Dense {
     }
 
     /// When a form is available.
-    pub(crate) fn arrival(&self, timing: &Timing, arrivals: &[u32], form: u32) -> u32 {
+    pub(crate) fn arrival(&self, timing: &NetworkTiming, arrivals: &[u32], form: u32) -> u32 {
         let terms = self.term_arrivals(timing, arrivals, form);
         match self.kind(form) {
-            Kind::Leaf => 0,
-            Kind::Opaque(weight) => terms.max().unwrap_or(0).saturating_add(weight),
-            Kind::Sum => earliest_first(terms, timing.add),
-            Kind::Product => earliest_first(terms, timing.multiply),
+            DenseKind::Leaf => 0,
+            DenseKind::Opaque(weight) => terms.max().unwrap_or(0).saturating_add(weight),
+            DenseKind::Sum => earliest_first(terms, timing.add),
+            DenseKind::Product => earliest_first(terms, timing.multiply),
         }
     }
 
@@ -197,20 +201,20 @@ impl Dense {
     /// multiplications) it goes through.
     pub(crate) fn levels(
         &self,
-        timing: &Timing,
+        timing: &NetworkTiming,
         arrivals: &[u32],
         form: u32,
     ) -> SmallVec<[u32; 16]> {
         let times: SmallVec<[u32; 16]> = self.term_arrivals(timing, arrivals, form).collect();
         match self.kind(form) {
-            Kind::Product => levels(&times, timing.multiply),
+            DenseKind::Product => levels(&times, timing.multiply),
             _ => levels(&times, timing.add),
         }
     }
 }
 
 /// All classes that some form of an output's class leads to.
-fn reachable(network: &Network, outputs: &[Option<Signed>]) -> Vec<Class> {
+fn reachable(network: &ChoiceNetwork, outputs: &[Option<SignedClass>]) -> Vec<Class> {
     let mut seen = vec![false; network.len()];
     let mut classes = Vec::new();
     let mut open: Vec<Class> = outputs

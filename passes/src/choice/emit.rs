@@ -2,8 +2,8 @@
 
 use super::import::Import;
 use super::map::{Mapper, Mapping};
-use super::network::{Class, Form, Network, Term};
-use super::timing::Timing;
+use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm};
+use super::timing::NetworkTiming;
 use robovec_ir::{
     Assignment, FreshNames, Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol,
     Tables,
@@ -27,12 +27,12 @@ pub(crate) fn emit(
     import: &Import,
     mapper: &Mapper,
     mapping: &Mapping,
-    timing: Timing,
+    timing: NetworkTiming,
     tables: &mut Tables,
 ) -> Function {
     let network = &import.network;
     let used: Vec<(Class, u32)> = mapper.used(mapping).collect();
-    let mut writer = Writer {
+    let mut writer = ChoiceWriter {
         network,
         sources: sources(import, &used, tables),
         timing,
@@ -63,7 +63,7 @@ pub(crate) fn emit(
 
 /// A value made on the way comes from the equations it was made for; it names
 /// at most so many.
-const MOST_SERVED: usize = 8;
+const MAX_SERVED: usize = 8;
 
 /// The equations each class comes from: its own and, of values that are new,
 /// those of the values of the function that they lead to.
@@ -88,13 +88,13 @@ fn sources(import: &Import, used: &[(Class, u32)], tables: &mut Tables) -> Vec<S
             sets.insert(0, own);
         }
         sources[class.index()] = match network.form(form) {
-            Form::Input(..) | Form::Constant(_) => SourceSet::EMPTY,
+            ChoiceForm::Input(..) | ChoiceForm::Constant(_) => SourceSet::EMPTY,
             _ => tables.sources.union(&sets),
         };
         network.operands(network.form(form), |operand| {
             let list = &mut served[operand.index()];
             for &set in &sets {
-                if list.len() < MOST_SERVED && !list.contains(&set) {
+                if list.len() < MAX_SERVED && !list.contains(&set) {
                     list.push(set);
                 }
             }
@@ -105,24 +105,24 @@ fn sources(import: &Import, used: &[(Class, u32)], tables: &mut Tables) -> Vec<S
 
 /// What the operations of one class are named and where they come from.
 #[derive(Clone, Copy)]
-struct Naming {
+struct ClassNaming {
     last: Name,
     owner: Symbol,
     sources: SourceSet,
 }
 
-struct Writer<'a> {
-    network: &'a Network,
+struct ChoiceWriter<'a> {
+    network: &'a ChoiceNetwork,
     /// By class: the equations it comes from or serves.
     sources: Vec<SourceSet>,
-    timing: Timing,
+    timing: NetworkTiming,
     out: Function,
     held: Vec<Option<Held>>,
     names: FreshNames,
 }
 
-impl Writer<'_> {
-    fn naming(&self, class: Class, last: Name, sources: SourceSet) -> Naming {
+impl ChoiceWriter<'_> {
+    fn naming(&self, class: Class, last: Name, sources: SourceSet) -> ClassNaming {
         let owner = self.network.origin_of(class).0;
         let own = self.sources[class.index()];
         let sources = if own == SourceSet::EMPTY {
@@ -130,7 +130,7 @@ impl Writer<'_> {
         } else {
             own
         };
-        Naming {
+        ClassNaming {
             last,
             owner,
             sources,
@@ -145,21 +145,21 @@ impl Writer<'_> {
         })
     }
 
-    fn class(&mut self, class: Class, form: Form, name: Name) {
+    fn class(&mut self, class: Class, form: ChoiceForm, name: Name) {
         let naming = self.naming(class, name, SourceSet::EMPTY);
         let held = match form {
-            Form::Input(input, negative) => Held {
+            ChoiceForm::Input(input, negative) => Held {
                 operand: input.into(),
                 negative,
                 arrival: 0,
             },
-            Form::Constant(bits) => Held {
+            ChoiceForm::Constant(bits) => Held {
                 operand: self.out.constant(f64::from_bits(bits)).into(),
                 negative: false,
                 arrival: 0,
             },
-            Form::Opaque(index) => self.opaque(index, naming),
-            Form::Product(..) => {
+            ChoiceForm::Opaque(index) => self.opaque(index, naming),
+            ChoiceForm::Product(..) => {
                 let factors = self.network.terms(form);
                 let held: Vec<Held> = factors.iter().map(|term| self.held(term.a)).collect();
                 let values = factors.iter().map(|term| self.network.value(term.a));
@@ -167,7 +167,7 @@ impl Writer<'_> {
                 let negated = value.is_negation_of(&self.network.value(class));
                 self.tree(held, true, negated, naming)
             }
-            Form::Sum(..) => {
+            ChoiceForm::Sum(..) => {
                 let terms = self.network.terms(form);
                 let value = self.network.sum_value(terms);
                 let negated = value.is_negation_of(&self.network.value(class));
@@ -178,13 +178,13 @@ impl Writer<'_> {
         self.held[class.index()] = Some(held);
     }
 
-    fn opaque(&mut self, index: u32, naming: Naming) -> Held {
+    fn opaque(&mut self, index: u32, naming: ClassNaming) -> Held {
         let opaque = self.network.opaques[index as usize];
-        let mut operands = [Operand::NONE; Operand::MOST];
+        let mut operands = [Operand::NONE; Operand::MAX_COUNT];
         let mut arrival = 0;
         for (slot, operand) in operands.iter_mut().zip(opaque.operands) {
             if let Some(signed) = operand {
-                let inner = Naming {
+                let inner = ClassNaming {
                     last: Name::NONE,
                     ..naming
                 };
@@ -201,7 +201,7 @@ impl Writer<'_> {
     }
 
     /// A signed term; products are written.
-    fn term(&mut self, term: Term, naming: Naming) -> Held {
+    fn term(&mut self, term: ProductTerm, naming: ClassNaming) -> Held {
         let a = self.held(term.a);
         if !term.is_product() {
             return Held {
@@ -219,7 +219,13 @@ impl Writer<'_> {
     }
 
     /// Combines the two earliest first.
-    fn tree(&mut self, leaves: Vec<Held>, product: bool, negated: bool, naming: Naming) -> Held {
+    fn tree(
+        &mut self,
+        leaves: Vec<Held>,
+        product: bool,
+        negated: bool,
+        naming: ClassNaming,
+    ) -> Held {
         let weight = match product {
             true => self.timing.multiply,
             false => self.timing.add,
@@ -262,7 +268,7 @@ impl Writer<'_> {
         }
     }
 
-    fn true_sign(&mut self, class: Class, negative: bool, naming: Naming) -> Operand {
+    fn true_sign(&mut self, class: Class, negative: bool, naming: ClassNaming) -> Operand {
         let held = self.held(class);
         if held.negative == negative {
             return held.operand;
@@ -279,7 +285,7 @@ impl Writer<'_> {
         operation: Operation,
         operands: [Operand; COUNT],
         name: Name,
-        naming: Naming,
+        naming: ClassNaming,
     ) -> Operand {
         let name = match name.is_none() {
             true => self.names.fresh(naming.owner),

@@ -1,8 +1,8 @@
 //! A function as a network of choices with one form per class.
 
-use super::network::{Class, Network, Opaque, RANK_STEP, Signed, Term};
-use super::timing::{Arrivals, Timing};
-use crate::reassociate::{Family, Groups, Leaf, Reach};
+use super::network::{ChoiceNetwork, Class, Opaque, ProductTerm, RANK_STEP, SignedClass};
+use super::timing::{Arrivals, NetworkTiming};
+use crate::reassociate::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_framework::rewrite::owners;
@@ -10,9 +10,9 @@ use robovec_ir::{Function, Name, Operand, OperandKind, SourceSet, Tables, Value}
 
 /// A function read into a network.
 pub(crate) struct Import {
-    pub(crate) network: Network,
+    pub(crate) network: ChoiceNetwork,
     /// What each assignment is set to; `None` for zero.
-    pub(crate) outputs: Vec<Option<Signed>>,
+    pub(crate) outputs: Vec<Option<SignedClass>>,
     /// The classes of sums and products of the function, in program order,
     /// each once.
     pub(crate) classes: Vec<Class>,
@@ -24,15 +24,19 @@ pub(crate) struct Import {
 
 /// Reads a function at the atomic level. `None` when some value is undefined
 /// (a division by what is always zero), so that nothing can be said of it.
-pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Timing) -> Option<Import> {
+pub(crate) fn import(
+    function: &Function,
+    tables: &mut Tables,
+    timing: NetworkTiming,
+) -> Option<Import> {
     let images = Images::of(function, false);
     let values = images.values(function);
     let undefined = |constant: &f64| !constant.is_finite();
     if values.iter().any(Fingerprint::is_undefined) || function.constants().iter().any(undefined) {
         return None;
     }
-    let groups = Groups::find(function, Reach::Maximal);
-    let mut reader = Reader {
+    let groups = OperandGroups::find(function, GroupReach::Maximal);
+    let mut reader = ChoiceImporter {
         function,
         levels: arrivals(function, &Weights::operations()),
         inlined: inlined(function, &groups),
@@ -43,7 +47,7 @@ pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Timing) -
         products: Vec::new(),
         merges: Vec::new(),
         import: Import {
-            network: Network::new(images),
+            network: ChoiceNetwork::new(images),
             outputs: Vec::new(),
             classes: Vec::new(),
             names: Vec::new(),
@@ -60,7 +64,7 @@ pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Timing) -
         let output = reader.operand(assignment.operand);
         reader.import.outputs.push(output);
     }
-    let Reader {
+    let ChoiceImporter {
         mut import,
         mut merges,
         ..
@@ -77,17 +81,17 @@ pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Timing) -
     Some(import)
 }
 
-struct Reader<'a> {
+struct ChoiceImporter<'a> {
     function: &'a Function,
     /// Operations on the longest chain to each value: the rank of its class.
     levels: Vec<u32>,
-    groups: Groups,
+    groups: OperandGroups,
     /// Products that one sum alone uses: they become terms of that sum.
     inlined: Vec<bool>,
     values: Vec<Fingerprint>,
-    timing: Timing,
+    timing: NetworkTiming,
     /// What old values have become; `None` for zero.
-    map: Vec<Option<Signed>>,
+    map: Vec<Option<SignedClass>>,
     /// Products that became terms of the sum being read.
     products: Vec<Value>,
     /// Classes and equations they also come from.
@@ -95,7 +99,7 @@ struct Reader<'a> {
     import: Import,
 }
 
-impl Reader<'_> {
+impl ChoiceImporter<'_> {
     fn node(&mut self, value: Value) {
         if self.groups.is_absorbed(value) || self.inlined[value.index()] {
             self.map.push(None);
@@ -132,10 +136,10 @@ impl Reader<'_> {
         }
     }
 
-    fn define(&mut self, value: Value, fingerprint: Fingerprint, rank: u64) -> Signed {
+    fn define(&mut self, value: Value, fingerprint: Fingerprint, rank: u64) -> SignedClass {
         let node = self.function.node(value);
-        match Family::of(node.operation) {
-            Some(Family::Sum) => {
+        match GroupFamily::of(node.operation) {
+            Some(GroupFamily::Sum) => {
                 self.products.clear();
                 let terms = self.terms(value);
                 let used = terms.iter().flat_map(|term| [term.a, term.b]);
@@ -150,8 +154,8 @@ impl Reader<'_> {
                 self.settle(signed.class, true);
                 signed
             }
-            Some(Family::Product) => {
-                let factors: Vec<Leaf> = self.groups.leaves(value).to_vec();
+            Some(GroupFamily::Product) => {
+                let factors: Vec<GroupLeaf> = self.groups.leaves(value).to_vec();
                 let mut classes: Vec<Class> = factors
                     .iter()
                     .filter_map(|leaf| self.operand(leaf.operand))
@@ -165,7 +169,7 @@ impl Reader<'_> {
                 signed
             }
             None => {
-                let mut operands = [None; Operand::MOST];
+                let mut operands = [None; Operand::MAX_COUNT];
                 for (slot, &operand) in operands.iter_mut().zip(node.operands()) {
                     *slot = Some(self.operand_or_zero(operand));
                 }
@@ -194,7 +198,7 @@ impl Reader<'_> {
         rank.max(highest.unwrap_or(0) + 1)
     }
 
-    fn class(&mut self, fingerprint: Fingerprint, rank: u64, name: Name) -> Signed {
+    fn class(&mut self, fingerprint: Fingerprint, rank: u64, name: Name) -> SignedClass {
         let signed = self.import.network.class(fingerprint, rank);
         let index = signed.class.index();
         if self.import.names.len() <= index {
@@ -213,8 +217,8 @@ impl Reader<'_> {
         import.arrivals.update(&import.network, &self.timing, class);
     }
 
-    fn terms(&mut self, root: Value) -> Vec<Term> {
-        let leaves: Vec<Leaf> = self.groups.leaves(root).to_vec();
+    fn terms(&mut self, root: Value) -> Vec<ProductTerm> {
+        let leaves: Vec<GroupLeaf> = self.groups.leaves(root).to_vec();
         let mut terms = Vec::with_capacity(leaves.len());
         for leaf in leaves {
             let inline = leaf.operand.value();
@@ -222,13 +226,13 @@ impl Reader<'_> {
             self.products.extend(inline);
             let term = match inline {
                 Some(product) => self.product_term(product),
-                None => self.operand(leaf.operand).map(|signed| Term {
+                None => self.operand(leaf.operand).map(|signed| ProductTerm {
                     a: signed.class,
                     b: Class::ONE,
                     negative: signed.negative,
                 }),
             };
-            terms.extend(term.map(|term| Term {
+            terms.extend(term.map(|term| ProductTerm {
                 negative: term.negative ^ leaf.negative,
                 ..term
             }));
@@ -237,8 +241,8 @@ impl Reader<'_> {
     }
 
     /// A product as the latest factor times the product of the others.
-    fn product_term(&mut self, product: Value) -> Option<Term> {
-        let factors: Vec<Leaf> = self.groups.leaves(product).to_vec();
+    fn product_term(&mut self, product: Value) -> Option<ProductTerm> {
+        let factors: Vec<GroupLeaf> = self.groups.leaves(product).to_vec();
         let mut classes: Vec<Class> = Vec::with_capacity(factors.len());
         let mut negative = false;
         for factor in factors {
@@ -254,21 +258,21 @@ impl Reader<'_> {
         self.import
             .arrivals
             .update(&self.import.network, &self.timing, rest.class);
-        Some(Term {
+        Some(ProductTerm {
             a: rest.class,
             b: last,
             negative: negative ^ rest.negative,
         })
     }
 
-    fn operand_or_zero(&mut self, operand: Operand) -> Signed {
+    fn operand_or_zero(&mut self, operand: Operand) -> SignedClass {
         match self.operand(operand) {
             Some(signed) => signed,
             None => self.import.network.constant(0.0),
         }
     }
 
-    fn operand(&mut self, operand: Operand) -> Option<Signed> {
+    fn operand(&mut self, operand: Operand) -> Option<SignedClass> {
         let saved = self.import.network.origin;
         self.import.network.origin = (saved.0, SourceSet::EMPTY);
         let signed = match operand.kind() {
@@ -292,18 +296,18 @@ impl Reader<'_> {
 }
 
 /// Which products only one sum uses.
-fn inlined(function: &Function, groups: &Groups) -> Vec<bool> {
+fn inlined(function: &Function, groups: &OperandGroups) -> Vec<bool> {
     let uses = function.use_counts();
     let mut inlined = vec![false; function.nodes().len()];
-    let family = |value: Value| Family::of(function.node(value).operation);
+    let family = |value: Value| GroupFamily::of(function.node(value).operation);
     for (value, _) in function.values() {
-        if groups.is_absorbed(value) || family(value) != Some(Family::Sum) {
+        if groups.is_absorbed(value) || family(value) != Some(GroupFamily::Sum) {
             continue;
         }
         for leaf in groups.leaves(value) {
             if let Some(term) = leaf.operand.value() {
                 let only_use = uses[term.index()] == 1;
-                inlined[term.index()] = only_use && family(term) == Some(Family::Product);
+                inlined[term.index()] = only_use && family(term) == Some(GroupFamily::Product);
             }
         }
     }

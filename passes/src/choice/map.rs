@@ -1,8 +1,8 @@
 //! Choosing a form for every class: early enough, then few operations.
 
-use super::dense::{Dense, Kind};
-use super::network::{Network, Signed};
-use super::timing::{NEVER, Timing};
+use super::dense::{Dense, DenseKind};
+use super::network::{ChoiceNetwork, SignedClass};
+use super::timing::{NEVER, NetworkTiming};
 
 /// One form for every class, and what follows from it. Indexed by place in
 /// the dense copy.
@@ -26,12 +26,16 @@ const LARGEST_EXACT: usize = 200_000;
 /// Chooses forms.
 pub(crate) struct Mapper {
     dense: Dense,
-    timing: Timing,
+    timing: NetworkTiming,
     outputs: Vec<u32>,
 }
 
 impl Mapper {
-    pub(crate) fn new(network: &Network, timing: Timing, outputs: &[Option<Signed>]) -> Mapper {
+    pub(crate) fn new(
+        network: &ChoiceNetwork,
+        timing: NetworkTiming,
+        outputs: &[Option<SignedClass>],
+    ) -> Mapper {
         let dense = Dense::new(network, &timing, outputs);
         let outputs = outputs.iter().flatten();
         let outputs = outputs.map(|output| dense.place(output.class)).collect();
@@ -282,16 +286,16 @@ impl Mapper {
     /// Hands the required time of a form's class on to its operands.
     fn require(&self, mapping: &mut Mapping, form: u32, required: u32) {
         let weight = match self.dense.kind(form) {
-            Kind::Leaf => return,
-            Kind::Opaque(weight) => {
+            DenseKind::Leaf => return,
+            DenseKind::Opaque(weight) => {
                 for operand in self.dense.operands(form) {
                     let known = &mut mapping.required[operand as usize];
                     *known = (*known).min(required.saturating_sub(weight));
                 }
                 return;
             }
-            Kind::Product => self.timing.multiply,
-            Kind::Sum => self.timing.add,
+            DenseKind::Product => self.timing.multiply,
+            DenseKind::Sum => self.timing.add,
         };
         let levels = self.dense.levels(&self.timing, &mapping.arrivals, form);
         for (&(a, b), level) in self.dense.terms(form).iter().zip(levels) {

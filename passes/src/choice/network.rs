@@ -22,7 +22,7 @@ impl Class {
 
 /// A class with a sign.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(crate) struct Signed {
+pub(crate) struct SignedClass {
     pub(crate) class: Class,
     pub(crate) negative: bool,
 }
@@ -30,13 +30,13 @@ pub(crate) struct Signed {
 /// A signed product of two classes; the second is [`Class::ONE`] for a plain
 /// term.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub(crate) struct Term {
+pub(crate) struct ProductTerm {
     pub(crate) a: Class,
     pub(crate) b: Class,
     pub(crate) negative: bool,
 }
 
-impl Term {
+impl ProductTerm {
     pub(crate) fn is_product(self) -> bool {
         self.b != Class::ONE
     }
@@ -45,13 +45,13 @@ impl Term {
 /// How a class can be computed. Sums and products give the class's value or
 /// its negation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Form {
+pub(crate) enum ChoiceForm {
     /// An input, or its negation.
     Input(Input, bool),
     /// A constant, by its bits.
     Constant(u64),
     /// An operation that is neither a sum nor a product: index into
-    /// [`Network::opaques`].
+    /// [`ChoiceNetwork::opaques`].
     Opaque(u32),
     /// Signed terms, at least two: a range of the arena of terms.
     Sum(u32, u32),
@@ -64,7 +64,7 @@ pub(crate) enum Form {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Opaque {
     pub(crate) operation: Operation,
-    pub(crate) operands: [Option<Signed>; Operand::MOST],
+    pub(crate) operands: [Option<SignedClass>; Operand::MAX_COUNT],
     /// True when the class is the negation of the result.
     pub(crate) negative: bool,
 }
@@ -86,25 +86,25 @@ const NONE: u32 = u32::MAX;
 pub(crate) const RANK_STEP: u64 = 1 << 32;
 
 /// Classes and forms.
-pub(crate) struct Network {
+pub(crate) struct ChoiceNetwork {
     /// What values are identified in.
     pub(crate) images: Images,
     classes: Vec<Record>,
     /// Classes by the hash of their value.
     index: HashTable<Class>,
-    forms: Vec<(Form, u32)>,
+    forms: Vec<(ChoiceForm, u32)>,
     /// Classes and hashes of their forms.
     known: HashSet<(Class, u64), FxBuildHasher>,
-    terms: Vec<Term>,
+    terms: Vec<ProductTerm>,
     pub(crate) opaques: Vec<Opaque>,
     /// What new classes are named after and come from.
     pub(crate) origin: (Symbol, SourceSet),
 }
 
-impl Network {
+impl ChoiceNetwork {
     /// A network with the class of 1 alone.
-    pub(crate) fn new(images: Images) -> Network {
-        let mut network = Network {
+    pub(crate) fn new(images: Images) -> ChoiceNetwork {
+        let mut network = ChoiceNetwork {
             images,
             classes: Vec::new(),
             index: HashTable::new(),
@@ -115,7 +115,7 @@ impl Network {
             origin: (Symbol(0), SourceSet::EMPTY),
         };
         let class = network.class(images.one(), 0).class;
-        network.push_form(class, Form::Constant(1.0f64.to_bits()));
+        network.push_form(class, ChoiceForm::Constant(1.0f64.to_bits()));
         network
     }
 
@@ -132,7 +132,7 @@ impl Network {
     /// The class of a value, made when it does not exist, and whether the
     /// value is its negation. A class has the sign with which its value was
     /// first met, so that no sign depends on the primes.
-    pub(crate) fn class(&mut self, value: Fingerprint, rank: u64) -> Signed {
+    pub(crate) fn class(&mut self, value: Fingerprint, rank: u64) -> SignedClass {
         let negation = self.images.neg(value);
         let next = Class(self.classes.len() as u32);
         let (classes, images) = (&self.classes, &self.images);
@@ -154,18 +154,18 @@ impl Network {
             });
         }
         let negative = value.is_negation_of(&self.classes[class.index()].value);
-        Signed { class, negative }
+        SignedClass { class, negative }
     }
 
     /// The class of a value, if it exists.
-    pub(crate) fn find(&self, value: Fingerprint) -> Option<Signed> {
+    pub(crate) fn find(&self, value: Fingerprint) -> Option<SignedClass> {
         let negation = self.images.neg(value);
         let hash = FxBuildHasher.hash_one(self.images.without_sign(value).0);
         let record = |class: &Class| self.classes[class.index()].value;
         let equal = |class: &Class| record(class) == value || record(class) == negation;
         let class = *self.index.find(hash, equal)?;
         let negative = value.is_negation_of(&record(&class));
-        Some(Signed { class, negative })
+        Some(SignedClass { class, negative })
     }
 
     /// True when the class has a form.
@@ -179,13 +179,13 @@ impl Network {
     }
 
     /// The value of a term.
-    pub(crate) fn term_value(&self, term: Term) -> Fingerprint {
+    pub(crate) fn term_value(&self, term: ProductTerm) -> Fingerprint {
         let product = self.images.mul(self.value(term.a), self.value(term.b));
         self.images.negate_if(term.negative, product)
     }
 
     /// The value of a sum of terms.
-    pub(crate) fn sum_value(&self, terms: &[Term]) -> Fingerprint {
+    pub(crate) fn sum_value(&self, terms: &[ProductTerm]) -> Fingerprint {
         self.images
             .sum(terms.iter().map(|&term| self.term_value(term)))
     }
@@ -219,34 +219,34 @@ impl Network {
     }
 
     /// A form.
-    pub(crate) fn form(&self, form: u32) -> Form {
+    pub(crate) fn form(&self, form: u32) -> ChoiceForm {
         self.forms[form as usize].0
     }
 
     /// The terms of a form (factors of a product as first classes); empty for
     /// the others.
-    pub(crate) fn terms(&self, form: Form) -> &[Term] {
+    pub(crate) fn terms(&self, form: ChoiceForm) -> &[ProductTerm] {
         match form {
-            Form::Sum(start, end) | Form::Product(start, end) => {
+            ChoiceForm::Sum(start, end) | ChoiceForm::Product(start, end) => {
                 &self.terms[start as usize..end as usize]
             }
-            Form::Input(..) | Form::Constant(_) | Form::Opaque(_) => &[],
+            ChoiceForm::Input(..) | ChoiceForm::Constant(_) | ChoiceForm::Opaque(_) => &[],
         }
     }
 
     /// Calls a function with every class a form uses.
-    pub(crate) fn operands(&self, form: Form, mut visit: impl FnMut(Class)) {
+    pub(crate) fn operands(&self, form: ChoiceForm, mut visit: impl FnMut(Class)) {
         match form {
-            Form::Input(..) | Form::Constant(_) => {}
-            Form::Opaque(index) => {
+            ChoiceForm::Input(..) | ChoiceForm::Constant(_) => {}
+            ChoiceForm::Opaque(index) => {
                 let operands = self.opaques[index as usize].operands;
                 operands
                     .iter()
                     .flatten()
                     .for_each(|operand| visit(operand.class));
             }
-            Form::Product(..) => self.terms(form).iter().for_each(|term| visit(term.a)),
-            Form::Sum(..) => {
+            ChoiceForm::Product(..) => self.terms(form).iter().for_each(|term| visit(term.a)),
+            ChoiceForm::Sum(..) => {
                 for term in self.terms(form) {
                     visit(term.a);
                     if term.is_product() {
@@ -257,27 +257,27 @@ impl Network {
         }
     }
 
-    fn push_form(&mut self, class: Class, form: Form) {
+    fn push_form(&mut self, class: Class, form: ChoiceForm) {
         let last = self.classes[class.index()].last;
         self.classes[class.index()].last = self.forms.len() as u32;
         self.forms.push((form, last));
     }
 
     /// The class of an input.
-    pub(crate) fn input(&mut self, input: Input, value: Fingerprint) -> Signed {
+    pub(crate) fn input(&mut self, input: Input, value: Fingerprint) -> SignedClass {
         let signed = self.class(value, 0);
         if !self.is_defined(signed.class) {
-            self.push_form(signed.class, Form::Input(input, signed.negative));
+            self.push_form(signed.class, ChoiceForm::Input(input, signed.negative));
         }
         signed
     }
 
     /// The class of a literal.
-    pub(crate) fn constant(&mut self, number: f64) -> Signed {
+    pub(crate) fn constant(&mut self, number: f64) -> SignedClass {
         let signed = self.class(self.images.literal(number), 0);
         if !self.is_defined(signed.class) {
             let number = if signed.negative { -number } else { number };
-            self.push_form(signed.class, Form::Constant(number.to_bits()));
+            self.push_form(signed.class, ChoiceForm::Constant(number.to_bits()));
         }
         signed
     }
@@ -285,7 +285,7 @@ impl Network {
     /// Gives a class an operation as its form, unless it has one.
     pub(crate) fn add_opaque(&mut self, class: Class, opaque: Opaque) {
         if !self.is_defined(class) {
-            self.push_form(class, Form::Opaque(self.opaques.len() as u32));
+            self.push_form(class, ChoiceForm::Opaque(self.opaques.len() as u32));
             self.opaques.push(opaque);
         }
     }
@@ -293,7 +293,7 @@ impl Network {
     /// Adds a sum as a form of a class whose value it has up to the sign.
     /// Refused when it is known already or would use a class of no smaller
     /// rank.
-    pub(crate) fn add_sum(&mut self, class: Class, terms: &mut [Term]) -> bool {
+    pub(crate) fn add_sum(&mut self, class: Class, terms: &mut [ProductTerm]) -> bool {
         // The sign is free: it is settled when the form is written.
         normalise(terms);
         if let [only] = *terms {
@@ -302,12 +302,12 @@ impl Network {
         self.add_form(class, terms, false)
     }
 
-    /// Adds a product as a form of a class, as [`Network::add_sum`].
+    /// Adds a product as a form of a class, as [`ChoiceNetwork::add_sum`].
     pub(crate) fn add_product(&mut self, class: Class, factors: &mut [Class]) -> bool {
         factors.sort_unstable();
-        let terms: Vec<Term> = factors
+        let terms: Vec<ProductTerm> = factors
             .iter()
-            .map(|&a| Term {
+            .map(|&a| ProductTerm {
                 a,
                 b: Class::ONE,
                 negative: false,
@@ -316,7 +316,7 @@ impl Network {
         self.add_form(class, &terms, true)
     }
 
-    fn add_form(&mut self, class: Class, terms: &[Term], product: bool) -> bool {
+    fn add_form(&mut self, class: Class, terms: &[ProductTerm], product: bool) -> bool {
         let rank = self.rank(class);
         let low = |class: Class| self.classes[class.index()].rank < rank;
         if terms.len() < 2 || !terms.iter().all(|term| low(term.a) && low(term.b)) {
@@ -330,8 +330,8 @@ impl Network {
         self.terms.extend_from_slice(terms);
         let end = self.terms.len() as u32;
         let form = match product {
-            true => Form::Product(start, end),
-            false => Form::Sum(start, end),
+            true => ChoiceForm::Product(start, end),
+            false => ChoiceForm::Sum(start, end),
         };
         self.push_form(class, form);
         true
@@ -340,12 +340,12 @@ impl Network {
     /// The class of a sum of terms, with this sum as one of its forms; `None`
     /// when the value is zero. A sum that is a class already known is that
     /// class.
-    pub(crate) fn sum(&mut self, mut terms: Vec<Term>) -> Option<Signed> {
+    pub(crate) fn sum(&mut self, mut terms: Vec<ProductTerm>) -> Option<SignedClass> {
         self.tidy(&mut terms);
         match terms[..] {
             [] => return None,
             [term] if !term.is_product() => {
-                return Some(Signed {
+                return Some(SignedClass {
                     class: term.a,
                     negative: term.negative,
                 });
@@ -368,10 +368,10 @@ impl Network {
 
     /// The class of a product of classes, with this product as one of its
     /// forms; of no factors, 1.
-    pub(crate) fn product(&mut self, factors: &mut Vec<Class>) -> Signed {
+    pub(crate) fn product(&mut self, factors: &mut Vec<Class>) -> SignedClass {
         factors.retain(|&factor| factor != Class::ONE);
         if let [] | [_] = factors[..] {
-            return Signed {
+            return SignedClass {
                 class: factors.first().copied().unwrap_or(Class::ONE),
                 negative: false,
             };
@@ -386,7 +386,7 @@ impl Network {
 
     /// Drops terms that are zero or cancel, puts products that are classes
     /// already in as such, and 1 behind.
-    pub(crate) fn tidy(&self, terms: &mut Vec<Term>) {
+    pub(crate) fn tidy(&self, terms: &mut Vec<ProductTerm>) {
         for term in terms.iter_mut() {
             if term.a == Class::ONE {
                 std::mem::swap(&mut term.a, &mut term.b);
@@ -396,7 +396,7 @@ impl Network {
             }
         }
         terms.sort_unstable();
-        let mut kept: Vec<Term> = Vec::with_capacity(terms.len());
+        let mut kept: Vec<ProductTerm> = Vec::with_capacity(terms.len());
         for &term in terms.iter() {
             match kept.last() {
                 Some(last)
@@ -412,7 +412,7 @@ impl Network {
 }
 
 /// Orders the terms of a sum and makes the first positive.
-fn normalise(terms: &mut [Term]) {
+fn normalise(terms: &mut [ProductTerm]) {
     terms.sort_unstable();
     if terms.first().is_some_and(|term| term.negative) {
         for term in terms.iter_mut() {

@@ -3,22 +3,22 @@
 //! A sum or product combines its two earliest operands first, which is optimal
 //! for one associative operation (Golumbic 1976; Parker 1979).
 
-use super::network::{Class, Form, Network, Term};
+use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm};
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
 use smallvec::SmallVec;
 
 /// What operations weigh.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Timing {
+pub(crate) struct NetworkTiming {
     pub(crate) weights: Weights,
     pub(crate) add: u32,
     pub(crate) multiply: u32,
 }
 
-impl Timing {
-    pub(crate) fn new(weights: Weights) -> Timing {
-        Timing {
+impl NetworkTiming {
+    pub(crate) fn new(weights: Weights) -> NetworkTiming {
+        NetworkTiming {
             weights,
             add: weights.of(Operation::Add).max(weights.of(Operation::Sub)),
             multiply: weights.of(Operation::Mul),
@@ -50,7 +50,7 @@ impl Arrivals {
     }
 
     /// Takes the earliest form of a class, its operands being up to date.
-    pub(crate) fn update(&mut self, network: &Network, timing: &Timing, class: Class) {
+    pub(crate) fn update(&mut self, network: &ChoiceNetwork, timing: &NetworkTiming, class: Class) {
         let mut earliest = NEVER;
         for form in network.forms(class) {
             earliest = earliest.min(self.form(network, timing, network.form(form)));
@@ -59,7 +59,7 @@ impl Arrivals {
     }
 
     /// When a term is available.
-    pub(crate) fn term(&self, timing: &Timing, term: Term) -> u32 {
+    pub(crate) fn term(&self, timing: &NetworkTiming, term: ProductTerm) -> u32 {
         let ready = self.of(term.a).max(self.of(term.b));
         match term.is_product() {
             true => ready.saturating_add(timing.multiply),
@@ -68,10 +68,15 @@ impl Arrivals {
     }
 
     /// When a form is available.
-    pub(crate) fn form(&self, network: &Network, timing: &Timing, form: Form) -> u32 {
+    pub(crate) fn form(
+        &self,
+        network: &ChoiceNetwork,
+        timing: &NetworkTiming,
+        form: ChoiceForm,
+    ) -> u32 {
         match form {
-            Form::Input(..) | Form::Constant(_) => 0,
-            Form::Opaque(index) => {
+            ChoiceForm::Input(..) | ChoiceForm::Constant(_) => 0,
+            ChoiceForm::Opaque(index) => {
                 let opaque = &network.opaques[index as usize];
                 let operands = opaque.operands.iter().flatten();
                 let ready = operands.map(|operand| self.of(operand.class)).max();
@@ -79,11 +84,11 @@ impl Arrivals {
                     .unwrap_or(0)
                     .saturating_add(timing.weights.of(opaque.operation))
             }
-            Form::Sum(..) => {
+            ChoiceForm::Sum(..) => {
                 let terms = network.terms(form).iter();
                 earliest_first(terms.map(|&term| self.term(timing, term)), timing.add)
             }
-            Form::Product(..) => {
+            ChoiceForm::Product(..) => {
                 let factors = network.terms(form).iter();
                 earliest_first(factors.map(|term| self.of(term.a)), timing.multiply)
             }

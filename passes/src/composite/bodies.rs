@@ -25,37 +25,37 @@ pub(super) trait Ring {
     fn mul(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
 }
 
-pub(super) type Vector<N> = [N; 3];
-pub(super) type Matrix<N> = [[N; 3]; 3];
+pub(super) type RingVector<N> = [N; 3];
+pub(super) type RingMatrix<N> = [[N; 3]; 3];
 
 /// The kind of a joint: about or along an axis (0 to 2) of its frame.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Joint {
+pub(super) enum JointAxis {
     Revolute(usize),
     Prismatic(usize),
 }
 
-impl Joint {
+impl JointAxis {
     /// The six kinds.
-    pub(super) const ALL: [Joint; 6] = [
-        Joint::Revolute(0),
-        Joint::Revolute(1),
-        Joint::Revolute(2),
-        Joint::Prismatic(0),
-        Joint::Prismatic(1),
-        Joint::Prismatic(2),
+    pub(super) const ALL: [JointAxis; 6] = [
+        JointAxis::Revolute(0),
+        JointAxis::Revolute(1),
+        JointAxis::Revolute(2),
+        JointAxis::Prismatic(0),
+        JointAxis::Prismatic(1),
+        JointAxis::Prismatic(2),
     ];
 }
 
 /// A body: mass, centre of mass, inertia about it.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) struct Body<N> {
+pub(super) struct RigidBody<N> {
     pub(super) mass: N,
-    pub(super) centre: Vector<N>,
-    pub(super) inertia: Matrix<N>,
+    pub(super) centre: RingVector<N>,
+    pub(super) inertia: RingMatrix<N>,
 }
 
-impl<N> Body<Option<N>> {
+impl<N> RigidBody<Option<N>> {
     /// True when nothing of it is there.
     pub(super) fn is_absent(&self) -> bool {
         let parts = self.centre.iter().chain(self.inertia.iter().flatten());
@@ -64,13 +64,13 @@ impl<N> Body<Option<N>> {
 
     /// The body with what is missing of its inertia on one side of the
     /// diagonal taken from the other, if that is asked for.
-    pub(super) fn mirrored(self, symmetric: bool) -> Body<Option<N>>
+    pub(super) fn mirrored(self, symmetric: bool) -> RigidBody<Option<N>>
     where
         N: Copy,
     {
         let given = self.inertia;
         let entry = |r: usize, c: usize| given[r][c].or(given[c][r].filter(|_| symmetric));
-        Body {
+        RigidBody {
             inertia: [0, 1, 2].map(|r| [0, 1, 2].map(|c| entry(r, c))),
             ..self
         }
@@ -81,8 +81,8 @@ impl<N> Body<Option<N>> {
 /// coordinate, and its cosine and sine.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stand<N> {
-    pub(super) joint: Joint,
-    pub(super) offset: Vector<N>,
+    pub(super) joint: JointAxis,
+    pub(super) offset: RingVector<N>,
     pub(super) coordinate: N,
     pub(super) cosine: N,
     pub(super) sine: N,
@@ -90,38 +90,38 @@ pub(super) struct Stand<N> {
 
 /// The inertia of a composite body.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Inertia<N> {
-    pub(super) a: Matrix<N>,
-    pub(super) b: Matrix<N>,
-    pub(super) d: Matrix<N>,
+pub(super) struct CompositeInertia<N> {
+    pub(super) a: RingMatrix<N>,
+    pub(super) b: RingMatrix<N>,
+    pub(super) d: RingMatrix<N>,
 }
 
 /// What a unit acceleration needs.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Wrench<N> {
-    pub(super) force: Vector<N>,
-    pub(super) torque: Vector<N>,
+pub(super) struct UnitWrench<N> {
+    pub(super) force: RingVector<N>,
+    pub(super) torque: RingVector<N>,
 }
 
 pub(super) fn cross<R: Ring>(
     ring: &mut R,
-    u: Vector<R::Number>,
-    v: Vector<R::Number>,
-) -> Vector<R::Number> {
+    u: RingVector<R::Number>,
+    v: RingVector<R::Number>,
+) -> RingVector<R::Number> {
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| {
         let (left, right) = (ring.mul(u[i], v[j]), ring.mul(u[j], v[i]));
         ring.sub(left, right)
     })
 }
 
-fn transpose<N: Copy>(m: Matrix<N>) -> Matrix<N> {
+fn transpose<N: Copy>(m: RingMatrix<N>) -> RingMatrix<N> {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| m[j][i]))
 }
 
 impl<N: Copy> Stand<N> {
     /// A vector of the frame in the axes of its parent.
-    fn turn_back<R: Ring<Number = N>>(&self, ring: &mut R, v: Vector<N>) -> Vector<N> {
-        let Joint::Revolute(axis) = self.joint else {
+    fn turn_back<R: Ring<Number = N>>(&self, ring: &mut R, v: RingVector<N>) -> RingVector<N> {
+        let JointAxis::Revolute(axis) = self.joint else {
             return v;
         };
         let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -134,43 +134,51 @@ impl<N: Copy> Stand<N> {
     }
 
     /// The transpose of the rotation times a matrix times the rotation.
-    fn turn_matrix<R: Ring<Number = N>>(&self, ring: &mut R, m: Matrix<N>) -> Matrix<N> {
+    fn turn_matrix<R: Ring<Number = N>>(&self, ring: &mut R, m: RingMatrix<N>) -> RingMatrix<N> {
         let columns = transpose(m).map(|column| self.turn_back(ring, column));
         transpose(columns).map(|row| self.turn_back(ring, row))
     }
 
     /// From the parent's origin to the frame's, in the parent's axes.
-    pub(super) fn arm<R: Ring<Number = N>>(&self, ring: &mut R) -> Vector<N> {
+    pub(super) fn arm<R: Ring<Number = N>>(&self, ring: &mut R) -> RingVector<N> {
         let mut arm = self.offset;
-        if let Joint::Prismatic(axis) = self.joint {
+        if let JointAxis::Prismatic(axis) = self.joint {
             arm[axis] = ring.add(arm[axis], self.coordinate);
         }
         arm
     }
 
     /// A wrench in the axes of the parent, still about the frame's origin.
-    pub(super) fn turned<R: Ring<Number = N>>(&self, ring: &mut R, wrench: Wrench<N>) -> Wrench<N> {
-        Wrench {
+    pub(super) fn turned<R: Ring<Number = N>>(
+        &self,
+        ring: &mut R,
+        wrench: UnitWrench<N>,
+    ) -> UnitWrench<N> {
+        UnitWrench {
             force: self.turn_back(ring, wrench.force),
             torque: self.turn_back(ring, wrench.torque),
         }
     }
 
     /// A wrench on the frame as one on its parent.
-    pub(super) fn wrench<R: Ring<Number = N>>(&self, ring: &mut R, wrench: Wrench<N>) -> Wrench<N> {
+    pub(super) fn wrench<R: Ring<Number = N>>(
+        &self,
+        ring: &mut R,
+        wrench: UnitWrench<N>,
+    ) -> UnitWrench<N> {
         let turned = self.turned(ring, wrench);
         let arm = self.arm(ring);
         let moment = cross(ring, arm, turned.force);
         let torque = [0, 1, 2].map(|i| ring.add(turned.torque[i], moment[i]));
-        Wrench { torque, ..turned }
+        UnitWrench { torque, ..turned }
     }
 
     /// The inertia of the frame's composite body as part of the parent's.
     pub(super) fn inertia<R: Ring<Number = N>>(
         &self,
         ring: &mut R,
-        inertia: &Inertia<N>,
-    ) -> Inertia<N> {
+        inertia: &CompositeInertia<N>,
+    ) -> CompositeInertia<N> {
         let a = self.turn_matrix(ring, inertia.a);
         let b = self.turn_matrix(ring, inertia.b);
         let d = self.turn_matrix(ring, inertia.d);
@@ -191,7 +199,7 @@ impl<N: Copy> Stand<N> {
                 full[r][c] = ring.add(d[r][c], moved);
             }
         }
-        Inertia {
+        CompositeInertia {
             a,
             b: shifted,
             d: full,
@@ -199,9 +207,12 @@ impl<N: Copy> Stand<N> {
     }
 }
 
-impl<N: Copy> Inertia<N> {
+impl<N: Copy> CompositeInertia<N> {
     /// Of one body.
-    pub(super) fn of<R: Ring<Number = N>>(ring: &mut R, body: &Body<N>) -> Inertia<N> {
+    pub(super) fn of<R: Ring<Number = N>>(
+        ring: &mut R,
+        body: &RigidBody<N>,
+    ) -> CompositeInertia<N> {
         let zero = ring.zero();
         let moment = body.centre.map(|part| ring.mul(body.mass, part));
         let mut a = [[zero; 3]; 3];
@@ -227,15 +238,19 @@ impl<N: Copy> Inertia<N> {
                 }
             }
         }
-        Inertia { a, b, d }
+        CompositeInertia { a, b, d }
     }
 
     /// The sum of two.
-    pub(super) fn plus<R: Ring<Number = N>>(&self, ring: &mut R, other: &Inertia<N>) -> Inertia<N> {
-        let mut sum = |x: &Matrix<N>, y: &Matrix<N>| {
+    pub(super) fn plus<R: Ring<Number = N>>(
+        &self,
+        ring: &mut R,
+        other: &CompositeInertia<N>,
+    ) -> CompositeInertia<N> {
+        let mut sum = |x: &RingMatrix<N>, y: &RingMatrix<N>| {
             [0, 1, 2].map(|r| [0, 1, 2].map(|c| ring.add(x[r][c], y[r][c])))
         };
-        Inertia {
+        CompositeInertia {
             a: sum(&self.a, &other.a),
             b: sum(&self.b, &other.b),
             d: sum(&self.d, &other.d),
@@ -244,13 +259,13 @@ impl<N: Copy> Inertia<N> {
 
     /// The row of the frame's own joint: what does work in it, for any
     /// acceleration, and by symmetry what its own unit acceleration needs.
-    pub(super) fn wrench(&self, joint: Joint) -> Wrench<N> {
+    pub(super) fn wrench(&self, joint: JointAxis) -> UnitWrench<N> {
         match joint {
-            Joint::Revolute(axis) => Wrench {
+            JointAxis::Revolute(axis) => UnitWrench {
                 force: transpose(self.b)[axis],
                 torque: self.d[axis],
             },
-            Joint::Prismatic(axis) => Wrench {
+            JointAxis::Prismatic(axis) => UnitWrench {
                 force: self.a[axis],
                 torque: self.b[axis],
             },
@@ -258,12 +273,12 @@ impl<N: Copy> Inertia<N> {
     }
 }
 
-impl<N: Copy> Wrench<N> {
+impl<N: Copy> UnitWrench<N> {
     /// The part that does work in a joint.
-    pub(super) fn along(&self, joint: Joint) -> N {
+    pub(super) fn along(&self, joint: JointAxis) -> N {
         match joint {
-            Joint::Revolute(axis) => self.torque[axis],
-            Joint::Prismatic(axis) => self.force[axis],
+            JointAxis::Revolute(axis) => self.torque[axis],
+            JointAxis::Prismatic(axis) => self.force[axis],
         }
     }
 }

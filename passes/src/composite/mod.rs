@@ -12,7 +12,7 @@ mod tree;
 mod write;
 
 use crate::factor;
-use model::Model;
+use model::ModelInputs;
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -51,7 +51,7 @@ impl Pass for Composite {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
         let mut network = factor::read::read(function, context.tables, true);
-        let Some(model) = Model::find(function, &network, context.tables) else {
+        let Some(model) = ModelInputs::find(function, &network, context.tables) else {
             let remark = "there is no mass matrix over Robotran's inputs";
             context.remarks.push(remark.to_owned());
             return Ok(());

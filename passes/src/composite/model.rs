@@ -1,21 +1,21 @@
 //! What a function says about the system whose mass matrix it computes.
 
-use crate::factor::network::{Edge, Kind, Network};
+use crate::factor::network::{Edge, FactorKind, FactorNetwork};
 use hashbrown::{HashMap, HashSet};
 use robovec_framework::fingerprint::Fingerprint;
 use robovec_ir::{Array, Function, Input, Operation, Shape, Tables};
 
-use super::bodies::Body;
+use super::bodies::RigidBody;
 
 /// Names of input elements, as the network numbers them; `None` for an
 /// element that is zero in the model and so never read.
-pub(super) struct Model {
+pub(super) struct ModelInputs {
     /// Coordinates, by joint.
     pub(super) coordinates: Vec<Option<Input>>,
     /// Whether the sine or cosine of the coordinate is read, by joint.
     pub(super) turns: Vec<bool>,
     /// Bodies, by joint.
-    pub(super) bodies: Vec<Body<Option<Input>>>,
+    pub(super) bodies: Vec<RigidBody<Option<Input>>>,
     /// Attachment points.
     pub(super) points: Vec<[Option<Input>; 3]>,
     /// For every element of the mass matrix, row by row, the place of its
@@ -25,9 +25,9 @@ pub(super) struct Model {
 
 /// Systems with more joints are left alone: everything here is quadratic in
 /// their number.
-const MOST_JOINTS: usize = 1000;
+const MAX_JOINTS: usize = 1000;
 
-impl Model {
+impl ModelInputs {
     /// The number of joints.
     pub(super) fn len(&self) -> usize {
         self.coordinates.len()
@@ -35,7 +35,11 @@ impl Model {
 
     /// Looks for Robotran's arrays; `None` when the function has no mass
     /// matrix over them.
-    pub(super) fn find(function: &Function, network: &Network, tables: &Tables) -> Option<Model> {
+    pub(super) fn find(
+        function: &Function,
+        network: &FactorNetwork,
+        tables: &Tables,
+    ) -> Option<ModelInputs> {
         let named = |arrays: &[Array], name: &str| {
             let symbol = tables.symbols.find(name)?;
             arrays.iter().find(|array| array.name == symbol).copied()
@@ -45,7 +49,7 @@ impl Model {
             return None;
         };
         let count = joints as usize;
-        if joints != columns || count == 0 || count > MOST_JOINTS {
+        if joints != columns || count == 0 || count > MAX_JOINTS {
             return None;
         }
         let read = read_inputs(network);
@@ -56,7 +60,7 @@ impl Model {
             read.contains_key(&input.0).then_some(input)
         };
         let [q, m, l, inertia, dpt] = ["q", "m", "l", "In", "dpt"].map(|name| named(inputs, name));
-        let bodies = (1..=joints).map(|joint| Body {
+        let bodies = (1..=joints).map(|joint| RigidBody {
             mass: element(m, &[joint]),
             centre: [1, 2, 3].map(|row| element(l, &[row, joint])),
             inertia: [0, 1, 2]
@@ -81,7 +85,7 @@ impl Model {
             (1..=joints).map(|joint| element(q, &[joint])).collect();
         let angles = angles(network);
         let turns = |input: &Option<Input>| input.is_some_and(|input| angles.contains(&input.0));
-        Some(Model {
+        Some(ModelInputs {
             turns: coordinates.iter().map(turns).collect(),
             coordinates,
             bodies: bodies.collect(),
@@ -91,7 +95,12 @@ impl Model {
     }
 
     /// The value of an element of the mass matrix, counted from 0.
-    pub(super) fn element(&self, network: &Network, row: usize, column: usize) -> Fingerprint {
+    pub(super) fn element(
+        &self,
+        network: &FactorNetwork,
+        row: usize,
+        column: usize,
+    ) -> Fingerprint {
         self.elements[row * self.len() + column].map_or(network.images.zero(), |place| {
             network.value(network.outputs[place])
         })
@@ -99,10 +108,10 @@ impl Model {
 }
 
 /// The input elements that live nodes read, with their edges.
-fn read_inputs(network: &Network) -> HashMap<u32, Edge> {
+fn read_inputs(network: &FactorNetwork) -> HashMap<u32, Edge> {
     let mut read = HashMap::new();
     for (index, node) in network.nodes.iter().enumerate() {
-        if let Kind::Input(operand) = node.kind
+        if let FactorKind::Input(operand) = node.kind
             && node.uses > 0
             && let Some(input) = operand.input()
         {
@@ -113,13 +122,16 @@ fn read_inputs(network: &Network) -> HashMap<u32, Edge> {
 }
 
 /// The input elements whose sine or cosine is read.
-fn angles(network: &Network) -> HashSet<u32> {
+fn angles(network: &FactorNetwork) -> HashSet<u32> {
     let functions = network.nodes.iter().filter(|node| {
-        matches!(node.kind, Kind::Other(Operation::Sin | Operation::Cos)) && node.uses > 0
+        matches!(
+            node.kind,
+            FactorKind::Other(Operation::Sin | Operation::Cos)
+        ) && node.uses > 0
     });
     functions
         .filter_map(|node| match network.nodes[node.operands[0].node()].kind {
-            Kind::Input(operand) => operand.input().map(|input| input.0),
+            FactorKind::Input(operand) => operand.input().map(|input| input.0),
             _ => None,
         })
         .collect()

@@ -1,8 +1,8 @@
 //! The search for the choices that explain a mass matrix; see [`super::tree`].
 
-use super::bodies::{Body, Inertia, Joint, Ring, Stand, Wrench, cross};
-use super::model::Model;
-use super::tree::Place;
+use super::bodies::{CompositeInertia, JointAxis, RigidBody, Ring, Stand, UnitWrench, cross};
+use super::model::ModelInputs;
+use super::tree::JointPlacement;
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_ir::{Input, Operation};
 use robovec_num::arithmetic::Arithmetic;
@@ -10,15 +10,15 @@ use robovec_num::arithmetic::Arithmetic;
 /// How often a joint behind another may be explained anew to explain that one.
 const EFFORT: usize = 500;
 /// How many explanations of one column are kept.
-const MOST_OPTIONS: usize = 64;
+const MAX_OPTIONS: usize = 64;
 /// How far behind a joint choices are taken back to explain it.
 const DEEPEST: usize = 3;
 
 /// The numbers the search computes with.
 #[derive(Clone, Copy)]
-pub(super) struct Exact(pub(super) Images);
+pub(super) struct FingerprintRing(pub(super) Images);
 
-impl Ring for Exact {
+impl Ring for FingerprintRing {
     type Number = Fingerprint;
     fn zero(&mut self) -> Fingerprint {
         self.0.zero()
@@ -38,30 +38,30 @@ impl Ring for Exact {
 /// stand on, in order of the children, and whether the inertia of its body is
 /// to be mirrored.
 #[derive(Clone, PartialEq, Eq, Debug)]
-struct Choice {
-    joint: Joint,
+struct JointChoice {
+    joint: JointAxis,
     symmetric: bool,
     points: Vec<Option<usize>>,
 }
 
 /// What is known of a joint and of all behind it.
-struct State {
+struct JointState {
     /// Explanations, given what was chosen behind the joint.
-    options: Vec<Choice>,
+    options: Vec<JointChoice>,
     chosen: usize,
-    inertia: Inertia<Fingerprint>,
+    inertia: CompositeInertia<Fingerprint>,
     /// The joint's own and those behind it, with what a unit acceleration of
     /// each needs, on this joint's frame.
-    wrenches: Vec<(usize, Wrench<Fingerprint>)>,
+    wrenches: Vec<(usize, UnitWrench<Fingerprint>)>,
 }
 
-impl State {
-    fn new(images: &Images) -> State {
+impl JointState {
+    fn new(images: &Images) -> JointState {
         let zero = [[images.zero(); 3]; 3];
-        State {
+        JointState {
             options: Vec::new(),
             chosen: 0,
-            inertia: Inertia {
+            inertia: CompositeInertia {
                 a: zero,
                 b: zero,
                 d: zero,
@@ -72,52 +72,52 @@ impl State {
 }
 
 /// The choices made so far.
-pub(super) struct Search<'a> {
-    model: &'a Model,
+pub(super) struct CompositeSearch<'a> {
+    model: &'a ModelInputs,
     images: Images,
     /// Row by row.
     matrix: Vec<Fingerprint>,
     children: Vec<Vec<usize>>,
     parents: Vec<Option<usize>>,
-    states: Vec<State>,
+    states: Vec<JointState>,
     /// How often a joint may still be explained anew.
     effort: usize,
 }
 
-impl<'a> Search<'a> {
+impl<'a> CompositeSearch<'a> {
     /// A search in which nothing is chosen yet; `matrix` is row by row.
     pub(super) fn new(
-        model: &'a Model,
+        model: &'a ModelInputs,
         images: Images,
         matrix: Vec<Fingerprint>,
         parents: Vec<Option<usize>>,
-    ) -> Search<'a> {
+    ) -> CompositeSearch<'a> {
         let mut children = vec![Vec::new(); parents.len()];
         for (joint, parent) in parents.iter().enumerate() {
             if let Some(parent) = *parent {
                 children[parent].push(joint);
             }
         }
-        Search {
+        CompositeSearch {
             model,
             images,
             matrix,
             children,
-            states: parents.iter().map(|_| State::new(&images)).collect(),
+            states: parents.iter().map(|_| JointState::new(&images)).collect(),
             parents,
             effort: EFFORT,
         }
     }
 
-    fn exact(&self) -> Exact {
-        Exact(self.images)
+    fn exact(&self) -> FingerprintRing {
+        FingerprintRing(self.images)
     }
 
     fn value(&self, input: Option<Input>) -> Fingerprint {
         input.map_or(self.images.zero(), |input| self.images.input(input))
     }
 
-    fn stand(&self, joint: usize, kind: Joint, point: Option<usize>) -> Stand<Fingerprint> {
+    fn stand(&self, joint: usize, kind: JointAxis, point: Option<usize>) -> Stand<Fingerprint> {
         let coordinate = self.value(self.model.coordinates[joint]);
         let turn = |operation| self.images.apply(operation, [coordinate; 3]);
         Stand {
@@ -131,7 +131,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn kind(&self, joint: usize) -> Joint {
+    fn kind(&self, joint: usize) -> JointAxis {
         let state = &self.states[joint];
         state.options[state.chosen].joint
     }
@@ -175,7 +175,7 @@ impl<'a> Search<'a> {
 
     /// Brings the children on to the next explanations that fit a kind of
     /// their parent; false when there are no more.
-    fn advance(&mut self, joint: usize, kind: Joint, depth: usize) -> bool {
+    fn advance(&mut self, joint: usize, kind: JointAxis, depth: usize) -> bool {
         for child in self.children[joint].clone() {
             while self.effort > 0 && self.next(child, depth) {
                 if !self.points(joint, kind, child).is_empty() {
@@ -191,14 +191,14 @@ impl<'a> Search<'a> {
     }
 
     /// The kinds a joint may be of.
-    fn kinds(&self, joint: usize) -> Vec<Joint> {
+    fn kinds(&self, joint: usize) -> Vec<JointAxis> {
         let turns = self.model.turns[joint];
-        let possible = |kind: &Joint| !turns || matches!(kind, Joint::Revolute(_));
-        Joint::ALL.into_iter().filter(possible).collect()
+        let possible = |kind: &JointAxis| !turns || matches!(kind, JointAxis::Revolute(_));
+        JointAxis::ALL.into_iter().filter(possible).collect()
     }
 
     /// Brings a child to an explanation that fits a kind of its parent.
-    fn fit(&mut self, joint: usize, kind: Joint, child: usize, depth: usize) -> bool {
+    fn fit(&mut self, joint: usize, kind: JointAxis, child: usize, depth: usize) -> bool {
         if !self.points(joint, kind, child).is_empty() {
             return true;
         }
@@ -302,7 +302,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn explain_as(&self, joint: usize, kind: Joint, options: &mut Vec<Choice>) {
+    fn explain_as(&self, joint: usize, kind: JointAxis, options: &mut Vec<JointChoice>) {
         let children = &self.children[joint];
         let points: Vec<Vec<Option<usize>>> = children
             .iter()
@@ -333,13 +333,13 @@ impl<'a> Search<'a> {
                 let chosen = parts.iter().zip(&digits).map(|(list, &at)| list[at]);
                 if self.images.add(own, self.images.sum(chosen)) == diagonal {
                     let chosen = points.iter().zip(&digits).map(|(list, &at)| list[at]);
-                    options.push(Choice {
+                    options.push(JointChoice {
                         joint: kind,
                         symmetric,
                         points: chosen.collect(),
                     });
                 }
-                if options.len() >= MOST_OPTIONS || !advance(&mut digits, &points) {
+                if options.len() >= MAX_OPTIONS || !advance(&mut digits, &points) {
                     break;
                 }
             }
@@ -348,12 +348,12 @@ impl<'a> Search<'a> {
 
     /// The points a child may stand on so that everything behind it gives the
     /// right elements of its parent's column.
-    fn points(&self, joint: usize, kind: Joint, child: usize) -> Vec<Option<usize>> {
+    fn points(&self, joint: usize, kind: JointAxis, child: usize) -> Vec<Option<usize>> {
         if self.states[child].options.is_empty() {
             return Vec::new();
         }
         let stand = self.stand(child, self.kind(child), None);
-        let wrenches: Vec<(usize, Wrench<Fingerprint>)> = self.states[child]
+        let wrenches: Vec<(usize, UnitWrench<Fingerprint>)> = self.states[child]
             .wrenches
             .iter()
             .map(|&(one, wrench)| (one, stand.turned(&mut self.exact(), wrench)))
@@ -365,7 +365,7 @@ impl<'a> Search<'a> {
             wrenches.iter().all(|&(one, wrench)| {
                 let moment = cross(&mut self.exact(), arm, wrench.force);
                 let torque = [0, 1, 2].map(|i| self.images.add(wrench.torque[i], moment[i]));
-                let value = Wrench { torque, ..wrench }.along(kind);
+                let value = UnitWrench { torque, ..wrench }.along(kind);
                 value == self.matrix[one * self.model.len() + joint]
             })
         };
@@ -377,18 +377,18 @@ impl<'a> Search<'a> {
     }
 
     /// The inertia of a joint's own body.
-    fn own(&self, joint: usize, symmetric: bool) -> Inertia<Fingerprint> {
+    fn own(&self, joint: usize, symmetric: bool) -> CompositeInertia<Fingerprint> {
         let body = self.model.bodies[joint].mirrored(symmetric);
-        let body = Body {
+        let body = RigidBody {
             mass: self.value(body.mass),
             centre: body.centre.map(|part| self.value(part)),
             inertia: body.inertia.map(|row| row.map(|part| self.value(part))),
         };
-        Inertia::of(&mut self.exact(), &body)
+        CompositeInertia::of(&mut self.exact(), &body)
     }
 
     /// The inertia of a child and of all behind it, as part of its parent's.
-    fn moved(&self, child: usize, point: Option<usize>) -> Inertia<Fingerprint> {
+    fn moved(&self, child: usize, point: Option<usize>) -> CompositeInertia<Fingerprint> {
         let stand = self.stand(child, self.kind(child), point);
         stand.inertia(&mut self.exact(), &self.states[child].inertia)
     }
@@ -413,9 +413,9 @@ impl<'a> Search<'a> {
     }
 
     /// What has been chosen.
-    pub(super) fn places(&self) -> Vec<Place> {
-        let mut places: Vec<Place> = (0..self.model.len())
-            .map(|joint| Place {
+    pub(super) fn places(&self) -> Vec<JointPlacement> {
+        let mut places: Vec<JointPlacement> = (0..self.model.len())
+            .map(|joint| JointPlacement {
                 parent: self.parents[joint],
                 joint: self.kind(joint),
                 point: None,

@@ -9,26 +9,26 @@
 //! tell (a prismatic joint does not feel where its children stand) the choice
 //! stays open, and is taken back when a joint further on cannot be explained.
 
-use super::bodies::Joint;
-use super::model::Model;
-use super::search::Search;
-use crate::factor::network::Network;
+use super::bodies::JointAxis;
+use super::model::ModelInputs;
+use super::search::CompositeSearch;
+use crate::factor::network::FactorNetwork;
 
 /// How a joint stands on its parent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Place {
+pub(super) struct JointPlacement {
     /// The joint before it, counted from 0.
     pub(super) parent: Option<usize>,
     /// Its kind.
-    pub(super) joint: Joint,
-    /// The point of the parent, in [`Model::points`]; `None` for its origin.
+    pub(super) joint: JointAxis,
+    /// The point of the parent, in [`ModelInputs::points`]; `None` for its origin.
     pub(super) point: Option<usize>,
     /// The inertia of its body is mirrored about the diagonal.
     pub(super) symmetric: bool,
 }
 
 /// The tree, if there is one that explains every element of the matrix.
-pub(super) fn find(model: &Model, network: &Network) -> Option<Vec<Place>> {
+pub(super) fn find(model: &ModelInputs, network: &FactorNetwork) -> Option<Vec<JointPlacement>> {
     let count = model.len();
     let mut matrix = Vec::with_capacity(count * count);
     for row in 0..count {
@@ -40,7 +40,7 @@ pub(super) fn find(model: &Model, network: &Network) -> Option<Vec<Place>> {
             matrix.push(value);
         }
     }
-    let mut search = Search::new(model, network.images, matrix, parents(model));
+    let mut search = CompositeSearch::new(model, network.images, matrix, parents(model));
     for joint in (0..count).rev() {
         if !search.settle(joint) {
             return None;
@@ -53,7 +53,7 @@ pub(super) fn find(model: &Model, network: &Network) -> Option<Vec<Place>> {
 /// stand behind one another when their element is not zero, or when a third
 /// stands behind both. A joint without a body is one of several that lead to
 /// the next body, so the joint that follows it in the numbering stands on it.
-fn parents(model: &Model) -> Vec<Option<usize>> {
+fn parents(model: &ModelInputs) -> Vec<Option<usize>> {
     let count = model.len();
     let tied = |a: usize, b: usize| model.elements[a * count + b].is_some();
     let mut parents: Vec<Option<usize>> = (0..count)

@@ -1,21 +1,21 @@
 //! The equations of composite bodies.
 
-use super::bodies::{Body, Inertia, Joint, Ring, Stand, Wrench};
-use super::model::Model;
-use super::tree::Place;
-use crate::factor::network::{Edge, Kind, Network, Origin, ZERO};
+use super::bodies::{CompositeInertia, JointAxis, RigidBody, Ring, Stand, UnitWrench};
+use super::model::ModelInputs;
+use super::tree::JointPlacement;
+use crate::factor::network::{Edge, FactorKind, FactorNetwork, NodeOrigin, ZERO};
 use robovec_framework::rewrite::output_symbol;
 use robovec_ir::{Function, Input, Name, Operand, Operation, Tables};
 use robovec_num::arithmetic::Arithmetic;
 
 /// Writes equations as values of a network.
-struct Writer<'n> {
-    network: &'n mut Network,
+struct EquationWriter<'n> {
+    network: &'n mut FactorNetwork,
     /// Whose equations the values stand for.
-    origin: Origin,
+    origin: NodeOrigin,
 }
 
-impl Ring for Writer<'_> {
+impl Ring for EquationWriter<'_> {
     type Number = Edge;
     fn zero(&mut self) -> Edge {
         Edge::new(ZERO as u32, false)
@@ -31,15 +31,15 @@ impl Ring for Writer<'_> {
     }
 }
 
-impl Writer<'_> {
+impl EquationWriter<'_> {
     fn input(&mut self, input: Option<Input>) -> Edge {
         let Some(input) = input else {
             return self.zero();
         };
         let value = self.network.images.input(input);
         self.network.find(value).unwrap_or_else(|| {
-            let kind = Kind::Input(Operand::from(input));
-            self.network.push(kind, Vec::new(), value, Origin::NONE)
+            let kind = FactorKind::Input(Operand::from(input));
+            self.network.push(kind, Vec::new(), value, NodeOrigin::NONE)
         })
     }
 
@@ -49,20 +49,20 @@ impl Writer<'_> {
             .images
             .apply(operation, [self.network.value(angle); 3]);
         self.network.find(value).unwrap_or_else(|| {
-            let kind = Kind::Other(operation);
+            let kind = FactorKind::Other(operation);
             self.network.push(kind, vec![angle], value, self.origin)
         })
     }
 
-    fn stand(&mut self, model: &Model, joint: usize, place: Place) -> Stand<Edge> {
+    fn stand(&mut self, model: &ModelInputs, joint: usize, place: JointPlacement) -> Stand<Edge> {
         let coordinate = self.input(model.coordinates[joint]);
         let zero = self.zero();
         let (cosine, sine) = match place.joint {
-            Joint::Revolute(_) => (
+            JointAxis::Revolute(_) => (
                 self.turn(Operation::Cos, coordinate),
                 self.turn(Operation::Sin, coordinate),
             ),
-            Joint::Prismatic(_) => (zero, zero),
+            JointAxis::Prismatic(_) => (zero, zero),
         };
         Stand {
             joint: place.joint,
@@ -75,8 +75,8 @@ impl Writer<'_> {
         }
     }
 
-    fn body(&mut self, body: Body<Option<Input>>) -> Body<Edge> {
-        Body {
+    fn body(&mut self, body: RigidBody<Option<Input>>) -> RigidBody<Edge> {
+        RigidBody {
             mass: self.input(body.mass),
             centre: body.centre.map(|part| self.input(part)),
             inertia: body.inertia.map(|row| row.map(|part| self.input(part))),
@@ -86,9 +86,9 @@ impl Writer<'_> {
 
 /// Computes the mass matrix of a network from composite bodies instead.
 pub(super) fn rebuild(
-    network: &mut Network,
-    model: &Model,
-    places: &[Place],
+    network: &mut FactorNetwork,
+    model: &ModelInputs,
+    places: &[JointPlacement],
     function: &Function,
     tables: &mut Tables,
 ) {
@@ -106,19 +106,19 @@ pub(super) fn rebuild(
     }
     network.renumber();
     let mut made = vec![Edge::new(ZERO as u32, false); count * count];
-    let mut inertias: Vec<Option<Inertia<Edge>>> = vec![None; count];
+    let mut inertias: Vec<Option<CompositeInertia<Edge>>> = vec![None; count];
     for joint in (0..count).rev() {
-        let mut writer = Writer {
+        let mut writer = EquationWriter {
             network: &mut *network,
             origin: origins[joint],
         };
         let body = writer.body(model.bodies[joint].mirrored(places[joint].symmetric));
-        let own = Inertia::of(&mut writer, &body);
+        let own = CompositeInertia::of(&mut writer, &body);
         let inertia = match &inertias[joint] {
             Some(behind) => own.plus(&mut writer, behind),
             None => own,
         };
-        let mut wrench: Wrench<Edge> = inertia.wrench(places[joint].joint);
+        let mut wrench: UnitWrench<Edge> = inertia.wrench(places[joint].joint);
         let mut at = joint;
         made[joint * count + joint] = wrench.along(places[joint].joint);
         while let Some(parent) = places[at].parent {
@@ -151,11 +151,11 @@ pub(super) fn rebuild(
 /// For each joint what its equations stand for: those of the diagonal element
 /// of the matrix, or, if that is zero, of the first element in its row.
 fn origins(
-    network: &Network,
-    model: &Model,
+    network: &FactorNetwork,
+    model: &ModelInputs,
     function: &Function,
     tables: &mut Tables,
-) -> Vec<Origin> {
+) -> Vec<NodeOrigin> {
     let count = model.len();
     let mut origins = Vec::with_capacity(count);
     for joint in 0..count {
@@ -165,13 +165,13 @@ fn origins(
             .or_else(|| model.elements.iter().find_map(|&place| place));
         let Some(place) = place else {
             // Without a single element there is nothing to write.
-            origins.push(Origin::NONE);
+            origins.push(NodeOrigin::NONE);
             continue;
         };
         let assignment = &function.assignments[place];
         let node = &network.nodes[network.outputs[place].node()];
         let symbol = output_symbol(tables, function, assignment.output);
-        origins.push(Origin {
+        origins.push(NodeOrigin {
             name: Name::NONE,
             owner: if node.name.is_none() {
                 symbol

@@ -4,8 +4,8 @@
 //! products. Here both become classes of their own where somebody needs them,
 //! so that `b - a` costs no more than `a - b` when the opposite is wanted.
 
-use super::form::{Form, terms};
-use super::graph::Graph;
+use super::form::{EquivalentForm, terms};
+use super::graph::EquivalenceGraph;
 use crate::reassociate::finish;
 use egg::Id;
 use hashbrown::HashMap;
@@ -15,7 +15,7 @@ use rustc_hash::FxBuildHasher;
 
 /// What an alternative computes from its children.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Kind {
+pub(crate) enum AlternativeKind {
     /// A value of the surroundings, by its number.
     Leaf(u32),
     /// A number, by its bits.
@@ -31,7 +31,7 @@ pub(crate) enum Kind {
 /// One way to compute the value of a class.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Alternative {
-    pub(crate) kind: Kind,
+    pub(crate) kind: AlternativeKind,
     /// Classes; one may stand several times.
     pub(crate) children: Vec<u32>,
 }
@@ -41,10 +41,10 @@ impl Alternative {
     pub(crate) fn operations(&self) -> u32 {
         let count = self.children.len() as u32;
         match self.kind {
-            Kind::Leaf(_) | Kind::Number(_) => 0,
-            Kind::Sum(signs) => count - 1 + u32::from(all_negative(signs, count)),
-            Kind::Product => count - 1,
-            Kind::Other(_) => 1,
+            AlternativeKind::Leaf(_) | AlternativeKind::Number(_) => 0,
+            AlternativeKind::Sum(signs) => count - 1 + u32::from(all_negative(signs, count)),
+            AlternativeKind::Product => count - 1,
+            AlternativeKind::Other(_) => 1,
         }
     }
 
@@ -53,7 +53,7 @@ impl Alternative {
     /// (Golumbic 1976).
     pub(crate) fn arrival(
         &self,
-        times: &Times<'_>,
+        times: &SurroundingTimes<'_>,
         scratch: &mut Vec<u32>,
         child: impl Fn(u32) -> u32,
     ) -> u32 {
@@ -63,7 +63,7 @@ impl Alternative {
     /// The same, from the times of the children in order.
     pub(crate) fn arrival_of(
         &self,
-        times: &Times<'_>,
+        times: &SurroundingTimes<'_>,
         scratch: &mut Vec<u32>,
         arrivals: &[u32],
     ) -> u32 {
@@ -72,24 +72,24 @@ impl Alternative {
 
     fn ready(
         &self,
-        times: &Times<'_>,
+        times: &SurroundingTimes<'_>,
         scratch: &mut Vec<u32>,
         child: impl Fn(usize) -> u32,
     ) -> u32 {
         let places = 0..self.children.len();
         let (weight, zero) = match self.kind {
-            Kind::Leaf(number) => return times.leaves[number as usize],
-            Kind::Number(_) => return 0,
-            Kind::Other(operation) => {
+            AlternativeKind::Leaf(number) => return times.leaves[number as usize],
+            AlternativeKind::Number(_) => return 0,
+            AlternativeKind::Other(operation) => {
                 let ready = places.map(child).max();
                 let weight = times.weights.of(operation);
                 return ready.unwrap_or(0).saturating_add(weight);
             }
-            Kind::Sum(signs) => (
+            AlternativeKind::Sum(signs) => (
                 times.weights.of(Operation::Add),
                 all_negative(signs, self.children.len() as u32),
             ),
-            Kind::Product => (times.weights.of(Operation::Mul), false),
+            AlternativeKind::Product => (times.weights.of(Operation::Mul), false),
         };
         if places.len() == 2 && !zero {
             return child(0).max(child(1)).saturating_add(weight);
@@ -111,7 +111,7 @@ pub(crate) fn all_negative(signs: u64, count: u32) -> bool {
 
 /// The times of the surroundings.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Times<'a> {
+pub(crate) struct SurroundingTimes<'a> {
     /// What operations weigh.
     pub(crate) weights: &'a Weights,
     /// When each leaf is ready.
@@ -123,14 +123,14 @@ pub(crate) struct Times<'a> {
 pub(crate) struct Alternatives {
     pub(crate) classes: Vec<Vec<Alternative>>,
     /// For each alternative the form of the e-graph it came from.
-    pub(crate) origins: Vec<Vec<Option<Form>>>,
+    pub(crate) origins: Vec<Vec<Option<EquivalentForm>>>,
 }
 
 impl Alternatives {
     /// All that can take part in computing these classes of an e-graph; also
     /// the place of each of them.
-    pub(crate) fn of(graph: &Graph, roots: &[Id]) -> (Alternatives, Vec<u32>) {
-        let mut collector = Collector {
+    pub(crate) fn of(graph: &EquivalenceGraph, roots: &[Id]) -> (Alternatives, Vec<u32>) {
+        let mut collector = AlternativeCollector {
             graph,
             places: HashMap::default(),
             order: Vec::new(),
@@ -153,13 +153,13 @@ impl Alternatives {
     }
 }
 
-struct Collector<'g> {
-    graph: &'g Graph,
+struct AlternativeCollector<'g> {
+    graph: &'g EquivalenceGraph,
     places: HashMap<(Id, bool), u32, FxBuildHasher>,
     order: Vec<(Id, bool)>,
 }
 
-impl Collector<'_> {
+impl AlternativeCollector<'_> {
     fn place(&mut self, class: Id, negative: bool) -> u32 {
         let key = (self.graph.find(class), negative);
         *self.places.entry(key).or_insert_with(|| {
@@ -177,20 +177,20 @@ impl Collector<'_> {
         &mut self,
         class: Id,
         negative: bool,
-        found: &mut Vec<(Alternative, Option<Form>)>,
+        found: &mut Vec<(Alternative, Option<EquivalentForm>)>,
     ) {
         let graph = self.graph;
         if negative {
             let child = self.place(class, false);
             let minus = Alternative {
-                kind: Kind::Sum(1),
+                kind: AlternativeKind::Sum(1),
                 children: vec![child],
             };
             found.push((minus, None));
         }
         for form in graph.forms(class) {
             match form {
-                Form::Sum(1, children) if children.len() == 1 => {
+                EquivalentForm::Sum(1, children) if children.len() == 1 => {
                     let inner = graph.find(children[0]);
                     if inner == class {
                         continue;
@@ -201,7 +201,7 @@ impl Collector<'_> {
                     } else {
                         let child = self.place(inner, false);
                         let minus = Alternative {
-                            kind: Kind::Sum(1),
+                            kind: AlternativeKind::Sum(1),
                             children: vec![child],
                         };
                         found.push((minus, Some(form.clone())));
@@ -214,69 +214,80 @@ impl Collector<'_> {
         }
     }
 
-    fn positive(&mut self, class: Id, found: &mut Vec<(Alternative, Option<Form>)>) {
+    fn positive(&mut self, class: Id, found: &mut Vec<(Alternative, Option<EquivalentForm>)>) {
         for form in self.graph.forms(class) {
-            if !matches!(form, Form::Sum(_, children) if children.len() == 1) {
+            if !matches!(form, EquivalentForm::Sum(_, children) if children.len() == 1) {
                 self.form(form, found);
             }
         }
     }
 
-    fn negated(&mut self, class: Id, found: &mut Vec<(Alternative, Option<Form>)>) {
+    fn negated(&mut self, class: Id, found: &mut Vec<(Alternative, Option<EquivalentForm>)>) {
         for form in self.graph.forms(class) {
-            if !matches!(form, Form::Sum(_, children) if children.len() == 1) {
+            if !matches!(form, EquivalentForm::Sum(_, children) if children.len() == 1) {
                 self.negated_form(form, found);
             }
         }
     }
 
-    fn form(&mut self, form: &Form, found: &mut Vec<(Alternative, Option<Form>)>) {
+    fn form(
+        &mut self,
+        form: &EquivalentForm,
+        found: &mut Vec<(Alternative, Option<EquivalentForm>)>,
+    ) {
         let kind = match form {
-            Form::Leaf(number) => Kind::Leaf(*number),
-            Form::Number(bits) => Kind::Number(*bits),
-            Form::Sum(signs, _) => Kind::Sum(*signs),
-            Form::Product(_) => Kind::Product,
-            Form::Other(operation, _) => Kind::Other(*operation),
+            EquivalentForm::Leaf(number) => AlternativeKind::Leaf(*number),
+            EquivalentForm::Number(bits) => AlternativeKind::Number(*bits),
+            EquivalentForm::Sum(signs, _) => AlternativeKind::Sum(*signs),
+            EquivalentForm::Product(_) => AlternativeKind::Product,
+            EquivalentForm::Other(operation, _) => AlternativeKind::Other(*operation),
         };
         let children = self.all(egg::Language::children(form));
         found.push((Alternative { kind, children }, Some(form.clone())));
     }
 
     /// The negation of a form, where it costs no operation more.
-    fn negated_form(&mut self, form: &Form, found: &mut Vec<(Alternative, Option<Form>)>) {
+    fn negated_form(
+        &mut self,
+        form: &EquivalentForm,
+        found: &mut Vec<(Alternative, Option<EquivalentForm>)>,
+    ) {
         let mut add = |kind, children| {
             found.push((Alternative { kind, children }, Some(form.clone())));
         };
         match form {
-            Form::Number(bits) => {
-                add(Kind::Number((-f64::from_bits(*bits)).to_bits()), Vec::new());
+            EquivalentForm::Number(bits) => {
+                add(
+                    AlternativeKind::Number((-f64::from_bits(*bits)).to_bits()),
+                    Vec::new(),
+                );
             }
-            Form::Sum(signs, children) => {
+            EquivalentForm::Sum(signs, children) => {
                 let turned = terms(*signs, children)
                     .enumerate()
                     .fold(0, |bits, (place, term)| {
                         bits | u64::from(!term.negative) << place
                     });
-                add(Kind::Sum(turned), self.all(children));
+                add(AlternativeKind::Sum(turned), self.all(children));
             }
-            Form::Product(children) => {
+            EquivalentForm::Product(children) => {
                 for (place, &factor) in children.iter().enumerate() {
                     if !self.turns(factor) {
                         continue;
                     }
                     let mut factors = self.all(children);
                     factors[place] = self.place(factor, true);
-                    add(Kind::Product, factors);
+                    add(AlternativeKind::Product, factors);
                 }
             }
-            Form::Other(operation @ (Operation::Div | Operation::Sin), children) => {
+            EquivalentForm::Other(operation @ (Operation::Div | Operation::Sin), children) => {
                 if self.turns(children[0]) {
                     let mut operands = self.all(children);
                     operands[0] = self.place(children[0], true);
-                    add(Kind::Other(*operation), operands);
+                    add(AlternativeKind::Other(*operation), operands);
                 }
             }
-            Form::Leaf(_) | Form::Other(..) => {}
+            EquivalentForm::Leaf(_) | EquivalentForm::Other(..) => {}
         }
     }
 
@@ -295,10 +306,13 @@ mod tests {
 
     #[test]
     fn a_difference_turns_for_free() {
-        let mut graph = Graph::new();
+        let mut graph = EquivalenceGraph::new();
         let (a, b) = (graph.leaf(0), graph.leaf(1));
         let difference = graph
-            .sum(&[a.into(), super::super::form::Term::from(b).negated()])
+            .sum(&[
+                a.into(),
+                super::super::form::ClassReference::from(b).negated(),
+            ])
             .expect("narrow");
         let opposite = graph.value(difference.negated());
         graph.egraph.rebuild();

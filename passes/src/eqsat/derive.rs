@@ -1,15 +1,15 @@
 //! Whether rules lead from one term to another, and by which steps.
 
-use super::form::{Form, Knowledge};
+use super::form::{ClassAnalysis, EquivalentForm};
 use super::plain::{self, plain_number};
-use super::saturate::Limits;
+use super::saturate::SaturationLimits;
 use egg::{EGraph, FlatTerm, Id, Language, RecExpr};
 use robovec_analysis::class::NumericClass;
 use robovec_rules::{Pattern, PatternNode, RuleSet};
 
 /// A step of a derivation: a rule, and the whole term after it.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Step {
+pub struct DerivationStep {
     /// The rule.
     pub rule: String,
     /// The rule was used from right to left.
@@ -22,14 +22,14 @@ pub struct Step {
 #[derive(Clone, PartialEq, Debug)]
 pub enum Derivation {
     /// The steps from the left to the right term.
-    Found(Vec<Step>),
+    Found(Vec<DerivationStep>),
     /// The right term was not reached.
     Nearest {
         /// Of the terms equal to the left one, that nearest to the right one:
         /// the fewest operations and values are different.
         term: Pattern,
         /// How it was reached.
-        steps: Vec<Step>,
+        steps: Vec<DerivationStep>,
         /// Everything the rules lead to was reached; otherwise the budget
         /// ended first.
         complete: bool,
@@ -40,7 +40,7 @@ pub enum Derivation {
 
 /// What looking for a derivation may cost.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Effort {
+pub struct DerivationEffort {
     /// Nodes in the graph of equal terms.
     pub nodes: usize,
     /// Rounds of all rules.
@@ -55,11 +55,11 @@ pub fn derive(
     right: &Pattern,
     rules: &RuleSet,
     weakest: NumericClass,
-    effort: Effort,
+    effort: DerivationEffort,
 ) -> Derivation {
     let rules = plain::all(rules, weakest);
     let (from, to) = (term(left), term(right));
-    let mut egraph = EGraph::new(Knowledge).with_explanations_enabled();
+    let mut egraph = EGraph::new(ClassAnalysis).with_explanations_enabled();
     let (start, goal) = (egraph.add_expr(&from), egraph.add_expr(&to));
     egraph.rebuild();
     let mut complete = false;
@@ -68,7 +68,7 @@ pub fn derive(
         if complete || egraph.find(start) == egraph.find(goal) {
             break;
         }
-        let limits = Limits {
+        let limits = SaturationLimits {
             nodes: effort.nodes,
             iterations: 1,
             steps: 0,
@@ -94,16 +94,16 @@ pub fn derive(
     }
 }
 
-fn term(pattern: &Pattern) -> RecExpr<Form> {
+fn term(pattern: &Pattern) -> RecExpr<EquivalentForm> {
     let mut term = RecExpr::default();
     let mut ids: Vec<Id> = Vec::with_capacity(pattern.nodes.len());
     for node in &pattern.nodes {
         let form = match *node {
-            PatternNode::Variable(variable) => Form::Leaf(variable),
+            PatternNode::Variable(variable) => EquivalentForm::Leaf(variable),
             PatternNode::Number(number) => plain_number(number),
             PatternNode::Operation(operation, places) => {
                 let operands = places[..operation.arity()].iter();
-                Form::Other(
+                EquivalentForm::Other(
                     operation,
                     operands.map(|&place| ids[place as usize]).collect(),
                 )
@@ -114,34 +114,38 @@ fn term(pattern: &Pattern) -> RecExpr<Form> {
     term
 }
 
-fn pattern(term: &RecExpr<Form>) -> Pattern {
+fn pattern(term: &RecExpr<EquivalentForm>) -> Pattern {
     let mut pattern = Pattern::default();
     for form in term.as_ref() {
         match form {
-            Form::Leaf(variable) => pattern.push(PatternNode::Variable(*variable)),
-            Form::Number(bits) => pattern.push(PatternNode::Number(f64::from_bits(*bits))),
-            Form::Other(operation, children) => {
+            EquivalentForm::Leaf(variable) => pattern.push(PatternNode::Variable(*variable)),
+            EquivalentForm::Number(bits) => {
+                pattern.push(PatternNode::Number(f64::from_bits(*bits)))
+            }
+            EquivalentForm::Other(operation, children) => {
                 let operands: Vec<u32> =
                     children.iter().map(|&id| usize::from(id) as u32).collect();
                 pattern.operation(*operation, &operands)
             }
             // Plain terms hold no bags.
-            Form::Sum(..) | Form::Product(_) => pattern.push(PatternNode::Number(0.0)),
+            EquivalentForm::Sum(..) | EquivalentForm::Product(_) => {
+                pattern.push(PatternNode::Number(0.0))
+            }
         };
     }
     pattern
 }
 
 fn steps(
-    egraph: &mut EGraph<Form, Knowledge>,
-    from: &RecExpr<Form>,
-    to: &RecExpr<Form>,
-) -> Vec<Step> {
+    egraph: &mut EGraph<EquivalentForm, ClassAnalysis>,
+    from: &RecExpr<EquivalentForm>,
+    to: &RecExpr<EquivalentForm>,
+) -> Vec<DerivationStep> {
     let mut explanation = egraph.explain_equivalence(from, to);
     let flat = explanation.make_flat_explanation();
     let steps = flat.iter().filter_map(|flat| {
         let (rule, backwards) = applied(flat)?;
-        Some(Step {
+        Some(DerivationStep {
             rule,
             backwards,
             term: pattern(&flat.get_recexpr()),
@@ -152,7 +156,7 @@ fn steps(
 
 /// The rule that led to a term of an explanation: it stands at the place in
 /// the term where it was used.
-fn applied(term: &FlatTerm<Form>) -> Option<(String, bool)> {
+fn applied(term: &FlatTerm<EquivalentForm>) -> Option<(String, bool)> {
     let mut open = vec![term];
     while let Some(term) = open.pop() {
         if let Some(rule) = term.forward_rule {
@@ -167,9 +171,12 @@ fn applied(term: &FlatTerm<Form>) -> Option<(String, bool)> {
 }
 
 /// The smallest term of every class, as the form of its root and its size.
-fn smallest(egraph: &EGraph<Form, Knowledge>, classes: &[Id]) -> Vec<Option<(usize, Form)>> {
+fn smallest(
+    egraph: &EGraph<EquivalentForm, ClassAnalysis>,
+    classes: &[Id],
+) -> Vec<Option<(usize, EquivalentForm)>> {
     let place = |id: Id| classes.binary_search(&egraph.find(id)).ok();
-    let mut best: Vec<Option<(usize, Form)>> = vec![None; classes.len()];
+    let mut best: Vec<Option<(usize, EquivalentForm)>> = vec![None; classes.len()];
     loop {
         let mut changed = false;
         for (index, &class) in classes.iter().enumerate() {
@@ -195,7 +202,11 @@ fn smallest(egraph: &EGraph<Form, Knowledge>, classes: &[Id]) -> Vec<Option<(usi
 /// The term of a class that has most in common with another term: for every
 /// class and every part of that term, the fewest nodes that differ, part by
 /// part from the leaves up.
-fn nearest(egraph: &EGraph<Form, Knowledge>, start: Id, goal: &RecExpr<Form>) -> RecExpr<Form> {
+fn nearest(
+    egraph: &EGraph<EquivalentForm, ClassAnalysis>,
+    start: Id,
+    goal: &RecExpr<EquivalentForm>,
+) -> RecExpr<EquivalentForm> {
     let mut classes: Vec<Id> = egraph.classes().map(|class| class.id).collect();
     classes.sort_unstable();
     let place = |id: Id| classes.binary_search(&egraph.find(id)).unwrap_or(0);
@@ -203,7 +214,7 @@ fn nearest(egraph: &EGraph<Form, Knowledge>, start: Id, goal: &RecExpr<Form>) ->
     let parts = goal.as_ref();
     // Per part and class the distance, and the form that has it; without a
     // form, the smallest term of the class stands against the part.
-    let mut table: Vec<Vec<(usize, Option<Form>)>> = Vec::with_capacity(parts.len());
+    let mut table: Vec<Vec<(usize, Option<EquivalentForm>)>> = Vec::with_capacity(parts.len());
     let mut sizes: Vec<usize> = Vec::with_capacity(parts.len());
     for part in parts {
         let size = 1 + part
@@ -233,7 +244,7 @@ fn nearest(egraph: &EGraph<Form, Knowledge>, start: Id, goal: &RecExpr<Form>) ->
     }
     let mut term = RecExpr::default();
     build(
-        &Tables {
+        &DerivationTables {
             egraph,
             table: &table,
             smallest: &smallest,
@@ -247,17 +258,22 @@ fn nearest(egraph: &EGraph<Form, Knowledge>, start: Id, goal: &RecExpr<Form>) ->
     term
 }
 
-struct Tables<'a> {
-    egraph: &'a EGraph<Form, Knowledge>,
-    table: &'a [Vec<(usize, Option<Form>)>],
-    smallest: &'a [Option<(usize, Form)>],
+struct DerivationTables<'a> {
+    egraph: &'a EGraph<EquivalentForm, ClassAnalysis>,
+    table: &'a [Vec<(usize, Option<EquivalentForm>)>],
+    smallest: &'a [Option<(usize, EquivalentForm)>],
     classes: &'a [Id],
-    parts: &'a [Form],
+    parts: &'a [EquivalentForm],
 }
 
 /// Writes the chosen term. Depth is bounded by that of the goal and of the
 /// smallest terms, and those by the size of a pattern.
-fn build(tables: &Tables<'_>, class: Id, part: Option<usize>, term: &mut RecExpr<Form>) -> Id {
+fn build(
+    tables: &DerivationTables<'_>,
+    class: Id,
+    part: Option<usize>,
+    term: &mut RecExpr<EquivalentForm>,
+) -> Id {
     let place = tables
         .classes
         .binary_search(&tables.egraph.find(class))
@@ -267,7 +283,7 @@ fn build(tables: &Tables<'_>, class: Id, part: Option<usize>, term: &mut RecExpr
         Some((part, form)) => (form.clone(), Some(tables.parts[part].children())),
         None => match &tables.smallest[place] {
             Some((_, form)) => (form.clone(), None),
-            None => (Form::Number(0), None),
+            None => (EquivalentForm::Number(0), None),
         },
     };
     let mut written = form.clone();
@@ -282,7 +298,7 @@ fn build(tables: &Tables<'_>, class: Id, part: Option<usize>, term: &mut RecExpr
 mod tests {
     use super::*;
 
-    fn answer(question: &str, effort: Effort) -> Derivation {
+    fn answer(question: &str, effort: DerivationEffort) -> Derivation {
         let text = format!("rule question: {question} class=real;");
         let set = RuleSet::parse(&text, "question.rules").expect("well formed");
         let rules = RuleSet::built_in();
@@ -290,7 +306,7 @@ mod tests {
         derive(&rule.left, &rule.right, &rules, NumericClass::Real, effort)
     }
 
-    const EFFORT: Effort = Effort {
+    const EFFORT: DerivationEffort = DerivationEffort {
         nodes: 5_000,
         iterations: 8,
     };

@@ -3,31 +3,31 @@
 //! Small e-graphs are searched to the end, so that what is extracted from them
 //! is the optimum; larger ones keep what was found before the search.
 
-use super::alternatives::{Alternatives, Times};
-use super::extract::Demand;
+use super::alternatives::{Alternatives, SurroundingTimes};
+use super::extract::RequiredResult;
 
 /// A search among all covers that keep the required times.
-pub(crate) struct Exact<'a> {
+pub(crate) struct ExactExtractor<'a> {
     alternatives: &'a Alternatives,
-    times: Times<'a>,
-    demands: &'a [Demand],
+    times: SurroundingTimes<'a>,
+    demands: &'a [RequiredResult],
     choice: Vec<Option<u32>>,
     best: u32,
     best_choice: Option<Vec<u32>>,
     steps: u32,
 }
 
-impl<'a> Exact<'a> {
+impl<'a> ExactExtractor<'a> {
     /// A choice with fewer operations than are known and every demand met in
     /// time, the best if all could be tried; and whether all could be tried.
     pub(crate) fn search(
         alternatives: &'a Alternatives,
-        times: Times<'a>,
-        demands: &'a [Demand],
+        times: SurroundingTimes<'a>,
+        demands: &'a [RequiredResult],
         known: u32,
         steps: u32,
     ) -> (Option<Vec<u32>>, bool) {
-        let mut search = Exact {
+        let mut search = ExactExtractor {
             alternatives,
             times,
             demands,

@@ -10,14 +10,14 @@
 //! alternatives: fronts have a fixed size, and changes a fixed budget. At the
 //! end all covers are tried, as far as a fixed number of steps reaches.
 
-use super::alternatives::{Alternatives, Times};
-use super::exact::Exact;
+use super::alternatives::{Alternatives, SurroundingTimes};
+use super::exact::ExactExtractor;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// A result that is wanted, and when.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Demand {
+pub(crate) struct RequiredResult {
     pub(crate) class: u32,
     /// The result may be as late as this; when it cannot be that early, it is
     /// made as early as it can be.
@@ -53,8 +53,8 @@ const NEVER: u32 = u32::MAX;
 /// that ends in leaves.
 pub(crate) fn extract(
     alternatives: &Alternatives,
-    times: Times<'_>,
-    demands: &[Demand],
+    times: SurroundingTimes<'_>,
+    demands: &[RequiredResult],
 ) -> Option<Cover> {
     let depth = Depth::find(alternatives, times);
     if demands
@@ -63,9 +63,9 @@ pub(crate) fn extract(
     {
         return None;
     }
-    let demands: Vec<Demand> = demands
+    let demands: Vec<RequiredResult> = demands
         .iter()
-        .map(|&demand| Demand {
+        .map(|&demand| RequiredResult {
             required: demand.required.max(depth.arrivals[demand.class as usize]),
             ..demand
         })
@@ -96,7 +96,7 @@ pub(crate) fn extract(
         }
     }
     let mut best = best?;
-    let (fewer, _) = Exact::search(alternatives, times, &demands, best.operations, SEARCH);
+    let (fewer, _) = ExactExtractor::search(alternatives, times, &demands, best.operations, SEARCH);
     if let Some(cover) = fewer.and_then(|choice| extractor.evaluate(&choice)) {
         best = cover;
     }
@@ -113,7 +113,7 @@ struct Depth {
 }
 
 impl Depth {
-    fn find(alternatives: &Alternatives, times: Times<'_>) -> Depth {
+    fn find(alternatives: &Alternatives, times: SurroundingTimes<'_>) -> Depth {
         let count = alternatives.classes.len();
         let mut depth = Depth {
             arrivals: vec![NEVER; count],
@@ -176,7 +176,7 @@ impl Depth {
 
 /// A point of a front: when a class can be ready at what cost as a tree.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-struct Point {
+struct ArrivalPoint {
     arrival: u32,
     operations: u32,
     choice: u32,
@@ -184,10 +184,10 @@ struct Point {
 
 struct Extractor<'a> {
     alternatives: &'a Alternatives,
-    times: Times<'a>,
-    demands: &'a [Demand],
+    times: SurroundingTimes<'a>,
+    demands: &'a [RequiredResult],
     depth: Depth,
-    fronts: Vec<Vec<Point>>,
+    fronts: Vec<Vec<ArrivalPoint>>,
     scratch: Vec<u32>,
 }
 
@@ -201,8 +201,8 @@ impl Extractor<'_> {
             .all(|&child| self.depth.rank[child as usize] < rank)
     }
 
-    fn fronts(&mut self) -> Vec<Vec<Point>> {
-        let mut fronts: Vec<Vec<Point>> = vec![Vec::new(); self.alternatives.classes.len()];
+    fn fronts(&mut self) -> Vec<Vec<ArrivalPoint>> {
+        let mut fronts: Vec<Vec<ArrivalPoint>> = vec![Vec::new(); self.alternatives.classes.len()];
         let mut thresholds = Vec::new();
         for position in 0..self.depth.order.len() {
             let class = self.depth.order[position];
@@ -229,7 +229,7 @@ impl Extractor<'_> {
                     let operations = form.children.iter().fold(form.operations(), |sum, &child| {
                         sum.saturating_add(pick(child).operations)
                     });
-                    points.push(Point {
+                    points.push(ArrivalPoint {
                         arrival,
                         operations,
                         choice: index as u32,
@@ -243,7 +243,7 @@ impl Extractor<'_> {
 
     /// For each class the form with the fewest operations as a tree.
     fn cheapest(&self) -> Vec<u32> {
-        let last = |points: &Vec<Point>| points.last().map_or(0, |point| point.choice);
+        let last = |points: &Vec<ArrivalPoint>| points.last().map_or(0, |point| point.choice);
         self.fronts.iter().map(last).collect()
     }
 
@@ -439,12 +439,12 @@ impl Extractor<'_> {
 }
 
 /// The cheapest point that is in time, or the earliest.
-fn within(front: &[Point], limit: u32) -> Point {
+fn within(front: &[ArrivalPoint], limit: u32) -> ArrivalPoint {
     let after = front.partition_point(|point| point.arrival <= limit);
     front
         .get(after.saturating_sub(1))
         .copied()
-        .unwrap_or(Point {
+        .unwrap_or(ArrivalPoint {
             arrival: NEVER,
             operations: NEVER,
             choice: 0,
@@ -453,9 +453,9 @@ fn within(front: &[Point], limit: u32) -> Point {
 
 /// The points no other is better than, earliest first; of too many, the ends
 /// and some between.
-fn front(mut points: Vec<Point>) -> Vec<Point> {
+fn front(mut points: Vec<ArrivalPoint>) -> Vec<ArrivalPoint> {
     points.sort_unstable();
-    let mut kept: Vec<Point> = Vec::new();
+    let mut kept: Vec<ArrivalPoint> = Vec::new();
     for point in points {
         if kept
             .last()

@@ -10,7 +10,7 @@ use robovec_ir::Operation;
 
 /// One way to compute the value of an e-class.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub(crate) enum Form {
+pub(crate) enum EquivalentForm {
     /// A value of the surroundings, by its number.
     Leaf(u32),
     /// A number, by its bits.
@@ -24,63 +24,67 @@ pub(crate) enum Form {
     Other(Operation, Box<[Id]>),
 }
 
-impl Language for Form {
+impl Language for EquivalentForm {
     type Discriminant = (u8, u64);
 
     fn discriminant(&self) -> (u8, u64) {
         match self {
-            Form::Leaf(number) => (0, u64::from(*number)),
-            Form::Number(bits) => (1, *bits),
-            Form::Sum(signs, _) => (2, *signs),
-            Form::Product(_) => (3, 0),
-            Form::Other(operation, _) => (4, *operation as u64),
+            EquivalentForm::Leaf(number) => (0, u64::from(*number)),
+            EquivalentForm::Number(bits) => (1, *bits),
+            EquivalentForm::Sum(signs, _) => (2, *signs),
+            EquivalentForm::Product(_) => (3, 0),
+            EquivalentForm::Other(operation, _) => (4, *operation as u64),
         }
     }
 
-    fn matches(&self, other: &Form) -> bool {
+    fn matches(&self, other: &EquivalentForm) -> bool {
         self.discriminant() == other.discriminant()
             && self.children().len() == other.children().len()
     }
 
     fn children(&self) -> &[Id] {
         match self {
-            Form::Leaf(_) | Form::Number(_) => &[],
-            Form::Sum(_, children) | Form::Product(children) | Form::Other(_, children) => children,
+            EquivalentForm::Leaf(_) | EquivalentForm::Number(_) => &[],
+            EquivalentForm::Sum(_, children)
+            | EquivalentForm::Product(children)
+            | EquivalentForm::Other(_, children) => children,
         }
     }
 
     fn children_mut(&mut self) -> &mut [Id] {
         match self {
-            Form::Leaf(_) | Form::Number(_) => &mut [],
-            Form::Sum(_, children) | Form::Product(children) | Form::Other(_, children) => children,
+            EquivalentForm::Leaf(_) | EquivalentForm::Number(_) => &mut [],
+            EquivalentForm::Sum(_, children)
+            | EquivalentForm::Product(children)
+            | EquivalentForm::Other(_, children) => children,
         }
     }
 }
 
 /// A reference to an e-class, perhaps with the other sign.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub(crate) struct Term {
+pub(crate) struct ClassReference {
     pub(crate) class: Id,
     pub(crate) negative: bool,
 }
 
-impl Term {
-    pub(crate) fn negated(self) -> Term {
+impl ClassReference {
+    pub(crate) fn negated(self) -> ClassReference {
         self.signed(true)
     }
 
     /// The term, with its sign turned if so asked.
-    pub(crate) fn signed(self, negative: bool) -> Term {
-        Term {
+    pub(crate) fn signed(self, negative: bool) -> ClassReference {
+        ClassReference {
             class: self.class,
             negative: self.negative ^ negative,
         }
     }
 }
 
-impl From<Id> for Term {
-    fn from(class: Id) -> Term {
-        Term {
+impl From<Id> for ClassReference {
+    fn from(class: Id) -> ClassReference {
+        ClassReference {
             class,
             negative: false,
         }
@@ -88,11 +92,11 @@ impl From<Id> for Term {
 }
 
 /// The signed terms of a sum.
-pub(crate) fn terms(signs: u64, children: &[Id]) -> impl Iterator<Item = Term> + '_ {
+pub(crate) fn terms(signs: u64, children: &[Id]) -> impl Iterator<Item = ClassReference> + '_ {
     children
         .iter()
         .enumerate()
-        .map(move |(index, &class)| Term {
+        .map(move |(index, &class)| ClassReference {
             class,
             negative: signs >> index & 1 == 1,
         })
@@ -100,35 +104,35 @@ pub(crate) fn terms(signs: u64, children: &[Id]) -> impl Iterator<Item = Term> +
 
 /// What normalisation must know of an e-class at once.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub(crate) struct Facts {
+pub(crate) struct ClassFacts {
     /// The bits of the number the class is.
     pub(crate) number: Option<u64>,
     /// A class this one is the negation of.
     pub(crate) minus: Option<Id>,
 }
 
-/// Keeps the [`Facts`] of every e-class.
+/// Keeps the [`ClassFacts`] of every e-class.
 #[derive(Clone, Copy, Default, Debug)]
-pub(crate) struct Knowledge;
+pub(crate) struct ClassAnalysis;
 
-impl Analysis<Form> for Knowledge {
-    type Data = Facts;
+impl Analysis<EquivalentForm> for ClassAnalysis {
+    type Data = ClassFacts;
 
-    fn make(_: &mut EGraph<Form, Self>, form: &Form, _: Id) -> Facts {
+    fn make(_: &mut EGraph<EquivalentForm, Self>, form: &EquivalentForm, _: Id) -> ClassFacts {
         match form {
-            Form::Number(bits) => Facts {
+            EquivalentForm::Number(bits) => ClassFacts {
                 number: Some(*bits),
                 minus: None,
             },
-            Form::Sum(1, children) if children.len() == 1 => Facts {
+            EquivalentForm::Sum(1, children) if children.len() == 1 => ClassFacts {
                 number: None,
                 minus: Some(children[0]),
             },
-            _ => Facts::default(),
+            _ => ClassFacts::default(),
         }
     }
 
-    fn merge(&mut self, a: &mut Facts, b: Facts) -> DidMerge {
+    fn merge(&mut self, a: &mut ClassFacts, b: ClassFacts) -> DidMerge {
         let before = *a;
         a.number = a.number.or(b.number);
         a.minus = a.minus.or(b.minus);

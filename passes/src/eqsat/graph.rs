@@ -5,7 +5,7 @@
 //! sum that is only subtracted becomes a sum that is only added. These are
 //! the rules without which no saturation with `0 - x` ends.
 
-use super::form::{Facts, Form, Knowledge, Term, terms};
+use super::form::{ClassAnalysis, ClassFacts, ClassReference, EquivalentForm, terms};
 use egg::{EGraph, Id};
 use hashbrown::HashMap;
 use robovec_ir::Operation;
@@ -17,20 +17,20 @@ pub(crate) const WIDEST: usize = 24;
 
 /// What made a form that did not enter with the window: an index into the
 /// rules, or into the structural steps after them.
-pub(crate) type Maker = u32;
+pub(crate) type FormMaker = u32;
 
 /// An e-graph over sums and products.
-pub(crate) struct Graph {
-    pub(crate) egraph: EGraph<Form, Knowledge>,
+pub(crate) struct EquivalenceGraph {
+    pub(crate) egraph: EGraph<EquivalentForm, ClassAnalysis>,
     /// Who made each form first; forms of the window itself have no entry.
-    makers: HashMap<Id, Maker, FxBuildHasher>,
+    makers: HashMap<Id, FormMaker, FxBuildHasher>,
     /// Who is making forms now.
-    pub(crate) maker: Option<Maker>,
+    pub(crate) maker: Option<FormMaker>,
 }
 
-impl From<EGraph<Form, Knowledge>> for Graph {
-    fn from(egraph: EGraph<Form, Knowledge>) -> Graph {
-        Graph {
+impl From<EGraph<EquivalentForm, ClassAnalysis>> for EquivalenceGraph {
+    fn from(egraph: EGraph<EquivalentForm, ClassAnalysis>) -> EquivalenceGraph {
+        EquivalenceGraph {
             egraph,
             makers: HashMap::default(),
             maker: None,
@@ -38,9 +38,9 @@ impl From<EGraph<Form, Knowledge>> for Graph {
     }
 }
 
-impl Graph {
-    pub(crate) fn new() -> Graph {
-        EGraph::new(Knowledge).into()
+impl EquivalenceGraph {
+    pub(crate) fn new() -> EquivalenceGraph {
+        EGraph::new(ClassAnalysis).into()
     }
 
     /// Number of forms ever made; what budgets count.
@@ -48,7 +48,7 @@ impl Graph {
         self.egraph.nodes().len()
     }
 
-    fn add(&mut self, form: Form) -> Id {
+    fn add(&mut self, form: EquivalentForm) -> Id {
         let before = self.egraph.nodes().len();
         let id = self.egraph.add(form);
         if self.egraph.nodes().len() > before
@@ -61,14 +61,14 @@ impl Graph {
 
     /// Who made a form that is in the e-graph; `None` when it came with the
     /// window.
-    pub(crate) fn maker_of(&self, form: &Form) -> Option<Maker> {
+    pub(crate) fn maker_of(&self, form: &EquivalentForm) -> Option<FormMaker> {
         // The memo holds the node's own number, not that of its class; it is
         // found again by looking for the equal node that was made first.
         self.makers.get(&self.made(form)?).copied()
     }
 
-    fn made(&self, form: &Form) -> Option<Id> {
-        let canonical = |node: &Form| {
+    fn made(&self, form: &EquivalentForm) -> Option<Id> {
+        let canonical = |node: &EquivalentForm| {
             let mut node = node.clone();
             for child in egg::Language::children_mut(&mut node) {
                 *child = self.egraph.find(*child);
@@ -88,7 +88,7 @@ impl Graph {
         self.egraph.find(id)
     }
 
-    fn facts(&self, id: Id) -> Facts {
+    fn facts(&self, id: Id) -> ClassFacts {
         self.egraph[self.egraph.find(id)].data
     }
 
@@ -99,22 +99,22 @@ impl Graph {
 
     /// A value of the surroundings.
     pub(crate) fn leaf(&mut self, number: u32) -> Id {
-        self.add(Form::Leaf(number))
+        self.add(EquivalentForm::Leaf(number))
     }
 
     /// A number; a negative one is the negation of a positive one.
-    pub(crate) fn number(&mut self, number: f64) -> Term {
+    pub(crate) fn number(&mut self, number: f64) -> ClassReference {
         // Zero has no sign over the real numbers.
         let magnitude = if number == 0.0 { 0.0 } else { number.abs() };
-        Term {
-            class: self.add(Form::Number(magnitude.to_bits())),
+        ClassReference {
+            class: self.add(EquivalentForm::Number(magnitude.to_bits())),
             negative: number < 0.0,
         }
     }
 
     /// The term with its class found, and seen through a minus.
-    fn resolve(&self, term: Term) -> Term {
-        let mut term = Term {
+    fn resolve(&self, term: ClassReference) -> ClassReference {
+        let mut term = ClassReference {
             class: self.find(term.class),
             ..term
         };
@@ -122,7 +122,7 @@ impl Graph {
         for _ in 0..4 {
             match self.facts(term.class).minus {
                 Some(inner) => {
-                    term = Term {
+                    term = ClassReference {
                         class: self.find(inner),
                         negative: !term.negative,
                     }
@@ -134,8 +134,8 @@ impl Graph {
     }
 
     /// The sum of terms, in normal form; `None` when it is too wide.
-    pub(crate) fn sum(&mut self, summands: &[Term]) -> Option<Term> {
-        let mut normal: Vec<Term> = Vec::with_capacity(summands.len());
+    pub(crate) fn sum(&mut self, summands: &[ClassReference]) -> Option<ClassReference> {
+        let mut normal: Vec<ClassReference> = Vec::with_capacity(summands.len());
         for &term in summands {
             let term = self.resolve(term);
             if self.number_of(term.class) == Some(0.0) {
@@ -164,12 +164,12 @@ impl Graph {
             signs |= u64::from(term.negative ^ negative) << index;
         }
         let children = normal.iter().map(|term| term.class).collect();
-        let class = self.add(Form::Sum(signs, children));
-        Some(Term { class, negative })
+        let class = self.add(EquivalentForm::Sum(signs, children));
+        Some(ClassReference { class, negative })
     }
 
     /// The product of factors, in normal form; `None` when it is too wide.
-    pub(crate) fn product(&mut self, factors: &[Term]) -> Option<Term> {
+    pub(crate) fn product(&mut self, factors: &[ClassReference]) -> Option<ClassReference> {
         let mut normal: Vec<Id> = Vec::with_capacity(factors.len());
         let mut negative = false;
         for &factor in factors {
@@ -187,15 +187,20 @@ impl Graph {
             _ if normal.len() > WIDEST => return None,
             _ => {
                 normal.sort_unstable();
-                self.add(Form::Product(normal.into()))
+                self.add(EquivalentForm::Product(normal.into()))
             }
         };
-        Some(Term { class, negative })
+        Some(ClassReference { class, negative })
     }
 
     /// Any other operation. Signs come out of quotients, sines and cosines.
-    pub(crate) fn other(&mut self, operation: Operation, operands: &[Term]) -> Term {
-        let resolved: Vec<Term> = operands.iter().map(|&term| self.resolve(term)).collect();
+    pub(crate) fn other(
+        &mut self,
+        operation: Operation,
+        operands: &[ClassReference],
+    ) -> ClassReference {
+        let resolved: Vec<ClassReference> =
+            operands.iter().map(|&term| self.resolve(term)).collect();
         let odd = resolved.iter().any(|term| term.negative);
         let (children, negative): (Vec<Id>, bool) = match operation {
             Operation::Div | Operation::Sin => (
@@ -211,23 +216,23 @@ impl Graph {
             }
             _ => (resolved.iter().map(|term| term.class).collect(), false),
         };
-        Term {
-            class: self.add(Form::Other(operation, children.into())),
+        ClassReference {
+            class: self.add(EquivalentForm::Other(operation, children.into())),
             negative,
         }
     }
 
     /// The class whose value is that of the term.
-    pub(crate) fn value(&mut self, term: Term) -> Id {
+    pub(crate) fn value(&mut self, term: ClassReference) -> Id {
         let term = self.resolve(term);
         if !term.negative {
             return term.class;
         }
-        self.add(Form::Sum(1, [term.class].into()))
+        self.add(EquivalentForm::Sum(1, [term.class].into()))
     }
 
     /// Says that a class and a term are equal; true when that was new.
-    pub(crate) fn equate(&mut self, class: Id, term: Term) -> bool {
+    pub(crate) fn equate(&mut self, class: Id, term: ClassReference) -> bool {
         let value = self.value(term);
         self.egraph.union(class, value)
     }
@@ -240,14 +245,14 @@ impl Graph {
     }
 
     /// The forms of a class, in their own order.
-    pub(crate) fn forms(&self, class: Id) -> &[Form] {
+    pub(crate) fn forms(&self, class: Id) -> &[EquivalentForm] {
         &self.egraph[class].nodes
     }
 
     /// The sums of a class as lists of terms, minuses excepted.
-    pub(crate) fn sums(&self, class: Id) -> impl Iterator<Item = Vec<Term>> + '_ {
+    pub(crate) fn sums(&self, class: Id) -> impl Iterator<Item = Vec<ClassReference>> + '_ {
         self.forms(class).iter().filter_map(|form| match form {
-            Form::Sum(signs, children) if children.len() > 1 => {
+            EquivalentForm::Sum(signs, children) if children.len() > 1 => {
                 Some(terms(*signs, children).collect())
             }
             _ => None,

@@ -9,51 +9,51 @@
 //! Every step is counted, and matching ends when the count is used up: which
 //! matches are found depends on the e-graph alone.
 
-use super::form::{Form, Term};
-use super::graph::Graph;
-use super::pattern::{Bag, Signed};
+use super::form::{ClassReference, EquivalentForm};
+use super::graph::EquivalenceGraph;
+use super::pattern::{Bag, SignedPattern};
 use egg::Id;
 
 /// What a variable stands for.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Binding {
+pub(crate) enum VariableBinding {
     /// One term.
-    Term(Term),
+    Term(ClassReference),
     /// The sum of several terms of a wider sum.
-    Sum(Vec<Term>),
+    Sum(Vec<ClassReference>),
     /// The product of several factors of a wider product.
     Product(Vec<Id>, bool),
 }
 
 /// A place where a rule applies.
 #[derive(Clone, Debug)]
-pub(crate) struct Match {
+pub(crate) struct RuleMatch {
     /// The class of which it says something.
     pub(crate) class: Id,
     /// What the variables stand for.
-    pub(crate) bindings: Vec<Option<Binding>>,
+    pub(crate) bindings: Vec<Option<VariableBinding>>,
     /// The terms beside the matched ones, or the factors.
-    pub(crate) rest: Vec<Term>,
+    pub(crate) rest: Vec<ClassReference>,
     /// The matched part is the negation of the pattern.
     pub(crate) negative: bool,
 }
 
 /// Finds matches of one pattern within a number of steps.
 pub(crate) struct Matcher<'g> {
-    graph: &'g Graph,
+    graph: &'g EquivalenceGraph,
     steps: u32,
-    bindings: Vec<Option<Binding>>,
-    found: Vec<Match>,
+    bindings: Vec<Option<VariableBinding>>,
+    found: Vec<RuleMatch>,
 }
 
 /// What is to be done when a part has matched.
 type Next<'n> = &'n mut dyn FnMut(&mut Matcher<'_>);
 /// The same, with what is left over.
-type NextTerms<'n> = &'n mut dyn FnMut(&mut Matcher<'_>, &[Term]);
+type NextTerms<'n> = &'n mut dyn FnMut(&mut Matcher<'_>, &[ClassReference]);
 
 impl<'g> Matcher<'g> {
     /// A matcher for a pattern of so many variables.
-    pub(crate) fn new(graph: &'g Graph, variables: usize, steps: u32) -> Matcher<'g> {
+    pub(crate) fn new(graph: &'g EquivalenceGraph, variables: usize, steps: u32) -> Matcher<'g> {
         Matcher {
             graph,
             steps,
@@ -63,7 +63,7 @@ impl<'g> Matcher<'g> {
     }
 
     /// The matches of a pattern in these classes, and the steps left.
-    pub(crate) fn run(mut self, pattern: &Signed, classes: &[Id]) -> (Vec<Match>, u32) {
+    pub(crate) fn run(mut self, pattern: &SignedPattern, classes: &[Id]) -> (Vec<RuleMatch>, u32) {
         for &class in classes {
             if self.steps == 0 {
                 break;
@@ -78,9 +78,9 @@ impl<'g> Matcher<'g> {
         self.steps > 0
     }
 
-    fn root(&mut self, pattern: &Signed, class: Id) {
-        let report = |matcher: &mut Matcher<'_>, rest: &[Term], negative: bool| {
-            matcher.found.push(Match {
+    fn root(&mut self, pattern: &SignedPattern, class: Id) {
+        let report = |matcher: &mut Matcher<'_>, rest: &[ClassReference], negative: bool| {
+            matcher.found.push(RuleMatch {
                 class,
                 bindings: matcher.bindings.clone(),
                 rest: rest.to_vec(),
@@ -89,15 +89,17 @@ impl<'g> Matcher<'g> {
         };
         match &pattern.bag {
             Bag::Sum(summands) => {
-                let sums: Vec<Vec<Term>> = self.graph.sums(class).collect();
+                let sums: Vec<Vec<ClassReference>> = self.graph.sums(class).collect();
                 for terms in sums {
                     self.sum(summands, &terms, true, &mut |matcher, rest| {
                         report(matcher, rest, pattern.negative);
                     });
                     if is_rigid(&pattern.bag) {
-                        let turned: Vec<Term> = terms.iter().map(|term| term.negated()).collect();
+                        let turned: Vec<ClassReference> =
+                            terms.iter().map(|term| term.negated()).collect();
                         self.sum(summands, &turned, true, &mut |matcher, rest| {
-                            let rest: Vec<Term> = rest.iter().map(|term| term.negated()).collect();
+                            let rest: Vec<ClassReference> =
+                                rest.iter().map(|term| term.negated()).collect();
                             report(matcher, &rest, !pattern.negative);
                         });
                     }
@@ -117,9 +119,11 @@ impl<'g> Matcher<'g> {
             }
             // A variable alone would match everything, a number only itself.
             Bag::Variable(_) | Bag::Number(_) => {}
-            Bag::Other(..) => self.term(&pattern.bag, Term::from(class), &mut |matcher| {
-                report(matcher, &[], pattern.negative);
-            }),
+            Bag::Other(..) => {
+                self.term(&pattern.bag, ClassReference::from(class), &mut |matcher| {
+                    report(matcher, &[], pattern.negative);
+                })
+            }
         }
     }
 
@@ -127,13 +131,13 @@ impl<'g> Matcher<'g> {
         let forms = self.graph.forms(self.graph.find(class)).iter();
         forms
             .filter_map(|form| match form {
-                Form::Product(children) => Some(children.to_vec()),
+                EquivalentForm::Product(children) => Some(children.to_vec()),
                 _ => None,
             })
             .collect()
     }
 
-    fn bind(&mut self, variable: u32, binding: Binding, next: Next<'_>) {
+    fn bind(&mut self, variable: u32, binding: VariableBinding, next: Next<'_>) {
         let place = variable as usize;
         match &self.bindings[place] {
             Some(known) if *known == binding => next(self),
@@ -147,16 +151,16 @@ impl<'g> Matcher<'g> {
     }
 
     /// Matches a pattern with a term.
-    fn term(&mut self, pattern: &Bag, term: Term, next: Next<'_>) {
+    fn term(&mut self, pattern: &Bag, term: ClassReference, next: Next<'_>) {
         if !self.step() {
             return;
         }
-        let term = Term {
+        let term = ClassReference {
             class: self.graph.find(term.class),
             ..term
         };
         match pattern {
-            Bag::Variable(variable) => self.bind(*variable, Binding::Term(term), next),
+            Bag::Variable(variable) => self.bind(*variable, VariableBinding::Term(term), next),
             Bag::Number(bits) => {
                 let number = self.graph.number_of(term.class).map(f64::to_bits);
                 if number == Some(*bits) && (!term.negative || *bits == 0) {
@@ -164,9 +168,9 @@ impl<'g> Matcher<'g> {
                 }
             }
             Bag::Sum(summands) => {
-                let sums: Vec<Vec<Term>> = self.graph.sums(term.class).collect();
+                let sums: Vec<Vec<ClassReference>> = self.graph.sums(term.class).collect();
                 for terms in sums {
-                    let terms: Vec<Term> = terms
+                    let terms: Vec<ClassReference> = terms
                         .iter()
                         .map(|inner| inner.signed(term.negative))
                         .collect();
@@ -194,7 +198,7 @@ impl<'g> Matcher<'g> {
                     .forms(term.class)
                     .iter()
                     .filter_map(|form| match form {
-                        Form::Other(other, children) if other == operation => {
+                        EquivalentForm::Other(other, children) if other == operation => {
                             Some(children.to_vec())
                         }
                         _ => None,
@@ -207,13 +211,13 @@ impl<'g> Matcher<'g> {
         }
     }
 
-    fn operands(&mut self, patterns: &[Signed], children: &[Id], next: Next<'_>) {
+    fn operands(&mut self, patterns: &[SignedPattern], children: &[Id], next: Next<'_>) {
         let (Some((pattern, patterns)), Some((&child, children))) =
             (patterns.split_first(), children.split_first())
         else {
             return next(self);
         };
-        let term = Term {
+        let term = ClassReference {
             class: child,
             negative: pattern.negative,
         };
@@ -224,7 +228,13 @@ impl<'g> Matcher<'g> {
 
     /// Matches patterns with terms of a sum. What is left goes to the last
     /// free variable, unless it may stay beside.
-    fn sum(&mut self, patterns: &[Signed], terms: &[Term], open: bool, next: NextTerms<'_>) {
+    fn sum(
+        &mut self,
+        patterns: &[SignedPattern],
+        terms: &[ClassReference],
+        open: bool,
+        next: NextTerms<'_>,
+    ) {
         if patterns.len() > terms.len() {
             return;
         }
@@ -232,7 +242,13 @@ impl<'g> Matcher<'g> {
         self.sum_from(&ordered, terms, open, next);
     }
 
-    fn sum_from(&mut self, patterns: &[&Signed], terms: &[Term], open: bool, next: NextTerms<'_>) {
+    fn sum_from(
+        &mut self,
+        patterns: &[&SignedPattern],
+        terms: &[ClassReference],
+        open: bool,
+        next: NextTerms<'_>,
+    ) {
         let Some((pattern, later)) = patterns.split_first() else {
             if open || terms.is_empty() {
                 next(self, terms);
@@ -247,16 +263,16 @@ impl<'g> Matcher<'g> {
             && !open
             && terms.len() > 1
         {
-            let rest: Vec<Term> = terms
+            let rest: Vec<ClassReference> = terms
                 .iter()
                 .map(|term| term.signed(pattern.negative))
                 .collect();
-            return self.bind(variable, Binding::Sum(rest), &mut |matcher| {
+            return self.bind(variable, VariableBinding::Sum(rest), &mut |matcher| {
                 next(matcher, &[]);
             });
         }
         for (place, term) in terms.iter().enumerate() {
-            let rest: Vec<Term> = without(terms, place);
+            let rest: Vec<ClassReference> = without(terms, place);
             self.term(
                 &pattern.bag,
                 term.signed(pattern.negative),
@@ -300,7 +316,10 @@ impl<'g> Matcher<'g> {
             if negative || !(open || factors.is_empty()) {
                 return;
             }
-            let rest: Vec<Term> = factors.iter().map(|&factor| Term::from(factor)).collect();
+            let rest: Vec<ClassReference> = factors
+                .iter()
+                .map(|&factor| ClassReference::from(factor))
+                .collect();
             return next(self, &rest);
         };
         if !self.step() {
@@ -317,7 +336,7 @@ impl<'g> Matcher<'g> {
             && later.is_empty()
             && factors.len() > 1
         {
-            let rest = Binding::Product(factors.to_vec(), negative);
+            let rest = VariableBinding::Product(factors.to_vec(), negative);
             self.bind(*variable, rest, &mut |matcher| next(matcher, &[]));
             if !open {
                 return;
@@ -334,7 +353,7 @@ impl<'g> Matcher<'g> {
                     continue;
                 }
                 let sign = turned ^ (last && negative);
-                let term = Term {
+                let term = ClassReference {
                     class: factor,
                     negative: sign,
                 };
@@ -348,7 +367,7 @@ impl<'g> Matcher<'g> {
     /// A variable already bound: its factors must be among those here.
     fn known_factor(
         &mut self,
-        known: &Binding,
+        known: &VariableBinding,
         later: &[&Bag],
         factors: &[Id],
         negative: bool,
@@ -357,9 +376,9 @@ impl<'g> Matcher<'g> {
     ) {
         let mut rest = factors.to_vec();
         let (wanted, sign): (&[Id], bool) = match known {
-            Binding::Term(term) => (std::slice::from_ref(&term.class), term.negative),
-            Binding::Product(classes, sign) => (classes, *sign),
-            Binding::Sum(_) => return,
+            VariableBinding::Term(term) => (std::slice::from_ref(&term.class), term.negative),
+            VariableBinding::Product(classes, sign) => (classes, *sign),
+            VariableBinding::Sum(_) => return,
         };
         for class in wanted {
             match rest.iter().position(|factor| factor == class) {

@@ -24,8 +24,8 @@ use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::Function;
 use robovec_num::limits::NumberLimit;
 use robovec_rules::RuleSet;
-use round::{Budget, Settings};
-use saturate::{Limits, STRUCTURE};
+use round::{RoundBudget, Settings};
+use saturate::{STRUCTURE, SaturationLimits};
 
 declare_pass! {
     /// Rewrites the critical slice by equality saturation.
@@ -149,7 +149,7 @@ impl Pass for Eqsat {
             plain: self.ac.then_some(&plain),
             weights: &weights,
             size: self.window as usize,
-            limits: Limits {
+            limits: SaturationLimits {
                 nodes: self.nodes as usize,
                 iterations: self.iterations,
                 steps: self.steps,
@@ -169,7 +169,7 @@ impl Pass for Eqsat {
         let mut windows = 0;
         let mut rewritten = 0;
         for _ in 0..self.rounds {
-            let mut budget = Budget {
+            let mut budget = RoundBudget {
                 nodes: nodes / 2,
                 operations: most as i64 - best.1 as i64,
             };

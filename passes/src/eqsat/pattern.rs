@@ -12,27 +12,27 @@ pub(crate) enum Bag {
     /// This number, by its bits; never negative.
     Number(u64),
     /// The sum of these.
-    Sum(Vec<Signed>),
+    Sum(Vec<SignedPattern>),
     /// The product of these; the sign of a product stands outside it.
     Product(Vec<Bag>),
     /// Any other operation.
-    Other(Operation, Vec<Signed>),
+    Other(Operation, Vec<SignedPattern>),
 }
 
 /// A pattern with a sign.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub(crate) struct Signed {
+pub(crate) struct SignedPattern {
     pub(crate) bag: Bag,
     pub(crate) negative: bool,
 }
 
-impl Signed {
-    pub(crate) fn variable(number: u32) -> Signed {
+impl SignedPattern {
+    pub(crate) fn variable(number: u32) -> SignedPattern {
         Bag::Variable(number).into()
     }
 
-    pub(crate) fn number(number: f64) -> Signed {
-        Signed {
+    pub(crate) fn number(number: f64) -> SignedPattern {
+        SignedPattern {
             bag: Bag::Number(if number == 0.0 {
                 0
             } else {
@@ -42,8 +42,8 @@ impl Signed {
         }
     }
 
-    fn turned(self, negative: bool) -> Signed {
-        Signed {
+    fn turned(self, negative: bool) -> SignedPattern {
+        SignedPattern {
             bag: self.bag,
             negative: self.negative ^ negative,
         }
@@ -51,7 +51,10 @@ impl Signed {
 
     /// One operation on patterns, in normal form: sums of sums and products
     /// of products are one, terms and factors are sorted.
-    pub(crate) fn operation(operation: Operation, mut operands: Vec<Signed>) -> Signed {
+    pub(crate) fn operation(
+        operation: Operation,
+        mut operands: Vec<SignedPattern>,
+    ) -> SignedPattern {
         match operation {
             Operation::Copy => operands.swap_remove(0),
             Operation::Neg => operands.swap_remove(0).turned(true),
@@ -72,7 +75,7 @@ impl Signed {
                     }
                 }
                 match summands.len() {
-                    0 => Signed::number(0.0),
+                    0 => SignedPattern::number(0.0),
                     1 => summands.swap_remove(0),
                     _ => {
                         summands.sort();
@@ -93,12 +96,12 @@ impl Signed {
                 }
                 factors.sort();
                 let bag = match factors.len() {
-                    _ if factors.contains(&Bag::Number(0)) => return Signed::number(0.0),
+                    _ if factors.contains(&Bag::Number(0)) => return SignedPattern::number(0.0),
                     0 => Bag::Number(ONE),
                     1 => factors.swap_remove(0),
                     _ => Bag::Product(factors),
                 };
-                Signed { bag, negative }
+                SignedPattern { bag, negative }
             }
             // Signs come out of these, as they do in the e-graph.
             Operation::Div | Operation::Sin | Operation::Cos => {
@@ -106,7 +109,7 @@ impl Signed {
                 for operand in &mut operands {
                     operand.negative = false;
                 }
-                Signed {
+                SignedPattern {
                     bag: Bag::Other(operation, operands),
                     negative: odd && operation != Operation::Cos,
                 }
@@ -116,29 +119,29 @@ impl Signed {
     }
 }
 
-impl Signed {
+impl SignedPattern {
     /// The pattern with the variables of a mask negated.
-    fn flipped(&self, mask: u32) -> Signed {
-        let all = |parts: &[Signed]| parts.iter().map(|part| part.flipped(mask)).collect();
+    fn flipped(&self, mask: u32) -> SignedPattern {
+        let all = |parts: &[SignedPattern]| parts.iter().map(|part| part.flipped(mask)).collect();
         let flipped = match &self.bag {
-            Bag::Variable(variable) => Signed {
+            Bag::Variable(variable) => SignedPattern {
                 bag: self.bag.clone(),
                 negative: *variable < 32 && mask >> variable & 1 == 1,
             },
             Bag::Number(_) => self.bag.clone().into(),
             Bag::Sum(parts) => {
-                let mut parts: Vec<Signed> = all(parts);
+                let mut parts: Vec<SignedPattern> = all(parts);
                 parts.sort();
                 Bag::Sum(parts).into()
             }
             Bag::Product(factors) => {
-                let parts: Vec<Signed> = factors
+                let parts: Vec<SignedPattern> = factors
                     .iter()
-                    .map(|factor| Signed::from(factor.clone()).flipped(mask))
+                    .map(|factor| SignedPattern::from(factor.clone()).flipped(mask))
                     .collect();
-                Signed::operation(Operation::Mul, parts)
+                SignedPattern::operation(Operation::Mul, parts)
             }
-            Bag::Other(operation, parts) => Signed::operation(*operation, all(parts)),
+            Bag::Other(operation, parts) => SignedPattern::operation(*operation, all(parts)),
         };
         flipped.turned(self.negative)
     }
@@ -148,7 +151,7 @@ impl Signed {
 const ONE: u64 = 1.0f64.to_bits();
 
 /// Adds a term to a sum, in which opposite terms cancel.
-fn add(summands: &mut Vec<Signed>, term: Signed) {
+fn add(summands: &mut Vec<SignedPattern>, term: SignedPattern) {
     let opposite = term.clone().turned(true);
     match summands.iter().position(|other| *other == opposite) {
         Some(place) => {
@@ -158,27 +161,27 @@ fn add(summands: &mut Vec<Signed>, term: Signed) {
     }
 }
 
-impl From<&Pattern> for Signed {
-    fn from(pattern: &Pattern) -> Signed {
-        let mut parts: Vec<Signed> = Vec::with_capacity(pattern.nodes.len());
+impl From<&Pattern> for SignedPattern {
+    fn from(pattern: &Pattern) -> SignedPattern {
+        let mut parts: Vec<SignedPattern> = Vec::with_capacity(pattern.nodes.len());
         for node in &pattern.nodes {
             parts.push(match *node {
-                PatternNode::Variable(variable) => Signed::variable(variable),
-                PatternNode::Number(number) => Signed::number(number),
+                PatternNode::Variable(variable) => SignedPattern::variable(variable),
+                PatternNode::Number(number) => SignedPattern::number(number),
                 PatternNode::Operation(operation, places) => {
                     let operands = places[..operation.arity()].iter();
                     let operands = operands.map(|&place| parts[place as usize].clone());
-                    Signed::operation(operation, operands.collect())
+                    SignedPattern::operation(operation, operands.collect())
                 }
             });
         }
-        parts.pop().unwrap_or_else(|| Signed::number(0.0))
+        parts.pop().unwrap_or_else(|| SignedPattern::number(0.0))
     }
 }
 
-impl From<Bag> for Signed {
-    fn from(bag: Bag) -> Signed {
-        Signed {
+impl From<Bag> for SignedPattern {
+    fn from(bag: Bag) -> SignedPattern {
+        SignedPattern {
             bag,
             negative: false,
         }
@@ -189,8 +192,8 @@ impl From<Bag> for Signed {
 #[derive(Clone, Debug)]
 pub(crate) struct BagRule {
     pub(crate) name: String,
-    pub(crate) left: Signed,
-    pub(crate) right: Signed,
+    pub(crate) left: SignedPattern,
+    pub(crate) right: SignedPattern,
     /// Number of variables.
     pub(crate) variables: usize,
     pub(crate) conditions: Vec<Condition>,
@@ -205,13 +208,13 @@ impl BagRule {
         let allowed = rules.rules.iter().filter(|rule| rule.class <= weakest);
         let directed = allowed.flat_map(Rule::directed);
         let bags = directed.map(|rule| BagRule {
-            left: Signed::from(&rule.left),
-            right: Signed::from(&rule.right),
+            left: SignedPattern::from(&rule.left),
+            right: SignedPattern::from(&rule.right),
             variables: rule.variables.len(),
             conditions: rule.conditions,
             name: rule.name,
         });
-        let mut known: Vec<(Signed, Signed)> = Vec::new();
+        let mut known: Vec<(SignedPattern, SignedPattern)> = Vec::new();
         let new = |rule: &BagRule| {
             let sides = rule.sides();
             let is_new = !known.contains(&sides);
@@ -224,7 +227,7 @@ impl BagRule {
     /// Both sides with the signs of the variables chosen so that rules which
     /// differ in signs only have the same: a variable of a bag stands for
     /// values of either sign, so `distribute-sub` is `distribute`.
-    pub(crate) fn sides(&self) -> (Signed, Signed) {
+    pub(crate) fn sides(&self) -> (SignedPattern, SignedPattern) {
         let masks = 0..1u32 << self.variables.min(6);
         let turned = masks.map(|mask| {
             let (left, right) = (self.left.flipped(mask), self.right.flipped(mask));

@@ -5,8 +5,8 @@
 //! for small windows, for questions about rules, and for the proof that bags
 //! merged earliest first lose nothing against it.
 
-use super::form::{Form, Knowledge};
-use super::saturate::Limits;
+use super::form::{ClassAnalysis, EquivalentForm};
+use super::saturate::SaturationLimits;
 use egg::{
     Applier, ConditionalApplier, EGraph, ENodeOrVar, FromOp, FromOpError, Id, Pattern, RecExpr,
     Rewrite, Runner, Searcher, SimpleScheduler, StopReason, Subst, Var,
@@ -19,7 +19,7 @@ use std::sync::LazyLock;
 use std::time::Duration;
 
 /// A rewrite of plain terms.
-pub(crate) type PlainRule = Rewrite<Form, Knowledge>;
+pub(crate) type PlainRule = Rewrite<EquivalentForm, ClassAnalysis>;
 
 /// The word of an operation in terms.
 fn word(operation: Operation) -> &'static str {
@@ -39,32 +39,32 @@ fn word(operation: Operation) -> &'static str {
     }
 }
 
-impl fmt::Display for Form {
+impl fmt::Display for EquivalentForm {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Form::Leaf(number) => write!(formatter, "x{number}"),
-            Form::Number(bits) => write!(formatter, "{}", f64::from_bits(*bits)),
-            Form::Sum(..) => formatter.write_str("sum"),
-            Form::Product(_) => formatter.write_str("product"),
-            Form::Other(operation, _) => formatter.write_str(word(*operation)),
+            EquivalentForm::Leaf(number) => write!(formatter, "x{number}"),
+            EquivalentForm::Number(bits) => write!(formatter, "{}", f64::from_bits(*bits)),
+            EquivalentForm::Sum(..) => formatter.write_str("sum"),
+            EquivalentForm::Product(_) => formatter.write_str("product"),
+            EquivalentForm::Other(operation, _) => formatter.write_str(word(*operation)),
         }
     }
 }
 
-impl FromOp for Form {
+impl FromOp for EquivalentForm {
     type Error = FromOpError;
 
-    fn from_op(op: &str, children: Vec<Id>) -> Result<Form, FromOpError> {
+    fn from_op(op: &str, children: Vec<Id>) -> Result<EquivalentForm, FromOpError> {
         let operation = Operation::ALL
             .into_iter()
             .find(|&operation| word(operation) == op && operation.arity() == children.len());
         if let Some(operation) = operation {
-            return Ok(Form::Other(operation, children.into()));
+            return Ok(EquivalentForm::Other(operation, children.into()));
         }
         let leaf = op.strip_prefix('x').and_then(|number| number.parse().ok());
         match (leaf, op.parse::<f64>(), children.is_empty()) {
-            (Some(number), _, true) => Ok(Form::Leaf(number)),
-            (None, Ok(number), true) => Ok(Form::Number(number.to_bits())),
+            (Some(number), _, true) => Ok(EquivalentForm::Leaf(number)),
+            (None, Ok(number), true) => Ok(EquivalentForm::Number(number.to_bits())),
             _ => Err(FromOpError::new(op, children)),
         }
     }
@@ -95,7 +95,10 @@ pub(crate) const STRUCTURAL: [(&str, &str, &str); 20] = [
 ];
 
 static STRUCTURAL_RULES: LazyLock<Vec<PlainRule>> = LazyLock::new(|| {
-    let pattern = |text: &str| text.parse::<Pattern<Form>>().expect("a pattern of ours");
+    let pattern = |text: &str| {
+        text.parse::<Pattern<EquivalentForm>>()
+            .expect("a pattern of ours")
+    };
     let rule = |&(name, left, right): &(&str, &str, &str)| {
         Rewrite::new(name, pattern(left), pattern(right)).expect("its variables are bound")
     };
@@ -123,8 +126,8 @@ pub(crate) fn all(rules: &RuleSet, weakest: NumericClass) -> Vec<PlainRule> {
 /// A rule as a rewrite; `None` when its right side has a variable more.
 pub(crate) fn from_rule(rule: &Rule) -> Option<PlainRule> {
     let (left, right) = (pattern(&rule.left), pattern(&rule.right));
-    let bound = Searcher::<Form, Knowledge>::vars(&left);
-    let free = Applier::<Form, Knowledge>::vars(&right);
+    let bound = Searcher::<EquivalentForm, ClassAnalysis>::vars(&left);
+    let free = Applier::<EquivalentForm, ClassAnalysis>::vars(&right);
     if free.iter().any(|variable| !bound.contains(variable)) {
         return None;
     }
@@ -132,7 +135,7 @@ pub(crate) fn from_rule(rule: &Rule) -> Option<PlainRule> {
         return Rewrite::new(rule.name.as_str(), left, right).ok();
     }
     let conditions = rule.conditions.clone();
-    let holds = move |egraph: &mut EGraph<Form, Knowledge>, _: Id, subst: &Subst| {
+    let holds = move |egraph: &mut EGraph<EquivalentForm, ClassAnalysis>, _: Id, subst: &Subst| {
         conditions.iter().all(|condition| {
             let class = subst.get(Var::from_u32(condition.variable));
             let number = class.and_then(|&class| egraph[class].data.number);
@@ -147,7 +150,7 @@ pub(crate) fn from_rule(rule: &Rule) -> Option<PlainRule> {
 }
 
 /// A side of a rule as a pattern of plain terms.
-fn pattern(side: &RulePattern) -> Pattern<Form> {
+fn pattern(side: &RulePattern) -> Pattern<EquivalentForm> {
     let mut nodes = RecExpr::default();
     let mut ids: Vec<Id> = Vec::with_capacity(side.nodes.len());
     for node in &side.nodes {
@@ -157,7 +160,7 @@ fn pattern(side: &RulePattern) -> Pattern<Form> {
             PatternNode::Operation(operation, places) => {
                 let operands = places[..operation.arity()].iter();
                 let operands = operands.map(|&place| ids[place as usize]).collect();
-                ENodeOrVar::ENode(Form::Other(operation, operands))
+                ENodeOrVar::ENode(EquivalentForm::Other(operation, operands))
             }
         };
         ids.push(nodes.add(node));
@@ -166,16 +169,16 @@ fn pattern(side: &RulePattern) -> Pattern<Form> {
 }
 
 /// A number as a plain term; zero has no sign.
-pub(crate) fn plain_number(number: f64) -> Form {
-    Form::Number(if number == 0.0 { 0 } else { number.to_bits() })
+pub(crate) fn plain_number(number: f64) -> EquivalentForm {
+    EquivalentForm::Number(if number == 0.0 { 0 } else { number.to_bits() })
 }
 
 /// Saturates an e-graph of plain terms; true when nothing new is left to find.
 pub(crate) fn saturate(
-    egraph: EGraph<Form, Knowledge>,
+    egraph: EGraph<EquivalentForm, ClassAnalysis>,
     rules: &[PlainRule],
-    limits: Limits,
-) -> (EGraph<Form, Knowledge>, bool) {
+    limits: SaturationLimits,
+) -> (EGraph<EquivalentForm, ClassAnalysis>, bool) {
     let runner = Runner::default()
         .with_egraph(egraph)
         .with_scheduler(SimpleScheduler)

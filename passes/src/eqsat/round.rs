@@ -1,13 +1,13 @@
 //! One round over a function: windows in program order, each with the times
 //! that the windows before it have reached.
 
-use super::alternatives::{Alternatives, Times};
-use super::extract::{Cover, Demand, extract};
-use super::graph::{Graph, Maker};
+use super::alternatives::{Alternatives, SurroundingTimes};
+use super::extract::{Cover, RequiredResult, extract};
+use super::graph::{EquivalenceGraph, FormMaker};
 use super::pattern::BagRule;
 use super::plain::{self, PlainRule};
-use super::saturate::{Limits, saturate};
-use super::window::{Surroundings, Window, is_one_bag};
+use super::saturate::{SaturationLimits, saturate};
+use super::window::{RewriteWindow, Surroundings, is_one_bag};
 use robovec_analysis::critical_path::{Weights, arrivals, tails};
 use robovec_ir::{Function, Value};
 
@@ -20,7 +20,7 @@ pub(crate) struct Settings<'a> {
     /// Operations per window.
     pub(crate) size: usize,
     /// What one window may cost.
-    pub(crate) limits: Limits,
+    pub(crate) limits: SaturationLimits,
     /// Sines and cosines lie on the circle.
     pub(crate) trig: bool,
     /// Somebody asks which rule made what.
@@ -29,7 +29,7 @@ pub(crate) struct Settings<'a> {
 
 /// What may still be spent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Budget {
+pub(crate) struct RoundBudget {
     /// Forms made in all windows together.
     pub(crate) nodes: usize,
     /// Operations the function may have more than now.
@@ -39,18 +39,18 @@ pub(crate) struct Budget {
 /// A window that is rewritten.
 pub(crate) struct Rewriting {
     pub(crate) root: Value,
-    pub(crate) window: Window,
+    pub(crate) window: RewriteWindow,
     pub(crate) alternatives: Alternatives,
     pub(crate) class: u32,
     pub(crate) cover: Cover,
     /// Who made the chosen form of each class of the cover, in its order;
     /// empty when nobody asked.
-    pub(crate) makers: Vec<Option<Maker>>,
+    pub(crate) makers: Vec<Option<FormMaker>>,
 }
 
 /// What a round found.
 #[derive(Default)]
-pub(crate) struct Round {
+pub(crate) struct RewritingRound {
     /// In program order of their roots.
     pub(crate) rewritings: Vec<Rewriting>,
     /// Windows looked at.
@@ -65,8 +65,8 @@ pub(crate) fn run(
     function: &Function,
     settings: &Settings<'_>,
     target: u32,
-    budget: &mut Budget,
-) -> Round {
+    budget: &mut RoundBudget,
+) -> RewritingRound {
     let tails = tails(function, settings.weights);
     let uses = function.use_counts();
     let absorbed = absorbed(function, &uses);
@@ -75,14 +75,14 @@ pub(crate) fn run(
     // gain is worth nothing without those at the other.
     let share = budget.nodes / late.max(1);
     if share < SMALLEST {
-        return Round::default();
+        return RewritingRound::default();
     }
-    let limits = Limits {
+    let limits = SaturationLimits {
         nodes: settings.limits.nodes.min(share),
         ..settings.limits
     };
     let mut times: Vec<u32> = Vec::with_capacity(function.nodes().len());
-    let mut round = Round::default();
+    let mut round = RewritingRound::default();
     for (value, node) in function.values() {
         let ready = node.operands().iter().filter_map(|operand| operand.value());
         let ready = ready.map(|operand| times[operand.index()]).max();
@@ -156,17 +156,17 @@ fn absorbed(function: &Function, uses: &[u32]) -> Vec<bool> {
 fn rewrite(
     around: &Surroundings<'_>,
     settings: &Settings<'_>,
-    limits: Limits,
+    limits: SaturationLimits,
     root: Value,
     required: u32,
     room: i64,
 ) -> (usize, Option<Rewriting>) {
-    let interior = Window::grow(around, root, settings.size);
+    let interior = RewriteWindow::grow(around, root, settings.size);
     if interior.len() < 2 {
         return (0, None);
     }
-    let mut graph = Graph::new();
-    let (window, class) = Window::enter(around, interior, &mut graph);
+    let mut graph = EquivalenceGraph::new();
+    let (window, class) = RewriteWindow::enter(around, interior, &mut graph);
     match settings.plain {
         None => {
             saturate(&mut graph, settings.rules, limits);
@@ -174,12 +174,12 @@ fn rewrite(
         Some(rules) => graph = plain::saturate(graph.egraph, rules, limits).0.into(),
     }
     let (alternatives, classes) = Alternatives::of(&graph, &[class]);
-    let times = Times {
+    let times = SurroundingTimes {
         weights: settings.weights,
         leaves: &window.times,
     };
     let before = around.times[root.index()];
-    let demand = Demand {
+    let demand = RequiredResult {
         class: classes[0],
         required,
     };
@@ -207,7 +207,11 @@ fn rewrite(
     (made, Some(rewriting))
 }
 
-fn makers(graph: &Graph, alternatives: &Alternatives, cover: &Cover) -> Vec<Option<Maker>> {
+fn makers(
+    graph: &EquivalenceGraph,
+    alternatives: &Alternatives,
+    cover: &Cover,
+) -> Vec<Option<FormMaker>> {
     let chosen = cover.order.iter().map(|&class| {
         let index = cover.choice[class as usize] as usize;
         let form = alternatives.origins[class as usize][index].as_ref();

@@ -1,15 +1,15 @@
 //! Growing an e-graph by rules and by what bags need.
 
-use super::form::{Form, Term, terms};
-use super::graph::{Graph, Maker};
-use super::matching::{Binding, Match, Matcher};
-use super::pattern::{Bag, BagRule, Signed};
+use super::form::{ClassReference, EquivalentForm, terms};
+use super::graph::{EquivalenceGraph, FormMaker};
+use super::matching::{Matcher, RuleMatch, VariableBinding};
+use super::pattern::{Bag, BagRule, SignedPattern};
 use egg::{Id, Language};
 
 /// What saturation may cost. Everything is counted in work, so that results
 /// do not depend on the speed of the machine.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Limits {
+pub(crate) struct SaturationLimits {
     /// Forms made.
     pub(crate) nodes: usize,
     /// Rounds of matching and applying.
@@ -23,19 +23,23 @@ pub(crate) const STRUCTURE: [&str; 3] = ["normal form", "flattening", "shared pa
 
 /// Grows the e-graph until nothing new is found or a limit is met; true when
 /// nothing new was found.
-pub(crate) fn saturate(graph: &mut Graph, rules: &[BagRule], limits: Limits) -> bool {
+pub(crate) fn saturate(
+    graph: &mut EquivalenceGraph,
+    rules: &[BagRule],
+    limits: SaturationLimits,
+) -> bool {
     for _ in 0..limits.iterations {
         let before = (graph.size(), graph.egraph.number_of_classes());
         let classes = graph.classes();
-        let mut found: Vec<(usize, Vec<Match>)> = Vec::new();
+        let mut found: Vec<(usize, Vec<RuleMatch>)> = Vec::new();
         for (index, rule) in rules.iter().enumerate() {
             let matcher = Matcher::new(graph, rule.variables, limits.steps);
             let (matches, _) = matcher.run(&rule.left, &classes);
             found.push((index, matches));
         }
-        let structure = Structure::find(graph, &classes, limits.steps as usize);
+        let structure = StructuralForms::find(graph, &classes, limits.steps as usize);
         let mut room = true;
-        let first = rules.len() as Maker;
+        let first = rules.len() as FormMaker;
         room &= structure.apply(graph, first, limits.nodes);
         // In turns, so that no rule uses up the room of the others.
         let longest = found.iter().map(|(_, matches)| matches.len()).max();
@@ -48,7 +52,7 @@ pub(crate) fn saturate(graph: &mut Graph, rules: &[BagRule], limits: Limits) -> 
                     room = false;
                     break 'all;
                 }
-                graph.maker = Some(*index as Maker);
+                graph.maker = Some(*index as FormMaker);
                 apply(graph, &rules[*index], found);
             }
         }
@@ -65,10 +69,10 @@ pub(crate) fn saturate(graph: &mut Graph, rules: &[BagRule], limits: Limits) -> 
 }
 
 /// True when what the variables stand for is known to meet the conditions.
-fn is_allowed(graph: &Graph, rule: &BagRule, found: &Match) -> bool {
+fn is_allowed(graph: &EquivalenceGraph, rule: &BagRule, found: &RuleMatch) -> bool {
     rule.conditions.iter().all(|condition| {
         let bound = found.bindings[condition.variable as usize].as_ref();
-        let Some(Binding::Term(term)) = bound else {
+        let Some(VariableBinding::Term(term)) = bound else {
             return false;
         };
         let number = graph.number_of(term.class);
@@ -80,7 +84,7 @@ fn is_allowed(graph: &Graph, rule: &BagRule, found: &Match) -> bool {
 }
 
 /// Writes the right side of a rule where its left side was found.
-fn apply(graph: &mut Graph, rule: &BagRule, found: &Match) -> Option<()> {
+fn apply(graph: &mut EquivalenceGraph, rule: &BagRule, found: &RuleMatch) -> Option<()> {
     if !is_allowed(graph, rule, found) {
         return None;
     }
@@ -104,13 +108,18 @@ fn apply(graph: &mut Graph, rule: &BagRule, found: &Match) -> Option<()> {
 }
 
 /// The value of a pattern whose variables are bound.
-fn instantiate(graph: &mut Graph, pattern: &Signed, bound: &[Option<Binding>]) -> Option<Term> {
+fn instantiate(
+    graph: &mut EquivalenceGraph,
+    pattern: &SignedPattern,
+    bound: &[Option<VariableBinding>],
+) -> Option<ClassReference> {
     let term = match &pattern.bag {
         Bag::Variable(variable) => match bound[*variable as usize].as_ref()? {
-            Binding::Term(term) => *term,
-            Binding::Sum(summands) => graph.sum(summands)?,
-            Binding::Product(factors, negative) => {
-                let factors: Vec<Term> = factors.iter().map(|&id| Term::from(id)).collect();
+            VariableBinding::Term(term) => *term,
+            VariableBinding::Sum(summands) => graph.sum(summands)?,
+            VariableBinding::Product(factors, negative) => {
+                let factors: Vec<ClassReference> =
+                    factors.iter().map(|&id| ClassReference::from(id)).collect();
                 graph.product(&factors)?.signed(*negative)
             }
         },
@@ -142,20 +151,20 @@ fn instantiate(graph: &mut Graph, pattern: &Signed, bound: &[Option<Binding>]) -
 
 /// Forms to be added: the class they belong to, and what they are made of.
 #[derive(Default)]
-struct Structure {
+struct StructuralForms {
     /// Sums and products whose normal form has changed.
-    normal: Vec<(Id, Form)>,
-    sums: Vec<(Id, Vec<Term>)>,
+    normal: Vec<(Id, EquivalentForm)>,
+    sums: Vec<(Id, Vec<ClassReference>)>,
     products: Vec<(Id, Vec<Id>)>,
     /// A part of a sum, and the rest of it.
-    shared_sums: Vec<(Id, Vec<Term>, Vec<Term>)>,
+    shared_sums: Vec<(Id, Vec<ClassReference>, Vec<ClassReference>)>,
     shared_products: Vec<(Id, Vec<Id>, Vec<Id>)>,
 }
 
-impl Structure {
-    fn find(graph: &Graph, classes: &[Id], most: usize) -> Structure {
-        let mut structure = Structure::default();
-        let mut sums: Vec<(Id, Vec<Term>)> = Vec::new();
+impl StructuralForms {
+    fn find(graph: &EquivalenceGraph, classes: &[Id], most: usize) -> StructuralForms {
+        let mut structure = StructuralForms::default();
+        let mut sums: Vec<(Id, Vec<ClassReference>)> = Vec::new();
         let mut products: Vec<(Id, Vec<Id>)> = Vec::new();
         for &class in classes {
             for form in graph.forms(class) {
@@ -163,10 +172,10 @@ impl Structure {
                     structure.normal.push((class, form.clone()));
                 }
                 match form {
-                    Form::Sum(signs, children) if children.len() > 1 => {
+                    EquivalentForm::Sum(signs, children) if children.len() > 1 => {
                         sums.push((class, terms(*signs, children).collect()));
                     }
-                    Form::Product(children) => products.push((class, children.to_vec())),
+                    EquivalentForm::Product(children) => products.push((class, children.to_vec())),
                     _ => {}
                 }
             }
@@ -179,8 +188,8 @@ impl Structure {
     /// Sums of sums and products of products, as one.
     fn flatten(
         &mut self,
-        graph: &Graph,
-        sums: &[(Id, Vec<Term>)],
+        graph: &EquivalenceGraph,
+        sums: &[(Id, Vec<ClassReference>)],
         products: &[(Id, Vec<Id>)],
         most: usize,
     ) {
@@ -200,7 +209,7 @@ impl Structure {
         for (class, factors) in products {
             for (place, &factor) in factors.iter().enumerate() {
                 for form in graph.forms(graph.find(factor)) {
-                    if let Form::Product(inner) = form
+                    if let EquivalentForm::Product(inner) = form
                         && self.products.len() < most
                     {
                         let mut flat = factors.clone();
@@ -214,7 +223,12 @@ impl Structure {
     }
 
     /// Parts that two sums, or two products, have in common.
-    fn share(&mut self, sums: &[(Id, Vec<Term>)], products: &[(Id, Vec<Id>)], most: usize) {
+    fn share(
+        &mut self,
+        sums: &[(Id, Vec<ClassReference>)],
+        products: &[(Id, Vec<Id>)],
+        most: usize,
+    ) {
         let mut steps = 0;
         for (index, (class, summands)) in sums.iter().enumerate() {
             for (other_class, others) in &sums[..index] {
@@ -226,14 +240,16 @@ impl Structure {
                     continue;
                 }
                 for turned in [false, true] {
-                    let others: Vec<Term> = others.iter().map(|o| o.signed(turned)).collect();
+                    let others: Vec<ClassReference> =
+                        others.iter().map(|o| o.signed(turned)).collect();
                     let (part, rest, other_rest) = common(summands, &others);
                     if part.len() < 2 {
                         continue;
                     }
                     if !other_rest.is_empty() {
-                        let back =
-                            |terms: &[Term]| terms.iter().map(|t| t.signed(turned)).collect();
+                        let back = |terms: &[ClassReference]| {
+                            terms.iter().map(|t| t.signed(turned)).collect()
+                        };
                         self.shared_sums
                             .push((*other_class, back(&part), back(&other_rest)));
                     }
@@ -265,7 +281,7 @@ impl Structure {
     }
 
     /// Adds what was found; false when there was no room for all.
-    fn apply(self, graph: &mut Graph, first: Maker, most: usize) -> bool {
+    fn apply(self, graph: &mut EquivalenceGraph, first: FormMaker, most: usize) -> bool {
         graph.maker = Some(first);
         for (class, form) in &self.normal {
             if let Some(term) = normalise(graph, form) {
@@ -288,8 +304,9 @@ impl Structure {
             if graph.size() >= most {
                 return false;
             }
-            let part: Vec<Term> = part.into_iter().map(Term::from).collect();
-            let mut rest: Vec<Term> = rest.into_iter().map(Term::from).collect();
+            let part: Vec<ClassReference> = part.into_iter().map(ClassReference::from).collect();
+            let mut rest: Vec<ClassReference> =
+                rest.into_iter().map(ClassReference::from).collect();
             if let Some(product) = graph.product(&part) {
                 rest.push(product);
                 if let Some(product) = graph.product(&rest) {
@@ -310,7 +327,8 @@ impl Structure {
             if graph.size() >= most {
                 return false;
             }
-            let factors: Vec<Term> = factors.into_iter().map(Term::from).collect();
+            let factors: Vec<ClassReference> =
+                factors.into_iter().map(ClassReference::from).collect();
             if let Some(product) = graph.product(&factors) {
                 graph.equate(class, product);
             }
@@ -320,40 +338,43 @@ impl Structure {
 }
 
 /// True when unions have not disturbed the normal form.
-fn is_normal(graph: &Graph, form: &Form) -> bool {
+fn is_normal(graph: &EquivalenceGraph, form: &EquivalentForm) -> bool {
     let children = form.children();
     let sorted = children.is_sorted();
     let plain = |&child: &Id| {
         let facts = graph.egraph[graph.find(child)].data;
         facts.minus.is_none()
             && match form {
-                Form::Sum(..) => facts.number.map(f64::from_bits) != Some(0.0),
+                EquivalentForm::Sum(..) => facts.number.map(f64::from_bits) != Some(0.0),
                 _ => facts
                     .number
                     .is_none_or(|bits| ![0.0, 1.0].contains(&f64::from_bits(bits))),
             }
     };
     match form {
-        Form::Sum(signs, _) if children.len() > 1 => {
+        EquivalentForm::Sum(signs, _) if children.len() > 1 => {
             let opposite = terms(*signs, children)
-                .collect::<Vec<Term>>()
+                .collect::<Vec<ClassReference>>()
                 .windows(2)
                 .any(|pair| pair[0] == pair[1].negated());
             sorted && !opposite && children.iter().all(plain)
         }
-        Form::Product(_) => sorted && children.iter().all(plain),
+        EquivalentForm::Product(_) => sorted && children.iter().all(plain),
         _ => true,
     }
 }
 
-fn normalise(graph: &mut Graph, form: &Form) -> Option<Term> {
+fn normalise(graph: &mut EquivalenceGraph, form: &EquivalentForm) -> Option<ClassReference> {
     match form {
-        Form::Sum(signs, children) => {
-            let summands: Vec<Term> = terms(*signs, children).collect();
+        EquivalentForm::Sum(signs, children) => {
+            let summands: Vec<ClassReference> = terms(*signs, children).collect();
             graph.sum(&summands)
         }
-        Form::Product(children) => {
-            let factors: Vec<Term> = children.iter().map(|&child| Term::from(child)).collect();
+        EquivalentForm::Product(children) => {
+            let factors: Vec<ClassReference> = children
+                .iter()
+                .map(|&child| ClassReference::from(child))
+                .collect();
             graph.product(&factors)
         }
         _ => None,

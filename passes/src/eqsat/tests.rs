@@ -1,15 +1,15 @@
 //! Proofs by test: bags against saturated associativity and commutativity,
 //! and extraction against trying everything.
 
-use super::alternatives::{Alternatives, Times};
-use super::exact::Exact;
-use super::extract::{Demand, extract};
-use super::form::{Form, Knowledge, Term};
-use super::graph::Graph;
+use super::alternatives::{Alternatives, SurroundingTimes};
+use super::exact::ExactExtractor;
+use super::extract::{RequiredResult, extract};
+use super::form::{ClassAnalysis, ClassReference, EquivalentForm};
+use super::graph::EquivalenceGraph;
 use super::pattern::BagRule;
 use super::plain;
-use super::saturate::{Limits, saturate};
-use crate::reassociate::{Reach, Shape as TreeShape, reassociate};
+use super::saturate::{SaturationLimits, saturate};
+use crate::reassociate::{GroupReach, TreeShape, reassociate};
 use egg::{EGraph, Id};
 use robovec_analysis::class::NumericClass;
 use robovec_analysis::critical_path::{Weights, arrivals};
@@ -40,7 +40,7 @@ fn thesis() -> Weights {
 struct Case {
     function: Function,
     tables: Tables,
-    egraph: EGraph<Form, Knowledge>,
+    egraph: EGraph<EquivalentForm, ClassAnalysis>,
     leaves: Vec<(Operand, Id)>,
     times: Vec<u32>,
 }
@@ -52,7 +52,7 @@ impl Case {
         let mut case = Case {
             function: Function::new("case", Level::Atomic),
             tables: Tables::default(),
-            egraph: EGraph::new(Knowledge),
+            egraph: EGraph::new(ClassAnalysis),
             leaves: Vec::new(),
             times: Vec::new(),
         };
@@ -67,7 +67,7 @@ impl Case {
                 operand = case.push(Operation::Mul, [operand, operand]);
             }
             case.assign(leaf, operand);
-            let id = case.egraph.add(Form::Leaf(leaf));
+            let id = case.egraph.add(EquivalentForm::Leaf(leaf));
             case.leaves.push((operand, id));
             case.times.push(7 * squares);
         }
@@ -104,7 +104,9 @@ impl Case {
         b: (Operand, Id),
     ) -> (Operand, Id) {
         let operand = self.push(operation, [a.0, b.0]);
-        let id = self.egraph.add(Form::Other(operation, [a.1, b.1].into()));
+        let id = self
+            .egraph
+            .add(EquivalentForm::Other(operation, [a.1, b.1].into()));
         (operand, id)
     }
 
@@ -126,7 +128,7 @@ impl Case {
             return tree;
         }
         let zero = Operand::from(self.function.constant(0.0));
-        let zero = (zero, self.egraph.add(Form::Number(0)));
+        let zero = (zero, self.egraph.add(EquivalentForm::Number(0)));
         self.operation(Operation::Sub, zero, tree)
     }
 }
@@ -148,8 +150,8 @@ fn both(case: Case, result: (Operand, Id), weights: &Weights) -> Option<(u32, u3
     });
     let mut balanced = function;
     for (reach, shape) in [
-        (Reach::Operation, TreeShape::Written),
-        (Reach::Maximal, TreeShape::Earliest),
+        (GroupReach::Operation, TreeShape::Written),
+        (GroupReach::Maximal, TreeShape::Earliest),
     ] {
         balanced = reassociate(&balanced, &mut tables, weights, reach, shape);
     }
@@ -157,7 +159,7 @@ fn both(case: Case, result: (Operand, Id), weights: &Weights) -> Option<(u32, u3
     let merged = last
         .value()
         .map_or(0, |value| arrivals(&balanced, weights)[value.index()]);
-    let limits = Limits {
+    let limits = SaturationLimits {
         nodes: 30_000,
         iterations: 40,
         steps: 0,
@@ -166,13 +168,13 @@ fn both(case: Case, result: (Operand, Id), weights: &Weights) -> Option<(u32, u3
     if !saturated {
         return None;
     }
-    let graph = Graph::from(egraph);
+    let graph = EquivalenceGraph::from(egraph);
     let (alternatives, roots) = Alternatives::of(&graph, &[result.1]);
-    let times = Times {
+    let times = SurroundingTimes {
         weights,
         leaves: &times,
     };
-    let demand = Demand {
+    let demand = RequiredResult {
         class: roots[0],
         required: 0,
     };
@@ -214,10 +216,14 @@ fn distribution() -> Vec<BagRule> {
 
 /// A random e-graph with one to three results, saturated by distribution and
 /// factoring within limits.
-fn random_graph(operations: u32, nodes: usize, random: &mut Random) -> (Graph, Vec<Id>, Vec<u32>) {
-    let mut graph = Graph::new();
+fn random_graph(
+    operations: u32,
+    nodes: usize,
+    random: &mut Random,
+) -> (EquivalenceGraph, Vec<Id>, Vec<u32>) {
+    let mut graph = EquivalenceGraph::new();
     let mut times = Vec::new();
-    let mut terms: Vec<Term> = Vec::new();
+    let mut terms: Vec<ClassReference> = Vec::new();
     for leaf in 0..3 + random.below(3) {
         terms.push(graph.leaf(leaf).into());
         times.push(random.below(40));
@@ -243,7 +249,7 @@ fn random_graph(operations: u32, nodes: usize, random: &mut Random) -> (Graph, V
         .map(|&term| graph.value(term))
         .collect();
     graph.egraph.rebuild();
-    let limits = Limits {
+    let limits = SaturationLimits {
         nodes,
         iterations: 3,
         steps: 300,
@@ -255,13 +261,13 @@ fn random_graph(operations: u32, nodes: usize, random: &mut Random) -> (Graph, V
 /// Demands on classes: as early as possible, or some time later.
 fn demands(
     alternatives: &Alternatives,
-    times: Times<'_>,
+    times: SurroundingTimes<'_>,
     classes: &[u32],
     random: &mut Random,
-) -> Vec<Demand> {
-    let mut demands: Vec<Demand> = classes
+) -> Vec<RequiredResult> {
+    let mut demands: Vec<RequiredResult> = classes
         .iter()
-        .map(|&class| Demand { class, required: 0 })
+        .map(|&class| RequiredResult { class, required: 0 })
         .collect();
     let earliest = extract(alternatives, times, &demands).expect("it ends in leaves");
     for (demand, arrival) in demands.iter_mut().zip(&earliest.arrivals) {
@@ -277,7 +283,7 @@ fn gap(operations: u32, nodes: usize, random: &mut Random) -> Option<(u32, u32, 
     let weights = thesis();
     let (graph, roots, times) = random_graph(operations, nodes, random);
     let (alternatives, places) = Alternatives::of(&graph, &roots);
-    let times = Times {
+    let times = SurroundingTimes {
         weights: &weights,
         leaves: &times,
     };
@@ -287,7 +293,7 @@ fn gap(operations: u32, nodes: usize, random: &mut Random) -> Option<(u32, u32, 
         assert!(arrival <= demand.required);
     }
     let (fewer, complete) =
-        Exact::search(&alternatives, times, &demands, cover.operations, 300_000);
+        ExactExtractor::search(&alternatives, times, &demands, cover.operations, 300_000);
     let fewest = match fewer {
         Some(choice) => count(&alternatives, &demands, &choice),
         None => cover.operations,
@@ -296,7 +302,7 @@ fn gap(operations: u32, nodes: usize, random: &mut Random) -> Option<(u32, u32, 
 }
 
 /// The operations of a choice, each class once.
-fn count(alternatives: &Alternatives, demands: &[Demand], choice: &[u32]) -> u32 {
+fn count(alternatives: &Alternatives, demands: &[RequiredResult], choice: &[u32]) -> u32 {
     let mut open: Vec<u32> = demands.iter().map(|demand| demand.class).collect();
     let mut seen = vec![false; choice.len()];
     let mut operations = 0;
@@ -312,7 +318,11 @@ fn count(alternatives: &Alternatives, demands: &[Demand], choice: &[u32]) -> u32
 
 /// The fewest operations by going through every combination of forms, without
 /// any bound; the solver that the search with bounds is compared with.
-fn enumerate(alternatives: &Alternatives, times: Times<'_>, demands: &[Demand]) -> u32 {
+fn enumerate(
+    alternatives: &Alternatives,
+    times: SurroundingTimes<'_>,
+    demands: &[RequiredResult],
+) -> u32 {
     let mut choice = vec![0u32; alternatives.classes.len()];
     let mut scratch = Vec::new();
     let mut fewest = u32::MAX;
@@ -363,7 +373,7 @@ fn extraction_equals_every_combination_of_small_graphs() {
         if !(2..=3000).contains(&combinations.unwrap_or(u32::MAX)) {
             continue;
         }
-        let times = Times {
+        let times = SurroundingTimes {
             weights: &weights,
             leaves: &leaves,
         };

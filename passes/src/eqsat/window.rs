@@ -6,8 +6,8 @@
 //! Values of the window that others need too stay alive whatever happens, so
 //! they are leaves as well, beside their definitions, and cost nothing.
 
-use super::form::{Form, Term};
-use super::graph::Graph;
+use super::form::{ClassReference, EquivalentForm};
+use super::graph::EquivalenceGraph;
 use super::plain::plain_number;
 use egg::Id;
 use hashbrown::HashMap;
@@ -17,7 +17,7 @@ use std::collections::BinaryHeap;
 
 /// A part of a function.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Window {
+pub(crate) struct RewriteWindow {
     /// The operations rewritten, in program order; the last is the root.
     pub(crate) interior: Vec<Value>,
     /// What the leaves of the e-graph stand for.
@@ -50,7 +50,7 @@ pub(crate) fn is_one_bag(a: Operation, b: Operation) -> bool {
     is_sum(a) && is_sum(b) || a == Operation::Mul && b == Operation::Mul
 }
 
-impl Window {
+impl RewriteWindow {
     /// The window of a root with at most so many operations.
     pub(crate) fn grow(around: &Surroundings<'_>, root: Value, size: usize) -> Vec<Value> {
         let function = around.function;
@@ -82,12 +82,12 @@ impl Window {
     pub(crate) fn enter(
         around: &Surroundings<'_>,
         interior: Vec<Value>,
-        graph: &mut Graph,
-    ) -> (Window, Id) {
-        let mut entry = Entry {
+        graph: &mut EquivalenceGraph,
+    ) -> (RewriteWindow, Id) {
+        let mut entry = WindowImporter {
             around,
             graph,
-            window: Window::default(),
+            window: RewriteWindow::default(),
             numbers: HashMap::default(),
             inside: vec![0; interior.len()],
             interior: &interior,
@@ -107,20 +107,20 @@ impl Window {
     }
 }
 
-struct Entry<'a, 'g> {
+struct WindowImporter<'a, 'g> {
     around: &'a Surroundings<'a>,
-    graph: &'g mut Graph,
-    window: Window,
+    graph: &'g mut EquivalenceGraph,
+    window: RewriteWindow,
     numbers: HashMap<Operand, u32, FxBuildHasher>,
     interior: &'a [Value],
     /// How often each interior value is read inside.
     inside: Vec<u32>,
-    known: Vec<Term>,
+    known: Vec<ClassReference>,
     /// The terms or factors of each interior value.
-    bags: Vec<Vec<Term>>,
+    bags: Vec<Vec<ClassReference>>,
 }
 
-impl Entry<'_, '_> {
+impl WindowImporter<'_, '_> {
     fn place(&self, operand: Operand) -> Option<usize> {
         self.interior.binary_search(&operand.value()?).ok()
     }
@@ -165,7 +165,7 @@ impl Entry<'_, '_> {
         }
     }
 
-    fn operand(&mut self, operand: Operand) -> Term {
+    fn operand(&mut self, operand: Operand) -> ClassReference {
         if let Some(place) = self.place(operand) {
             return self.known[place];
         }
@@ -185,7 +185,7 @@ impl Entry<'_, '_> {
 
     /// What an operand brings into a bag: itself, or what it is made of when
     /// only this bag uses it.
-    fn parts(&mut self, operation: Operation, operand: Operand) -> Vec<Term> {
+    fn parts(&mut self, operation: Operation, operand: Operand) -> Vec<ClassReference> {
         if let Some(place) = self.place(operand) {
             let inner = self.interior[place];
             let other = self.around.function.node(inner).operation;
@@ -204,7 +204,7 @@ impl Entry<'_, '_> {
             operation if self.around.plain => {
                 let operands = node.operands().iter();
                 let operands = operands.map(|&operand| self.operand(operand).class);
-                let form = Form::Other(operation, operands.collect());
+                let form = EquivalentForm::Other(operation, operands.collect());
                 Some(self.graph.egraph.add(form).into())
             }
             Operation::Add | Operation::Sub | Operation::Mul => {
@@ -221,7 +221,7 @@ impl Entry<'_, '_> {
             Operation::Copy => Some(self.operand(node.operands[0])),
             Operation::Neg => Some(self.operand(node.operands[0]).negated()),
             _ => {
-                let operands: Vec<Term> = node
+                let operands: Vec<ClassReference> = node
                     .operands()
                     .iter()
                     .map(|&operand| self.operand(operand))

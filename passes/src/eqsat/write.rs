@@ -1,7 +1,7 @@
 //! Writing a function with its windows rewritten.
 
-use super::alternatives::{Kind, all_negative};
-use super::graph::Maker;
+use super::alternatives::{AlternativeKind, all_negative};
+use super::graph::FormMaker;
 use super::round::Rewriting;
 use crate::cse::{Key, KnownValues, SourceMerges};
 use robovec_analysis::critical_path::Weights;
@@ -12,14 +12,14 @@ use robovec_ir::{
 
 /// An operand with a sign, while its sum is being combined.
 #[derive(Clone, Copy)]
-struct Part {
+struct SumOperand {
     arrival: u32,
     order: u32,
     operand: Operand,
     negative: bool,
 }
 
-struct Writer<'a> {
+struct RewritingWriter<'a> {
     old: &'a Function,
     weights: &'a Weights,
     out: Function,
@@ -28,11 +28,11 @@ struct Writer<'a> {
     arrivals: Vec<u32>,
     map: Vec<Operand>,
     names: FreshNames,
-    notes: Vec<(Name, Maker)>,
+    notes: Vec<(Name, FormMaker)>,
 }
 
 /// Names and sources of the operations of one rewriting.
-struct Origin {
+struct RewritingOrigin {
     owner: Symbol,
     sources: SourceSet,
 }
@@ -45,10 +45,10 @@ pub(crate) fn write(
     tables: &mut Tables,
     weights: &Weights,
     rewritings: &[Rewriting],
-) -> (Function, Vec<(Name, Maker)>) {
+) -> (Function, Vec<(Name, FormMaker)>) {
     let owners = owners(tables, function);
     let count = function.nodes().len();
-    let mut writer = Writer {
+    let mut writer = RewritingWriter {
         old: function,
         weights,
         out: function.skeleton(function.level),
@@ -70,7 +70,7 @@ pub(crate) fn write(
                     .iter()
                     .map(|&inner| function.node(inner).sources)
                     .collect();
-                let origin = Origin {
+                let origin = RewritingOrigin {
                     owner: owners[value.index()],
                     sources: tables.sources.union(&sets),
                 };
@@ -86,7 +86,7 @@ pub(crate) fn write(
     writer.finish(tables)
 }
 
-impl Writer<'_> {
+impl RewritingWriter<'_> {
     fn translate(&mut self, operand: Operand) -> Operand {
         match operand.kind() {
             OperandKind::Value(value) => self.map[value.index()],
@@ -130,7 +130,12 @@ impl Writer<'_> {
         value.into()
     }
 
-    fn rewriting(&mut self, rewriting: &Rewriting, root: Name, origin: &Origin) -> Operand {
+    fn rewriting(
+        &mut self,
+        rewriting: &Rewriting,
+        root: Name,
+        origin: &RewritingOrigin,
+    ) -> Operand {
         let mut values = vec![Operand::NONE; rewriting.alternatives.classes.len()];
         let mut makers = rewriting.makers.iter();
         for &class in &rewriting.cover.order {
@@ -148,18 +153,24 @@ impl Writer<'_> {
                 .map(|&child| values[child as usize])
                 .collect();
             values[place] = match form.kind {
-                Kind::Leaf(number) => self.translate(rewriting.window.leaves[number as usize]),
-                Kind::Number(bits) => self.out.constant(f64::from_bits(bits)).into(),
-                Kind::Sum(signs) => self.bag(Operation::Add, signs, &children, name, origin),
-                Kind::Product => self.bag(Operation::Mul, 0, &children, name, origin),
-                Kind::Other(Operation::Neg) => self.bag(Operation::Add, 1, &children, name, origin),
-                Kind::Other(operation) => {
+                AlternativeKind::Leaf(number) => {
+                    self.translate(rewriting.window.leaves[number as usize])
+                }
+                AlternativeKind::Number(bits) => self.out.constant(f64::from_bits(bits)).into(),
+                AlternativeKind::Sum(signs) => {
+                    self.bag(Operation::Add, signs, &children, name, origin)
+                }
+                AlternativeKind::Product => self.bag(Operation::Mul, 0, &children, name, origin),
+                AlternativeKind::Other(Operation::Neg) => {
+                    self.bag(Operation::Add, 1, &children, name, origin)
+                }
+                AlternativeKind::Other(operation) => {
                     assert_eq!(
                         children.len(),
                         operation.arity(),
                         "a form has the operands of its operation"
                     );
-                    let mut operands = [Operand::NONE; Operand::MOST];
+                    let mut operands = [Operand::NONE; Operand::MAX_COUNT];
                     operands[..children.len()].copy_from_slice(&children);
                     self.emit(operation, operands, origin.sources, |names| {
                         named(names, name, origin)
@@ -182,11 +193,11 @@ impl Writer<'_> {
         signs: u64,
         children: &[Operand],
         root: Name,
-        origin: &Origin,
+        origin: &RewritingOrigin,
     ) -> Operand {
-        let mut parts: Vec<Part> = Vec::with_capacity(children.len() + 1);
+        let mut parts: Vec<SumOperand> = Vec::with_capacity(children.len() + 1);
         for (place, &operand) in children.iter().enumerate() {
-            parts.push(Part {
+            parts.push(SumOperand {
                 arrival: self.arrival(operand),
                 order: place as u32,
                 operand,
@@ -194,7 +205,7 @@ impl Writer<'_> {
             });
         }
         if operation == Operation::Add && all_negative(signs, children.len() as u32) {
-            parts.push(Part {
+            parts.push(SumOperand {
                 arrival: 0,
                 order: children.len() as u32,
                 operand: self.out.constant(0.0).into(),
@@ -214,7 +225,7 @@ impl Writer<'_> {
             let operand = self.emit(operation, operands, origin.sources, |names| {
                 named(names, name, origin)
             });
-            parts.push(Part {
+            parts.push(SumOperand {
                 arrival: self.arrival(operand),
                 order: a.order,
                 operand,
@@ -224,7 +235,7 @@ impl Writer<'_> {
         parts[0].operand
     }
 
-    fn finish(mut self, tables: &mut Tables) -> (Function, Vec<(Name, Maker)>) {
+    fn finish(mut self, tables: &mut Tables) -> (Function, Vec<(Name, FormMaker)>) {
         let mut assignments = self.old.assignments.clone();
         for assignment in &mut assignments {
             assignment.operand = self.translate(assignment.operand);
@@ -238,7 +249,7 @@ impl Writer<'_> {
     }
 }
 
-fn named(names: &mut FreshNames, name: Name, origin: &Origin) -> Name {
+fn named(names: &mut FreshNames, name: Name, origin: &RewritingOrigin) -> Name {
     if name.is_none() {
         names.fresh(origin.owner)
     } else {
@@ -246,7 +257,7 @@ fn named(names: &mut FreshNames, name: Name, origin: &Origin) -> Name {
     }
 }
 
-fn take_earliest(parts: &mut Vec<Part>) -> Part {
+fn take_earliest(parts: &mut Vec<SumOperand>) -> SumOperand {
     let mut first = 0;
     for place in 1..parts.len() {
         let key = |place: usize| (parts[place].arrival, parts[place].order);

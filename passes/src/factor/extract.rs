@@ -12,8 +12,8 @@
 //! A divisor is identified by its value and not by its form: what several
 //! sums share may be written differently in each, and it may exist already.
 
-use super::network::{Edge, Kind, Network, Origin, cancel};
-use super::times::Times;
+use super::network::{Edge, FactorKind, FactorNetwork, NodeOrigin, cancel};
+use super::times::NodeTimes;
 use hashbrown::HashMap;
 use robovec_framework::fingerprint::Fingerprint;
 use robovec_num::arithmetic::Arithmetic;
@@ -36,7 +36,7 @@ enum Common {
 
 /// A pair of operands of a sum or product.
 #[derive(Clone, Copy, Debug)]
-struct Occurrence {
+struct DivisorOccurrence {
     divisor: u32,
     user: u32,
     pair: [Edge; 2],
@@ -48,7 +48,7 @@ struct Divisors {
     /// Values without their signs.
     values: Vec<Fingerprint>,
     /// By divisor, then in program order.
-    occurrences: Vec<Occurrence>,
+    occurrences: Vec<DivisorOccurrence>,
 }
 
 /// What the trail calls it.
@@ -60,7 +60,11 @@ const UNIT: i64 = 12;
 /// Finds divisors that pay and applies them, the most promising first; gives
 /// the number of operations saved.
 /// `times`, if given, says what may be how late.
-pub(super) fn extract(network: &mut Network, order: &[u32], mut times: Option<Times>) -> i64 {
+pub(super) fn extract(
+    network: &mut FactorNetwork,
+    order: &[u32],
+    mut times: Option<NodeTimes>,
+) -> i64 {
     let before = network.cost;
     let divisors = Divisors::find(network, order);
     let ranked = divisors.rank(network);
@@ -73,8 +77,8 @@ pub(super) fn extract(network: &mut Network, order: &[u32], mut times: Option<Ti
 }
 
 impl Divisors {
-    fn find(network: &Network, order: &[u32]) -> Divisors {
-        let mut sketch = Sketch::new(network, order);
+    fn find(network: &FactorNetwork, order: &[u32]) -> Divisors {
+        let mut sketch = DivisorSketch::new(network, order);
         let images = network.images;
         for_each_pair(network, order, |value, _, _, _| {
             sketch.count(images.without_sign(value).0)
@@ -94,7 +98,7 @@ impl Divisors {
             if divisor == next {
                 divisors.values.push(size);
             }
-            divisors.occurrences.push(Occurrence {
+            divisors.occurrences.push(DivisorOccurrence {
                 divisor,
                 user,
                 pair,
@@ -107,7 +111,7 @@ impl Divisors {
     }
 
     /// Ranges of the occurrences of those divisors that may pay, best first.
-    fn rank(&self, network: &Network) -> Vec<(usize, usize)> {
+    fn rank(&self, network: &FactorNetwork) -> Vec<(usize, usize)> {
         let mut ranked = Vec::new();
         let mut start = 0;
         for group in self.occurrences.chunk_by(|a, b| a.divisor == b.divisor) {
@@ -130,9 +134,9 @@ impl Divisors {
     }
 }
 
-impl Occurrence {
+impl DivisorOccurrence {
     /// What the divisor would save here if it were there.
-    fn estimate(&self, network: &Network) -> i64 {
+    fn estimate(&self, network: &FactorNetwork) -> i64 {
         if self.common == Common::Nothing {
             return UNIT;
         }
@@ -142,7 +146,7 @@ impl Occurrence {
             .map(|edge| {
                 let node = &network.nodes[edge.node()];
                 match node.kind {
-                    Kind::Product => {
+                    FactorKind::Product => {
                         UNIT * (node.operands.len() as i64 - 1) / i64::from(node.uses.max(1))
                     }
                     _ => 0,
@@ -154,7 +158,7 @@ impl Occurrence {
     }
 
     /// What making the divisor costs.
-    fn price(&self, network: &Network) -> i64 {
+    fn price(&self, network: &FactorNetwork) -> i64 {
         if self.common == Common::Nothing {
             return UNIT;
         }
@@ -164,7 +168,7 @@ impl Occurrence {
     }
 
     /// The common factors, and what is left of the two terms.
-    fn split(&self, network: &Network) -> (Vec<Edge>, [Vec<Edge>; 2]) {
+    fn split(&self, network: &FactorNetwork) -> (Vec<Edge>, [Vec<Edge>; 2]) {
         let [(_, left), (_, right)] = self.pair.map(|edge| factors(network, edge));
         match self.common {
             Common::Nothing => (Vec::new(), [left, right]),
@@ -181,9 +185,9 @@ impl Occurrence {
 }
 
 /// The factors of a term, sorted and without signs, and its sign.
-fn factors(network: &Network, term: Edge) -> (bool, Vec<Edge>) {
+fn factors(network: &FactorNetwork, term: Edge) -> (bool, Vec<Edge>) {
     let node = &network.nodes[term.node()];
-    if node.kind != Kind::Product {
+    if node.kind != FactorKind::Product {
         return (term.negative(), vec![term.flip(term.negative())]);
     }
     let odd = node.operands.iter().filter(|edge| edge.negative()).count() % 2 == 1;
@@ -231,7 +235,7 @@ fn without(factors: &[Edge], factor: Edge) -> Vec<Edge> {
 /// Calls back for every pair of operands, with each thing that can be taken
 /// out of it: the divisor's value, the user, the pair.
 fn for_each_pair(
-    network: &Network,
+    network: &FactorNetwork,
     order: &[u32],
     mut found: impl FnMut(Fingerprint, u32, [Edge; 2], Common),
 ) {
@@ -243,17 +247,17 @@ fn for_each_pair(
         let node = &network.nodes[user as usize];
         let operands = &node.operands;
         match node.kind {
-            Kind::Sum => {
+            FactorKind::Sum => {
                 split.clear();
                 split.extend(operands.iter().map(|&term| factors(network, term)));
             }
-            Kind::Product if operands.len() > 2 => {}
+            FactorKind::Product if operands.len() > 2 => {}
             _ => continue,
         }
         for (i, &a) in operands.iter().enumerate() {
             for (j, &b) in operands.iter().enumerate().skip(i + 1).take(REACH) {
                 let (left, right) = (network.value(a), network.value(b));
-                if node.kind == Kind::Product {
+                if node.kind == FactorKind::Product {
                     found(images.mul(left, right), user, [a, b], Common::Nothing);
                     continue;
                 }
@@ -290,18 +294,18 @@ fn for_each_pair(
 /// How often each divisor occurs, without the divisors: a byte for each slot
 /// of a table. Divisors that share a slot look more frequent than they are,
 /// which costs a look and nothing else.
-struct Sketch {
+struct DivisorSketch {
     slots: Vec<u8>,
 }
 
-impl Sketch {
-    fn new(network: &Network, order: &[u32]) -> Sketch {
+impl DivisorSketch {
+    fn new(network: &FactorNetwork, order: &[u32]) -> DivisorSketch {
         let pairs: usize = order
             .iter()
             .map(|&node| network.nodes[node as usize].operands.len())
             .map(|count| count * count.min(REACH))
             .sum();
-        Sketch {
+        DivisorSketch {
             slots: vec![0; pairs.next_power_of_two().clamp(1 << 10, 1 << 26)],
         }
     }
@@ -322,19 +326,19 @@ impl Sketch {
 
 /// Applies a divisor wherever it still occurs, unless that does not pay.
 fn apply(
-    network: &mut Network,
+    network: &mut FactorNetwork,
     value: Fingerprint,
-    occurrences: &[Occurrence],
-    mut times: Option<&mut Times>,
+    occurrences: &[DivisorOccurrence],
+    mut times: Option<&mut NodeTimes>,
 ) {
     let (before, first) = (network.cost, network.nodes.len());
-    let mut undo: Vec<(usize, Kind, Vec<Edge>)> = Vec::new();
+    let mut undo: Vec<(usize, FactorKind, Vec<Edge>)> = Vec::new();
     for one in occurrences {
         let Some((kind, operands)) = one.rewritten(network, value) else {
             continue;
         };
         let user = one.user as usize;
-        let late = |times: &mut &mut Times| !times.allow(network, user, kind, &operands);
+        let late = |times: &mut &mut NodeTimes| !times.allow(network, user, kind, &operands);
         if times.as_mut().is_some_and(late) {
             continue;
         }
@@ -356,10 +360,14 @@ fn apply(
     }
 }
 
-impl Occurrence {
+impl DivisorOccurrence {
     /// The operands of the user with the divisor in the place of the pair;
     /// `None` when the pair has gone or the divisor would depend on the user.
-    fn rewritten(&self, network: &mut Network, value: Fingerprint) -> Option<(Kind, Vec<Edge>)> {
+    fn rewritten(
+        &self,
+        network: &mut FactorNetwork,
+        value: Fingerprint,
+    ) -> Option<(FactorKind, Vec<Edge>)> {
         let user = &network.nodes[self.user as usize];
         let (position, kind) = (user.position, user.kind);
         if user.uses == 0 {
@@ -370,12 +378,12 @@ impl Occurrence {
             let at = rest.iter().position(|&other| other == edge)?;
             rest.remove(at);
         }
-        let origin = Origin {
+        let origin = NodeOrigin {
             name: robovec_ir::Name::NONE,
             owner: user.owner,
             sources: user.sources,
         };
-        if kind == Kind::Product {
+        if kind == FactorKind::Product {
             let divisor = network
                 .find(value)
                 .unwrap_or_else(|| network.product(&self.pair, origin));
@@ -403,10 +411,10 @@ impl Occurrence {
         let mut product = common;
         product.push(divisor);
         if rest.is_empty() {
-            return Some((Kind::Product, product));
+            return Some((FactorKind::Product, product));
         }
         rest.push(network.product(&product, origin));
         cancel(&mut rest);
-        (rest.len() > 1 && network.below(&rest, position)).then_some((Kind::Sum, rest))
+        (rest.len() > 1 && network.below(&rest, position)).then_some((FactorKind::Sum, rest))
     }
 }

@@ -12,13 +12,13 @@ pub(crate) mod read;
 mod times;
 pub(crate) mod write;
 
-use network::Network;
+use network::FactorNetwork;
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::{declare_pass, option_words};
 use robovec_ir::Function;
 use robovec_num::limits::NumberLimit;
-use times::Times;
+use times::NodeTimes;
 
 option_words! {
     /// What may happen to the longest path.
@@ -109,14 +109,14 @@ fn rewrite(
     context.statistics.push(("operations saved", saved as u64));
 }
 
-fn extract_all(network: &mut Network, weights: Weights, path: PathChoice, rounds: u32) {
+fn extract_all(network: &mut FactorNetwork, weights: Weights, path: PathChoice, rounds: u32) {
     let mut limit = None;
     for _ in 0..rounds {
         let order = network.order();
         network.regroup(&order);
         let order = network.renumber();
         let times =
-            (path == PathChoice::Keep).then(|| Times::find(network, &order, weights, limit));
+            (path == PathChoice::Keep).then(|| NodeTimes::find(network, &order, weights, limit));
         let Some(times) = times else {
             if extract::extract(network, &order, None) == 0 {
                 return;
@@ -131,7 +131,7 @@ fn extract_all(network: &mut Network, weights: Weights, path: PathChoice, rounds
         // Within a round the times of what lies far above a rewritten value
         // are those of before; should that have been wrong, the round is off.
         let order = network.order();
-        if Times::find(network, &order, weights, None).longest(network) > allowed {
+        if NodeTimes::find(network, &order, weights, None).longest(network) > allowed {
             *network = snapshot;
             return;
         }

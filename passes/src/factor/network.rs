@@ -38,7 +38,7 @@ impl Edge {
 
 /// What a node computes.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) enum Kind {
+pub(crate) enum FactorKind {
     /// An input element.
     Input(Operand),
     /// A literal.
@@ -55,8 +55,8 @@ pub(crate) enum Kind {
 
 /// A value and one way to compute it.
 #[derive(Clone, Debug)]
-pub(crate) struct Node {
-    pub(crate) kind: Kind,
+pub(crate) struct FactorNode {
+    pub(crate) kind: FactorKind,
     pub(crate) operands: Vec<Edge>,
     pub(crate) value: Fingerprint,
     pub(crate) uses: u32,
@@ -76,15 +76,15 @@ pub(crate) struct Node {
 
 /// Names, owner and sources of a node.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Origin {
+pub(crate) struct NodeOrigin {
     pub(crate) name: Name,
     pub(crate) owner: Symbol,
     pub(crate) sources: SourceSet,
 }
 
-impl Origin {
+impl NodeOrigin {
     /// Of what belongs to the network and to no equation.
-    pub(crate) const NONE: Origin = Origin {
+    pub(crate) const NONE: NodeOrigin = NodeOrigin {
         name: Name::NONE,
         owner: Name::NONE.base,
         sources: SourceSet::EMPTY,
@@ -93,16 +93,16 @@ impl Origin {
 
 /// The network.
 #[derive(Clone)]
-pub(crate) struct Network {
+pub(crate) struct FactorNetwork {
     /// What values are identified in.
     pub(crate) images: Images,
-    pub(crate) nodes: Vec<Node>,
+    pub(crate) nodes: Vec<FactorNode>,
     /// What the outputs are set to.
     pub(crate) outputs: Vec<Edge>,
     /// Operations that the outputs need.
     pub(crate) cost: i64,
     /// Places and names of values that are part of others now.
-    pub(crate) merged: Vec<(u32, Origin)>,
+    pub(crate) merged: Vec<(u32, NodeOrigin)>,
     known: HashMap<Fingerprint, u32, FxBuildHasher>,
 }
 
@@ -110,13 +110,13 @@ pub(crate) struct Network {
 pub(crate) const ZERO: usize = 0;
 /// The node of the literal 1.
 pub(crate) const ONE: usize = 1;
-/// The distance of positions after [`Network::renumber`]: so many values can
+/// The distance of positions after [`FactorNetwork::renumber`]: so many values can
 /// be made between two neighbours.
 const SPACING: u64 = 1 << 20;
 
-impl Network {
-    pub(crate) fn new(images: Images) -> Network {
-        let mut network = Network {
+impl FactorNetwork {
+    pub(crate) fn new(images: Images) -> FactorNetwork {
+        let mut network = FactorNetwork {
             images,
             nodes: Vec::new(),
             outputs: Vec::new(),
@@ -134,10 +134,21 @@ impl Network {
         let value = self.images.literal(number);
         if value.is_undefined() {
             let value = self.images.random(!(self.nodes.len() as u64));
-            return self.push_unknown(Kind::Constant(number), Vec::new(), value, Origin::NONE);
+            return self.push_unknown(
+                FactorKind::Constant(number),
+                Vec::new(),
+                value,
+                NodeOrigin::NONE,
+            );
         }
-        self.find(value)
-            .unwrap_or_else(|| self.push(Kind::Constant(number), Vec::new(), value, Origin::NONE))
+        self.find(value).unwrap_or_else(|| {
+            self.push(
+                FactorKind::Constant(number),
+                Vec::new(),
+                value,
+                NodeOrigin::NONE,
+            )
+        })
     }
 
     /// The node with this value, with the sign that makes it equal.
@@ -156,10 +167,10 @@ impl Network {
     /// Appends a node that can be found by its value.
     pub(crate) fn push(
         &mut self,
-        kind: Kind,
+        kind: FactorKind,
         operands: Vec<Edge>,
         value: Fingerprint,
-        origin: Origin,
+        origin: NodeOrigin,
     ) -> Edge {
         let edge = self.push_unknown(kind, operands, value, origin);
         self.nodes[edge.node()].defined = true;
@@ -171,17 +182,17 @@ impl Network {
     /// Appends a node that is equal to nothing.
     pub(crate) fn push_unknown(
         &mut self,
-        kind: Kind,
+        kind: FactorKind,
         operands: Vec<Edge>,
         value: Fingerprint,
-        origin: Origin,
+        origin: NodeOrigin,
     ) -> Edge {
         let position = operands
             .iter()
             .map(|edge| self.nodes[edge.node()].position + 1)
             .max()
             .unwrap_or(0);
-        self.nodes.push(Node {
+        self.nodes.push(FactorNode {
             kind,
             operands,
             value,
@@ -197,7 +208,7 @@ impl Network {
     }
 
     /// The sum of some terms: a known value if there is one.
-    pub(crate) fn sum(&mut self, terms: &[Edge], origin: Origin) -> Edge {
+    pub(crate) fn sum(&mut self, terms: &[Edge], origin: NodeOrigin) -> Edge {
         let value = self.images.sum(terms.iter().map(|&term| self.value(term)));
         if let Some(edge) = self.find(value) {
             return edge;
@@ -206,12 +217,12 @@ impl Network {
         cancel(&mut operands);
         match operands[..] {
             [single] => single,
-            _ => self.push(Kind::Sum, operands, value, origin),
+            _ => self.push(FactorKind::Sum, operands, value, origin),
         }
     }
 
     /// The product of some factors: a known value if there is one.
-    pub(crate) fn product(&mut self, factors: &[Edge], origin: Origin) -> Edge {
+    pub(crate) fn product(&mut self, factors: &[Edge], origin: NodeOrigin) -> Edge {
         let values = factors.iter().map(|&factor| self.value(factor));
         let value = self.images.product(values);
         if let Some(edge) = self.find(value) {
@@ -228,7 +239,7 @@ impl Network {
             [single] => single.flip(negative),
             _ => {
                 let value = self.images.negate_if(negative, value);
-                self.push(Kind::Product, operands, value, origin)
+                self.push(FactorKind::Product, operands, value, origin)
                     .flip(negative)
             }
         }
@@ -237,10 +248,10 @@ impl Network {
     /// What a node costs while it is used.
     fn own_cost(&self, node: usize) -> i64 {
         match self.nodes[node].kind {
-            Kind::Input(_) | Kind::Constant(_) | Kind::Part(_) => 0,
-            Kind::Sum | Kind::Product => self.nodes[node].operands.len() as i64 - 1,
-            Kind::Other(Operation::Sin | Operation::Cos) => 0,
-            Kind::Other(_) => 1,
+            FactorKind::Input(_) | FactorKind::Constant(_) | FactorKind::Part(_) => 0,
+            FactorKind::Sum | FactorKind::Product => self.nodes[node].operands.len() as i64 - 1,
+            FactorKind::Other(Operation::Sin | Operation::Cos) => 0,
+            FactorKind::Other(_) => 1,
         }
     }
 
@@ -273,9 +284,9 @@ impl Network {
     pub(crate) fn replace(
         &mut self,
         node: usize,
-        kind: Kind,
+        kind: FactorKind,
         operands: Vec<Edge>,
-    ) -> (Kind, Vec<Edge>) {
+    ) -> (FactorKind, Vec<Edge>) {
         for &edge in &operands {
             self.acquire(edge);
         }
@@ -335,10 +346,11 @@ impl Network {
         for &user in order {
             let user = user as usize;
             let kind = self.nodes[user].kind;
-            if !matches!(kind, Kind::Sum | Kind::Product) || self.nodes[user].uses == 0 {
+            if !matches!(kind, FactorKind::Sum | FactorKind::Product) || self.nodes[user].uses == 0
+            {
                 continue;
             }
-            let part = |network: &Network, edge: Edge| {
+            let part = |network: &FactorNetwork, edge: Edge| {
                 let node = &network.nodes[edge.node()];
                 node.kind == kind && node.uses == 1
             };
@@ -350,8 +362,8 @@ impl Network {
                 let edge = self.nodes[user].operands.swap_remove(at);
                 let inner = &mut self.nodes[edge.node()];
                 inner.uses = 0;
-                inner.kind = Kind::Part(user as u32);
-                let origin = Origin {
+                inner.kind = FactorKind::Part(user as u32);
+                let origin = NodeOrigin {
                     name: inner.name,
                     owner: inner.owner,
                     sources: inner.sources,
@@ -361,7 +373,11 @@ impl Network {
                 self.known.remove(&size);
                 self.merged.push((user as u32, origin));
                 // A minus reaches all terms of a sum, but one factor only.
-                let flipped = if kind == Kind::Sum { parts.len() } else { 1 };
+                let flipped = if kind == FactorKind::Sum {
+                    parts.len()
+                } else {
+                    1
+                };
                 let parts = parts.iter().enumerate();
                 self.nodes[user]
                     .operands
@@ -374,13 +390,13 @@ impl Network {
     /// Sorts the operands of a sum or product; terms that cancel go.
     fn tidy(&mut self, node: usize) {
         let mut operands = self.nodes[node].operands.clone();
-        if self.nodes[node].kind == Kind::Sum {
+        if self.nodes[node].kind == FactorKind::Sum {
             cancel(&mut operands);
         }
         if operands.len() == self.nodes[node].operands.len() {
             self.nodes[node].operands.sort_unstable();
         } else if operands.len() > 1 {
-            self.replace(node, Kind::Sum, operands);
+            self.replace(node, FactorKind::Sum, operands);
         }
     }
 }

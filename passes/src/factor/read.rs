@@ -1,6 +1,6 @@
 //! From a function to a network.
 
-use super::network::{Edge, Kind, Network, Origin};
+use super::network::{Edge, FactorKind, FactorNetwork, NodeOrigin};
 use robovec_framework::fingerprint::Images;
 use robovec_framework::rewrite::owners;
 use robovec_ir::{Function, Name, Node, Operand, OperandKind, Operation, Tables};
@@ -8,16 +8,16 @@ use std::collections::HashMap;
 
 /// The network of a function; on the `circle`, values are also equal that
 /// need sin² + cos² = 1 for it.
-pub(crate) fn read(function: &Function, tables: &mut Tables, circle: bool) -> Network {
+pub(crate) fn read(function: &Function, tables: &mut Tables, circle: bool) -> FactorNetwork {
     let owners = owners(tables, function);
-    let mut reader = Reader {
-        network: Network::new(Images::of(function, circle)),
+    let mut reader = FactorReader {
+        network: FactorNetwork::new(Images::of(function, circle)),
         map: Vec::with_capacity(function.nodes().len()),
         inputs: HashMap::new(),
         function,
     };
     for (value, node) in function.values() {
-        let origin = Origin {
+        let origin = NodeOrigin {
             name: node.name,
             owner: owners[value.index()],
             sources: node.sources,
@@ -43,15 +43,15 @@ pub(crate) fn read(function: &Function, tables: &mut Tables, circle: bool) -> Ne
     network
 }
 
-struct Reader<'a> {
-    network: Network,
+struct FactorReader<'a> {
+    network: FactorNetwork,
     /// What the values read so far have become.
     map: Vec<Edge>,
     inputs: HashMap<u32, Edge>,
     function: &'a Function,
 }
 
-impl Reader<'_> {
+impl FactorReader<'_> {
     fn edge(&mut self, operand: Operand) -> Edge {
         match operand.kind() {
             OperandKind::Value(value) => self.map[value.index()],
@@ -64,8 +64,8 @@ impl Reader<'_> {
                     return edge;
                 }
                 let value = self.network.images.input(input);
-                let kind = Kind::Input(operand);
-                let edge = self.network.push(kind, Vec::new(), value, Origin::NONE);
+                let kind = FactorKind::Input(operand);
+                let edge = self.network.push(kind, Vec::new(), value, NodeOrigin::NONE);
                 self.inputs.insert(input.0, edge);
                 edge
             }
@@ -73,7 +73,7 @@ impl Reader<'_> {
         }
     }
 
-    fn operation(&mut self, node: &Node, origin: Origin) -> Edge {
+    fn operation(&mut self, node: &Node, origin: NodeOrigin) -> Edge {
         let operands: Vec<Edge> = node
             .operands()
             .iter()
@@ -86,8 +86,8 @@ impl Reader<'_> {
     }
 
     /// A fused operation is taken apart, so that its parts can be shared.
-    fn fused(&mut self, operation: Operation, operands: &[Edge], origin: Origin) -> Edge {
-        let unnamed = Origin {
+    fn fused(&mut self, operation: Operation, operands: &[Edge], origin: NodeOrigin) -> Edge {
+        let unnamed = NodeOrigin {
             name: Name::NONE,
             ..origin
         };
@@ -100,7 +100,7 @@ impl Reader<'_> {
         self.single(operation, pair.to_vec(), origin)
     }
 
-    fn single(&mut self, operation: Operation, operands: Vec<Edge>, origin: Origin) -> Edge {
+    fn single(&mut self, operation: Operation, operands: Vec<Edge>, origin: NodeOrigin) -> Edge {
         let a = operands[0];
         let b = operands.get(1).copied().unwrap_or(a);
         let network = &mut self.network;
@@ -117,7 +117,7 @@ impl Reader<'_> {
             Operation::Sub => return network.sum(&[a, b.flip(true)], origin),
             Operation::Mul => return network.product(&[a, b], origin),
             _ => {
-                let literal = matches!(network.nodes[b.node()].kind, Kind::Constant(_));
+                let literal = matches!(network.nodes[b.node()].kind, FactorKind::Constant(_));
                 let [x, y] = [a, b].map(|edge| network.value(edge));
                 network.images.operate(operation, [x, y, y], literal)
             }
@@ -125,7 +125,7 @@ impl Reader<'_> {
         if value.is_undefined() {
             return Self::unknown(network, operation, operands, origin);
         }
-        let kind = Kind::Other(operation);
+        let kind = FactorKind::Other(operation);
         network
             .find(value)
             .unwrap_or_else(|| network.push(kind, operands, value, origin))
@@ -134,12 +134,12 @@ impl Reader<'_> {
     /// A value without a meaning: what it is computed from may be rewritten,
     /// but not the operation.
     fn unknown(
-        network: &mut Network,
+        network: &mut FactorNetwork,
         operation: Operation,
         operands: Vec<Edge>,
-        origin: Origin,
+        origin: NodeOrigin,
     ) -> Edge {
         let value = network.images.random(!(network.nodes.len() as u64));
-        network.push_unknown(Kind::Other(operation), operands, value, origin)
+        network.push_unknown(FactorKind::Other(operation), operands, value, origin)
     }
 }

@@ -5,30 +5,30 @@
 //! that of the result less the operations above it in that tree: if every
 //! operand were that late, the result would still be in time.
 
-use super::network::{Edge, Kind, Network};
+use super::network::{Edge, FactorKind, FactorNetwork};
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Times in cycles of the machine, by node.
-pub(super) struct Times {
+pub(super) struct NodeTimes {
     weights: Weights,
     arrivals: Vec<u32>,
     latest: Vec<u32>,
 }
 
-impl Times {
+impl NodeTimes {
     /// The times of the live nodes, given in order; no output may be later
     /// than `limit`, or, without one, than the last is now.
     pub(super) fn find(
-        network: &Network,
+        network: &FactorNetwork,
         order: &[u32],
         weights: Weights,
         limit: Option<u32>,
-    ) -> Times {
+    ) -> NodeTimes {
         let count = network.nodes.len();
-        let mut times = Times {
+        let mut times = NodeTimes {
             weights,
             arrivals: vec![0; count],
             latest: vec![u32::MAX; count],
@@ -48,7 +48,7 @@ impl Times {
     }
 
     /// When the last output is available.
-    pub(super) fn longest(&self, network: &Network) -> u32 {
+    pub(super) fn longest(&self, network: &FactorNetwork) -> u32 {
         let arrivals = network
             .outputs
             .iter()
@@ -59,9 +59,9 @@ impl Times {
     /// True when a node may be computed from these operands in this way.
     pub(super) fn allow(
         &mut self,
-        network: &Network,
+        network: &FactorNetwork,
         node: usize,
-        kind: Kind,
+        kind: FactorKind,
         operands: &[Edge],
     ) -> bool {
         self.extend(network);
@@ -70,7 +70,7 @@ impl Times {
 
     /// Takes note of rewritten nodes, and of the values from `first` on that
     /// were made for them.
-    pub(super) fn update(&mut self, network: &Network, rewritten: &[usize], first: usize) {
+    pub(super) fn update(&mut self, network: &FactorNetwork, rewritten: &[usize], first: usize) {
         self.extend(network);
         for &node in rewritten {
             self.arrivals[node] = self.result(network, node);
@@ -84,7 +84,7 @@ impl Times {
     }
 
     /// Arrivals of the values made since.
-    fn extend(&mut self, network: &Network) {
+    fn extend(&mut self, network: &FactorNetwork) {
         for node in self.arrivals.len()..network.nodes.len() {
             let arrival = self.result(network, node);
             self.arrivals.push(arrival);
@@ -92,12 +92,12 @@ impl Times {
         }
     }
 
-    fn result(&self, network: &Network, node: usize) -> u32 {
+    fn result(&self, network: &FactorNetwork, node: usize) -> u32 {
         let node = &network.nodes[node];
         self.tree(node.kind, &node.operands).0
     }
 
-    fn hand_down(&mut self, network: &Network, node: usize) {
+    fn hand_down(&mut self, network: &FactorNetwork, node: usize) {
         let (kind, operands) = (network.nodes[node].kind, &network.nodes[node].operands);
         let (_, above) = self.tree(kind, operands);
         for (edge, above) in operands.iter().zip(above) {
@@ -109,17 +109,19 @@ impl Times {
 
     /// When a result is available, and how many cycles of work lie above each
     /// operand.
-    fn tree(&self, kind: Kind, operands: &[Edge]) -> (u32, Vec<u32>) {
+    fn tree(&self, kind: FactorKind, operands: &[Edge]) -> (u32, Vec<u32>) {
         let weight = match kind {
-            Kind::Sum => self.weights.of(Operation::Add),
-            Kind::Product => self.weights.of(Operation::Mul),
-            Kind::Other(operation) => {
+            FactorKind::Sum => self.weights.of(Operation::Add),
+            FactorKind::Product => self.weights.of(Operation::Mul),
+            FactorKind::Other(operation) => {
                 let weight = self.weights.of(operation);
                 let arrivals = operands.iter().map(|edge| self.arrivals[edge.node()]);
                 let ready = arrivals.max().unwrap_or(0).saturating_add(weight);
                 return (ready, vec![weight; operands.len()]);
             }
-            Kind::Input(_) | Kind::Constant(_) | Kind::Part(_) => return (0, Vec::new()),
+            FactorKind::Input(_) | FactorKind::Constant(_) | FactorKind::Part(_) => {
+                return (0, Vec::new());
+            }
         };
         let count = operands.len();
         let mut heap: BinaryHeap<Reverse<(u32, usize)>> = operands

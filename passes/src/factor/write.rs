@@ -5,7 +5,7 @@
 //! sign, and only an output (or a root, or a value without a meaning) forces a
 //! `0 - x`.
 
-use super::network::{Edge, Kind, Network, Origin};
+use super::network::{Edge, FactorKind, FactorNetwork, NodeOrigin};
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::rewrite::output_symbol;
 use robovec_framework::trail::Notes;
@@ -18,14 +18,14 @@ use std::collections::{BinaryHeap, HashMap};
 /// Writes the live part of a network in the place of a function's body.
 pub(crate) fn write(
     function: &Function,
-    mut network: Network,
+    mut network: FactorNetwork,
     weights: &Weights,
     tables: &mut Tables,
     notes: &mut Notes,
 ) -> Function {
     let order = network.order();
     let merged = std::mem::take(&mut network.merged);
-    let mut writer = Writer {
+    let mut writer = FactorWriter {
         out: function.skeleton(Level::Atomic),
         names: function.fresh_names(),
         stored: vec![(Operand::NONE, false); network.nodes.len()],
@@ -35,7 +35,7 @@ pub(crate) fn write(
         network: &network,
     };
     let wishes = writer.wishes(&order);
-    let mut parts = Parts::new(&network, merged);
+    let mut parts = MergedParts::new(&network, merged);
     for &node in &order {
         let mut naming = parts.naming(&network, node, tables);
         let made = writer.node(node as usize, wishes[node as usize], &mut naming);
@@ -49,17 +49,17 @@ pub(crate) fn write(
 }
 
 /// What is left of the values that became part of others.
-struct Parts {
-    merged: Vec<(u32, Origin)>,
+struct MergedParts {
+    merged: Vec<(u32, NodeOrigin)>,
 }
 
-impl Parts {
-    fn new(network: &Network, mut merged: Vec<(u32, Origin)>) -> Parts {
+impl MergedParts {
+    fn new(network: &FactorNetwork, mut merged: Vec<(u32, NodeOrigin)>) -> MergedParts {
         let mut heirs: Vec<u32> = (0..network.nodes.len() as u32).collect();
         for node in 0..heirs.len() {
             let mut chain = Vec::new();
             let mut heir = node as u32;
-            while let Kind::Part(user) = network.nodes[heir as usize].kind {
+            while let FactorKind::Part(user) = network.nodes[heir as usize].kind {
                 if heirs[heir as usize] != heir {
                     heir = heirs[heir as usize];
                     break;
@@ -76,10 +76,10 @@ impl Parts {
         }
         merged.retain(|(user, _)| network.nodes[*user as usize].uses > 0);
         merged.sort_by_key(|(user, _)| *user);
-        Parts { merged }
+        MergedParts { merged }
     }
 
-    fn naming(&mut self, network: &Network, node: u32, tables: &mut Tables) -> Naming {
+    fn naming(&mut self, network: &FactorNetwork, node: u32, tables: &mut Tables) -> NodeNaming {
         let own = &network.nodes[node as usize];
         let start = self.merged.partition_point(|(user, _)| *user < node);
         let end = self.merged.partition_point(|(user, _)| *user <= node);
@@ -102,7 +102,7 @@ impl Parts {
             root = name;
         }
         spare.retain(|name| name.suffix > 0);
-        Naming {
+        NodeNaming {
             root,
             spare,
             owner: own.owner,
@@ -112,7 +112,7 @@ impl Parts {
 }
 
 /// Names and sources for the operations of one node.
-struct Naming {
+struct NodeNaming {
     root: Name,
     /// Of values that were merged into it, last first.
     spare: Vec<Name>,
@@ -120,7 +120,7 @@ struct Naming {
     sources: SourceSet,
 }
 
-struct Writer<'n> {
+struct FactorWriter<'n> {
     out: Function,
     names: FreshNames,
     /// For each node the operand it is stored in, and whether negated.
@@ -128,17 +128,17 @@ struct Writer<'n> {
     arrivals: Vec<u32>,
     negated: HashMap<Operand, Operand>,
     weights: Weights,
-    network: &'n Network,
+    network: &'n FactorNetwork,
 }
 
 /// An operand of a sum or product while the tree is built.
 #[derive(Clone, Copy)]
-struct Term {
+struct TreeOperand {
     operand: Operand,
     negative: bool,
 }
 
-impl Writer<'_> {
+impl FactorWriter<'_> {
     /// The sign each node had better be stored with: true for negated. Only
     /// outputs ask, and what cannot choose hands the wish to an operand.
     fn wishes(&self, order: &[u32]) -> Vec<Option<bool>> {
@@ -154,9 +154,9 @@ impl Writer<'_> {
             let mixed = node.operands.iter().any(|edge| edge.negative())
                 && !node.operands.iter().all(|edge| edge.negative());
             let natural = match node.kind {
-                Kind::Sum if mixed => continue,
-                Kind::Sum => node.operands.iter().all(|edge| edge.negative()),
-                Kind::Product => false,
+                FactorKind::Sum if mixed => continue,
+                FactorKind::Sum => node.operands.iter().all(|edge| edge.negative()),
+                FactorKind::Product => false,
                 _ => continue,
             };
             if natural == wish {
@@ -165,7 +165,7 @@ impl Writer<'_> {
             let able = |edge: &&Edge| {
                 let operand = &self.network.nodes[edge.node()];
                 let signs = || operand.operands.iter().map(|edge| edge.negative());
-                operand.kind == Kind::Sum
+                operand.kind == FactorKind::Sum
                     && wishes[edge.node()].is_none()
                     && signs().any(|negative| negative)
                     && !signs().all(|negative| negative)
@@ -177,24 +177,29 @@ impl Writer<'_> {
         wishes
     }
 
-    fn node(&mut self, node: usize, wish: Option<bool>, naming: &mut Naming) -> (Operand, bool) {
+    fn node(
+        &mut self,
+        node: usize,
+        wish: Option<bool>,
+        naming: &mut NodeNaming,
+    ) -> (Operand, bool) {
         let node = &self.network.nodes[node];
         match node.kind {
-            Kind::Input(operand) => (operand, false),
-            Kind::Constant(number) => (self.out.constant(number).into(), false),
-            Kind::Sum | Kind::Product => {
-                let sum = node.kind == Kind::Sum;
+            FactorKind::Input(operand) => (operand, false),
+            FactorKind::Constant(number) => (self.out.constant(number).into(), false),
+            FactorKind::Sum | FactorKind::Product => {
+                let sum = node.kind == FactorKind::Sum;
                 self.tree(sum, &node.operands, wish == Some(true), naming)
             }
-            Kind::Other(operation) => self.other(operation, &node.operands, naming),
+            FactorKind::Other(operation) => self.other(operation, &node.operands, naming),
             // Parts have no uses, so they are not in the order.
-            Kind::Part(_) => (Operand::NONE, false),
+            FactorKind::Part(_) => (Operand::NONE, false),
         }
     }
 
-    fn term(&self, edge: Edge) -> Term {
+    fn term(&self, edge: Edge) -> TreeOperand {
         let (operand, negative) = self.stored[edge.node()];
-        Term {
+        TreeOperand {
             operand,
             negative: negative ^ edge.negative(),
         }
@@ -211,7 +216,7 @@ impl Writer<'_> {
         operation: Operation,
         operands: [Operand; 2],
         last: bool,
-        naming: &mut Naming,
+        naming: &mut NodeNaming,
     ) -> Operand {
         let name = match (last, naming.root.is_none(), naming.spare.pop()) {
             (true, false, spare) => {
@@ -238,9 +243,9 @@ impl Writer<'_> {
         sum: bool,
         operands: &[Edge],
         flip: bool,
-        naming: &mut Naming,
+        naming: &mut NodeNaming,
     ) -> (Operand, bool) {
-        let mut terms: Vec<Term> = operands.iter().map(|&edge| self.term(edge)).collect();
+        let mut terms: Vec<TreeOperand> = operands.iter().map(|&edge| self.term(edge)).collect();
         let mut heap: BinaryHeap<Reverse<(u32, usize)>> = terms
             .iter()
             .enumerate()
@@ -260,7 +265,7 @@ impl Writer<'_> {
                 return (operand, negative);
             }
             heap.push(Reverse((self.arrival(operand), terms.len())));
-            terms.push(Term { operand, negative });
+            terms.push(TreeOperand { operand, negative });
         }
         // Sums and products of the network have at least two operands.
         let term = terms[0];
@@ -271,11 +276,11 @@ impl Writer<'_> {
         &mut self,
         operation: Operation,
         operands: &[Edge],
-        naming: &mut Naming,
+        naming: &mut NodeNaming,
     ) -> (Operand, bool) {
         let a = self.term(operands[0]);
         let b = operands.get(1).map_or(
-            Term {
+            TreeOperand {
                 operand: Operand::NONE,
                 negative: false,
             },
@@ -294,7 +299,7 @@ impl Writer<'_> {
         (self.push(operation, operands, true, naming), negative)
     }
 
-    fn true_sign(&mut self, term: Term, naming: &mut Naming) -> Operand {
+    fn true_sign(&mut self, term: TreeOperand, naming: &mut NodeNaming) -> Operand {
         if !term.negative {
             return term.operand;
         }
@@ -313,14 +318,14 @@ impl Writer<'_> {
     fn outputs(&mut self, function: &Function, tables: &mut Tables) {
         let mut assignments = function.assignments.clone();
         for (assignment, &edge) in assignments.iter_mut().zip(&self.network.outputs) {
-            let mut naming = Naming {
+            let mut naming = NodeNaming {
                 root: Name::NONE,
                 spare: Vec::new(),
                 owner: output_symbol(tables, function, assignment.output),
                 sources: assignment.sources,
             };
             let term = match self.network.nodes[edge.node()].kind {
-                Kind::Input(operand) => Term {
+                FactorKind::Input(operand) => TreeOperand {
                     operand,
                     negative: edge.negative(),
                 },
@@ -334,7 +339,7 @@ impl Writer<'_> {
 
 /// The operation that joins two terms, and the sign of its result; `flip`
 /// chooses the negated form where both cost the same.
-fn join(a: Term, b: Term, flip: bool) -> (Operation, [Operand; 2], bool) {
+fn join(a: TreeOperand, b: TreeOperand, flip: bool) -> (Operation, [Operand; 2], bool) {
     match (a.negative, b.negative) {
         (false, false) => (Operation::Add, [a.operand, b.operand], false),
         (true, true) => (Operation::Add, [a.operand, b.operand], true),

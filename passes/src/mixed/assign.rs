@@ -1,9 +1,9 @@
 //! A format for every value, at a price for errors.
 
-use super::Search;
-use crate::accurate::profile::{LANES, Lanes, Profile};
+use super::FormatSearch;
+use crate::accurate::profile::{LANES, SensitivityProfile, StateLanes};
 use robovec_framework::scene::Allowed;
-use robovec_ir::{Format, Formats, Function, Node, Operation, Value};
+use robovec_ir::{Format, Function, Node, Operation, Value, ValueFormats};
 use robovec_num::soft_float::FormatArithmetic;
 
 /// Exponents of the price of errors: two to this many.
@@ -25,23 +25,23 @@ pub(super) struct Choices {
 
 /// One format, by its number, for every value.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) struct Assignment {
+pub(super) struct FormatAssignment {
     chosen: Vec<u8>,
     pub(super) cost: f64,
 }
 
-impl Assignment {
+impl FormatAssignment {
     /// All values in one format.
-    pub(super) fn all(count: usize, format: usize) -> Assignment {
-        Assignment {
+    pub(super) fn all(count: usize, format: usize) -> FormatAssignment {
+        FormatAssignment {
             chosen: vec![format as u8; count],
             cost: 0.0,
         }
     }
 
     /// The formats of a function.
-    pub(super) fn formats(&self, formats: &[Format]) -> Formats {
-        let mut all = Formats::new(self.chosen.len());
+    pub(super) fn formats(&self, formats: &[Format]) -> ValueFormats {
+        let mut all = ValueFormats::new(self.chosen.len());
         for (index, &chosen) in self.chosen.iter().enumerate() {
             all.set(Value(index as u32), Some(formats[usize::from(chosen)]));
         }
@@ -59,7 +59,11 @@ impl Assignment {
 }
 
 /// The cost of an assignment.
-pub(super) fn cost_of(function: &Function, assignment: &Assignment, formats: &[Format]) -> f64 {
+pub(super) fn cost_of(
+    function: &Function,
+    assignment: &FormatAssignment,
+    formats: &[Format],
+) -> f64 {
     let nodes = function.nodes().iter().zip(&assignment.chosen);
     nodes
         .map(|(node, &chosen)| cost(node.operation, formats[usize::from(chosen)]))
@@ -86,7 +90,7 @@ fn cost(operation: Operation, format: Format) -> f64 {
 
 impl Choices {
     /// Costs and shares of all values in all formats.
-    pub(super) fn new(search: &Search<'_>) -> Choices {
+    pub(super) fn new(search: &FormatSearch<'_>) -> Choices {
         let function = search.view.function;
         let formats = &search.formats;
         let arithmetics: Vec<FormatArithmetic> = formats
@@ -96,10 +100,11 @@ impl Choices {
         let count = function.nodes().len();
         let mut options = vec![(0.0, 0.0); count * formats.len()];
         for part in 0..PROFILES {
-            let seeds =
-                |profile: &Profile| seeds(function, profile, search.allowed, &search.weights);
+            let seeds = |profile: &SensitivityProfile| {
+                seeds(function, profile, search.allowed, &search.weights)
+            };
             let first = part * LANES as u32;
-            let profile = Profile::with_seeds(search.view, &search.states, first, seeds);
+            let profile = SensitivityProfile::with_seeds(search.view, &search.states, first, seeds);
             for (value, node) in function.values() {
                 let index = value.index();
                 let partials = profile.partials(function, index);
@@ -133,7 +138,7 @@ impl Choices {
 
     /// For every value the format with the least cost plus price times share;
     /// of equals the narrower.
-    pub(super) fn at(&self, price: i32) -> Assignment {
+    pub(super) fn at(&self, price: i32) -> FormatAssignment {
         let price = 2f64.powi(price);
         let mut total = 0.0;
         let chosen = self.options.chunks(self.formats).map(|options| {
@@ -153,7 +158,7 @@ impl Choices {
             best.1 as u8
         });
         let chosen = chosen.collect();
-        Assignment {
+        FormatAssignment {
             chosen,
             cost: total,
         }
@@ -161,8 +166,13 @@ impl Choices {
 }
 
 /// The weights of the outputs: errors count in units of what is allowed.
-fn seeds(function: &Function, profile: &Profile, allowed: &Allowed, weights: &[f64]) -> Vec<Lanes> {
-    let outputs: Vec<Lanes> = function
+fn seeds(
+    function: &Function,
+    profile: &SensitivityProfile,
+    allowed: &Allowed,
+    weights: &[f64],
+) -> Vec<StateLanes> {
+    let outputs: Vec<StateLanes> = function
         .assignments
         .iter()
         .map(|assignment| profile.operand(function, assignment.operand))
@@ -182,7 +192,7 @@ fn seeds(function: &Function, profile: &Profile, allowed: &Allowed, weights: &[f
 fn constants(
     function: &Function,
     node: &Node,
-    partials: &[Lanes],
+    partials: &[StateLanes],
     lane: usize,
     arithmetic: &FormatArithmetic,
 ) -> f64 {

@@ -3,18 +3,18 @@
 use robovec_framework::scene::Allowed;
 use robovec_ir::evaluate::{evaluate, evaluate_nodes_in};
 use robovec_ir::states::States;
-use robovec_ir::{Format, Formats, Function, OperandKind, View};
+use robovec_ir::{Format, Function, OperandKind, ValueFormats, View};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 
 /// Exact outputs at some states, and the errors they may have.
-pub(super) struct Check {
+pub(super) struct AccuracyCheck {
     inputs: Vec<Vec<f64>>,
     exact: Vec<Vec<Double>>,
     allowed: Vec<Vec<f64>>,
 }
 
-impl Check {
+impl AccuracyCheck {
     /// Evaluates the function in double-double at `count` states from
     /// `first` on.
     pub(super) fn new(
@@ -22,7 +22,7 @@ impl Check {
         states: &States,
         [first, count]: [u32; 2],
         allowed: &Allowed,
-    ) -> Check {
+    ) -> AccuracyCheck {
         let inputs: Vec<Vec<f64>> = (first..first + count)
             .map(|index| states.draw(view, index))
             .collect();
@@ -37,7 +37,7 @@ impl Check {
             let values: Vec<f64> = outputs.iter().map(|output| output.high).collect();
             allowed.of(&values)
         });
-        Check {
+        AccuracyCheck {
             allowed: allowed.collect(),
             inputs,
             exact,
@@ -45,7 +45,7 @@ impl Check {
     }
 
     /// For every assignment the largest error over what is allowed.
-    pub(super) fn ratios(&self, function: &Function, formats: &Formats) -> Vec<f64> {
+    pub(super) fn ratios(&self, function: &Function, formats: &ValueFormats) -> Vec<f64> {
         let mut ratios = vec![0.0f64; function.assignments.len()];
         for ((inputs, exact), allowed) in self.inputs.iter().zip(&self.exact).zip(&self.allowed) {
             // Inputs are numbers of binary32, so that of the run changes none.
@@ -62,7 +62,7 @@ impl Check {
     }
 
     /// The largest ratio of an error to what is allowed.
-    pub(super) fn worst(&self, function: &Function, formats: &Formats) -> f64 {
+    pub(super) fn worst(&self, function: &Function, formats: &ValueFormats) -> f64 {
         self.ratios(function, formats)
             .into_iter()
             .fold(0.0, f64::max)

@@ -4,8 +4,8 @@ mod assign;
 mod measure;
 
 use crate::accurate::SEED;
-use assign::{Assignment, Choices};
-use measure::Check;
+use assign::{Choices, FormatAssignment};
+use measure::AccuracyCheck;
 use robovec_analysis::rounding::usual_states;
 use robovec_framework::check::Promise;
 use robovec_framework::declare_pass;
@@ -13,7 +13,7 @@ use robovec_framework::options::OptionValue;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::scene::Allowed;
 use robovec_ir::states::States;
-use robovec_ir::{Format, Formats, Function, View};
+use robovec_ir::{Format, Function, ValueFormats, View};
 use robovec_num::NumberFormat;
 use robovec_num::limits::{Amount, NumberLimit};
 
@@ -102,7 +102,7 @@ const ROUNDS: usize = 3;
 const LARGEST_REPEATED: usize = 100_000;
 
 /// The largest number of states for choosing; checking has twice as many.
-const MOST_STATES: u32 = 64;
+const MAX_STATES: u32 = 64;
 
 impl Pass for Mixed {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
@@ -115,7 +115,7 @@ impl Pass for Mixed {
             None => States::new(SEED),
         };
         let count = match self.states {
-            0 => (usual_states(function.nodes().len()) / 4).clamp(8, MOST_STATES),
+            0 => (usual_states(function.nodes().len()) / 4).clamp(8, MAX_STATES),
             states => states,
         };
         let view = View {
@@ -123,9 +123,9 @@ impl Pass for Mixed {
             function,
         };
         let allowed = Allowed::new(view, context.scene, self.error.0);
-        let choosing = Check::new(view, &states, [FIRST_CHOSEN, count], &allowed);
-        let checking = Check::new(view, &states, [FIRST_CHECKED, 2 * count], &allowed);
-        let mut search = Search {
+        let choosing = AccuracyCheck::new(view, &states, [FIRST_CHOSEN, count], &allowed);
+        let checking = AccuracyCheck::new(view, &states, [FIRST_CHECKED, 2 * count], &allowed);
+        let mut search = FormatSearch {
             view,
             states: states.clone(),
             allowed: &allowed,
@@ -192,17 +192,17 @@ impl Mixed {
 }
 
 /// What is known while formats are chosen.
-struct Search<'a> {
+struct FormatSearch<'a> {
     view: View<'a>,
     states: States,
     allowed: &'a Allowed,
-    choosing: Check,
+    choosing: AccuracyCheck,
     formats: Vec<Format>,
     /// How much each output counts.
     weights: Vec<f64>,
 }
 
-impl Search<'_> {
+impl FormatSearch<'_> {
     /// The choices and the price at which the cheapest assignment was found;
     /// the ratio of error to what is allowed when even the widest format
     /// alone does not meet it.
@@ -256,7 +256,12 @@ impl Search<'_> {
 
     /// The assignment at the lowest price from this one on that fresh states
     /// accept as well; everything in the widest format when there is none.
-    fn settle(&self, choices: &Choices, price: i32, checking: &Check) -> (Assignment, f64) {
+    fn settle(
+        &self,
+        choices: &Choices,
+        price: i32,
+        checking: &AccuracyCheck,
+    ) -> (FormatAssignment, f64) {
         let (mut price, mut step) = (price, 1);
         while price <= assign::PRICES.1 {
             let assignment = choices.at(price);
@@ -270,21 +275,21 @@ impl Search<'_> {
             step += 1;
         }
         let count = self.view.function.nodes().len();
-        let widest = Assignment::all(count, self.formats.len() - 1);
+        let widest = FormatAssignment::all(count, self.formats.len() - 1);
         let ratio = checking.worst(self.view.function, &self.widest());
         (widest, ratio)
     }
 
-    fn widest(&self) -> Formats {
+    fn widest(&self) -> ValueFormats {
         let count = self.view.function.nodes().len();
-        Assignment::all(count, self.formats.len() - 1).formats(&self.formats)
+        FormatAssignment::all(count, self.formats.len() - 1).formats(&self.formats)
     }
 }
 
 /// Statistics and one line on the result.
 fn tell(
     function: &Function,
-    assignment: &Assignment,
+    assignment: &FormatAssignment,
     formats: &[Format],
     ratio: f64,
     context: &mut Context<'_>,

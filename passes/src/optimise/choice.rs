@@ -1,7 +1,7 @@
 //! The best of the variants.
 
 use super::Goal;
-use super::trial::Trial;
+use super::trial::VariantTrial;
 use robovec_ir::Machine;
 use robovec_schedule::{PlaceError, PlaceOptions, place};
 
@@ -12,7 +12,7 @@ use robovec_schedule::{PlaceError, PlaceOptions, place};
 ///
 /// When the machine can place no variant: the first one and its reason.
 pub(super) fn choose(
-    trials: &mut [Trial],
+    trials: &mut [VariantTrial],
     machine: &Machine,
     goal: Goal,
 ) -> Result<usize, (usize, PlaceError)> {
@@ -32,7 +32,10 @@ pub(super) fn choose(
 
 /// Places the variants in order of their bounds, until the bounds say that
 /// no other can be better.
-fn by_schedule(trials: &mut [Trial], machine: &Machine) -> Result<usize, (usize, PlaceError)> {
+fn by_schedule(
+    trials: &mut [VariantTrial],
+    machine: &Machine,
+) -> Result<usize, (usize, PlaceError)> {
     let mut order: Vec<(u32, usize, usize)> = Vec::new();
     let mut failure: Option<(usize, PlaceError)> = None;
     for (index, trial) in trials

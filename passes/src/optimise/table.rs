@@ -1,9 +1,9 @@
 //! What was tried, as lines of equal columns.
 
-use super::trial::Trial;
+use super::trial::VariantTrial;
 
 /// The lines of the table: names to the left, numbers to the right.
-pub(super) fn rows(trials: &[Trial], taken: Option<usize>) -> Vec<String> {
+pub(super) fn rows(trials: &[VariantTrial], taken: Option<usize>) -> Vec<String> {
     let head = ["variant", "operations", "path", "bound", "cycles", ""].map(str::to_owned);
     let mut cells = vec![head];
     for (index, trial) in trials.iter().enumerate() {

@@ -12,7 +12,7 @@ use robovec_ir::{Function, Level, Machine, Operation};
 use robovec_schedule::{PlaceError, schedule_bound};
 
 /// What is known of a variant.
-pub(super) struct Trial {
+pub(super) struct VariantTrial {
     /// Its name.
     pub(super) name: String,
     /// The function it is; empty when it was not made.
@@ -33,15 +33,15 @@ pub(super) struct Trial {
     shared: u32,
 }
 
-impl Trial {
+impl VariantTrial {
     /// False for a variant that is only a row in the table.
     pub(super) fn is_made(&self) -> bool {
         self.operations > 0 || !self.function.assignments.is_empty()
     }
 
-    fn new(name: String, function: Function, notes: Notes, machine: &Machine) -> Trial {
+    fn new(name: String, function: Function, notes: Notes, machine: &Machine) -> VariantTrial {
         let bound = schedule_bound(&function, machine);
-        Trial {
+        VariantTrial {
             name,
             operations: Counts::of(&function).operations,
             path: critical_path(&function, machine).asap_cycle,
@@ -54,8 +54,8 @@ impl Trial {
         }
     }
 
-    fn not_made(name: String, remark: &'static str) -> Trial {
-        Trial {
+    fn not_made(name: String, remark: &'static str) -> VariantTrial {
+        VariantTrial {
             name,
             function: Function::new("", Level::Atomic),
             notes: Notes::unwanted(),
@@ -91,7 +91,7 @@ struct Workshop<'a> {
     /// The function at the level atomic.
     start: Function,
     budget: usize,
-    trials: Vec<Trial>,
+    trials: Vec<VariantTrial>,
 }
 
 /// Makes the variants, within the budget; the first is always made.
@@ -104,7 +104,7 @@ pub(super) fn make(
     machine: &Machine,
     budget: u32,
     context: &mut Context<'_>,
-) -> Result<Vec<Trial>, PassError> {
+) -> Result<Vec<VariantTrial>, PassError> {
     let mut start = function.clone();
     if start.level == Level::Equations {
         let atomise = fixed(context.registry, "atomise")?;
@@ -146,7 +146,7 @@ fn fixed(registry: &'static Registry, text: &str) -> Result<Pipeline, PassError>
 }
 
 impl Workshop<'_> {
-    fn find(&self, name: &str) -> Option<&Trial> {
+    fn find(&self, name: &str) -> Option<&VariantTrial> {
         self.trials
             .iter()
             .find(|trial| trial.name == name && trial.is_made())
@@ -168,7 +168,7 @@ impl Workshop<'_> {
         let name = variant.name.to_owned();
         if !self.has_elements(variant) {
             self.trials
-                .push(Trial::not_made(name, "too many operations"));
+                .push(VariantTrial::not_made(name, "too many operations"));
             return Ok(());
         }
         self.try_out(name, function, notes, pipeline, context)
@@ -200,7 +200,8 @@ impl Workshop<'_> {
     ) -> Result<(), PassError> {
         let work = function.nodes().len();
         if work > self.budget && !self.trials.is_empty() {
-            self.trials.push(Trial::not_made(name, "beyond the budget"));
+            self.trials
+                .push(VariantTrial::not_made(name, "beyond the budget"));
             return Ok(());
         }
         self.budget = self.budget.saturating_sub(work);
@@ -213,7 +214,7 @@ impl Workshop<'_> {
             &mut function,
             &mut context.aside(self.machine, &mut aside),
         )?;
-        let trial = Trial::new(name, function, aside.notes, self.machine);
+        let trial = VariantTrial::new(name, function, aside.notes, self.machine);
         self.trials.push(trial);
         Ok(())
     }

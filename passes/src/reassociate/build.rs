@@ -1,6 +1,6 @@
 //! Writing the groups anew.
 
-use super::gather::{Family, Groups, Leaf, Reach};
+use super::gather::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
 use super::negations::Negations;
 use super::share::{self, PairCounts};
 use super::signs::Wishes;
@@ -8,7 +8,7 @@ use crate::cse::{Key, KnownValues, SourceMerges};
 use hashbrown::HashMap;
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::rewrite::{lay_out, output_symbol, owners};
-use robovec_framework::rewrites::Rewrites;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol,
     Tables, Value,
@@ -18,7 +18,7 @@ use std::cmp::Reverse;
 
 /// The shape of the tree a group becomes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Shape {
+pub(crate) enum TreeShape {
     /// Left to right as written.
     Written,
     /// One operand after the other, the earliest first.
@@ -33,10 +33,10 @@ pub(crate) fn reassociate(
     function: &Function,
     tables: &mut Tables,
     weights: &Weights,
-    reach: Reach,
-    shape: Shape,
+    reach: GroupReach,
+    shape: TreeShape,
 ) -> Function {
-    let rewrites = Rewrites::default();
+    let rewrites = RewriteLimit::default();
     reassociate_asking(function, tables, weights, reach, shape, &rewrites)
 }
 
@@ -45,46 +45,46 @@ pub(crate) fn reassociate_asking(
     function: &Function,
     tables: &mut Tables,
     weights: &Weights,
-    reach: Reach,
-    shape: Shape,
-    rewrites: &Rewrites,
+    reach: GroupReach,
+    shape: TreeShape,
+    rewrites: &RewriteLimit,
 ) -> Function {
-    let mut plan = Plan::new(function, tables, reach, rewrites);
-    if shape == Shape::Earliest {
+    let mut plan = ReassociationPlan::new(function, tables, reach, rewrites);
+    if shape == TreeShape::Earliest {
         plan.negate(weights, None);
     }
-    let first = Builder::new(&plan, *weights, shape, None).run(tables);
-    if shape != Shape::Earliest {
+    let first = TreeBuilder::new(&plan, *weights, shape, None).run(tables);
+    if shape != TreeShape::Earliest {
         return first.finish(tables);
     }
     // The first round tells how late each group may be without lengthening
     // the longest path; the second uses that freedom to share more pairs.
     let deadlines = first.deadlines();
     plan.negate(weights, Some(&deadlines.latest));
-    Builder::new(&plan, *weights, shape, Some(deadlines))
+    TreeBuilder::new(&plan, *weights, shape, Some(deadlines))
         .run(tables)
         .finish(tables)
 }
 
 /// What is known of the function read before anything is written.
-struct Plan<'a> {
+struct ReassociationPlan<'a> {
     function: &'a Function,
-    groups: Groups,
+    groups: OperandGroups,
     wishes: Wishes,
     negations: Negations,
     owners: Vec<Symbol>,
 }
 
-impl<'a> Plan<'a> {
+impl<'a> ReassociationPlan<'a> {
     fn new(
         function: &'a Function,
         tables: &mut Tables,
-        reach: Reach,
-        rewrites: &Rewrites,
-    ) -> Plan<'a> {
-        let groups = Groups::find_allowed(function, reach, rewrites);
+        reach: GroupReach,
+        rewrites: &RewriteLimit,
+    ) -> ReassociationPlan<'a> {
+        let groups = OperandGroups::find_allowed(function, reach, rewrites);
         let wishes = Wishes::find(function, &groups);
-        Plan {
+        ReassociationPlan {
             function,
             wishes,
             negations: Negations::default(),
@@ -108,20 +108,20 @@ impl<'a> Plan<'a> {
 
 /// What an old value has become: an operand, perhaps with the wrong sign.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Signed {
+pub(super) struct SignedOperand {
     pub(super) operand: Operand,
     pub(super) negative: bool,
 }
 
 /// A term or factor while its group is being combined.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Term {
+pub(super) struct GroupTerm {
     pub(super) arrival: u32,
     /// Position in the text, or of making: breaks ties.
     pub(super) order: u32,
-    pub(super) value: Signed,
+    pub(super) value: SignedOperand,
     /// The leaf it still is, for pair counts.
-    pub(super) leaf: Option<Leaf>,
+    pub(super) leaf: Option<GroupLeaf>,
 }
 
 /// How often a pair is wanted, and how early it is ready.
@@ -134,10 +134,10 @@ pub(super) struct Deadlines {
     pub(super) pairs: PairCounts,
 }
 
-pub(super) struct Builder<'p> {
-    plan: &'p Plan<'p>,
+pub(super) struct TreeBuilder<'p> {
+    plan: &'p ReassociationPlan<'p>,
     pub(super) weights: Weights,
-    pub(super) shape: Shape,
+    pub(super) shape: TreeShape,
     pub(super) deadlines: Option<Deadlines>,
     pub(super) out: Function,
     pub(super) known: KnownValues,
@@ -146,13 +146,13 @@ pub(super) struct Builder<'p> {
     pub(super) draft: bool,
     negated: HashMap<Operand, Operand, FxBuildHasher>,
     pub(super) arrivals: Vec<u32>,
-    map: Vec<Signed>,
+    map: Vec<SignedOperand>,
     names: FreshNames,
     merges: SourceMerges,
 }
 
 /// Names and sources for the operations of one group.
-pub(super) struct Naming {
+pub(super) struct GroupNaming {
     /// For the last operation.
     pub(super) root: Name,
     /// Of absorbed operations, to be used again; last first.
@@ -161,23 +161,23 @@ pub(super) struct Naming {
     sources: SourceSet,
 }
 
-impl<'p> Builder<'p> {
+impl<'p> TreeBuilder<'p> {
     fn new(
-        plan: &'p Plan<'p>,
+        plan: &'p ReassociationPlan<'p>,
         weights: Weights,
-        shape: Shape,
+        shape: TreeShape,
         deadlines: Option<Deadlines>,
-    ) -> Builder<'p> {
+    ) -> TreeBuilder<'p> {
         let count = plan.function.nodes().len();
         let mut out = plan.function.skeleton(plan.function.level);
         out.reserve(count);
-        let draft = shape == Shape::Earliest && deadlines.is_none();
-        let capacity = if shape == Shape::Earliest && !draft {
+        let draft = shape == TreeShape::Earliest && deadlines.is_none();
+        let capacity = if shape == TreeShape::Earliest && !draft {
             count
         } else {
             0
         };
-        Builder {
+        TreeBuilder {
             plan,
             weights,
             shape,
@@ -193,19 +193,19 @@ impl<'p> Builder<'p> {
         }
     }
 
-    fn run(mut self, tables: &mut Tables) -> Builder<'p> {
+    fn run(mut self, tables: &mut Tables) -> TreeBuilder<'p> {
         let function = self.plan.function;
         let groups = &self.plan.groups;
         for (root, node) in function.values() {
             if groups.is_absorbed(root) {
                 // Never read: its one user is in the same group.
-                self.map.push(Signed {
+                self.map.push(SignedOperand {
                     operand: Operand::NONE,
                     negative: false,
                 });
                 continue;
             }
-            let result = match Family::of(node.operation) {
+            let result = match GroupFamily::of(node.operation) {
                 None => self.other(root, node),
                 Some(_) if groups.is_frozen(root) => self.as_it_was(root, node),
                 Some(family) => {
@@ -219,9 +219,15 @@ impl<'p> Builder<'p> {
         self
     }
 
-    fn naming(&self, root: Value, node: &Node, inner: &[Value], tables: &mut Tables) -> Naming {
+    fn naming(
+        &self,
+        root: Value,
+        node: &Node,
+        inner: &[Value],
+        tables: &mut Tables,
+    ) -> GroupNaming {
         let function = self.plan.function;
-        let mut naming = Naming {
+        let mut naming = GroupNaming {
             root: node.name,
             spare: Vec::new(),
             owner: self.plan.owners[root.index()],
@@ -245,17 +251,17 @@ impl<'p> Builder<'p> {
         naming
     }
 
-    fn signed(&mut self, operand: Operand) -> Signed {
+    fn signed(&mut self, operand: Operand) -> SignedOperand {
         match operand.kind() {
             OperandKind::Value(value) => self.map[value.index()],
             OperandKind::Constant(constant) => {
                 let number = self.plan.function.constant_number(constant);
-                Signed {
+                SignedOperand {
                     operand: self.out.constant(number).into(),
                     negative: false,
                 }
             }
-            OperandKind::Input(_) | OperandKind::None => Signed {
+            OperandKind::Input(_) | OperandKind::None => SignedOperand {
                 operand,
                 negative: false,
             },
@@ -269,9 +275,9 @@ impl<'p> Builder<'p> {
     }
 
     /// An operation that is neither a sum nor a product.
-    fn other(&mut self, root: Value, node: &Node) -> Signed {
+    fn other(&mut self, root: Value, node: &Node) -> SignedOperand {
         let [a, b, c] = node.operands.map(|operand| self.signed(operand));
-        let mut naming = Naming {
+        let mut naming = GroupNaming {
             root: node.name,
             spare: Vec::new(),
             owner: self.plan.owners[root.index()],
@@ -281,7 +287,7 @@ impl<'p> Builder<'p> {
             let (operation, negative) = fused(node.operation, a.negative ^ b.negative, c.negative);
             let operands = [a.operand, b.operand, c.operand];
             let operand = self.emit(operation, operands, node.name, &mut naming);
-            return Signed { operand, negative };
+            return SignedOperand { operand, negative };
         }
         let (operand, negative) = match node.operation {
             Operation::Copy => return a,
@@ -291,12 +297,12 @@ impl<'p> Builder<'p> {
             _ => (self.true_sign(a, &mut naming), false),
         };
         let operand = self.emit(node.operation, [operand, b.operand], node.name, &mut naming);
-        Signed { operand, negative }
+        SignedOperand { operand, negative }
     }
 
     /// A sum or product of two operands that must not be rewritten.
-    fn as_it_was(&mut self, root: Value, node: &Node) -> Signed {
-        let mut naming = Naming {
+    fn as_it_was(&mut self, root: Value, node: &Node) -> SignedOperand {
+        let mut naming = GroupNaming {
             root: node.name,
             spare: Vec::new(),
             owner: self.plan.owners[root.index()],
@@ -306,7 +312,7 @@ impl<'p> Builder<'p> {
             let value = self.signed(operand);
             self.true_sign(value, &mut naming)
         });
-        Signed {
+        SignedOperand {
             operand: self.emit(node.operation, operands, node.name, &mut naming),
             negative: false,
         }
@@ -318,9 +324,9 @@ impl<'p> Builder<'p> {
         operation: Operation,
         operands: [Operand; COUNT],
         name: Name,
-        naming: &mut Naming,
+        naming: &mut GroupNaming,
     ) -> Operand {
-        let sharing = self.shape == Shape::Earliest && !self.draft;
+        let sharing = self.shape == TreeShape::Earliest && !self.draft;
         if sharing && let Some(same) = self.known.find(&self.out, Key::new(operation, operands)) {
             self.merges.add(same, naming.sources);
             return same.into();
@@ -342,7 +348,7 @@ impl<'p> Builder<'p> {
 
     /// The operand with its true sign; costs `0 - x` when it is stored with
     /// the other one, once per operand.
-    pub(super) fn true_sign(&mut self, value: Signed, naming: &mut Naming) -> Operand {
+    pub(super) fn true_sign(&mut self, value: SignedOperand, naming: &mut GroupNaming) -> Operand {
         if !value.negative {
             return value.operand;
         }
@@ -363,7 +369,7 @@ impl<'p> Builder<'p> {
         negated
     }
 
-    pub(super) fn inner_name(&mut self, naming: &mut Naming) -> Name {
+    pub(super) fn inner_name(&mut self, naming: &mut GroupNaming) -> Name {
         if self.draft || self.out.level == Level::Equations {
             return Name::NONE;
         }
@@ -375,22 +381,22 @@ impl<'p> Builder<'p> {
 
     fn group(
         &mut self,
-        family: Family,
+        family: GroupFamily,
         root: Value,
-        leaves: &[Leaf],
-        naming: &mut Naming,
-    ) -> Signed {
-        let mut terms: Vec<Term> = Vec::with_capacity(leaves.len());
+        leaves: &[GroupLeaf],
+        naming: &mut GroupNaming,
+    ) -> SignedOperand {
+        let mut terms: Vec<GroupTerm> = Vec::with_capacity(leaves.len());
         let mut product_negative = false;
         for (order, &leaf) in leaves.iter().enumerate() {
             let mut value = self.signed(leaf.operand);
-            if family == Family::Product {
+            if family == GroupFamily::Product {
                 product_negative ^= value.negative;
                 value.negative = false;
             } else {
                 value.negative ^= leaf.negative;
             }
-            terms.push(Term {
+            terms.push(GroupTerm {
                 arrival: self.arrival(value.operand),
                 order: order as u32,
                 value,
@@ -400,24 +406,25 @@ impl<'p> Builder<'p> {
         let wish = self.plan.wishes.of(root);
         // A sum stored with the other sign is the sum of its terms with the
         // other signs; one that is added makes it one that needs no minus.
-        let turned = self.shape == Shape::Earliest && family == Family::Sum && wish == Some(true);
+        let turned =
+            self.shape == TreeShape::Earliest && family == GroupFamily::Sum && wish == Some(true);
         for term in terms.iter_mut().filter(|_| turned) {
             term.value.negative ^= true;
         }
         if let Some(leaf) = self.plan.negations.leaf(root) {
             self.negate_early(family, &mut terms[leaf as usize], naming);
-            product_negative ^= family == Family::Product;
+            product_negative ^= family == GroupFamily::Product;
         }
         let flip = wish == Some(true) && !turned;
         let result = match self.shape {
-            Shape::Written => self.cascade(family, &terms, flip, naming),
-            Shape::Cascade => {
+            TreeShape::Written => self.cascade(family, &terms, flip, naming),
+            TreeShape::Cascade => {
                 terms.sort_by_key(|term| (term.arrival, term.order));
                 self.cascade(family, &terms, flip, naming)
             }
-            Shape::Earliest => self.earliest(family, root, terms, flip, naming),
+            TreeShape::Earliest => self.earliest(family, root, terms, flip, naming),
         };
-        Signed {
+        SignedOperand {
             negative: result.negative ^ product_negative ^ turned,
             ..result
         }
@@ -433,7 +440,7 @@ impl<'p> Builder<'p> {
             } else {
                 Symbol(u32::MAX)
             };
-            let mut naming = Naming {
+            let mut naming = GroupNaming {
                 root: Name::NONE,
                 spare: Vec::new(),
                 owner,
@@ -465,7 +472,7 @@ impl<'p> Builder<'p> {
             .sum();
         let mut pairs = PairCounts::with_capacity(count);
         for (root, node) in function.values() {
-            if let Some(family) = Family::of(node.operation) {
+            if let Some(family) = GroupFamily::of(node.operation) {
                 pairs.add(family, groups.leaves(root));
             }
         }

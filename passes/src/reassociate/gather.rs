@@ -1,11 +1,11 @@
 //! Finding the groups: signed sums and products.
 
-use robovec_framework::rewrites::Rewrites;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{Function, Operand, Operation, Value};
 
 /// How far a group reaches into the values that only it uses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Reach {
+pub(crate) enum GroupReach {
     /// One operation is one group.
     Operation,
     /// A cascade: down the left operands (thesis 2.4.2).
@@ -16,18 +16,18 @@ pub(crate) enum Reach {
 
 /// What a group computes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Family {
+pub(crate) enum GroupFamily {
     /// A signed sum: additions, subtractions and minuses.
     Sum,
     /// A product: multiplications.
     Product,
 }
 
-impl Family {
-    pub(crate) fn of(operation: Operation) -> Option<Family> {
+impl GroupFamily {
+    pub(crate) fn of(operation: Operation) -> Option<GroupFamily> {
         match operation {
-            Operation::Add | Operation::Sub | Operation::Neg => Some(Family::Sum),
-            Operation::Mul => Some(Family::Product),
+            Operation::Add | Operation::Sub | Operation::Neg => Some(GroupFamily::Sum),
+            Operation::Mul => Some(GroupFamily::Product),
             Operation::Copy
             | Operation::Div
             | Operation::Sin
@@ -42,7 +42,7 @@ impl Family {
 
 /// A term of a sum or a factor of a product, in the function read.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Leaf {
+pub(crate) struct GroupLeaf {
     pub(crate) operand: Operand,
     /// True for a term that is subtracted; never for a factor.
     pub(crate) negative: bool,
@@ -52,30 +52,34 @@ pub(crate) struct Leaf {
 ///
 /// Leaves and absorbed values of all groups lie in two vectors, in order of
 /// the groups' results.
-pub(crate) struct Groups {
+pub(crate) struct OperandGroups {
     absorbed: Vec<bool>,
     /// Values of groups that must stay as they are; empty when there are none.
     frozen: Vec<bool>,
-    leaves: Vec<Leaf>,
+    leaves: Vec<GroupLeaf>,
     inner: Vec<Value>,
     /// For each value where its leaves and absorbed values start; those of
     /// the next value end them. Empty for all but the results of groups.
     starts: Vec<(u32, u32)>,
 }
 
-impl Groups {
+impl OperandGroups {
     /// The groups of a function.
-    pub(crate) fn find(function: &Function, reach: Reach) -> Groups {
-        Groups::read(function, absorbed(function, reach), Vec::new())
+    pub(crate) fn find(function: &Function, reach: GroupReach) -> OperandGroups {
+        OperandGroups::read(function, absorbed(function, reach), Vec::new())
     }
 
-    /// As [`Groups::find`], but those that may not be rewritten are taken
+    /// As [`OperandGroups::find`], but those that may not be rewritten are taken
     /// apart into their operations, each frozen.
-    pub(super) fn find_allowed(function: &Function, reach: Reach, rewrites: &Rewrites) -> Groups {
-        let groups = Groups::find(function, reach);
+    pub(super) fn find_allowed(
+        function: &Function,
+        reach: GroupReach,
+        rewrites: &RewriteLimit,
+    ) -> OperandGroups {
+        let groups = OperandGroups::find(function, reach);
         let (mut absorbed, mut frozen) = (Vec::new(), Vec::new());
         for (root, node) in function.values() {
-            let group = Family::of(node.operation).is_some() && !groups.is_absorbed(root);
+            let group = GroupFamily::of(node.operation).is_some() && !groups.is_absorbed(root);
             if !group || rewrites.allow(node.name, "group of terms or factors") {
                 continue;
             }
@@ -91,13 +95,13 @@ impl Groups {
         }
         match frozen.is_empty() {
             true => groups,
-            false => Groups::read(function, absorbed, frozen),
+            false => OperandGroups::read(function, absorbed, frozen),
         }
     }
 
-    fn read(function: &Function, absorbed: Vec<bool>, frozen: Vec<bool>) -> Groups {
+    fn read(function: &Function, absorbed: Vec<bool>, frozen: Vec<bool>) -> OperandGroups {
         let count = function.nodes().len();
-        let mut groups = Groups {
+        let mut groups = OperandGroups {
             absorbed,
             frozen,
             leaves: Vec::with_capacity(count),
@@ -108,7 +112,7 @@ impl Groups {
         for (value, node) in function.values() {
             groups.starts.push(groups.ends());
             let rewritten = !groups.is_absorbed(value) && !groups.is_frozen(value);
-            if rewritten && Family::of(node.operation).is_some() {
+            if rewritten && GroupFamily::of(node.operation).is_some() {
                 groups.collect(function, value, &mut open);
             }
         }
@@ -132,7 +136,7 @@ impl Groups {
 
     /// Terms or factors of the group of a value, left to right, without the
     /// zeros of a sum.
-    pub(crate) fn leaves(&self, root: Value) -> &[Leaf] {
+    pub(crate) fn leaves(&self, root: Value) -> &[GroupLeaf] {
         let (start, end) = (self.starts[root.index()].0, self.starts[root.index() + 1].0);
         &self.leaves[start as usize..end as usize]
     }
@@ -144,9 +148,9 @@ impl Groups {
     }
 
     /// Takes the group of a value apart.
-    fn collect(&mut self, function: &Function, root: Value, open: &mut Vec<Leaf>) {
-        let sum = Family::of(function.node(root).operation) == Some(Family::Sum);
-        open.push(Leaf {
+    fn collect(&mut self, function: &Function, root: Value, open: &mut Vec<GroupLeaf>) {
+        let sum = GroupFamily::of(function.node(root).operation) == Some(GroupFamily::Sum);
+        open.push(GroupLeaf {
             operand: root.into(),
             negative: false,
         });
@@ -171,7 +175,7 @@ impl Groups {
                     Operation::Neg => true,
                     _ => false,
                 };
-                open.push(Leaf {
+                open.push(GroupLeaf {
                     operand,
                     negative: leaf.negative ^ minus,
                 });
@@ -181,14 +185,14 @@ impl Groups {
 }
 
 /// Which values are part of the group of their one user.
-fn absorbed(function: &Function, reach: Reach) -> Vec<bool> {
+fn absorbed(function: &Function, reach: GroupReach) -> Vec<bool> {
     let mut absorbed = vec![false; function.nodes().len()];
-    if reach == Reach::Operation {
+    if reach == GroupReach::Operation {
         return absorbed;
     }
     let uses = function.use_counts();
     for node in function.nodes() {
-        let Some(family) = Family::of(node.operation) else {
+        let Some(family) = GroupFamily::of(node.operation) else {
             continue;
         };
         let minus = is_minus(function, node.operation, node.operands[0]);
@@ -197,8 +201,8 @@ fn absorbed(function: &Function, reach: Reach) -> Vec<bool> {
                 continue;
             };
             let only_use = uses[value.index()] == 1;
-            let same = Family::of(function.node(value).operation) == Some(family);
-            let reached = reach == Reach::Maximal || side == 0 || minus;
+            let same = GroupFamily::of(function.node(value).operation) == Some(family);
+            let reached = reach == GroupReach::Maximal || side == 0 || minus;
             absorbed[value.index()] = only_use && same && reached;
         }
     }

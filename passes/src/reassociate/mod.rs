@@ -2,8 +2,8 @@
 //!
 //! All three read the function as *groups*, a group being a signed sum of
 //! terms or a product of factors, and write each group anew as a tree of
-//! operations. They differ in how far a group reaches ([`Reach`]) and in the
-//! shape of the tree ([`Shape`]).
+//! operations. They differ in how far a group reaches ([`GroupReach`]) and in the
+//! shape of the tree ([`TreeShape`]).
 //!
 //! Signs never cost an operation while they travel: a value may be stored
 //! with the wrong sign and its users flip theirs (a sum subtracts instead of
@@ -22,6 +22,6 @@ mod tree;
 
 #[cfg(test)]
 pub(crate) use build::reassociate;
-pub(crate) use build::{Shape, reassociate_asking};
+pub(crate) use build::{TreeShape, reassociate_asking};
 pub(crate) use combine::finish;
-pub(crate) use gather::{Family, Groups, Leaf, Reach};
+pub(crate) use gather::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};

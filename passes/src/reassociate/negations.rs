@@ -7,7 +7,7 @@
 //! its leaves, which makes the choice exact.
 
 use super::combine::finish;
-use super::gather::{Family, Groups, Leaf};
+use super::gather::{GroupFamily, GroupLeaf, OperandGroups};
 use super::signs::{Natural, Wishes};
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::{Function, Operation, Value};
@@ -28,14 +28,14 @@ impl Negations {
     /// after them have it there. Wishes are passed on to leaves.
     pub(super) fn plan(
         function: &Function,
-        groups: &Groups,
+        groups: &OperandGroups,
         wishes: &mut Wishes,
         weights: &Weights,
         latest: Option<&[u32]>,
     ) -> Negations {
         let natural = Natural::find(function, groups);
         let wrong = |wishes: &Wishes, root: Value, node: Operation| {
-            Family::of(node).is_some()
+            GroupFamily::of(node).is_some()
                 && !groups.is_absorbed(root)
                 && !natural.flippable[root.index()]
                 && wishes
@@ -97,7 +97,12 @@ struct Turns {
 const LEAVES: usize = 32;
 
 impl Turns {
-    fn find(function: &Function, groups: &Groups, natural: &Natural, weights: &Weights) -> Turns {
+    fn find(
+        function: &Function,
+        groups: &OperandGroups,
+        natural: &Natural,
+        weights: &Weights,
+    ) -> Turns {
         let count = function.nodes().len();
         let uses = function.use_counts();
         let mut times = Turns {
@@ -108,7 +113,7 @@ impl Turns {
         let minus = weights.of(Operation::Sub);
         for (root, node) in function.values() {
             let mut found = (0, 0, Turn::After);
-            match Family::of(node.operation) {
+            match GroupFamily::of(node.operation) {
                 _ if groups.is_absorbed(root) => {}
                 None => {
                     let ready = node.operands().iter().filter_map(|operand| operand.value());
@@ -118,8 +123,8 @@ impl Turns {
                 }
                 Some(family) => {
                     let weight = match family {
-                        Family::Sum => weights.of(Operation::Add),
-                        Family::Product => weights.of(Operation::Mul),
+                        GroupFamily::Sum => weights.of(Operation::Add),
+                        GroupFamily::Product => weights.of(Operation::Mul),
                     };
                     let leaves = groups.leaves(root);
                     let free = natural.flippable_alone[root.index()];
@@ -140,12 +145,12 @@ impl Turns {
     fn group(
         &self,
         function: &Function,
-        leaves: &[Leaf],
+        leaves: &[GroupLeaf],
         weight: u32,
         minus: u32,
         uses: &[u32],
     ) -> (u32, u32, Turn) {
-        let arrival = |leaf: &Leaf| {
+        let arrival = |leaf: &GroupLeaf| {
             let value = leaf.operand.value();
             value.map_or(0, |value| self.arrivals[value.index()])
         };

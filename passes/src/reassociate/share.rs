@@ -9,7 +9,7 @@
 //! counted together. That can only make a pair look more wanted than it is,
 //! which costs nothing, and the same function always gives the same counts.
 
-use super::gather::{Family, Leaf};
+use super::gather::{GroupFamily, GroupLeaf};
 use rustc_hash::FxBuildHasher;
 use std::hash::BuildHasher;
 
@@ -40,7 +40,7 @@ impl PairCounts {
     }
 
     /// Counts the pairs of one group, each once.
-    pub(super) fn add(&mut self, family: Family, leaves: &[Leaf]) {
+    pub(super) fn add(&mut self, family: GroupFamily, leaves: &[GroupLeaf]) {
         if leaves.len() > LARGEST_GROUP {
             return;
         }
@@ -52,15 +52,15 @@ impl PairCounts {
         }
     }
 
-    pub(super) fn of(&self, family: Family, a: Leaf, b: Leaf) -> u32 {
+    pub(super) fn of(&self, family: GroupFamily, a: GroupLeaf, b: GroupLeaf) -> u32 {
         u32::from(self.slots[self.slot(family, a, b)])
     }
 
     /// The slot of two leaves, whatever their order and common sign.
-    fn slot(&self, family: Family, a: Leaf, b: Leaf) -> usize {
+    fn slot(&self, family: GroupFamily, a: GroupLeaf, b: GroupLeaf) -> usize {
         let relation = match family {
-            Family::Product => 0,
-            Family::Sum => 1 + u32::from(a.negative != b.negative),
+            GroupFamily::Product => 0,
+            GroupFamily::Sum => 1 + u32::from(a.negative != b.negative),
         };
         let low = a.operand.min(b.operand).bits();
         let high = a.operand.max(b.operand).bits();

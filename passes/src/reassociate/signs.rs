@@ -7,7 +7,7 @@
 //! arranged costs a `0 - x` at the output later; the signs themselves are
 //! tracked exactly while building, so a bad choice here is never wrong.
 
-use super::gather::{Family, Groups, Leaf};
+use super::gather::{GroupFamily, GroupLeaf, OperandGroups};
 use robovec_ir::{Function, Operand, Operation, Value};
 
 /// For each group root the sign it is asked to be stored with: true for
@@ -24,7 +24,7 @@ impl Wishes {
         self.0[value.index()] = Some(negative);
     }
 
-    pub(super) fn find(function: &Function, groups: &Groups) -> Wishes {
+    pub(super) fn find(function: &Function, groups: &OperandGroups) -> Wishes {
         let count = function.nodes().len();
         let mut wishes = Wishes(vec![None; count]);
         let natural = Natural::find(function, groups);
@@ -52,7 +52,7 @@ impl Wishes {
 
     /// Asks the first leaf that can and that nobody has asked yet to change
     /// its sign.
-    fn ask_one(&mut self, natural: &Natural, leaves: &[Leaf]) {
+    fn ask_one(&mut self, natural: &Natural, leaves: &[GroupLeaf]) {
         let asked = leaves
             .iter()
             .filter_map(|leaf| leaf.operand.value())
@@ -73,7 +73,7 @@ pub(super) struct Natural {
 }
 
 impl Natural {
-    pub(super) fn find(function: &Function, groups: &Groups) -> Natural {
+    pub(super) fn find(function: &Function, groups: &OperandGroups) -> Natural {
         let count = function.nodes().len();
         let mut natural = Natural {
             negative: vec![false; count],
@@ -129,18 +129,24 @@ impl Natural {
 /// The leaves of a group, or the operands of any other operation.
 fn leaves_of<'a>(
     function: &Function,
-    groups: &'a Groups,
+    groups: &'a OperandGroups,
     root: Value,
     operation: Operation,
-    operands: &'a mut Vec<Leaf>,
-) -> &'a [Leaf] {
-    if Family::of(operation).is_some() {
+    operands: &'a mut Vec<GroupLeaf>,
+) -> &'a [GroupLeaf] {
+    if GroupFamily::of(operation).is_some() {
         return groups.leaves(root);
     }
     operands.clear();
-    operands.extend(function.node(root).operands().iter().map(|&operand| Leaf {
-        operand,
-        negative: false,
-    }));
+    operands.extend(
+        function
+            .node(root)
+            .operands()
+            .iter()
+            .map(|&operand| GroupLeaf {
+                operand,
+                negative: false,
+            }),
+    );
     operands
 }

@@ -1,30 +1,35 @@
 //! The tree of one group.
 
-use super::build::{Builder, Naming, Score, Shape, Signed, Term};
+use super::build::{GroupNaming, GroupTerm, Score, SignedOperand, TreeBuilder, TreeShape};
 use super::combine::finish;
-use super::gather::Family;
+use super::gather::GroupFamily;
 use super::share::LARGEST_GROUP;
 use crate::cse::Key;
 use robovec_ir::{Operand, Operation, Value};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-impl Builder<'_> {
+impl TreeBuilder<'_> {
     /// Negates a leaf of a group that would come out with another sign than
     /// an output needs.
-    pub(super) fn negate_early(&mut self, family: Family, term: &mut Term, naming: &mut Naming) {
+    pub(super) fn negate_early(
+        &mut self,
+        family: GroupFamily,
+        term: &mut GroupTerm,
+        naming: &mut GroupNaming,
+    ) {
         let negative = match family {
-            Family::Sum => term.value.negative,
-            Family::Product => true,
+            GroupFamily::Sum => term.value.negative,
+            GroupFamily::Product => true,
         };
         if !negative {
             return;
         }
-        let negative = Signed {
+        let negative = SignedOperand {
             negative: true,
             ..term.value
         };
-        term.value = Signed {
+        term.value = SignedOperand {
             operand: self.true_sign(negative, naming),
             negative: false,
         };
@@ -36,41 +41,50 @@ impl Builder<'_> {
         self.known.find(&self.out, Key::new(operation, operands))
     }
 
-    fn group_weight(&self, family: Family) -> u32 {
+    fn group_weight(&self, family: GroupFamily) -> u32 {
         match family {
-            Family::Sum => self.weights.of(Operation::Add),
-            Family::Product => self.weights.of(Operation::Mul),
+            GroupFamily::Sum => self.weights.of(Operation::Add),
+            GroupFamily::Product => self.weights.of(Operation::Mul),
         }
     }
 
     /// The operation that joins two terms, and the sign of its result. `flip`
     /// chooses the negated form where both cost the same.
-    fn join(family: Family, a: Signed, b: Signed, flip: bool) -> (Operation, [Operand; 2], bool) {
+    fn join(
+        family: GroupFamily,
+        a: SignedOperand,
+        b: SignedOperand,
+        flip: bool,
+    ) -> (Operation, [Operand; 2], bool) {
         match (family, a.negative, b.negative) {
-            (Family::Product, _, _) => (Operation::Mul, [a.operand, b.operand], false),
-            (Family::Sum, false, false) => (Operation::Add, [a.operand, b.operand], false),
-            (Family::Sum, true, true) => (Operation::Add, [a.operand, b.operand], true),
-            (Family::Sum, false, true) if !flip => (Operation::Sub, [a.operand, b.operand], false),
-            (Family::Sum, true, false) if flip => (Operation::Sub, [a.operand, b.operand], true),
-            (Family::Sum, true, false) => (Operation::Sub, [b.operand, a.operand], false),
-            (Family::Sum, false, true) => (Operation::Sub, [b.operand, a.operand], true),
+            (GroupFamily::Product, _, _) => (Operation::Mul, [a.operand, b.operand], false),
+            (GroupFamily::Sum, false, false) => (Operation::Add, [a.operand, b.operand], false),
+            (GroupFamily::Sum, true, true) => (Operation::Add, [a.operand, b.operand], true),
+            (GroupFamily::Sum, false, true) if !flip => {
+                (Operation::Sub, [a.operand, b.operand], false)
+            }
+            (GroupFamily::Sum, true, false) if flip => {
+                (Operation::Sub, [a.operand, b.operand], true)
+            }
+            (GroupFamily::Sum, true, false) => (Operation::Sub, [b.operand, a.operand], false),
+            (GroupFamily::Sum, false, true) => (Operation::Sub, [b.operand, a.operand], true),
         }
     }
 
     fn merge(
         &mut self,
-        family: Family,
-        a: Term,
-        b: Term,
+        family: GroupFamily,
+        a: GroupTerm,
+        b: GroupTerm,
         last: bool,
         flip: bool,
-        naming: &mut Naming,
-    ) -> Term {
+        naming: &mut GroupNaming,
+    ) -> GroupTerm {
         // An equal difference may be stored the other way round.
         let (mut operation, mut operands, mut negative) =
             Self::join(family, a.value, b.value, flip && last);
         if operation == Operation::Sub
-            && self.shape == Shape::Earliest
+            && self.shape == TreeShape::Earliest
             && self.find(operation, operands).is_none()
         {
             let other = Self::join(family, a.value, b.value, !(flip && last));
@@ -84,21 +98,21 @@ impl Builder<'_> {
             self.inner_name(naming)
         };
         let operand = self.emit(operation, operands, name, naming);
-        Term {
+        GroupTerm {
             arrival: self.arrival(operand),
             order: a.order.min(b.order),
-            value: Signed { operand, negative },
+            value: SignedOperand { operand, negative },
             leaf: None,
         }
     }
 
     pub(super) fn cascade(
         &mut self,
-        family: Family,
-        terms: &[Term],
+        family: GroupFamily,
+        terms: &[GroupTerm],
         flip: bool,
-        naming: &mut Naming,
-    ) -> Signed {
+        naming: &mut GroupNaming,
+    ) -> SignedOperand {
         let Some((&first, rest)) = terms.split_first() else {
             return self.empty(family);
         };
@@ -110,12 +124,12 @@ impl Builder<'_> {
     }
 
     /// A sum of zeros only.
-    fn empty(&mut self, family: Family) -> Signed {
+    fn empty(&mut self, family: GroupFamily) -> SignedOperand {
         let number = match family {
-            Family::Sum => 0.0,
-            Family::Product => 1.0,
+            GroupFamily::Sum => 0.0,
+            GroupFamily::Product => 1.0,
         };
-        Signed {
+        SignedOperand {
             operand: self.out.constant(number).into(),
             negative: false,
         }
@@ -123,12 +137,12 @@ impl Builder<'_> {
 
     pub(super) fn earliest(
         &mut self,
-        family: Family,
+        family: GroupFamily,
         root: Value,
-        mut terms: Vec<Term>,
+        mut terms: Vec<GroupTerm>,
         flip: bool,
-        naming: &mut Naming,
-    ) -> Signed {
+        naming: &mut GroupNaming,
+    ) -> SignedOperand {
         if terms.is_empty() {
             return self.empty(family);
         }
@@ -166,11 +180,11 @@ impl Builder<'_> {
     /// than a heap.
     fn earliest_of_few(
         &mut self,
-        family: Family,
-        mut terms: Vec<Term>,
+        family: GroupFamily,
+        mut terms: Vec<GroupTerm>,
         flip: bool,
-        naming: &mut Naming,
-    ) -> Signed {
+        naming: &mut GroupNaming,
+    ) -> SignedOperand {
         while terms.len() > 1 {
             let first = earliest(&terms, None);
             let second = earliest(&terms, Some(first));
@@ -184,7 +198,13 @@ impl Builder<'_> {
 
     /// Combines pairs that exist already or that other groups want too, as
     /// long as the group is not later than it may be.
-    fn share(&mut self, family: Family, root: Value, terms: &mut Vec<Term>, naming: &mut Naming) {
+    fn share(
+        &mut self,
+        family: GroupFamily,
+        root: Value,
+        terms: &mut Vec<GroupTerm>,
+        naming: &mut GroupNaming,
+    ) {
         let weight = self.group_weight(family);
         let mut arrivals: Vec<u32> = terms.iter().map(|term| term.arrival).collect();
         arrivals.sort_unstable();
@@ -206,8 +226,8 @@ impl Builder<'_> {
 
     fn best_pair(
         &self,
-        family: Family,
-        terms: &[Term],
+        family: GroupFamily,
+        terms: &[GroupTerm],
         weight: u32,
         deadline: u32,
     ) -> Option<(usize, usize)> {
@@ -238,7 +258,13 @@ impl Builder<'_> {
 
     /// How much sharing a pair is worth, and when it is ready; `None` when
     /// nobody else wants it.
-    fn worth(&self, family: Family, a: &Term, b: &Term, weight: u32) -> Option<(u32, u32)> {
+    fn worth(
+        &self,
+        family: GroupFamily,
+        a: &GroupTerm,
+        b: &GroupTerm,
+        weight: u32,
+    ) -> Option<(u32, u32)> {
         // Two leaves that no other group has cannot have been combined yet.
         let count = match (a.leaf, b.leaf) {
             (Some(a), Some(b)) => match self.deadlines.as_ref()?.pairs.of(family, a, b) {
@@ -258,7 +284,7 @@ impl Builder<'_> {
 }
 
 /// The index of the earliest term, or of the earliest other one.
-fn earliest(terms: &[Term], other_than: Option<usize>) -> usize {
+fn earliest(terms: &[GroupTerm], other_than: Option<usize>) -> usize {
     let mut best: Option<usize> = None;
     for (index, term) in terms.iter().enumerate() {
         let key = (term.arrival, term.order);

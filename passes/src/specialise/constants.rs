@@ -34,7 +34,7 @@ impl Known {
 
 /// How a number was made.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Expression {
+pub(super) enum NumberExpression {
     /// It stands in the function or in the scene.
     Literal(f64),
     /// By an operation on one or two earlier numbers; with one, the second
@@ -42,15 +42,15 @@ pub(super) enum Expression {
     Apply(Operation, [Known; 2]),
 }
 
-struct Entry {
+struct KnownNumber {
     value: Ball<1>,
     elements: [u64; 2],
-    expression: Expression,
+    expression: NumberExpression,
 }
 
 /// All numbers that are known.
-pub(super) struct Constants {
-    entries: Vec<Entry>,
+pub(super) struct KnownNumbers {
+    entries: Vec<KnownNumber>,
     /// Those with the same elements of the fields; more than one only where
     /// different numbers coincide there by accident.
     of_elements: HashMap<[u64; 2], SmallVec<[Known; 1]>, FxBuildHasher>,
@@ -62,10 +62,10 @@ pub(super) struct Constants {
 /// is far below, and rounding to binary64 far above.
 const NEAR: f64 = 1e-18;
 
-impl Constants {
+impl KnownNumbers {
     /// Zero, one and minus one.
-    pub(super) fn new() -> Constants {
-        let mut constants = Constants {
+    pub(super) fn new() -> KnownNumbers {
+        let mut constants = KnownNumbers {
             entries: Vec::new(),
             of_elements: HashMap::default(),
             fields: PrimeField::pair(0x5bec_1a11, false),
@@ -79,10 +79,10 @@ impl Constants {
     /// A number as it is written. What is not finite is no element of the
     /// field: nothing can be made of it.
     pub(super) fn literal(&mut self, number: f64) -> Known {
-        let entry = Entry {
+        let entry = KnownNumber {
             value: Balls.literal(number),
             elements: self.fields.map(|field| field.literal(number)),
-            expression: Expression::Literal(number),
+            expression: NumberExpression::Literal(number),
         };
         match self.intern(entry) {
             Ok(known) => known,
@@ -103,17 +103,17 @@ impl Constants {
             let operands = operands.map(|known| self.entries[known.index()].elements[place]);
             *element = calculate(field, operation, operands)?;
         }
-        let entry = Entry {
+        let entry = KnownNumber {
             value: calculate(&Balls, operation, values)?,
             elements,
-            expression: Expression::Apply(operation, operands),
+            expression: NumberExpression::Apply(operation, operands),
         };
         self.intern(entry).ok()
     }
 
     /// The number of an entry; the entry itself when it is no number, or one
     /// of which too little is known.
-    fn intern(&mut self, entry: Entry) -> Result<Known, Entry> {
+    fn intern(&mut self, entry: KnownNumber) -> Result<Known, KnownNumber> {
         if entry.elements.into_iter().any(PrimeField::is_undefined) || !entry.value.is_known(0) {
             return Err(entry);
         }
@@ -134,8 +134,8 @@ impl Constants {
     /// The negative of a number.
     pub(super) fn negative(&mut self, known: Known) -> Known {
         match self.entries[known.index()].expression {
-            Expression::Literal(number) => self.literal(-number),
-            Expression::Apply(..) => self
+            NumberExpression::Literal(number) => self.literal(-number),
+            NumberExpression::Apply(..) => self
                 .apply(Operation::Mul, [Known::MINUS_ONE, known])
                 .expect("what was made of numbers is finite"),
         }
@@ -156,7 +156,7 @@ impl Constants {
     }
 
     /// How a number was made; what it was made of has smaller indices.
-    pub(super) fn expression(&self, known: Known) -> Expression {
+    pub(super) fn expression(&self, known: Known) -> NumberExpression {
         self.entries[known.index()].expression
     }
 
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn what_is_left_of_a_cancellation_is_no_constant() {
         // Of 2^122 + 1/4 double-double keeps no quarter.
-        let mut constants = Constants::new();
+        let mut constants = KnownNumbers::new();
         let [large, quarter] = [122f64.exp2(), 0.25].map(|number| constants.literal(number));
         let mut apply = |operation, a, b| constants.apply(operation, [a, b]);
         let sum = apply(Operation::Add, large, quarter);
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn equal_numbers_are_one_however_they_were_made() {
-        let mut constants = Constants::new();
+        let mut constants = KnownNumbers::new();
         let [a, b, c] = [0.1, 0.3, 7.0].map(|number| constants.literal(number));
         let mut apply = |operation, a, b| constants.apply(operation, [a, b]);
         let product = |apply: &mut dyn FnMut(Operation, Known, Known) -> Option<Known>, x, y| {

@@ -1,11 +1,11 @@
 //! Partial evaluation: a function with some inputs known, written anew.
 
-use super::constants::{Constants, Known};
-use super::form::{Form, MOST_TERMS, Reading, Term};
+use super::constants::{Known, KnownNumbers};
+use super::form::{LinearForm, MAX_TERMS, Reading, ScaledOperand};
 use super::write::{is_function, known};
 use crate::cse::{Key, KnownValues};
 use robovec_framework::rewrite::owners;
-use robovec_framework::rewrites::Rewrites;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{
     Assignment, FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation,
     SourceSet, Symbol, Tables, Value,
@@ -13,7 +13,7 @@ use robovec_ir::{
 
 /// What happened to operations.
 #[derive(Clone, Copy, Default, Debug)]
-pub(super) struct Tally {
+pub(super) struct OperationTally {
     /// Their result is a number.
     pub(super) known: u64,
     /// Their result is another value, or its terms went into a sum or product
@@ -25,11 +25,11 @@ pub(super) struct Tally {
 
 /// Writes a function anew; the number of a constant in it is its index among
 /// the constants.
-pub(super) struct Evaluator<'a> {
+pub(super) struct PartialEvaluator<'a> {
     old: &'a Function,
     tables: &'a mut Tables,
-    rewrites: &'a Rewrites,
-    pub(super) constants: &'a mut Constants,
+    rewrites: &'a RewriteLimit,
+    pub(super) constants: &'a mut KnownNumbers,
     new: Function,
     readings: Vec<Reading>,
     /// The numbers of inputs.
@@ -40,26 +40,26 @@ pub(super) struct Evaluator<'a> {
     owners: Vec<Symbol>,
     fresh: FreshNames,
     computed: KnownValues,
-    pub(super) tally: Tally,
+    pub(super) tally: OperationTally,
 }
 
-impl<'a> Evaluator<'a> {
+impl<'a> PartialEvaluator<'a> {
     pub(super) fn new(
         old: &'a Function,
         tables: &'a mut Tables,
-        rewrites: &'a Rewrites,
-        constants: &'a mut Constants,
+        rewrites: &'a RewriteLimit,
+        constants: &'a mut KnownNumbers,
         bound: &'a [Option<f64>],
-    ) -> Evaluator<'a> {
+    ) -> PartialEvaluator<'a> {
         let mut new = old.skeleton(old.level);
         new.reserve(old.nodes().len());
-        Evaluator {
+        PartialEvaluator {
             owners: owners(tables, old),
             fresh: old.fresh_names(),
             only_user: only_users(old),
             computed: KnownValues::with_capacity(old.nodes().len()),
             readings: Vec::with_capacity(old.nodes().len()),
-            tally: Tally::default(),
+            tally: OperationTally::default(),
             old,
             tables,
             rewrites,
@@ -70,7 +70,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Writes all nodes and outputs.
-    pub(super) fn run(mut self) -> (Function, Tally) {
+    pub(super) fn run(mut self) -> (Function, OperationTally) {
         let old = self.old;
         for (value, node) in old.values() {
             let reading = self.node(value, node);
@@ -127,7 +127,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// An operation on values that are what they were.
-    fn same(&mut self, node: &Node, operands: [Operand; Operand::MOST]) -> Reading {
+    fn same(&mut self, node: &Node, operands: [Operand; Operand::MAX_COUNT]) -> Reading {
         if self.new.level == Level::Atomic {
             let found = self
                 .computed
@@ -145,7 +145,12 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The result of an operation as a form; `None` when it is left as it is.
-    fn calculate(&mut self, node: &Node, readings: &[Reading; 3], owner: Symbol) -> Option<Form> {
+    fn calculate(
+        &mut self,
+        node: &Node,
+        readings: &[Reading; 3],
+        owner: Symbol,
+    ) -> Option<LinearForm> {
         let [a, b, _] = readings;
         let mut form = match node.operation {
             Operation::Copy => self.form(a),
@@ -158,7 +163,7 @@ impl<'a> Evaluator<'a> {
             Operation::Div => self.quotient(a, b, node, owner)?,
             Operation::Sin | Operation::Cos | Operation::Sqrt => match a {
                 Reading::Known(known) => {
-                    Form::number(self.constants.apply(node.operation, [*known; 2])?)
+                    LinearForm::number(self.constants.apply(node.operation, [*known; 2])?)
                 }
                 Reading::Operand(_) | Reading::Form(_) => return None,
             },
@@ -176,26 +181,32 @@ impl<'a> Evaluator<'a> {
         Some(form)
     }
 
-    fn form(&self, reading: &Reading) -> Form {
+    fn form(&self, reading: &Reading) -> LinearForm {
         match reading {
-            Reading::Known(known) => Form::number(*known),
-            Reading::Operand(operand) => Form::term(Known::ONE, *operand),
+            Reading::Known(known) => LinearForm::number(*known),
+            Reading::Operand(operand) => LinearForm::term(Known::ONE, *operand),
             Reading::Form(form) => (**form).clone(),
         }
     }
 
-    /// As [`Evaluator::form`], computing what is long.
-    fn short_form(&mut self, reading: &Reading, owner: Symbol) -> Form {
+    /// As [`PartialEvaluator::form`], computing what is long.
+    fn short_form(&mut self, reading: &Reading, owner: Symbol) -> LinearForm {
         match reading {
-            Reading::Form(form) if form.terms.len() > MOST_TERMS => {
+            Reading::Form(form) if form.terms.len() > MAX_TERMS => {
                 let operand = self.compute((**form).clone(), owner);
-                Form::term(Known::ONE, operand)
+                LinearForm::term(Known::ONE, operand)
             }
             _ => self.form(reading),
         }
     }
 
-    fn product(&mut self, a: &Reading, b: &Reading, node: &Node, owner: Symbol) -> Option<Form> {
+    fn product(
+        &mut self,
+        a: &Reading,
+        b: &Reading,
+        node: &Node,
+        owner: Symbol,
+    ) -> Option<LinearForm> {
         match (a, b) {
             (Reading::Known(known), other) | (other, Reading::Known(known)) => {
                 self.form(other).times(*known, self.constants)
@@ -206,12 +217,18 @@ impl<'a> Evaluator<'a> {
                 let factor = self.constants.apply(Operation::Mul, [first, second])?;
                 let name = self.inner_name(factor, node.name, owner);
                 let product = self.shared(Operation::Mul, [a, b], name, node.sources);
-                Some(Form::term(factor, product))
+                Some(LinearForm::term(factor, product))
             }
         }
     }
 
-    fn quotient(&mut self, a: &Reading, b: &Reading, node: &Node, owner: Symbol) -> Option<Form> {
+    fn quotient(
+        &mut self,
+        a: &Reading,
+        b: &Reading,
+        node: &Node,
+        owner: Symbol,
+    ) -> Option<LinearForm> {
         if let Reading::Known(divisor) = b {
             let inverse = self
                 .constants
@@ -222,18 +239,18 @@ impl<'a> Evaluator<'a> {
         if let Reading::Known(dividend) = a {
             let dividend = self.constants.apply(Operation::Div, [*dividend, divisor])?;
             let dividend = match dividend {
-                Known::ZERO => return Some(Form::number(Known::ZERO)),
+                Known::ZERO => return Some(LinearForm::number(Known::ZERO)),
                 dividend => self.number(dividend),
             };
             let name = self.inner_name(Known::ONE, node.name, owner);
             let quotient = self.shared(Operation::Div, [dividend, b], name, node.sources);
-            return Some(Form::term(Known::ONE, quotient));
+            return Some(LinearForm::term(Known::ONE, quotient));
         }
         let (dividend, a) = self.factored(a, owner);
         let factor = self.constants.apply(Operation::Div, [dividend, divisor])?;
         let name = self.inner_name(factor, node.name, owner);
         let quotient = self.shared(Operation::Div, [a, b], name, node.sources);
-        Some(Form::term(factor, quotient))
+        Some(LinearForm::term(factor, quotient))
     }
 
     /// The name of a product: that of the value if it is the value.
@@ -282,7 +299,7 @@ impl<'a> Evaluator<'a> {
 
     /// What a value is from now on: a number, another operand, a form for its
     /// only user, or an operation.
-    fn settle(&mut self, value: Value, node: &Node, form: Form) -> Reading {
+    fn settle(&mut self, value: Value, node: &Node, form: LinearForm) -> Reading {
         if let Some(known) = form.as_number() {
             self.tally.known += 1;
             return Reading::Known(known);
@@ -328,9 +345,9 @@ impl<'a> Evaluator<'a> {
 
     /// Computes a form: terms with the same factor are summed before they are
     /// multiplied by it.
-    fn compute(&mut self, form: Form, owner: Symbol) -> Operand {
+    fn compute(&mut self, form: LinearForm, owner: Symbol) -> Operand {
         let mut items: Vec<(bool, Operand)> = Vec::with_capacity(form.terms.len() + 1);
-        let mut groups: Vec<(Known, Vec<Term>)> = Vec::new();
+        let mut groups: Vec<(Known, Vec<ScaledOperand>)> = Vec::new();
         for &term in &form.terms {
             let (magnitude, _) = self.constants.magnitude(term.factor);
             match groups.iter_mut().find(|(other, _)| *other == magnitude) {
@@ -385,7 +402,12 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The sum of terms of one magnitude, without it; true for a negative.
-    fn group(&mut self, terms: &[Term], sources: SourceSet, owner: Symbol) -> (bool, Operand) {
+    fn group(
+        &mut self,
+        terms: &[ScaledOperand],
+        sources: SourceSet,
+        owner: Symbol,
+    ) -> (bool, Operand) {
         let mut items = Vec::with_capacity(terms.len());
         for term in terms {
             items.push((self.constants.magnitude(term.factor).1, term.operand));
@@ -442,7 +464,7 @@ impl<'a> Evaluator<'a> {
     fn push(
         &mut self,
         operation: Operation,
-        operands: [Operand; Operand::MOST],
+        operands: [Operand; Operand::MAX_COUNT],
         name: Name,
         sources: SourceSet,
     ) -> Operand {

@@ -1,7 +1,7 @@
 //! What is known of a value: a number, an operand, or a sum of operands times
 //! numbers that is not computed yet.
 
-use super::constants::{Constants, Known};
+use super::constants::{Known, KnownNumbers};
 use robovec_ir::{Name, Operand, Operation, SourceSet};
 use smallvec::SmallVec;
 
@@ -13,7 +13,7 @@ pub(super) enum Reading {
     /// An input, or a value that is computed.
     Operand(Operand),
     /// A form, computed when it is needed.
-    Form(Box<Form>),
+    Form(Box<LinearForm>),
 }
 
 impl Reading {
@@ -25,9 +25,9 @@ impl Reading {
 
 /// A number plus operands times numbers.
 #[derive(Clone, Debug)]
-pub(super) struct Form {
+pub(super) struct LinearForm {
     /// In order of appearance; no operand twice, no factor zero.
-    pub(super) terms: SmallVec<[Term; 2]>,
+    pub(super) terms: SmallVec<[ScaledOperand; 2]>,
     pub(super) constant: Known,
     /// The equations it comes from.
     pub(super) sources: SourceSet,
@@ -37,19 +37,19 @@ pub(super) struct Form {
 
 /// An operand times a number.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Term {
+pub(super) struct ScaledOperand {
     pub(super) factor: Known,
     pub(super) operand: Operand,
 }
 
 /// The most terms of a form that is put off: what is longer is computed, so
 /// that no chain costs more than its length times this.
-pub(super) const MOST_TERMS: usize = 32;
+pub(super) const MAX_TERMS: usize = 32;
 
-impl Form {
+impl LinearForm {
     /// A number, as a form.
-    pub(super) fn number(constant: Known) -> Form {
-        Form {
+    pub(super) fn number(constant: Known) -> LinearForm {
+        LinearForm {
             terms: SmallVec::new(),
             constant,
             sources: SourceSet::EMPTY,
@@ -58,10 +58,10 @@ impl Form {
     }
 
     /// An operand times a number, as a form.
-    pub(super) fn term(factor: Known, operand: Operand) -> Form {
-        let mut form = Form::number(Known::ZERO);
+    pub(super) fn term(factor: Known, operand: Operand) -> LinearForm {
+        let mut form = LinearForm::number(Known::ZERO);
         if factor != Known::ZERO {
-            form.terms.push(Term { factor, operand });
+            form.terms.push(ScaledOperand { factor, operand });
         }
         form
     }
@@ -84,10 +84,10 @@ impl Form {
     /// Adds another form, or subtracts it; `None` when a number overflows.
     pub(super) fn plus(
         mut self,
-        other: &Form,
+        other: &LinearForm,
         operation: Operation,
-        constants: &mut Constants,
-    ) -> Option<Form> {
+        constants: &mut KnownNumbers,
+    ) -> Option<LinearForm> {
         self.constant = constants.apply(operation, [self.constant, other.constant])?;
         for term in &other.terms {
             let found = self
@@ -99,7 +99,7 @@ impl Form {
                     Operation::Sub => constants.negative(term.factor),
                     _ => term.factor,
                 };
-                self.terms.push(Term { factor, ..*term });
+                self.terms.push(ScaledOperand { factor, ..*term });
                 continue;
             };
             let factors = [self.terms[place].factor, term.factor];
@@ -112,7 +112,11 @@ impl Form {
     }
 
     /// Multiplies by a number; `None` when a number overflows.
-    pub(super) fn times(mut self, factor: Known, constants: &mut Constants) -> Option<Form> {
+    pub(super) fn times(
+        mut self,
+        factor: Known,
+        constants: &mut KnownNumbers,
+    ) -> Option<LinearForm> {
         if factor == Known::ZERO {
             self.terms.clear();
         }

@@ -20,8 +20,8 @@ mod form;
 mod slice;
 mod write;
 
-use constants::Constants;
-use evaluate::Evaluator;
+use constants::KnownNumbers;
+use evaluate::PartialEvaluator;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::{lay_out, remove_dead};
@@ -66,8 +66,8 @@ impl Pass for Specialise {
             function: &sliced,
         };
         let bound = scene.bound.of(view);
-        let mut constants = Constants::new();
-        let evaluator = Evaluator::new(
+        let mut constants = KnownNumbers::new();
+        let evaluator = PartialEvaluator::new(
             &sliced,
             context.tables,
             context.rewrites,

@@ -32,7 +32,7 @@ pub(super) fn needed(view: View<'_>, scene: &Scene) -> (Function, [u64; 2]) {
 
 /// The arrays of a function without those that nothing of is read or set, and
 /// the new places of elements.
-pub(super) struct Signature {
+pub(super) struct SliceSignature {
     pub(super) inputs: Vec<Array>,
     pub(super) outputs: Vec<Array>,
     /// For every old input element the new one.
@@ -40,10 +40,10 @@ pub(super) struct Signature {
     output_places: Vec<Option<u32>>,
 }
 
-impl Signature {
+impl SliceSignature {
     /// Keeps what a function reads and sets, and the arrays of calls of the
     /// user's functions.
-    pub(super) fn of(view: View<'_>) -> Signature {
+    pub(super) fn of(view: View<'_>) -> SliceSignature {
         let function = view.function;
         let mut read = vec![false; function.input_len()];
         let operands = function.nodes().iter().flat_map(|node| node.operands());
@@ -71,7 +71,7 @@ impl Signature {
         let name = |array: &Array| view.tables.symbols.text(array.name);
         let (inputs, input_places) = kept(function.inputs(), &read, &|a| is_result(name(a)));
         let (outputs, output_places) = kept(function.outputs(), &given, &|a| is_argument(name(a)));
-        Signature {
+        SliceSignature {
             inputs,
             outputs,
             input_places,

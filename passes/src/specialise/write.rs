@@ -2,20 +2,20 @@
 //! witness that proves it.
 //!
 //! While a function is specialised, the number of a constant in it is its
-//! index in [`Constants`]. The *result* has the rounded numbers in their
+//! index in [`KnownNumbers`]. The *result* has the rounded numbers in their
 //! place. The *witness* has nodes that compute them from the numbers they were
 //! made of, before all others: it equals the function that was taken exactly,
 //! and the result but for the rounding of constants.
 
-use super::constants::{Constants, Expression, Known};
-use super::slice::Signature;
+use super::constants::{Known, KnownNumbers, NumberExpression};
+use super::slice::SliceSignature;
 use robovec_ir::{
     Assignment, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Value, View,
 };
 
 /// The result and its witness.
-pub(super) fn write(view: View<'_>, constants: &Constants) -> (Function, Function) {
-    let signature = Signature::of(view);
+pub(super) fn write(view: View<'_>, constants: &KnownNumbers) -> (Function, Function) {
+    let signature = SliceSignature::of(view);
     let numbered = view.function;
     let mut result = empty(numbered, &signature);
     copy(
@@ -39,7 +39,7 @@ pub(super) fn write(view: View<'_>, constants: &Constants) -> (Function, Functio
 }
 
 /// A function without a body.
-fn empty(function: &Function, signature: &Signature) -> Function {
+fn empty(function: &Function, signature: &SliceSignature) -> Function {
     let mut empty = Function::new(&function.name, function.level);
     empty.metadata = function.metadata.clone();
     empty.boundaries = function.boundaries.clone();
@@ -60,7 +60,7 @@ pub(super) fn known(function: &Function, operand: Operand) -> Option<Known> {
 /// Copies the body behind `first` nodes that are there.
 fn copy(
     numbered: &Function,
-    signature: &Signature,
+    signature: &SliceSignature,
     to: &mut Function,
     first: u32,
     constant: &mut dyn FnMut(&mut Function, Known) -> Operand,
@@ -90,7 +90,7 @@ fn copy(
 }
 
 /// Writes the expressions of all constants that are read; where each is.
-fn expressions(numbered: &Function, constants: &Constants, to: &mut Function) -> Vec<Operand> {
+fn expressions(numbered: &Function, constants: &KnownNumbers, to: &mut Function) -> Vec<Operand> {
     let mut needed = vec![false; constants.len()];
     let operands = numbered.nodes().iter().flat_map(|node| node.operands());
     let set = numbered.assignments.iter().map(|set| &set.operand);
@@ -102,7 +102,7 @@ fn expressions(numbered: &Function, constants: &Constants, to: &mut Function) ->
     }
     for index in (0..needed.len()).rev() {
         if needed[index]
-            && let Expression::Apply(_, operands) = constants.expression(Known(index as u32))
+            && let NumberExpression::Apply(_, operands) = constants.expression(Known(index as u32))
         {
             for operand in operands {
                 needed[operand.index()] = true;
@@ -115,8 +115,8 @@ fn expressions(numbered: &Function, constants: &Constants, to: &mut Function) ->
             continue;
         }
         places[index] = match constants.expression(Known(index as u32)) {
-            Expression::Literal(number) => to.constant(number).into(),
-            Expression::Apply(operation, operands) => {
+            NumberExpression::Literal(number) => to.constant(number).into(),
+            NumberExpression::Apply(operation, operands) => {
                 let operands = operands.map(|operand| places[operand.index()]);
                 to.push(Node {
                     name: Name::NONE,

@@ -1,13 +1,13 @@
 //! Which polynomials a range gets.
 
-use super::options::Method;
+use super::options::CircularMethod;
 use robovec_ir::Format;
-use robovec_num::trigonometry::{Circular, Halved, MOST_ORDER, Polynomial};
+use robovec_num::trigonometry::{Circular, Halved, MAX_ORDER, Polynomial};
 
 /// What the user asked for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wish {
-    pub(super) method: Method,
+    pub(super) method: CircularMethod,
     /// 0: the least order that keeps `error`.
     pub(super) order: u32,
     pub(super) error: f64,
@@ -18,7 +18,7 @@ pub(super) struct Wish {
 
 /// Polynomials for a range, with what is proved of them.
 #[derive(Clone, Debug)]
-pub(super) struct Choice {
+pub(super) struct PolynomialChoice {
     pub(super) halved: Halved,
     /// The orders of sine and cosine.
     pub(super) orders: [u32; 2],
@@ -29,20 +29,20 @@ pub(super) struct Choice {
 impl Wish {
     /// The polynomials for angles of at most `range` radians; `None` when no
     /// order keeps the error.
-    pub(super) fn choose(&self, range: f64, wanted: [bool; 2]) -> Option<Choice> {
+    pub(super) fn choose(&self, range: f64, wanted: [bool; 2]) -> Option<PolynomialChoice> {
         if self.order > 0 {
             return Some(self.choice([self.order; 2], range));
         }
         if self.halvings > 0 {
             // The doubled errors mix both polynomials.
-            return (1..=MOST_ORDER)
+            return (1..=MAX_ORDER)
                 .map(|order| self.choice([order; 2], range))
                 .find(|choice| self.is_met(choice, wanted));
         }
         let mut orders = [1; 2];
         for (which, of) in Circular::BOTH.into_iter().enumerate() {
             if wanted[which] {
-                orders[which] = (1..=MOST_ORDER)
+                orders[which] = (1..=MAX_ORDER)
                     .filter(|order| order % 2 == of.first_power() || *order == 1)
                     .find(|&order| {
                         self.polynomial(of, order, range).proved_error(range) <= self.error
@@ -52,12 +52,12 @@ impl Wish {
         Some(self.choice(orders, range))
     }
 
-    fn is_met(&self, choice: &Choice, wanted: [bool; 2]) -> bool {
+    fn is_met(&self, choice: &PolynomialChoice, wanted: [bool; 2]) -> bool {
         let mut errors = choice.errors.iter().zip(wanted);
         errors.all(|(&error, wanted)| !wanted || error <= self.error)
     }
 
-    fn choice(&self, orders: [u32; 2], range: f64) -> Choice {
+    fn choice(&self, orders: [u32; 2], range: f64) -> PolynomialChoice {
         let mut halved = Halved {
             sine: Polynomial::taylor(Circular::Sine, 1),
             cosine: Polynomial::taylor(Circular::Cosine, 1),
@@ -66,7 +66,7 @@ impl Wish {
         let small = halved.reduced(range);
         halved.sine = self.polynomial(Circular::Sine, orders[0], small);
         halved.cosine = self.polynomial(Circular::Cosine, orders[1], small);
-        Choice {
+        PolynomialChoice {
             orders,
             errors: halved.proved_errors(range),
             halved,
@@ -75,7 +75,7 @@ impl Wish {
 
     fn polynomial(&self, of: Circular, order: u32, range: f64) -> Polynomial {
         match (self.method, self.format) {
-            (Method::Minimax, format) => Polynomial::minimax(of, order, range, format),
+            (CircularMethod::Minimax, format) => Polynomial::minimax(of, order, range, format),
             (_, None) => Polynomial::taylor(of, order),
             (_, Some(format)) => Polynomial::taylor(of, order).rounded(format),
         }
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     const WISH: Wish = Wish {
-        method: Method::Taylor,
+        method: CircularMethod::Taylor,
         order: 0,
         error: 1e-6,
         halvings: 0,
@@ -104,7 +104,7 @@ mod tests {
         let choice = WISH.choose(0.1, [true, false]).expect("there is one");
         assert_eq!(choice.orders, [3, 1]);
         let fitted = Wish {
-            method: Method::Minimax,
+            method: CircularMethod::Minimax,
             ..WISH
         };
         // Fitted, the cosine of order 2 is off by x^4/24/8 only.

@@ -21,7 +21,7 @@ pub(super) enum Treatment {
 }
 
 /// The state of one angle while the function is written.
-struct Angle {
+struct AngleState {
     /// The angle's own operand, of the first sine or cosine met.
     operand: Operand,
     /// What each node of the recipe has become.
@@ -45,7 +45,7 @@ pub(super) struct Emitter<'a> {
     rewriter: Rewriter<'a>,
     names: FreshNames,
     owners: Vec<Symbol>,
-    angles: BTreeMap<u64, Angle>,
+    angles: BTreeMap<u64, AngleState>,
     recipes: &'a [Recipe],
     /// Sines and cosines replaced.
     replaced: u64,
@@ -122,7 +122,7 @@ impl<'a> Emitter<'a> {
                 continue;
             };
             let nodes = self.recipes[*recipe].function.nodes().len();
-            let angle = self.angles.entry(key).or_insert_with(|| Angle {
+            let angle = self.angles.entry(key).or_insert_with(|| AngleState {
                 operand: Operand::NONE,
                 written: vec![Operand::NONE; nodes],
                 sources: SourceSet::EMPTY,

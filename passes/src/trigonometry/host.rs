@@ -1,10 +1,10 @@
 //! Sines and cosines left to the host, with a word on how it computes them.
 
 use super::Trigonometry;
-use super::options::Method;
+use super::options::CircularMethod;
 use robovec_framework::pass::{Context, PassError};
 use robovec_ir::Function;
-use robovec_num::trigonometry::host::{Implementation, KEY, Unit};
+use robovec_num::trigonometry::host::{Implementation, KEY, TrigonometricUnit};
 
 /// The order of the host's polynomials where none is given: on an eighth of a
 /// turn they are then better than binary32.
@@ -23,7 +23,7 @@ impl Trigonometry {
             .filter(|node| node.operation.is_trigonometric())
             .count();
         let implementation = self.implementation();
-        let unit = Unit::new(implementation).map_err(|error| {
+        let unit = TrigonometricUnit::new(implementation).map_err(|error| {
             PassError::new(format!("there is no {implementation}")).help(error.to_string())
         })?;
         let statistic = ("sines and cosines of the host", count as u64);
@@ -46,11 +46,11 @@ impl Trigonometry {
     fn implementation(&self) -> Implementation {
         let bits = self.bits;
         match self.method {
-            Method::Cordic => Implementation::Cordic {
+            CircularMethod::Cordic => Implementation::Cordic {
                 iterations: self.iterations,
                 bits,
             },
-            Method::Table => Implementation::Table {
+            CircularMethod::Table => Implementation::Table {
                 entries: self.entries,
                 degree: self.degree,
                 bits,

@@ -15,9 +15,9 @@ mod remarks;
 mod rounding;
 mod scheme;
 
-use choose::{Choice, Wish};
+use choose::{PolynomialChoice, Wish};
 use emit::{Emitter, Treatment, circular};
-pub use options::{Angle, Method, Place, Scheme, Tolerance};
+pub use options::{AngleOption, CircularMethod, CircularPlace, FormatTolerance, Scheme};
 use ranges::Angles;
 pub use recipe::Recipe;
 use robovec_analysis::class::NumericClass;
@@ -32,8 +32,8 @@ use robovec_ir::{Function, Input, Machine, Operand, SourceSet, Tables};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 use robovec_num::limits::NumberLimit;
-use robovec_num::trigonometry::halving::MOST_HALVINGS;
-use robovec_num::trigonometry::{Halved, Interval, LARGEST_RANGE, MOST_ORDER};
+use robovec_num::trigonometry::halving::MAX_HALVINGS;
+use robovec_num::trigonometry::{ErrorInterval, Halved, LARGEST_RANGE, MAX_ORDER};
 use std::array;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -72,32 +72,32 @@ declare_pass! {
     /// the simulator compute them so, bit by bit.
     pub struct Trigonometry("trigonometry") {
         /// How sines and cosines are computed.
-        pub method: Method = Method::Minimax,
+        pub method: CircularMethod = CircularMethod::Minimax,
         /// The largest power of the angle; 0 for what `error` needs.
         pub order: u32 = 0 => NumberLimit::whole(
-            0, MOST_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"),
+            0, MAX_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"),
         /// The largest error allowed where no order is given; `machine` is
         /// the rounding of the machine's number format.
-        pub error: Tolerance = Tolerance(None) => NumberLimit::real(
+        pub error: FormatTolerance = FormatTolerance(None) => NumberLimit::real(
             1e-30, 1e3, "no number format keeps a smaller error, and sines are never larger than 1"),
         /// The size that inputs of angles do not exceed, in radians.
-        pub range: Angle = Angle(std::f64::consts::PI) => NumberLimit::real(
+        pub range: AngleOption = AngleOption(std::f64::consts::PI) => NumberLimit::real(
             1e-12, 1e6, "smaller angles are numbers, and no series reaches larger ones"),
         /// How often angles are halved.
         pub halvings: u32 = 0 => NumberLimit::whole(
-            0, MOST_HALVINGS as u64, "every halving doubles the rounding error and adds operations"),
+            0, MAX_HALVINGS as u64, "every halving doubles the rounding error and adds operations"),
         /// The order of evaluation.
         pub scheme: Scheme = Scheme::Shortest,
         /// Coefficients are numbers of the machine's format.
         pub round: bool = true,
         /// By processing elements or before the run.
-        pub on: Place = Place::Elements,
+        pub on: CircularPlace = CircularPlace::Elements,
         /// Of a table: entries for an eighth of a turn, a power of two.
         pub entries: u32 = 64 => NumberLimit::whole(
             1, 65_536, "the table is kept in memory and in every manifest"),
         /// Of a table: the largest power of the rest of the angle.
         pub degree: u32 = 3 => NumberLimit::whole(
-            1, MOST_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"),
+            1, MAX_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"),
         /// Of `cordic`: rotations.
         pub iterations: u32 = 24 => NumberLimit::whole(
             1, 60, "later rotations are smaller than any number of 64 bits"),
@@ -115,11 +115,11 @@ declare_pass! {
 
 impl Pass for Trigonometry {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
-        if self.method == Method::True {
+        if self.method == CircularMethod::True {
             return Ok(());
         }
         self.check()?;
-        if self.on == Place::Host {
+        if self.on == CircularPlace::Host {
             return self.record(function, context);
         }
         let bounds = self.input_bounds(function, context);
@@ -150,7 +150,7 @@ impl Pass for Trigonometry {
 
     fn class(&self, declared: NumericClass) -> NumericClass {
         match self.method {
-            Method::True => NumericClass::Exact,
+            CircularMethod::True => NumericClass::Exact,
             _ => declared,
         }
     }
@@ -161,8 +161,8 @@ impl Pass for Trigonometry {
 fn promise(
     function: &Function,
     tables: &Tables,
-    bounds: &[Interval],
-    choices: &[(f64, Choice)],
+    bounds: &[ErrorInterval],
+    choices: &[(f64, PolynomialChoice)],
 ) -> Promise {
     let angles: Vec<Operand> = function
         .nodes()
@@ -177,7 +177,7 @@ fn promise(
     let mut ranges = Ranges::default();
     for input in read.chain(&angles).filter_map(|operand| operand.input()) {
         let (array, indices, _) = function.input_element(input);
-        let Interval { low, high } = bounds[input.index()];
+        let ErrorInterval { low, high } = bounds[input.index()];
         ranges.set(tables.symbols.text(array.name), indices, low, high);
     }
     // Angles that are numbers are rounded once.
@@ -193,9 +193,9 @@ fn promise(
 }
 
 /// One angle with all its sines and cosines.
-struct Occurrence {
+struct CircularAngle {
     /// Between these bounds it lies.
-    bounds: Option<Interval>,
+    bounds: Option<ErrorInterval>,
     /// The number it is.
     known: Option<f64>,
     /// Whether its sine and its cosine are there.
@@ -208,15 +208,15 @@ struct Occurrence {
 fn occurrences(
     function: &Function,
     angles: &Angles,
-    input: &dyn Fn(Input) -> Interval,
-) -> BTreeMap<u64, Occurrence> {
-    let mut found: BTreeMap<u64, Occurrence> = BTreeMap::new();
+    input: &dyn Fn(Input) -> ErrorInterval,
+) -> BTreeMap<u64, CircularAngle> {
+    let mut found: BTreeMap<u64, CircularAngle> = BTreeMap::new();
     for node in function.nodes() {
         let Some(of) = circular(node) else { continue };
         let operand = node.operands[0];
         let occurrence = found
             .entry(angles.key(operand))
-            .or_insert_with(|| Occurrence {
+            .or_insert_with(|| CircularAngle {
                 bounds: angles.bounds(function, operand, input),
                 known: function.number(operand),
                 wanted: [false; 2],
@@ -231,7 +231,7 @@ fn occurrences(
 struct Decided {
     treatments: BTreeMap<u64, Treatment>,
     /// One per recipe: its range, what was chosen for it.
-    choices: Vec<(f64, Choice)>,
+    choices: Vec<(f64, PolynomialChoice)>,
     recipes: Vec<Recipe>,
 }
 
@@ -239,7 +239,7 @@ impl Trigonometry {
     /// The rule noted for values.
     fn rule(&self) -> &'static str {
         match self.method {
-            Method::Taylor => "taylor",
+            CircularMethod::Taylor => "taylor",
             _ => "minimax",
         }
     }
@@ -247,29 +247,29 @@ impl Trigonometry {
     fn check(&self) -> Result<(), PassError> {
         let (method, place) = (self.method.print(), self.on.print());
         let elsewhere = match self.method {
-            Method::Taylor | Method::Minimax => Place::Elements,
-            _ => Place::Host,
+            CircularMethod::Taylor | CircularMethod::Minimax => CircularPlace::Elements,
+            _ => CircularPlace::Host,
         };
         if self.on != elsewhere {
             let help = match elsewhere {
-                Place::Elements => "on the host: polynomial, table or cordic",
-                Place::Host => {
+                CircularPlace::Elements => "on the host: polynomial, table or cordic",
+                CircularPlace::Host => {
                     "the elements neither compare nor shift: say on=host, or take taylor or minimax"
                 }
             };
             let message = format!("method={method} is not for on={place}");
             return Err(PassError::new(message).help(help));
         }
-        if self.order > MOST_ORDER {
+        if self.order > MAX_ORDER {
             return Err(PassError::new(format!(
-                "order={} is beyond the largest order, {MOST_ORDER}",
+                "order={} is beyond the largest order, {MAX_ORDER}",
                 self.order
             ))
             .help("halvings=2 or more brings large angles within reach of low orders"));
         }
-        if self.halvings > MOST_HALVINGS {
+        if self.halvings > MAX_HALVINGS {
             return Err(PassError::new(format!(
-                "halvings={} is more than {MOST_HALVINGS}",
+                "halvings={} is more than {MAX_HALVINGS}",
                 self.halvings
             )));
         }
@@ -278,15 +278,14 @@ impl Trigonometry {
 
     /// The bounds of every input element: those of the scene, when it says,
     /// else `range`.
-    fn input_bounds(&self, function: &Function, context: &Context<'_>) -> Vec<Interval> {
+    fn input_bounds(&self, function: &Function, context: &Context<'_>) -> Vec<ErrorInterval> {
         let known = context.scene.map(Scene::known_inputs);
         let bounds = |index: usize| {
             let (array, indices, _) = function.input_element(Input(index as u32));
             let name = context.tables.symbols.text(array.name);
             let range = known.as_ref().and_then(|known| known.get(name, indices));
-            range.map_or(Interval::within(self.range.0), |[low, high]| Interval {
-                low,
-                high,
+            range.map_or(ErrorInterval::within(self.range.0), |[low, high]| {
+                ErrorInterval { low, high }
             })
         };
         (0..function.input_len()).map(bounds).collect()
@@ -313,7 +312,7 @@ impl Trigonometry {
 
     fn decide(
         &self,
-        occurrences: &BTreeMap<u64, Occurrence>,
+        occurrences: &BTreeMap<u64, CircularAngle>,
         context: &Context<'_>,
     ) -> Result<Decided, PassError> {
         let wish = self.wish(context.machine);
@@ -324,7 +323,7 @@ impl Trigonometry {
         };
         let mut known: BTreeMap<(u64, [bool; 2]), usize> = BTreeMap::new();
         for (&key, occurrence) in occurrences {
-            let range = occurrence.bounds.map(Interval::magnitude);
+            let range = occurrence.bounds.map(ErrorInterval::magnitude);
             let treatment = match (occurrence.known, range) {
                 (Some(number), _) if number.abs() <= LARGEST_RANGE => {
                     let angle = Double::from(number);
@@ -357,9 +356,9 @@ impl Trigonometry {
         Ok(decided)
     }
 
-    fn beyond(&self, range: f64, error: f64, occurrence: &Occurrence) -> PassError {
+    fn beyond(&self, range: f64, error: f64, occurrence: &CircularAngle) -> PassError {
         PassError::new(format!(
-            "no polynomial up to order {MOST_ORDER} has an error below {error:.1e} for angles \
+            "no polynomial up to order {MAX_ORDER} has an error below {error:.1e} for angles \
              of ±{range:.4}"
         ))
         .at(occurrence.sources)

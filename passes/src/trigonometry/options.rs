@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 option_words! {
     /// How sines and cosines are computed.
-    pub enum Method {
+    pub enum CircularMethod {
         /// Left as they are: true sines and cosines.
         True = "true",
         /// The series of Taylor, cut off.
@@ -25,7 +25,7 @@ option_words! {
 
 option_words! {
     /// Where sines and cosines are computed.
-    pub enum Place {
+    pub enum CircularPlace {
         /// By the processing elements, as part of the program.
         Elements = "elements",
         /// Before the run, by the host or an input unit.
@@ -46,14 +46,14 @@ option_words! {
 /// An angle in radians, of either sign: `0.1`, `pi`, `0.25pi`; or in degrees:
 /// `45deg`.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Angle(pub f64);
+pub struct AngleOption(pub f64);
 
-impl OptionValue for Angle {
+impl OptionValue for AngleOption {
     const IS_NUMBER: bool = true;
     fn type_name() -> String {
         "number | pi | 0.25pi | 45deg".to_owned()
     }
-    fn parse(text: &str) -> Result<Angle, String> {
+    fn parse(text: &str) -> Result<AngleOption, String> {
         let number = |text: &str| text.parse::<f64>().ok();
         let angle = if text == "pi" {
             Some(PI)
@@ -66,7 +66,7 @@ impl OptionValue for Angle {
         };
         let positive = angle.filter(|angle| angle.is_finite() && *angle > 0.0);
         positive
-            .map(Angle)
+            .map(AngleOption)
             .ok_or_else(|| format!("'{text}' is not a positive angle, as 0.1, pi, 0.25pi or 45deg"))
     }
     fn print(&self) -> String {
@@ -83,21 +83,21 @@ impl OptionValue for Angle {
 
 /// An error that may be left to the machine's number format.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Tolerance(pub Option<f64>);
+pub struct FormatTolerance(pub Option<f64>);
 
-impl OptionValue for Tolerance {
+impl OptionValue for FormatTolerance {
     const IS_NUMBER: bool = true;
     fn type_name() -> String {
         "number | machine".to_owned()
     }
-    fn parse(text: &str) -> Result<Tolerance, String> {
+    fn parse(text: &str) -> Result<FormatTolerance, String> {
         if text == "machine" {
-            return Ok(Tolerance(None));
+            return Ok(FormatTolerance(None));
         }
         let number = text.parse::<f64>().ok();
         let positive = number.filter(|number| number.is_finite() && *number > 0.0);
         positive
-            .map(|number| Tolerance(Some(number)))
+            .map(|number| FormatTolerance(Some(number)))
             .ok_or_else(|| format!("'{text}' is neither a positive number nor 'machine'"))
     }
     fn print(&self) -> String {
@@ -118,20 +118,20 @@ mod tests {
     #[test]
     fn angles_and_tolerances_read_back() {
         for text in ["0.1", "pi", "0.25pi", "2pi", "2.5"] {
-            let angle = Angle::parse(text).expect(text);
+            let angle = AngleOption::parse(text).expect(text);
             assert_eq!(angle.print(), text);
         }
-        assert_eq!(Angle::parse("180deg"), Ok(Angle(PI)));
-        let degree = Angle::parse("1deg").expect("an angle");
-        assert_eq!(Angle::parse(&degree.print()), Ok(degree));
+        assert_eq!(AngleOption::parse("180deg"), Ok(AngleOption(PI)));
+        let degree = AngleOption::parse("1deg").expect("an angle");
+        assert_eq!(AngleOption::parse(&degree.print()), Ok(degree));
         for text in ["", "0", "-1", "inf", "nan", "xpi", "pie", "deg", "-0.5pi"] {
-            assert!(Angle::parse(text).is_err(), "{text}");
+            assert!(AngleOption::parse(text).is_err(), "{text}");
         }
         for text in ["machine", "1e-6", "2.5e-1"] {
-            assert_eq!(Tolerance::parse(text).expect(text).print(), text);
+            assert_eq!(FormatTolerance::parse(text).expect(text).print(), text);
         }
         for text in ["", "0", "-1", "nan", "small"] {
-            assert!(Tolerance::parse(text).is_err(), "{text}");
+            assert!(FormatTolerance::parse(text).is_err(), "{text}");
         }
     }
 }

@@ -5,7 +5,7 @@
 //! recipes; the pass writes their nodes into the program, with names.
 
 use super::options::Scheme;
-use super::scheme::{Cycles, Plan};
+use super::scheme::{OperationCycles, PolynomialPlan};
 use hashbrown::HashMap;
 use robovec_ir::{
     Function, Input, Level, Machine, Name, Node, Operand, Operation, Shape, SourceSet, Symbol,
@@ -30,8 +30,8 @@ impl Recipe {
     /// The operations that give the wanted ones of sine and cosine from
     /// polynomials for the angle divided by a power of two.
     pub fn new(halved: &Halved, wanted: [bool; 2], machine: &Machine, scheme: Scheme) -> Recipe {
-        let mut builder = Builder::new();
-        let cycles = Cycles {
+        let mut builder = RecipeBuilder::new();
+        let cycles = OperationCycles {
             add: machine.weight(Operation::Add),
             multiply: machine.weight(Operation::Mul),
         };
@@ -47,18 +47,18 @@ impl Recipe {
 }
 
 /// A recipe being written; equal operations are written once.
-pub(super) struct Builder {
+pub(super) struct RecipeBuilder {
     function: Function,
     angle: Operand,
-    known: HashMap<(Operation, [Operand; Operand::MOST]), Operand>,
+    known: HashMap<(Operation, [Operand; Operand::MAX_COUNT]), Operand>,
 }
 
-impl Builder {
-    fn new() -> Builder {
+impl RecipeBuilder {
+    fn new() -> RecipeBuilder {
         let mut function = Function::new("recipe", Level::Atomic);
         // The symbol belongs to no table: nobody prints a recipe.
         function.add_input(Symbol(0), Shape::Scalar);
-        Builder {
+        RecipeBuilder {
             function,
             angle: Input(0).into(),
             known: HashMap::new(),
@@ -95,7 +95,7 @@ impl Builder {
     fn write(
         &mut self,
         halved: &Halved,
-        cycles: Cycles,
+        cycles: OperationCycles,
         scheme: Scheme,
         format: Format,
     ) -> [Operand; 2] {
@@ -114,7 +114,7 @@ impl Builder {
             } else {
                 polynomials[which]
             };
-            Plan::new(polynomial, cycles, scheme).build(self)
+            PolynomialPlan::new(polynomial, cycles, scheme).build(self)
         });
         for _ in 0..halved.halvings {
             let [sine, cosine] = results;

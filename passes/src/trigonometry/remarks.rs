@@ -1,8 +1,8 @@
 //! What the pass tells: errors that were proved, operations and cycles.
 
-use super::choose::Choice;
+use super::choose::PolynomialChoice;
 use super::recipe::Recipe;
-use super::{Occurrence, Treatment};
+use super::{CircularAngle, Treatment};
 use robovec_analysis::critical_path::critical_path;
 use robovec_framework::pass::Context;
 use robovec_num::trigonometry::Circular;
@@ -11,10 +11,10 @@ use std::fmt::Write;
 
 /// One remark per recipe, and one for the angles that were left.
 pub(super) fn tell(
-    choices: &[(f64, Choice)],
+    choices: &[(f64, PolynomialChoice)],
     recipes: &[Recipe],
     treatments: &BTreeMap<u64, Treatment>,
-    occurrences: &BTreeMap<u64, Occurrence>,
+    occurrences: &BTreeMap<u64, CircularAngle>,
     context: &mut Context<'_>,
 ) {
     let format = context.machine.number;

@@ -9,20 +9,20 @@
 //! before everything, or travel into the parts, where it waits for nobody.
 
 use super::options::Scheme;
-use super::recipe::Builder;
+use super::recipe::RecipeBuilder;
 use robovec_ir::{Operand, Operation};
 use robovec_num::trigonometry::{Circular, Polynomial};
 
 /// Cycles of the operations a polynomial is made of.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cycles {
+pub(super) struct OperationCycles {
     pub(super) add: u32,
     pub(super) multiply: u32,
 }
 
 /// How a part is computed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Form {
+enum PartForm {
     /// It is one term.
     Term,
     /// The part without the factor `x`, times `x`.
@@ -42,7 +42,7 @@ struct Best {
     operations: u32,
     /// Powers of `t` needed, one bit each, and of `x t^k` behind them.
     powers: u64,
-    form: Form,
+    form: PartForm,
 }
 
 impl Best {
@@ -55,9 +55,9 @@ impl Best {
 const LED: u32 = 32;
 
 /// The plan for one polynomial.
-pub(super) struct Plan<'a> {
+pub(super) struct PolynomialPlan<'a> {
     polynomial: &'a Polynomial,
-    cycles: Cycles,
+    cycles: OperationCycles,
     /// Arrival of `t^k`, and the bits of all powers it needs.
     powers: Vec<(u32, u64)>,
     /// The best form of the terms from `first`, `count` of them, without and
@@ -65,10 +65,14 @@ pub(super) struct Plan<'a> {
     parts: Vec<Option<[Best; 2]>>,
 }
 
-impl<'a> Plan<'a> {
-    pub(super) fn new(polynomial: &'a Polynomial, cycles: Cycles, scheme: Scheme) -> Plan<'a> {
+impl<'a> PolynomialPlan<'a> {
+    pub(super) fn new(
+        polynomial: &'a Polynomial,
+        cycles: OperationCycles,
+        scheme: Scheme,
+    ) -> PolynomialPlan<'a> {
         let terms = polynomial.coefficients.len();
-        let mut plan = Plan {
+        let mut plan = PolynomialPlan {
             polynomial,
             cycles,
             powers: powers(terms, cycles),
@@ -111,7 +115,7 @@ impl<'a> Plan<'a> {
                 arrival: product * multiply,
                 operations: product,
                 powers: 0,
-                form: Form::Term,
+                form: PartForm::Term,
             };
         }
         let mut found: Vec<Best> = Vec::new();
@@ -119,7 +123,7 @@ impl<'a> Plan<'a> {
             found.push(Best {
                 arrival: bare.arrival + multiply,
                 operations: bare.operations + 1,
-                form: Form::Times,
+                form: PartForm::Times,
                 ..bare
             });
         }
@@ -145,7 +149,7 @@ impl<'a> Plan<'a> {
                     arrival: low.arrival.max(product) + self.cycles.add,
                     operations: low.operations + high.operations + 2,
                     powers: low.powers | high.powers | bits,
-                    form: Form::Cut { terms, inside },
+                    form: PartForm::Cut { terms, inside },
                 });
             }
         }
@@ -154,16 +158,16 @@ impl<'a> Plan<'a> {
     }
 
     /// Builds the whole polynomial in a recipe.
-    pub(super) fn build(&self, builder: &mut Builder) -> Operand {
+    pub(super) fn build(&self, builder: &mut RecipeBuilder) -> Operand {
         let led = self.polynomial.of == Circular::Sine;
         self.write(builder, 0, self.polynomial.coefficients.len(), led)
     }
 
     /// Recursion no deeper than the number of terms.
-    fn write(&self, builder: &mut Builder, first: usize, count: usize, led: bool) -> Operand {
+    fn write(&self, builder: &mut RecipeBuilder, first: usize, count: usize, led: bool) -> Operand {
         let angle = builder.angle();
         match self.part(first, count, led).form {
-            Form::Term => {
+            PartForm::Term => {
                 let coefficient = self.polynomial.coefficients[first];
                 let constant = builder.constant(coefficient);
                 match led {
@@ -172,11 +176,11 @@ impl<'a> Plan<'a> {
                     true => builder.push(Operation::Mul, constant, angle),
                 }
             }
-            Form::Times => {
+            PartForm::Times => {
                 let rest = self.write(builder, first, count, false);
                 builder.push(Operation::Mul, rest, angle)
             }
-            Form::Cut { terms, inside } => {
+            PartForm::Cut { terms, inside } => {
                 let low = self.write(builder, first, terms, led);
                 let high = self.write(builder, first + terms, count - terms, inside);
                 let mut power = self.power(builder, terms);
@@ -189,7 +193,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn power(&self, builder: &mut Builder, power: usize) -> Operand {
+    fn power(&self, builder: &mut RecipeBuilder, power: usize) -> Operand {
         if power == 1 {
             let angle = builder.angle();
             return builder.push(Operation::Mul, angle, angle);
@@ -202,7 +206,7 @@ impl<'a> Plan<'a> {
 
 /// Arrivals and needs of the powers of `t`, from its first; halves of about
 /// equal size come earliest.
-fn powers(most: usize, cycles: Cycles) -> Vec<(u32, u64)> {
+fn powers(most: usize, cycles: OperationCycles) -> Vec<(u32, u64)> {
     let mut powers: Vec<(u32, u64)> = vec![(0, 0)];
     for power in 1..most.max(2) {
         let half = power / 2;

@@ -5,7 +5,7 @@ use super::super::{CommandFailure, output};
 use super::{list, read};
 use crate::present::text_table;
 use clap::Args;
-use robovec_rules::check::{self, Finding, Proof, TRIALS, Verdict};
+use robovec_rules::check::{self, Finding, Proof, RuleVerdict, TRIALS};
 use robovec_rules::{Rule, RuleSet};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -55,10 +55,10 @@ pub(super) fn run(arguments: &RuleCheckArguments) -> Result<String, CommandFailu
 
 fn verdict(finding: &Finding) -> &'static str {
     match &finding.verdict {
-        Verdict::Proved(proof) if proof.circle => "proved on the circle",
-        Verdict::Proved(_) => "proved",
-        Verdict::False(_) => "FALSE",
-        Verdict::Unproved(_) => "not proved",
+        RuleVerdict::Proved(proof) if proof.circle => "proved on the circle",
+        RuleVerdict::Proved(_) => "proved",
+        RuleVerdict::False(_) => "FALSE",
+        RuleVerdict::Unproved(_) => "not proved",
     }
 }
 
@@ -76,8 +76,8 @@ fn established(findings: &[Finding]) -> String {
     let proofs: Vec<Proof> = findings
         .iter()
         .filter_map(|finding| match finding.verdict {
-            Verdict::Proved(proof) => Some(proof),
-            Verdict::False(_) | Verdict::Unproved(_) => None,
+            RuleVerdict::Proved(proof) => Some(proof),
+            RuleVerdict::False(_) | RuleVerdict::Unproved(_) => None,
         })
         .collect();
     let count = format!("{} of {} rules proved", proofs.len(), findings.len());
@@ -161,7 +161,7 @@ fn one_json(rule: &Rule, finding: &Finding) -> Value {
         })
         .collect();
     let counterexample = match &finding.verdict {
-        Verdict::False(found) => {
+        RuleVerdict::False(found) => {
             let values: serde_json::Map<String, Value> = found
                 .values
                 .iter()
@@ -176,12 +176,12 @@ fn one_json(rule: &Rule, finding: &Finding) -> Value {
                 "difference": found.difference,
             })
         }
-        Verdict::Proved(_) | Verdict::Unproved(_) => Value::Null,
+        RuleVerdict::Proved(_) | RuleVerdict::Unproved(_) => Value::Null,
     };
     let established = match &finding.verdict {
-        Verdict::Proved(proof) => proof.to_string(),
-        Verdict::False(found) => found.to_string(),
-        Verdict::Unproved(doubt) => doubt.to_string(),
+        RuleVerdict::Proved(proof) => proof.to_string(),
+        RuleVerdict::False(found) => found.to_string(),
+        RuleVerdict::Unproved(doubt) => doubt.to_string(),
     };
     json!({
         "rule": rule.name,

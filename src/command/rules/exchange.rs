@@ -5,7 +5,7 @@ use super::{list, read};
 use crate::files::limited;
 use clap::{Args, ValueEnum};
 use robovec_ir::diagnostic::{Severity, termcolor::ColorChoice};
-use robovec_rules::check::{Verdict, check, diagnose};
+use robovec_rules::check::{RuleVerdict, check, diagnose};
 use robovec_rules::syntax::{self, Syntax};
 use std::path::{Path, PathBuf};
 
@@ -69,13 +69,13 @@ pub(super) fn import(arguments: &ImportArguments) -> Result<String, CommandFailu
         let finding = check(rule, TRIALS);
         rule.class = finding.class;
         let before = match finding.verdict {
-            Verdict::Proved(_) => "",
-            Verdict::False(_) => "# false: ",
-            Verdict::Unproved(_) => "# not proved: ",
+            RuleVerdict::Proved(_) => "",
+            RuleVerdict::False(_) => "# false: ",
+            RuleVerdict::Unproved(_) => "# not proved: ",
         };
         report.extend(diagnose(rule, &finding).map(|mut found| {
             // It may well be true.
-            if let Verdict::Unproved(_) = finding.verdict {
+            if let RuleVerdict::Unproved(_) = finding.verdict {
                 found.severity = Severity::Warning;
             }
             found

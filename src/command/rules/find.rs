@@ -12,7 +12,7 @@ use robovec_framework::manager::{self, Config};
 use robovec_ir::{Function, Machine, Module};
 use robovec_passes::registry::REGISTRY;
 use robovec_rules::RuleSet;
-use robovec_rules::find::{self, Found, Search, Space};
+use robovec_rules::find::{self, Found, RuleSearch, TermSpace};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::io::{self, IsTerminal};
@@ -86,7 +86,7 @@ pub(super) fn run(arguments: &FindArguments) -> Result<String, CommandFailure> {
         .iter()
         .flat_map(|module| &module.functions)
         .collect();
-    let space = Space {
+    let space = TermSpace {
         operations: arguments.operations,
         variables: arguments.variables,
         numbers: arguments.numbers.clone(),
@@ -153,7 +153,7 @@ fn reason(found: &Found, files: &[String]) -> String {
     format!("found: {cycles} cycles and {operations} operations in {files}").replace('"', "'")
 }
 
-fn to_text(search: &Search, all: usize) -> String {
+fn to_text(search: &RuleSearch, all: usize) -> String {
     let mut text = String::new();
     let budget = if search.complete {
         ""
@@ -192,7 +192,7 @@ fn to_text(search: &Search, all: usize) -> String {
     text
 }
 
-fn to_json(search: &Search, all: usize) -> Value {
+fn to_json(search: &RuleSearch, all: usize) -> Value {
     let found = search.found.iter().map(|Found { rule, gain }| {
         json!({
             "rule": rule.name,

@@ -5,7 +5,7 @@ use super::super::{CommandFailure, input};
 use super::{list, read};
 use crate::present::text_table;
 use clap::Args;
-use robovec_rules::profile::{self, Growing, Growth, POINTS, PairGrowth, Profile, Spread};
+use robovec_rules::profile::{self, Growing, Growth, POINTS, PairGrowth, RuleProfile, SideErrors};
 use robovec_rules::{Rule, RuleSet};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -106,7 +106,7 @@ fn grows(growing: &Growing) -> [String; 3] {
     [class(growing), formula, family]
 }
 
-fn to_text(set: &RuleSet, profiles: &[Profile], pairs: Option<&[PairGrowth]>) -> String {
+fn to_text(set: &RuleSet, profiles: &[RuleProfile], pairs: Option<&[PairGrowth]>) -> String {
     let mut rows = Vec::new();
     for (rule, profile) in set.rules.iter().zip(profiles) {
         let (transfer, change) = (&profile.transfer, &profile.change);
@@ -162,8 +162,8 @@ fn growing_json(growing: &Growing) -> Value {
     })
 }
 
-fn to_json(set: &RuleSet, profiles: &[Profile], pairs: Option<&[PairGrowth]>) -> Value {
-    let spread = |spread: Spread| json!({"median": spread.median, "p99_9": spread.high});
+fn to_json(set: &RuleSet, profiles: &[RuleProfile], pairs: Option<&[PairGrowth]>) -> Value {
+    let spread = |spread: SideErrors| json!({"median": spread.median, "p99_9": spread.high});
     let rules = set.rules.iter().zip(profiles).map(|(rule, profile)| {
         let change = &profile.change;
         let late = change.late.as_ref();

@@ -9,7 +9,7 @@ use robovec_analysis::class::NumericClass;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::{Function, Module, Name, Operand, OperandKind, Tables, Value, View, print};
-use robovec_passes::eqsat::derive::{Derivation, Effort, derive};
+use robovec_passes::eqsat::derive::{Derivation, DerivationEffort, derive};
 use robovec_rules::{Pattern, PatternNode, Rule, RulePlaces, RuleSet};
 use rustc_hash::FxBuildHasher;
 use std::fmt::Write;
@@ -207,7 +207,7 @@ fn explain(
         reason: String::new(),
         places: RulePlaces::default(),
     };
-    let effort = Effort {
+    let effort = DerivationEffort {
         nodes: arguments.nodes as usize,
         iterations: 10,
     };

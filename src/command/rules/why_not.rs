@@ -5,8 +5,8 @@ use super::super::flags::whole;
 use super::read;
 use clap::Args;
 use robovec_analysis::class::NumericClass;
-use robovec_passes::eqsat::derive::{Derivation, Effort, Step, derive};
-use robovec_rules::check::{self, Verdict};
+use robovec_passes::eqsat::derive::{Derivation, DerivationEffort, DerivationStep, derive};
+use robovec_rules::check::{self, RuleVerdict};
 use robovec_rules::{Rule, RuleSet};
 use std::fmt::Write;
 
@@ -55,21 +55,21 @@ pub(super) fn run(arguments: &WhyNotArguments) -> Result<String, CommandFailure>
     };
     let finding = check::check(rule, 0);
     match finding.verdict {
-        Verdict::False(example) => {
+        RuleVerdict::False(example) => {
             return Ok(format!(
                 "No rules lead there, since the terms are not equal: {example}.\n"
             ));
         }
-        Verdict::Proved(proof) if proof.circle && !arguments.trig => {
+        RuleVerdict::Proved(proof) if proof.circle && !arguments.trig => {
             return Ok(
                 "The terms are equal only where sine and cosine lie on the circle: \
                        ask with --trig.\n"
                     .to_owned(),
             );
         }
-        Verdict::Proved(_) | Verdict::Unproved(_) => {}
+        RuleVerdict::Proved(_) | RuleVerdict::Unproved(_) => {}
     }
-    let effort = Effort {
+    let effort = DerivationEffort {
         nodes: arguments.nodes as usize,
         iterations: arguments.iterations,
     };
@@ -117,8 +117,8 @@ fn answer(rule: &Rule, found: &Derivation) -> String {
 }
 
 /// The steps, aligned.
-pub(super) fn listing(rule: &Rule, steps: &[Step]) -> String {
-    let name = |step: &Step| match step.backwards {
+pub(super) fn listing(rule: &Rule, steps: &[DerivationStep]) -> String {
+    let name = |step: &DerivationStep| match step.backwards {
         true => format!("{} backwards", step.rule),
         false => step.rule.clone(),
     };

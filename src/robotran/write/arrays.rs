@@ -1,7 +1,7 @@
 //! The arrays of a file: where each lives, and how its elements are written.
 
 use super::error::RobotranWriteError;
-use super::kind::Kind;
+use super::kind::EquationKind;
 use super::names::is_array_name;
 use crate::robotran::Language;
 use hashbrown::HashMap;
@@ -48,7 +48,7 @@ impl FileArrays {
     /// Collects them.
     pub(super) fn new(
         functions: &[&Function],
-        kind: Kind,
+        kind: EquationKind,
         symbols: &Symbols,
         language: Language,
     ) -> Result<FileArrays, RobotranWriteError> {
@@ -191,13 +191,13 @@ impl FileArray {
 
 /// What decides about the arrays of a function.
 struct Roles<'a> {
-    kind: Kind,
+    kind: EquationKind,
     arguments: hashbrown::HashSet<&'a str, FxBuildHasher>,
     results: hashbrown::HashSet<&'a str, FxBuildHasher>,
 }
 
 impl<'a> Roles<'a> {
-    fn new(function: &'a Function, kind: Kind) -> Roles<'a> {
+    fn new(function: &'a Function, kind: EquationKind) -> Roles<'a> {
         let calls = &function.boundaries;
         Roles {
             kind,
@@ -232,7 +232,7 @@ impl<'a> Roles<'a> {
 /// Of a sensor's function Matlab gives back the sensor only.
 fn check_sensor(
     function: &Function,
-    kind: Kind,
+    kind: EquationKind,
     symbols: &Symbols,
 ) -> Result<(), RobotranWriteError> {
     let mut outputs = function.outputs().iter();

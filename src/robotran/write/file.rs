@@ -4,7 +4,7 @@ use super::arrays::FileArrays;
 use super::body::FunctionText;
 use super::error::RobotranWriteError;
 use super::identifiers::{identifiers, kept};
-use super::kind::Kind;
+use super::kind::EquationKind;
 use super::names::FileIdentifiers;
 use super::plan::{WrittenStatement, plan};
 use super::prologue::Prologue;
@@ -18,7 +18,7 @@ use rustc_hash::FxBuildHasher;
 
 /// The functions of one file.
 pub(super) struct RobotranFile<'a> {
-    pub(super) kind: Kind,
+    pub(super) kind: EquationKind,
     pub(super) language: Language,
     pub(super) symbols: &'a Symbols,
     pub(super) model: String,

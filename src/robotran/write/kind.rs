@@ -6,10 +6,10 @@
 //! is the natural counterpart.
 
 use crate::robotran::Language;
-pub(super) use robovec_codegen::kind::Kind;
+pub(super) use robovec_codegen::kind::EquationKind;
 
 /// What the function of a kind is called in a language.
-pub(super) fn function_name(kind: Kind, language: Language) -> String {
+pub(super) fn function_name(kind: EquationKind, language: Language) -> String {
     match (language, kind.name) {
         (Language::C, name) => format!("mbs_{name}"),
         // MBsysPy finds a `sensor` in both modules.

@@ -44,7 +44,7 @@ pub use error::RobotranWriteError;
 use super::Language;
 use file::RobotranFile;
 use hashbrown::HashMap;
-use kind::Kind;
+use kind::EquationKind;
 use robovec_ir::{Function, Module};
 use rustc_hash::FxBuildHasher;
 
@@ -62,7 +62,7 @@ pub struct WriteOptions {
 /// A function and its place among the files.
 #[derive(Clone, Copy, Debug)]
 struct Member<'a> {
-    kind: Kind,
+    kind: EquationKind,
     case: Option<u32>,
     function: &'a Function,
 }
@@ -119,7 +119,7 @@ fn place(function: &Function) -> Result<Member<'_>, RobotranWriteError> {
             function: function.name.clone(),
         });
     }
-    let (kind, number) = Kind::of(function).ok_or_else(|| RobotranWriteError::Kind {
+    let (kind, number) = EquationKind::of(function).ok_or_else(|| RobotranWriteError::Kind {
         function: function.name.clone(),
     })?;
     Ok(Member {

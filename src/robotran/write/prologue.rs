@@ -1,14 +1,14 @@
 //! What stands before the equations: signature, arrays, aliases.
 
 use super::arrays::{ArrayRole, FileArray, FileArrays};
-use super::kind::{Kind, function_name};
+use super::kind::{EquationKind, function_name};
 use super::text::FileText;
 use crate::robotran::Language;
 use robovec_ir::{Function, Shape};
 
 /// What a prologue is written from.
 pub(super) struct Prologue<'a> {
-    pub(super) kind: Kind,
+    pub(super) kind: EquationKind,
     /// Model name, as in file names.
     pub(super) stem: &'a str,
     pub(super) joints: Option<u32>,

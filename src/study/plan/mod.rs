@@ -12,7 +12,7 @@ mod sweeps;
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::Machine;
 use robovec_num::limits::NumberLimit;
-use robovec_schedule::{Choice, PlaceOptions, Priority};
+use robovec_schedule::{ElementChoice, PlaceOptions, Priority};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -168,13 +168,13 @@ pub enum PriorityKey {
     Mobility,
 }
 
-/// [`Choice`], ordered, so that placements can be sorted.
+/// [`ElementChoice`], ordered, so that placements can be sorted.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChoiceKey {
-    /// [`Choice::Preferential`].
+    /// [`ElementChoice::Preferential`].
     Preferential,
-    /// [`Choice::First`].
+    /// [`ElementChoice::First`].
     First,
 }
 
@@ -194,8 +194,8 @@ impl PlacementRequest {
                 PriorityKey::Mobility => Priority::Mobility,
             },
             choice: match self.choice {
-                ChoiceKey::Preferential => Choice::Preferential,
-                ChoiceKey::First => Choice::First,
+                ChoiceKey::Preferential => ElementChoice::Preferential,
+                ChoiceKey::First => ElementChoice::First,
             },
         }
     }

@@ -2,7 +2,7 @@
 
 use super::super::results::Results;
 use crate::present::{DataCell, DataTable};
-use robovec_analysis::rounding::Change;
+use robovec_analysis::rounding::MedianChange;
 
 pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
@@ -12,7 +12,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
         .filter(|facts| facts.machine == *name)
         .map(|facts| {
             let [read, now] = &facts.rounding;
-            let change = Change::relative(read, now);
+            let change = MedianChange::relative(read, now);
             vec![
                 DataCell::text(&facts.model),
                 DataCell::text(&facts.pipeline),

@@ -10,7 +10,7 @@ use super::super::plan::Printed;
 use super::super::printed::SystemTopology;
 use super::super::results::{Results, StudyPlacement};
 use crate::present::{DataCell, DataTable};
-use robovec_codegen::hardware::{Part, PartKind, Resources, Shape, parts};
+use robovec_codegen::hardware::{MachinePart, MachineShape, PartKind, ResourceUse, parts};
 
 /// What the thesis built: adders, multipliers.
 const BUILT: [u32; 2] = [4, 4];
@@ -79,7 +79,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
 
 /// The hardware for a placement: memories and buffers as large as the program
 /// needs, unless the machine says how large they are.
-fn shape(results: &Results, machine: usize, placed: StudyPlacement<'_>) -> Shape {
+fn shape(results: &Results, machine: usize, placed: StudyPlacement<'_>) -> MachineShape {
     let most = |words: fn(usize, StudyPlacement<'_>) -> f64| {
         let words = (0..2).map(|kind| words(kind, placed)).fold(0.0, f64::max);
         words as u32
@@ -87,7 +87,7 @@ fn shape(results: &Results, machine: usize, placed: StudyPlacement<'_>) -> Shape
     let memory = most(|kind, placed| placed.point.kinds[kind].memory[2]);
     let buffer = most(|kind, placed| placed.point.kinds[kind].buffer[2]).max(1);
     let description = &results.plan.machines[machine].machine;
-    let mut shape = Shape::of(description, placed.point.cycles, memory.max(1));
+    let mut shape = MachineShape::of(description, placed.point.cycles, memory.max(1));
     for (kind, count) in shape.kinds.iter_mut().zip(BUILT) {
         kind.count = count;
     }
@@ -97,8 +97,8 @@ fn shape(results: &Results, machine: usize, placed: StudyPlacement<'_>) -> Shape
     shape
 }
 
-fn total(parts: &[Part], is_bogie: bool) -> Vec<DataCell> {
-    let all: Resources = parts
+fn total(parts: &[MachinePart], is_bogie: bool) -> Vec<DataCell> {
+    let all: ResourceUse = parts
         .iter()
         .map(|part| part.each * f64::from(part.count))
         .sum();
@@ -119,7 +119,7 @@ fn total(parts: &[Part], is_bogie: bool) -> Vec<DataCell> {
 }
 
 /// Tables, registers, blocks of memory and multiplier blocks.
-fn amounts(taken: &Resources) -> [DataCell; 4] {
+fn amounts(taken: &ResourceUse) -> [DataCell; 4] {
     let all = [
         taken.aluts,
         taken.registers,
@@ -129,7 +129,7 @@ fn amounts(taken: &Resources) -> [DataCell; 4] {
     all.map(|amount| DataCell::count(amount.round() as u32))
 }
 
-fn row(part: &Part, shape: &Shape, is_bogie: bool) -> Vec<DataCell> {
+fn row(part: &MachinePart, shape: &MachineShape, is_bogie: bool) -> Vec<DataCell> {
     let kind = shape
         .kinds
         .iter()

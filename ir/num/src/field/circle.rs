@@ -17,7 +17,7 @@
 //! for a chance of `degree / r`, as in the plain field: both images are rings,
 //! and the points of the subgroup are as good as random points of the circle.
 
-use super::{Field, FieldPoint, PrimeField, Role, either_undefined};
+use super::{DrawRole, Field, FieldPoint, PrimeField, either_undefined};
 use crate::arithmetic::Arithmetic;
 
 /// A number and what it is as an angle.
@@ -67,7 +67,7 @@ impl CircleField {
         let neutral = (plain.prime.field.one(), 0);
         let generator = (0..)
             .map(|trial| {
-                let point = plain.circle_point(plain.draw(trial, Role::Generator));
+                let point = plain.circle_point(plain.draw(trial, DrawRole::Generator));
                 let thrice = field.add_points(field.add_points(point, point), point);
                 (0..3).fold(thrice, |sum, _| field.add_points(sum, sum))
             })
@@ -113,7 +113,7 @@ impl CircleField {
         let (size, negative) = self.plain.without_sign(value);
         let angle = match size {
             0 => 0,
-            size => order.spread(self.plain.bits(size, Role::Angle)),
+            size => order.spread(self.plain.bits(size, DrawRole::Angle)),
         };
         Angular {
             value,
@@ -212,7 +212,7 @@ impl Field for CircleField {
     }
 
     fn input(&self, index: u64) -> Angular {
-        let angle = self.plain.bits(index, Role::Turn);
+        let angle = self.plain.bits(index, DrawRole::Turn);
         Angular {
             value: self.plain.input(index),
             angle: self.plain.prime.order.spread(angle),

@@ -92,7 +92,7 @@ pub struct PrimeField {
 
 /// What a random element stands for; it keeps the draws apart.
 #[derive(Clone, Copy)]
-enum Role {
+enum DrawRole {
     Input = 1,
     Sine = 2,
     Cosine = 3,
@@ -152,11 +152,11 @@ impl PrimeField {
         if PrimeField::is_undefined(number) || number == 0 {
             return PrimeField::UNDEFINED;
         }
-        self.odd(number, Role::Inverse)
+        self.odd(number, DrawRole::Inverse)
     }
 
     /// Random bits, the same for the same seed, prime, number and role.
-    fn bits(&self, number: u64, role: Role) -> u64 {
+    fn bits(&self, number: u64, role: DrawRole) -> u64 {
         // Two rounds of a full-avalanche permutation: inputs are often small
         // consecutive numbers, and the seeds of successive points are too.
         let salt = mix(self.seed ^ self.prime.modulus() ^ (role as u64).rotate_left(56));
@@ -164,12 +164,12 @@ impl PrimeField {
     }
 
     /// A random element, the same for the same seed, number and role.
-    fn draw(&self, number: u64, role: Role) -> u64 {
+    fn draw(&self, number: u64, role: DrawRole) -> u64 {
         self.prime.field.spread(self.bits(number, role))
     }
 
     /// A random element that is odd in a number.
-    fn odd(&self, number: u64, role: Role) -> u64 {
+    fn odd(&self, number: u64, role: DrawRole) -> u64 {
         match self.without_sign(number) {
             (0, _) => 0,
             (size, false) => self.draw(size, role),
@@ -227,7 +227,7 @@ impl Field for PrimeField {
     }
 
     fn input(&self, index: u64) -> u64 {
-        self.draw(index, Role::Input)
+        self.draw(index, DrawRole::Input)
     }
 
     fn value(number: u64) -> u64 {
@@ -292,7 +292,7 @@ impl Arithmetic for PrimeField {
         if PrimeField::is_undefined(a) {
             return PrimeField::UNDEFINED;
         }
-        let drawn = self.odd(a, Role::Sine);
+        let drawn = self.odd(a, DrawRole::Sine);
         if self.circle {
             return self.circle_point(drawn).1;
         }
@@ -304,11 +304,11 @@ impl Arithmetic for PrimeField {
             return PrimeField::UNDEFINED;
         }
         if self.circle {
-            return self.circle_point(self.odd(a, Role::Sine)).0;
+            return self.circle_point(self.odd(a, DrawRole::Sine)).0;
         }
         match self.without_sign(a).0 {
             0 => self.prime.field.one(),
-            size => self.draw(size, Role::Cosine),
+            size => self.draw(size, DrawRole::Cosine),
         }
     }
 
@@ -317,7 +317,7 @@ impl Arithmetic for PrimeField {
             return PrimeField::UNDEFINED;
         }
         self.exact_root(a)
-            .unwrap_or_else(|| self.draw(a, Role::Root))
+            .unwrap_or_else(|| self.draw(a, DrawRole::Root))
     }
 
     #[inline]

@@ -8,7 +8,7 @@
 /// Invariant: where the number was not exact, the last bit of the significand
 /// is set ("and a little more") and at least 62 bits stand before it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Exact {
+pub(super) struct ExactNumber {
     pub(super) negative: bool,
     pub(super) significand: u128,
     pub(super) exponent: i32,
@@ -18,9 +18,9 @@ pub(super) struct Exact {
 /// for the carry.
 const LEADING: u32 = 125;
 
-impl Exact {
+impl ExactNumber {
     /// A binary64 number, its significand's leading bit at place 63.
-    fn new(number: f64) -> Option<Exact> {
+    fn new(number: f64) -> Option<ExactNumber> {
         let bits = number.to_bits();
         let field = (bits >> 52 & 0x7FF) as i32;
         let fraction = bits & ((1 << 52) - 1);
@@ -33,7 +33,7 @@ impl Exact {
             return None;
         }
         let shift = significand.leading_zeros();
-        Some(Exact {
+        Some(ExactNumber {
             negative: bits >> 63 == 1,
             significand: u128::from(significand << shift),
             exponent: exponent - shift as i32,
@@ -47,7 +47,7 @@ impl Exact {
 
     /// The same number with its leading bit at [`LEADING`]; what is shifted
     /// out must be zeros.
-    fn aligned(self) -> Exact {
+    fn aligned(self) -> ExactNumber {
         let place = self.significand.ilog2();
         let (significand, shift) = if place > LEADING {
             let shift = place - LEADING;
@@ -56,7 +56,7 @@ impl Exact {
             let shift = LEADING - place;
             (self.significand << shift, -(shift as i32))
         };
-        Exact {
+        ExactNumber {
             significand,
             exponent: self.exponent + shift,
             ..self
@@ -65,7 +65,7 @@ impl Exact {
 
     /// The sum. Terms have at most 106 significant bits, so that of the
     /// smaller one nothing is lost where leading bits can cancel.
-    fn plus(self, other: Exact) -> Option<Exact> {
+    fn plus(self, other: ExactNumber) -> Option<ExactNumber> {
         let (a, b) = (self.aligned(), other.aligned());
         let (large, small) = if (a.exponent, a.significand) >= (b.exponent, b.significand) {
             (a, b)
@@ -78,7 +78,7 @@ impl Exact {
         } else {
             large.significand - shifted
         };
-        (significand != 0).then_some(Exact {
+        (significand != 0).then_some(ExactNumber {
             significand,
             ..large
         })
@@ -95,14 +95,14 @@ fn shifted_right(significand: u128, shift: u32) -> u128 {
 }
 
 /// `a + b`.
-pub(super) fn sum(a: f64, b: f64) -> Option<Exact> {
-    Exact::new(a)?.plus(Exact::new(b)?)
+pub(super) fn sum(a: f64, b: f64) -> Option<ExactNumber> {
+    ExactNumber::new(a)?.plus(ExactNumber::new(b)?)
 }
 
 /// `a * b`.
-pub(super) fn product(a: f64, b: f64) -> Option<Exact> {
-    let (a, b) = (Exact::new(a)?, Exact::new(b)?);
-    Some(Exact {
+pub(super) fn product(a: f64, b: f64) -> Option<ExactNumber> {
+    let (a, b) = (ExactNumber::new(a)?, ExactNumber::new(b)?);
+    Some(ExactNumber {
         negative: a.negative != b.negative,
         significand: a.significand * b.significand,
         exponent: a.exponent + b.exponent,
@@ -110,11 +110,11 @@ pub(super) fn product(a: f64, b: f64) -> Option<Exact> {
 }
 
 /// `a / b`.
-pub(super) fn quotient(a: f64, b: f64) -> Option<Exact> {
-    let (a, b) = (Exact::new(a)?, Exact::new(b)?);
+pub(super) fn quotient(a: f64, b: f64) -> Option<ExactNumber> {
+    let (a, b) = (ExactNumber::new(a)?, ExactNumber::new(b)?);
     let dividend = a.significand << 63;
     let rest = dividend % b.significand;
-    Some(Exact {
+    Some(ExactNumber {
         negative: a.negative != b.negative,
         significand: (dividend / b.significand) | u128::from(rest != 0),
         exponent: a.exponent - 63 - b.exponent,
@@ -122,12 +122,12 @@ pub(super) fn quotient(a: f64, b: f64) -> Option<Exact> {
 }
 
 /// `sqrt(a)`.
-pub(super) fn root(a: f64) -> Option<Exact> {
-    let a = Exact::new(a).filter(|a| !a.negative)?;
+pub(super) fn root(a: f64) -> Option<ExactNumber> {
+    let a = ExactNumber::new(a).filter(|a| !a.negative)?;
     let shift = 62 + (a.exponent & 1) as u32;
     let radicand = a.significand << shift;
     let root = radicand.isqrt();
-    Some(Exact {
+    Some(ExactNumber {
         negative: false,
         significand: root | u128::from(root * root != radicand),
         exponent: (a.exponent - shift as i32) / 2,
@@ -135,12 +135,12 @@ pub(super) fn root(a: f64) -> Option<Exact> {
 }
 
 /// `a * b + c`.
-pub(super) fn fused(a: f64, b: f64, c: f64) -> Option<Exact> {
+pub(super) fn fused(a: f64, b: f64, c: f64) -> Option<ExactNumber> {
     if !c.is_finite() {
         return None;
     }
     let product = product(a, b)?;
-    match Exact::new(c) {
+    match ExactNumber::new(c) {
         Some(c) => product.plus(c),
         None => Some(product),
     }

@@ -51,13 +51,13 @@ use rounding::Rounding;
 #[derive(Clone, Copy, Debug)]
 pub struct FormatArithmetic {
     format: Format,
-    method: Method,
+    method: RoundingMethod,
     rounding: Rounding,
 }
 
 /// How the one rounding is reached.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Method {
+enum RoundingMethod {
     /// The hardware's binary32.
     Binary32,
     /// The hardware's binary64.
@@ -80,11 +80,11 @@ impl FormatArithmetic {
     /// The arithmetic of a format, for operands of that format.
     pub fn new(format: Format) -> FormatArithmetic {
         let method = match format {
-            Format::BINARY32 => Method::Binary32,
+            Format::BINARY32 => RoundingMethod::Binary32,
             Format::Float(NumberFormat {
                 exponent, mantissa, ..
-            }) if exponent <= TWICE_EXPONENT && mantissa <= TWICE_MANTISSA => Method::Twice,
-            _ => Method::for_any_operands(format),
+            }) if exponent <= TWICE_EXPONENT && mantissa <= TWICE_MANTISSA => RoundingMethod::Twice,
+            _ => RoundingMethod::for_any_operands(format),
         };
         FormatArithmetic {
             format,
@@ -98,7 +98,7 @@ impl FormatArithmetic {
     pub fn mixed(format: Format) -> FormatArithmetic {
         FormatArithmetic {
             format,
-            method: Method::for_any_operands(format),
+            method: RoundingMethod::for_any_operands(format),
             rounding: Rounding::new(format),
         }
     }
@@ -113,7 +113,7 @@ impl FormatArithmetic {
     #[inline]
     pub fn convert(&self, number: f64) -> f64 {
         match self.method {
-            Method::Binary64 => number,
+            RoundingMethod::Binary64 => number,
             _ => self.rounding.round(number),
         }
     }
@@ -128,26 +128,26 @@ impl FormatArithmetic {
         general: impl Fn([f64; COUNT], &Rounding) -> f64,
     ) -> f64 {
         match self.method {
-            Method::Binary32 => f64::from(binary32(operands.map(|number| number as f32))),
-            Method::Binary64 => binary64(operands),
-            Method::Binary64Flushed | Method::Twice => {
+            RoundingMethod::Binary32 => f64::from(binary32(operands.map(|number| number as f32))),
+            RoundingMethod::Binary64 => binary64(operands),
+            RoundingMethod::Binary64Flushed | RoundingMethod::Twice => {
                 self.rounding.round_result(binary64(operands))
             }
-            Method::Once => general(operands, &self.rounding),
+            RoundingMethod::Once => general(operands, &self.rounding),
         }
     }
 }
 
-impl Method {
-    fn for_any_operands(format: Format) -> Method {
+impl RoundingMethod {
+    fn for_any_operands(format: Format) -> RoundingMethod {
         match format {
-            Format::BINARY64 => Method::Binary64,
+            Format::BINARY64 => RoundingMethod::Binary64,
             Format::Float(NumberFormat {
                 exponent: 11,
                 mantissa: 52,
                 ..
-            }) => Method::Binary64Flushed,
-            _ => Method::Once,
+            }) => RoundingMethod::Binary64Flushed,
+            _ => RoundingMethod::Once,
         }
     }
 }
@@ -176,8 +176,8 @@ impl Arithmetic for FormatArithmetic {
     #[inline]
     fn mul(&self, a: f64, b: f64) -> f64 {
         match self.method {
-            Method::Twice => self.rounding.round_result(a * b),
-            Method::Binary64Flushed => odd::flushed_product(a, b, &self.rounding),
+            RoundingMethod::Twice => self.rounding.round_result(a * b),
+            RoundingMethod::Binary64Flushed => odd::flushed_product(a, b, &self.rounding),
             _ => self.choose([a, b], |[a, b]| a * b, |[a, b]| a * b, odd::product),
         }
     }
@@ -186,7 +186,7 @@ impl Arithmetic for FormatArithmetic {
         match self.method {
             // Binary64's own result may have been rounded up to the least
             // normal number.
-            Method::Binary64Flushed => odd::quotient([a, b], &self.rounding),
+            RoundingMethod::Binary64Flushed => odd::quotient([a, b], &self.rounding),
             _ => self.choose([a, b], |[a, b]| a / b, |[a, b]| a / b, odd::quotient),
         }
     }
@@ -204,10 +204,10 @@ impl Arithmetic for FormatArithmetic {
     fn fma(&self, a: f64, b: f64, c: f64) -> f64 {
         match self.method {
             // The product is exact, so this is a sum of two numbers.
-            Method::Twice => odd::sum([a * b, c], &self.rounding),
+            RoundingMethod::Twice => odd::sum([a * b, c], &self.rounding),
             // Binary64's own result may have been rounded up to the least
             // normal number.
-            Method::Binary64Flushed => odd::fused([a, b, c], &self.rounding),
+            RoundingMethod::Binary64Flushed => odd::fused([a, b, c], &self.rounding),
             _ => self.choose(
                 [a, b, c],
                 |[a, b, c]| a.mul_add(b, c),

@@ -1,6 +1,6 @@
 //! The one rounding that makes a result a number of its format.
 
-use super::exact::Exact;
+use super::exact::ExactNumber;
 use crate::NumberFormat;
 use crate::format::{FixedFormat, Format};
 
@@ -56,7 +56,7 @@ impl Rounding {
     }
 
     /// The nearest number of the format to the exact result of an operation.
-    pub(super) fn round_exact(&self, number: Exact) -> f64 {
+    pub(super) fn round_exact(&self, number: ExactNumber) -> f64 {
         match self {
             Rounding::Float(float) => float.round_exact(number),
             Rounding::Fixed(fixed) => fixed.round_exact(number),
@@ -142,7 +142,7 @@ impl FloatRounding {
         }
     }
 
-    fn round_exact(&self, number: Exact) -> f64 {
+    fn round_exact(&self, number: ExactNumber) -> f64 {
         let leading = number.leading();
         let size = if leading > self.largest_exponent {
             f64::INFINITY
@@ -209,7 +209,7 @@ impl FixedRounding {
         number.clamp(self.lowest, self.highest) + 0.0
     }
 
-    fn round_exact(&self, number: Exact) -> f64 {
+    fn round_exact(&self, number: ExactNumber) -> f64 {
         let size = if number.leading() > self.integer {
             f64::INFINITY
         } else {

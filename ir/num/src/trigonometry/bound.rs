@@ -1,40 +1,40 @@
 //! The largest error over a range, from enclosures on its parts.
 
-use super::interval::Interval;
+use super::interval::ErrorInterval;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Parts a range may be cut into before the bound is good enough; the count,
 /// not the time, limits the work.
-const MOST_PARTS: usize = 600;
+const MAX_PARTS: usize = 600;
 
 /// A bound may be this much above an error that is known to occur.
 const CLOSE: f64 = 1.02;
 
 /// A part of the range.
-struct Part {
+struct RangePart {
     low: f64,
     high: f64,
     /// No error on it is larger.
     upper: f64,
 }
 
-impl PartialEq for Part {
-    fn eq(&self, other: &Part) -> bool {
+impl PartialEq for RangePart {
+    fn eq(&self, other: &RangePart) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Part {}
+impl Eq for RangePart {}
 
-impl PartialOrd for Part {
-    fn partial_cmp(&self, other: &Part) -> Option<Ordering> {
+impl PartialOrd for RangePart {
+    fn partial_cmp(&self, other: &RangePart) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Part {
-    fn cmp(&self, other: &Part) -> Ordering {
+impl Ord for RangePart {
+    fn cmp(&self, other: &RangePart) -> Ordering {
         let order = self.upper.total_cmp(&other.upper);
         order.then(other.low.total_cmp(&self.low))
     }
@@ -46,8 +46,8 @@ impl Ord for Part {
 /// The part with the largest bound is cut in two until that bound is close to
 /// an error that certainly occurs (the smallest member of an enclosure of one
 /// angle), or until there are very many parts.
-pub fn worst(range: f64, enclosure: impl Fn(f64, f64) -> Interval) -> f64 {
-    let part = |low: f64, high: f64| Part {
+pub fn worst(range: f64, enclosure: impl Fn(f64, f64) -> ErrorInterval) -> f64 {
+    let part = |low: f64, high: f64| RangePart {
         low,
         high,
         upper: enclosure(low, high).magnitude(),
@@ -55,7 +55,7 @@ pub fn worst(range: f64, enclosure: impl Fn(f64, f64) -> Interval) -> f64 {
     let at = |angle: f64| enclosure(angle, angle).mignitude();
     let mut reached = at(0.0).max(at(range));
     let mut parts = BinaryHeap::from([part(0.0, range)]);
-    for _ in 0..MOST_PARTS {
+    for _ in 0..MAX_PARTS {
         let Some(top) = parts.peek() else { break };
         let middle = 0.5 * (top.low + top.high);
         let divisible = top.low < middle && middle < top.high;
@@ -86,12 +86,15 @@ mod tests {
     fn the_largest_value_of_a_function_is_found() {
         // x (1 - x) on [0, 1], by intervals.
         let bound = worst(1.0, |low, high| {
-            let x = Interval { low, high };
-            x * (Interval::point(1.0) - x)
+            let x = ErrorInterval { low, high };
+            x * (ErrorInterval::point(1.0) - x)
         });
         assert!((0.25..0.26).contains(&bound), "{bound}");
-        assert_eq!(worst(1.0, |_, _| Interval::point(0.0)), 0.0);
-        assert_eq!(worst(1.0, |_, _| Interval::within(f64::NAN)), f64::INFINITY);
+        assert_eq!(worst(1.0, |_, _| ErrorInterval::point(0.0)), 0.0);
+        assert_eq!(
+            worst(1.0, |_, _| ErrorInterval::within(f64::NAN)),
+            f64::INFINITY
+        );
     }
 
     /// The largest errors of sine and cosine on a range, for orders 1, 3, 5

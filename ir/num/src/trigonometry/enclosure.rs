@@ -15,13 +15,13 @@
 //! enclosure meets a number above the sum of all `|D_k| t^k` at the end of
 //! the range, whose 2^-88 part is therefore added as a margin.
 
-use super::interval::Interval;
+use super::interval::ErrorInterval;
 use super::polynomial::{Circular, LARGEST_RANGE, Polynomial};
 use crate::double_double::Double;
 
 /// The error of a polynomial as a function of the angle.
 #[derive(Clone, Debug)]
-pub struct Enclosure {
+pub struct ErrorEnclosure {
     of: Circular,
     /// `D(t)`, without the factor `x` of a sine.
     difference: Vec<Double>,
@@ -34,29 +34,29 @@ pub struct Enclosure {
 const NEGLIGIBLE: f64 = 1.0 / (1u64 << 60) as f64;
 
 /// And no farther than this many terms: enough for [`LARGEST_RANGE`].
-const MOST_TERMS: usize = 100;
+const MAX_TERMS: usize = 100;
 
-impl Enclosure {
+impl ErrorEnclosure {
     /// The error for angles up to `range` radians of either sign; `None` for
     /// ranges beyond [`LARGEST_RANGE`] or that are no size.
-    pub fn new(polynomial: &Polynomial, range: f64) -> Option<Enclosure> {
+    pub fn new(polynomial: &Polynomial, range: f64) -> Option<ErrorEnclosure> {
         if !(0.0..=LARGEST_RANGE).contains(&range) {
             return None;
         }
         let square = (range * range).next_up();
         let used = polynomial.coefficients.len();
-        let series = polynomial.of.series(MOST_TERMS);
+        let series = polynomial.of.series(MAX_TERMS);
         // Terms `|c_k| t^k` of the series at the end of the range.
         let mut power = 1.0;
-        let mut sizes = Vec::with_capacity(MOST_TERMS);
+        let mut sizes = Vec::with_capacity(MAX_TERMS);
         for coefficient in &series {
             sizes.push(coefficient.high.abs() * power);
             power *= square;
         }
-        let left_out = sizes[used.min(MOST_TERMS - 2)];
-        let last = (used + 1..MOST_TERMS - 1)
+        let left_out = sizes[used.min(MAX_TERMS - 2)];
+        let last = (used + 1..MAX_TERMS - 1)
             .find(|&term| sizes[term] <= left_out * NEGLIGIBLE)
-            .unwrap_or(MOST_TERMS - 1);
+            .unwrap_or(MAX_TERMS - 1);
         // Lagrange: the remainder is at most the size of the first term that
         // is left out, whatever the angle.
         let remainder = sizes[last] * (1.0 + 1e-12) + f64::MIN_POSITIVE;
@@ -70,7 +70,7 @@ impl Enclosure {
         for coefficient in difference.iter().rev() {
             majorant = majorant * square + coefficient.high.abs();
         }
-        Some(Enclosure {
+        Some(ErrorEnclosure {
             of: polynomial.of,
             difference,
             margin: remainder + majorant * 2f64.powi(-88),
@@ -79,7 +79,7 @@ impl Enclosure {
 
     /// Holds polynomial minus function for all angles from `low` to `high`,
     /// both within the range and not negative.
-    pub fn error(&self, low: f64, high: f64) -> Interval {
+    pub fn error(&self, low: f64, high: f64) -> ErrorInterval {
         let start = Double::from(low) * Double::from(low);
         let end = Double::from(high) * Double::from(high);
         let bernstein = bernstein(&self.difference, start, end - start);
@@ -89,13 +89,13 @@ impl Enclosure {
             lowest = lowest.min(coefficient.high);
             highest = highest.max(coefficient.high);
         }
-        let difference = Interval {
+        let difference = ErrorInterval {
             low: lowest.next_down(),
             high: highest.next_up(),
         };
         let difference = difference.widened(self.margin);
         match self.of {
-            Circular::Sine => difference * Interval { low, high },
+            Circular::Sine => difference * ErrorInterval { low, high },
             Circular::Cosine => difference,
         }
     }
@@ -155,7 +155,7 @@ mod tests {
         for of in Circular::BOTH {
             for (order, range) in [(1, 0.1), (3, 1.0), (7, 3.0), (11, 6.0)] {
                 let polynomial = Polynomial::taylor(of, order);
-                let enclosure = Enclosure::new(&polynomial, range).expect("a fair range");
+                let enclosure = ErrorEnclosure::new(&polynomial, range).expect("a fair range");
                 for piece in 0..16 {
                     let low = range * f64::from(piece) / 16.0;
                     let high = range * f64::from(piece + 1) / 16.0;

@@ -7,8 +7,8 @@
 //! every part of the range.
 
 use super::bound::worst;
-use super::enclosure::Enclosure;
-use super::interval::Interval;
+use super::enclosure::ErrorEnclosure;
+use super::interval::ErrorInterval;
 use super::polynomial::{Circular, Polynomial};
 use crate::arithmetic::Arithmetic;
 use crate::double_double::{Double, DoubleDouble};
@@ -26,7 +26,7 @@ pub struct Halved {
 
 /// Angles are halved at most this often: what is left of the largest range
 /// is then below 1/2000 radian.
-pub const MOST_HALVINGS: u32 = 16;
+pub const MAX_HALVINGS: u32 = 16;
 
 impl Halved {
     /// The largest absolute errors of the sine and of the cosine that come
@@ -34,8 +34,8 @@ impl Halved {
     /// [`Polynomial::proved_error`].
     pub fn proved_errors(&self, range: f64) -> [f64; 2] {
         let small = self.reduced(range);
-        let sine = Enclosure::new(&self.sine, small);
-        let cosine = Enclosure::new(&self.cosine, small);
+        let sine = ErrorEnclosure::new(&self.sine, small);
+        let cosine = ErrorEnclosure::new(&self.cosine, small);
         let (Some(sine), Some(cosine)) = (sine, cosine) else {
             return [f64::INFINITY; 2];
         };
@@ -49,14 +49,14 @@ impl Halved {
 
     /// The range the polynomials see.
     pub fn reduced(&self, range: f64) -> f64 {
-        range * 2f64.powi(-(self.halvings.min(MOST_HALVINGS) as i32))
+        range * 2f64.powi(-(self.halvings.min(MAX_HALVINGS) as i32))
     }
 
     /// What the errors of sine and cosine become when the angles between
     /// `low` and `high` are doubled back.
-    fn doubled(&self, errors: [Interval; 2], low: f64, high: f64) -> [Interval; 2] {
+    fn doubled(&self, errors: [ErrorInterval; 2], low: f64, high: f64) -> [ErrorInterval; 2] {
         let [mut sine, mut cosine] = errors;
-        let two = Interval::point(2.0);
+        let two = ErrorInterval::point(2.0);
         let mut scale = 1.0;
         for _ in 0..self.halvings {
             let (s, c) = (
@@ -90,15 +90,15 @@ impl Halved {
 
 /// Holds the true values for all angles between two: the value in the middle
 /// and half the width, since no slope is steeper than 1.
-fn true_values(of: Circular, low: f64, high: f64) -> Interval {
+fn true_values(of: Circular, low: f64, high: f64) -> ErrorInterval {
     let middle = Double::from(0.5 * (low + high));
     let value = match of {
         Circular::Sine => DoubleDouble.sin(middle),
         Circular::Cosine => DoubleDouble.cos(middle),
     };
     let half = 0.5 * (high - low) + high.abs() * f64::EPSILON;
-    let enclosed = Interval::point(value.high).widened(half + f64::EPSILON);
-    enclosed.clamped(Interval::within(1.0))
+    let enclosed = ErrorInterval::point(value.high).widened(half + f64::EPSILON);
+    enclosed.clamped(ErrorInterval::within(1.0))
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ use crate::soft_float::FormatArithmetic;
 const GRID: usize = 24;
 
 /// Exchanges; the algorithm converges quadratically, five are the rule.
-const MOST_EXCHANGES: usize = 20;
+const MAX_EXCHANGES: usize = 20;
 
 impl Polynomial {
     /// The polynomial with powers up to an order whose largest absolute error
@@ -114,7 +114,7 @@ fn fit(of: Circular, fixed: &[f64], terms: usize, range: f64) -> Option<Vec<Doub
     let grid = grid(of, fixed, terms, range);
     let mut chosen: Vec<usize> = (0..=terms).map(|k| k * GRID).collect();
     let mut coefficients = level(&grid, &chosen, first)?;
-    for _ in 0..MOST_EXCHANGES {
+    for _ in 0..MAX_EXCHANGES {
         let errors: Vec<f64> = (0..grid.places.len())
             .map(|index| {
                 let value = powers(&coefficients, grid.places[index], first);

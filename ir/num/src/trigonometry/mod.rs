@@ -20,5 +20,5 @@ pub mod polynomial;
 
 pub use bound::worst;
 pub use halving::Halved;
-pub use interval::Interval;
-pub use polynomial::{Circular, LARGEST_RANGE, MOST_ORDER, Polynomial};
+pub use interval::ErrorInterval;
+pub use polynomial::{Circular, LARGEST_RANGE, MAX_ORDER, Polynomial};

@@ -57,10 +57,10 @@ impl Circular {
 
 /// The largest order a polynomial can have: the series of both functions
 /// then end below the rounding of binary64 for any angle of a turn.
-pub const MOST_ORDER: u32 = 31;
+pub const MAX_ORDER: u32 = 31;
 
 /// The largest range polynomials are judged on, in radians: beyond five turns
-/// no series of [`MOST_ORDER`] is of use.
+/// no series of [`MAX_ORDER`] is of use.
 pub const LARGEST_RANGE: f64 = 32.0;
 
 /// A polynomial in the square of the angle: `c[0] + c[1] x^2 + c[2] x^4 …`,
@@ -123,7 +123,7 @@ impl Polynomial {
     ///
     /// Infinite beyond [`LARGEST_RANGE`] and for ranges that are no number.
     pub fn proved_error(&self, range: f64) -> f64 {
-        let enclosure = super::enclosure::Enclosure::new(self, range);
+        let enclosure = super::enclosure::ErrorEnclosure::new(self, range);
         enclosure.map_or(f64::INFINITY, |enclosure| {
             super::bound::worst(range, |low, high| enclosure.error(low, high))
         })

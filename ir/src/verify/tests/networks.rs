@@ -2,7 +2,7 @@
 
 use super::{parsed, view};
 use crate::Machine;
-use crate::machine::interconnect::{Interconnect, Network, Topology};
+use crate::machine::interconnect::{Interconnect, LinkNetwork, Topology};
 use crate::verify::verify_placement;
 
 /// One ring of add0, multi0, add1, multi1: the sum has two hops to go in
@@ -22,7 +22,7 @@ const RING: &str = "function f placed {
 fn messages(words: u32) -> Vec<String> {
     let module = parsed(RING);
     let mut machine = Machine::built_in("torus").expect("it ships");
-    machine.interconnect = Interconnect::Network(Network {
+    machine.interconnect = Interconnect::Network(LinkNetwork {
         topology: Topology::Torus,
         hop: 1,
         words,

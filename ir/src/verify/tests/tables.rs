@@ -2,8 +2,8 @@
 
 use super::{ATOMIC, PLACED, after, placement};
 use crate::entity::Value;
-use crate::formats::Formats;
-use crate::history::{Histories, Step};
+use crate::history::{Histories, HistoryStep};
+use crate::value_formats::ValueFormats;
 use robovec_num::format::{FixedFormat, Format};
 
 #[test]
@@ -31,7 +31,7 @@ fn formats_can_be_computed_in() {
         fraction: 14,
     });
     let messages = after(ATOMIC, |function| {
-        let mut formats = Formats::new(function.nodes().len());
+        let mut formats = ValueFormats::new(function.nodes().len());
         formats.set(Value(0), Some(format));
         function.formats = Some(formats);
     });
@@ -43,7 +43,7 @@ fn formats_can_be_computed_in() {
 
 #[test]
 fn histories_are_in_the_table() {
-    let step = || Step {
+    let step = || HistoryStep {
         before: crate::History::NONE,
         pass: "balance".to_owned(),
         rules: Vec::new(),

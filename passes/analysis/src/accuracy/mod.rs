@@ -36,9 +36,9 @@ mod spread;
 
 use super::adjoint::Tape;
 use super::condition::{Judgement, Sensitivities, conditions, spectral};
-use super::reference::{Effort, Exact, Kind, LANES, Reference};
+use super::reference::{ExactEvidence, ExactOutput, LANES, ReferenceEffort, ReferenceEvaluator};
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
-use robovec_ir::plan::Plan;
+use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Output, Shape, View};
 use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
@@ -47,7 +47,7 @@ use robovec_num::format::Format;
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_num::trigonometry::host;
 pub(super) use samples::Samples;
-pub use spread::Spread;
+pub use spread::StateSpread;
 use std::array;
 
 /// The error of one output element.
@@ -56,13 +56,13 @@ pub struct ElementError {
     /// Which element.
     pub output: Output,
     /// The distance from the exact value, in its unit.
-    pub absolute: Spread,
+    pub absolute: StateSpread,
     /// Relative to the exact value.
-    pub relative: Spread,
+    pub relative: StateSpread,
     /// In units in the last place of the exact value.
-    pub ulps: Spread,
+    pub ulps: StateSpread,
     /// Relative to the exact value and what it reacts to.
-    pub mixed: Spread,
+    pub mixed: StateSpread,
     /// The median over the states of the estimated condition number for
     /// independent errors of the inputs; 0 where it was not asked for.
     pub sensitivity: f64,
@@ -101,11 +101,11 @@ pub struct ArrayError {
     /// Index into [`robovec_ir::Function::outputs`].
     pub array: usize,
     /// Largest error over largest element.
-    pub normwise: Spread,
+    pub normwise: StateSpread,
     /// Largest relative error of an element.
-    pub componentwise: Spread,
+    pub componentwise: StateSpread,
     /// Largest mixed error of an element.
-    pub mixed: Spread,
+    pub mixed: StateSpread,
 }
 
 /// The errors in one number format.
@@ -114,9 +114,9 @@ pub struct FormatAccuracy {
     /// What was computed with.
     pub format: Format,
     /// All outputs in all states as one population.
-    pub relative: Spread,
+    pub relative: StateSpread,
     /// The same, mixed.
-    pub mixed: Spread,
+    pub mixed: StateSpread,
     /// The part of all outputs in all states whose computed number is below
     /// the normal ones, and not exactly zero.
     pub subnormal: f64,
@@ -134,7 +134,7 @@ pub struct MatrixCondition {
     /// Index into [`robovec_ir::Function::outputs`].
     pub array: usize,
     /// Its condition number in the 2-norm.
-    pub condition: Spread,
+    pub condition: StateSpread,
 }
 
 /// What stands behind the exact values.
@@ -159,7 +159,7 @@ pub struct Accuracy {
     /// From which seed.
     pub seed: u64,
     /// What the outputs were compared with.
-    pub effort: Effort,
+    pub effort: ReferenceEffort,
     /// How certain that is.
     pub certainty: Certainty,
     /// One entry per format, in the order they were asked for.
@@ -178,7 +178,7 @@ impl Accuracy {
 
 /// The errors of a whole function in a few numbers.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Summary {
+pub struct ErrorSummary {
     /// The median over all outputs of their median relative error.
     pub median_relative: f64,
     /// The largest normwise error of any array in any state.
@@ -193,7 +193,7 @@ pub struct Summary {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Measurement {
     /// What is done for the exact values.
-    pub effort: Effort,
+    pub effort: ReferenceEffort,
     /// Whether mixed errors get their floor; without, they are the relative
     /// ones.
     pub sensitivities: bool,
@@ -206,7 +206,7 @@ pub struct Measurement {
 impl Measurement {
     /// Errors alone, as fast as can be.
     pub const QUICK: Measurement = Measurement {
-        effort: Effort::DoubleDouble,
+        effort: ReferenceEffort::DoubleDouble,
         sensitivities: false,
         condition_work: 0,
     };
@@ -224,12 +224,12 @@ impl Default for Measurement {
 
 impl FormatAccuracy {
     /// The whole function in a few numbers; all 0 for one without outputs.
-    pub fn summary(&self) -> Summary {
+    pub fn summary(&self) -> ErrorSummary {
         let medians = self
             .elements
             .iter()
             .map(|element| (0, element.relative.median));
-        let medians = Spread::of(medians);
+        let medians = StateSpread::of(medians);
         let worst = self
             .elements
             .iter()
@@ -239,7 +239,7 @@ impl FormatAccuracy {
                 // The first of equals, so that the choice is stable.
                 order.then(b.output.cmp(&a.output))
             });
-        Summary {
+        ErrorSummary {
             median_relative: if medians.median.is_nan() {
                 0.0
             } else {
@@ -277,9 +277,9 @@ pub fn measure(
     let mut certainty = Certainty::default();
     let mut matrices = Matrices::new(view, measurement.condition_work > 0);
     let mut sensitivities = Sensitivities::new(view.function);
-    let mut evaluators: Vec<Evaluator> = formats
+    let mut evaluators: Vec<FormatEvaluator> = formats
         .iter()
-        .map(|&format| Evaluator::new(view, format))
+        .map(|&format| FormatEvaluator::new(view, format))
         .collect();
     for_each_batch(
         view,
@@ -329,12 +329,12 @@ pub fn measure(
 /// The errors in one format, state by state.
 pub(super) fn samples(view: View<'_>, states: &States, count: u32, format: Format) -> Samples {
     let mut samples = Samples::new(view, format);
-    let mut evaluator = Evaluator::new(view, format);
+    let mut evaluator = FormatEvaluator::new(view, format);
     for_each_batch(
         view,
         states,
         count,
-        Effort::DoubleDouble,
+        ReferenceEffort::DoubleDouble,
         |_, batch, exact| {
             let computed = evaluator.run(batch);
             for (lane, exact) in exact.iter().enumerate() {
@@ -353,10 +353,10 @@ fn for_each_batch(
     view: View<'_>,
     states: &States,
     count: u32,
-    effort: Effort,
-    mut use_batch: impl FnMut(u32, &[Vec<f64>; LANES], &[Vec<Exact>]),
+    effort: ReferenceEffort,
+    mut use_batch: impl FnMut(u32, &[Vec<f64>; LANES], &[Vec<ExactOutput>]),
 ) {
-    let mut reference = Reference::new(view.function, effort);
+    let mut reference = ReferenceEvaluator::new(view.function, effort);
     for first in (0..count).step_by(LANES) {
         let wanted = LANES.min((count - first) as usize);
         let last = first + wanted as u32 - 1;
@@ -368,14 +368,14 @@ fn for_each_batch(
 }
 
 /// Evaluates a function in a format, state after state.
-struct Evaluator<'a> {
+struct FormatEvaluator<'a> {
     function: &'a Function,
-    plan: Plan,
-    memory: Memory,
+    plan: EvaluationPlan,
+    memory: FormatMemory,
 }
 
 /// What a format computes with, and its values.
-enum Memory {
+enum FormatMemory {
     Binary32(Vec<[f32; LANES]>),
     Binary64(Vec<[f64; LANES]>),
     Soft(FormatArithmetic, Vec<[f64; LANES]>),
@@ -389,16 +389,16 @@ fn needs_mixed(view: View<'_>) -> bool {
     view.function.formats.is_some() || view.function.metadata(host::KEY).is_some()
 }
 
-impl<'a> Evaluator<'a> {
-    fn new(view: View<'a>, format: Format) -> Evaluator<'a> {
-        Evaluator {
+impl<'a> FormatEvaluator<'a> {
+    fn new(view: View<'a>, format: Format) -> FormatEvaluator<'a> {
+        FormatEvaluator {
             function: view.function,
-            plan: Plan::new(view.function),
+            plan: EvaluationPlan::new(view.function),
             memory: match format {
-                format if needs_mixed(view) => Memory::Mixed(format),
-                Format::BINARY32 => Memory::Binary32(Vec::new()),
-                Format::BINARY64 => Memory::Binary64(Vec::new()),
-                format => Memory::Soft(FormatArithmetic::new(format), Vec::new()),
+                format if needs_mixed(view) => FormatMemory::Mixed(format),
+                Format::BINARY32 => FormatMemory::Binary32(Vec::new()),
+                Format::BINARY64 => FormatMemory::Binary64(Vec::new()),
+                format => FormatMemory::Soft(FormatArithmetic::new(format), Vec::new()),
             },
         }
     }
@@ -407,13 +407,13 @@ impl<'a> Evaluator<'a> {
     fn run(&mut self, inputs: &[Vec<f64>; LANES]) -> Vec<[f64; LANES]> {
         let plan = &self.plan;
         match &mut self.memory {
-            Memory::Binary32(memory) => run_lanes(plan, Binary32, inputs, memory)
+            FormatMemory::Binary32(memory) => run_lanes(plan, Binary32, inputs, memory)
                 .into_iter()
                 .map(|lanes| lanes.map(f64::from))
                 .collect(),
-            Memory::Binary64(memory) => run_lanes(plan, Binary64, inputs, memory),
-            Memory::Soft(arithmetic, memory) => run_lanes(plan, *arithmetic, inputs, memory),
-            Memory::Mixed(format) => {
+            FormatMemory::Binary64(memory) => run_lanes(plan, Binary64, inputs, memory),
+            FormatMemory::Soft(arithmetic, memory) => run_lanes(plan, *arithmetic, inputs, memory),
+            FormatMemory::Mixed(format) => {
                 let lanes = inputs
                     .each_ref()
                     .map(|inputs| evaluate_mixed(self.function, *format, inputs));
@@ -426,7 +426,7 @@ impl<'a> Evaluator<'a> {
 }
 
 fn run_lanes<A: Arithmetic + Copy>(
-    plan: &Plan,
+    plan: &EvaluationPlan,
     arithmetic: A,
     inputs: &[Vec<f64>; LANES],
     memory: &mut Vec<[A::Number; LANES]>,
@@ -451,13 +451,13 @@ pub fn evaluate_at<A: Arithmetic>(
 }
 
 impl Certainty {
-    fn count(&mut self, exact: &[Exact]) {
+    fn count(&mut self, exact: &[ExactOutput]) {
         for value in exact {
             *match value.kind {
-                Kind::DoubleDouble => &mut self.double_double,
-                Kind::Precise(_) => &mut self.precise,
-                Kind::Zero => &mut self.zero,
-                Kind::Unproved | Kind::Uncertain => &mut self.uncertain,
+                ExactEvidence::DoubleDouble => &mut self.double_double,
+                ExactEvidence::Precise(_) => &mut self.precise,
+                ExactEvidence::Zero => &mut self.zero,
+                ExactEvidence::Unproved | ExactEvidence::Uncertain => &mut self.uncertain,
             } += 1;
         }
     }
@@ -507,11 +507,11 @@ const LARGEST_ORDER: u32 = 256;
 
 /// A symmetric matrix among the outputs: array, order, offset of its first
 /// element, and the condition numbers found.
-type Matrix = (usize, usize, u32, Vec<(u32, f64)>);
+type SymmetricMatrix = (usize, usize, u32, Vec<(u32, f64)>);
 
 /// The condition numbers of output arrays that are symmetric matrices.
 struct Matrices {
-    found: Vec<Matrix>,
+    found: Vec<SymmetricMatrix>,
 }
 
 impl Matrices {
@@ -530,7 +530,7 @@ impl Matrices {
         }
     }
 
-    fn add(&mut self, view: View<'_>, state: u32, exact: &[Exact]) {
+    fn add(&mut self, view: View<'_>, state: u32, exact: &[ExactOutput]) {
         for (_, order, offset, conditions) in &mut self.found {
             let range = *offset..*offset + (*order * *order) as u32;
             let mut matrix = vec![f64::NAN; *order * *order];
@@ -551,7 +551,7 @@ impl Matrices {
             .filter(|(.., conditions)| !conditions.is_empty())
             .map(|(array, _, _, conditions)| MatrixCondition {
                 array,
-                condition: Spread::of(conditions.into_iter()),
+                condition: StateSpread::of(conditions.into_iter()),
             })
             .collect()
     }

@@ -1,6 +1,6 @@
 //! Errors of one format, state after state.
 
-use super::{ArrayError, ElementError, FormatAccuracy, Spread};
+use super::{ArrayError, ElementError, FormatAccuracy, StateSpread};
 use robovec_ir::{Output, View};
 use robovec_num::double_double::Double;
 use robovec_num::format::Format;
@@ -139,14 +139,14 @@ impl Samples {
     }
 
     /// A measure over the states.
-    fn spread(&self, measure: impl Fn(usize) -> f64) -> Spread {
-        Spread::of((0..self.states.len()).map(|state| (state as u32, measure(state))))
+    fn spread(&self, measure: impl Fn(usize) -> f64) -> StateSpread {
+        StateSpread::of((0..self.states.len()).map(|state| (state as u32, measure(state))))
     }
 
     /// A measure over all outputs and states.
-    fn population(&self, measure: impl Fn(&Sample) -> f64) -> Spread {
+    fn population(&self, measure: impl Fn(&Sample) -> f64) -> StateSpread {
         let states = self.states.iter().enumerate();
-        Spread::of(
+        StateSpread::of(
             states
                 .flat_map(|(state, samples)| {
                     samples.iter().map(move |sample| (state as u32, sample))

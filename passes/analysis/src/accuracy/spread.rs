@@ -2,7 +2,7 @@
 
 /// Where the errors of one thing lie over all states.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Spread {
+pub struct StateSpread {
     /// Half of the states are at or below it.
     pub median: f64,
     /// 99 of 100 states are at or below it; the largest of fewer.
@@ -14,9 +14,9 @@ pub struct Spread {
     pub worst_state: u32,
 }
 
-impl Spread {
+impl StateSpread {
     /// Of something that no state says anything about.
-    pub const NOWHERE: Spread = Spread {
+    pub const NOWHERE: StateSpread = StateSpread {
         median: f64::NAN,
         percentile_99: f64::NAN,
         worst: f64::NAN,
@@ -24,13 +24,13 @@ impl Spread {
     };
 
     /// The spread of errors with the states they were found in; NaN is left
-    /// out. [`Spread::NOWHERE`] of nothing.
-    pub fn of(errors: impl Iterator<Item = (u32, f64)>) -> Spread {
+    /// out. [`StateSpread::NOWHERE`] of nothing.
+    pub fn of(errors: impl Iterator<Item = (u32, f64)>) -> StateSpread {
         let mut errors: Vec<(u32, f64)> = errors.filter(|(_, error)| !error.is_nan()).collect();
         let order = |a: &(u32, f64), b: &(u32, f64)| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0));
         let count = errors.len();
         if count == 0 {
-            return Spread::NOWHERE;
+            return StateSpread::NOWHERE;
         }
         // The lower median of an even number.
         let places = [(count - 1) / 2, (count * 99).div_ceil(100) - 1, count - 1];
@@ -38,7 +38,7 @@ impl Spread {
             let (_, error, _) = errors.select_nth_unstable_by(place, order);
             *error
         });
-        Spread {
+        StateSpread {
             median: median.1,
             percentile_99: percentile_99.1,
             worst: worst.1,
@@ -48,8 +48,8 @@ impl Spread {
 
     /// The same with every error replaced by a number that grows with it.
     #[must_use]
-    pub fn map(self, of: impl Fn(f64) -> f64) -> Spread {
-        Spread {
+    pub fn map(self, of: impl Fn(f64) -> f64) -> StateSpread {
+        StateSpread {
             median: of(self.median),
             percentile_99: of(self.percentile_99),
             worst: of(self.worst),
@@ -60,7 +60,7 @@ impl Spread {
     /// Of errors in ulps: how many bits are lost, `log2(1 + ulps)`, which is
     /// 0 for an exact result and at most 0.6 for one that was rounded once.
     #[must_use]
-    pub fn bits(self) -> Spread {
+    pub fn bits(self) -> StateSpread {
         self.map(|ulps| ulps.ln_1p() / std::f64::consts::LN_2)
     }
 }
@@ -72,13 +72,13 @@ mod tests {
     #[test]
     fn places_are_those_of_the_sorted_errors() {
         let errors = (0..1000u32).map(|state| (state, f64::from((state * 7) % 1000)));
-        let spread = Spread::of(errors);
+        let spread = StateSpread::of(errors);
         assert_eq!((spread.median, spread.percentile_99), (499.0, 989.0));
         assert_eq!((spread.worst, spread.worst_state), (999.0, 857));
-        let few = Spread::of([(3, 1.0), (4, f64::NAN), (5, 2.0), (6, 2.0)].into_iter());
+        let few = StateSpread::of([(3, 1.0), (4, f64::NAN), (5, 2.0), (6, 2.0)].into_iter());
         assert_eq!((few.median, few.percentile_99, few.worst), (2.0, 2.0, 2.0));
         assert_eq!(few.worst_state, 5, "the first of equals");
-        assert!(Spread::of(std::iter::empty()).worst.is_nan());
+        assert!(StateSpread::of(std::iter::empty()).worst.is_nan());
         let bits = few.bits();
         assert!((bits.worst - 3f64.log2()).abs() < 1e-12 && bits.worst_state == 5);
     }

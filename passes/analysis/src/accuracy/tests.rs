@@ -148,7 +148,7 @@ fn what_cancels_has_a_small_mixed_error_and_a_large_condition() {
         function: &function,
     };
     let measurement = Measurement {
-        effort: Effort::Certified,
+        effort: ReferenceEffort::Certified,
         sensitivities: true,
         condition_work: 1 << 20,
     };

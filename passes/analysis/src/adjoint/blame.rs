@@ -1,7 +1,7 @@
 //! Which operations, equations and inputs the error comes from.
 
-use super::{LANES, Run, Tape, Workspace};
-use robovec_ir::{Function, Input, Place, Symbol, Value, View};
+use super::{AdjointRun, LANES, Tape, Workspace};
+use robovec_ir::{Function, Input, SourcePlace, Symbol, Value, View};
 
 /// Contributions to the error of outputs, summed over outputs and states.
 ///
@@ -20,7 +20,7 @@ pub struct Blame {
 pub struct EquationBlame {
     /// Where it stands; `None` when the function does not say, and operations
     /// are gathered by name.
-    pub place: Option<Place>,
+    pub place: Option<SourcePlace>,
     /// What it defines; `None` when nothing bears a name.
     pub name: Option<Symbol>,
     /// Its part of all contributions, 0 to 1. An operation that stands for
@@ -47,7 +47,7 @@ impl Blame {
     /// # Panics
     ///
     /// When an output does not exist or the run is one of another function.
-    pub fn add(&mut self, function: &Function, run: &Run<'_>, outputs: &[usize]) {
+    pub fn add(&mut self, function: &Function, run: &AdjointRun<'_>, outputs: &[usize]) {
         let adjoint = run.adjoint();
         let tape = run.tape();
         let weights = output_weights(function, run);
@@ -128,7 +128,7 @@ impl Blame {
             }
             parts.extend(places.map(|place| (Some(place), owner, derived, part)));
         }
-        let key = |&(place, owner, ..): &(Option<Place>, Option<Symbol>, bool, f64)| {
+        let key = |&(place, owner, ..): &(Option<SourcePlace>, Option<Symbol>, bool, f64)| {
             // Operations of one place are one equation whatever their names.
             (place, if place.is_some() { None } else { owner })
         };
@@ -161,7 +161,7 @@ fn largest<T>(mut shares: Vec<(T, f64)>, most: usize) -> Vec<(T, f64)> {
 
 /// For every assignment one over the largest exact element of its array; 0
 /// for arrays that are zero. Errors times weights are comparable.
-pub fn output_weights(function: &Function, run: &Run<'_>) -> Vec<f64> {
+pub fn output_weights(function: &Function, run: &AdjointRun<'_>) -> Vec<f64> {
     let arrays = function.outputs();
     let holds = |assignment: usize| {
         let output = function.assignments[assignment].output;

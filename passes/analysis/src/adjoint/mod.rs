@@ -7,9 +7,9 @@
 //! 2008, chapter 3). Three things follow from it:
 //!
 //! - a *bound* of an output's error, the sum of adjoint times half a unit in
-//!   the last place over all operations ([`Run::bounds`]);
+//!   the last place over all operations ([`AdjointRun::bounds`]);
 //! - the *signed prediction* of the error, the sum of adjoint times the
-//!   rounding that an operation really made ([`Run::predictions`]);
+//!   rounding that an operation really made ([`AdjointRun::predictions`]);
 //! - the *blame*: which operation, which source equation and which input the
 //!   error comes from ([`Blame`]).
 //!
@@ -32,10 +32,10 @@ mod tests;
 
 pub use blame::{Blame, EquationBlame, output_weights};
 pub use local::half_ulp;
-pub use run::{OutputError, Run};
-pub use tape::{Slot, Tape};
+pub use run::{AdjointRun, OutputError};
+pub use tape::{Tape, TapeSlot};
 
-use partials::{Pair, secant, tangent, third};
+use partials::{EvaluationPair, secant, tangent, third};
 use robovec_ir::Operation;
 use robovec_num::arithmetic::Binary64;
 
@@ -45,10 +45,10 @@ pub const LANES: usize = 8;
 /// One number per output of a sweep.
 #[derive(Clone, Copy, PartialEq, Debug)]
 #[repr(align(64))]
-pub struct Lanes(pub [f64; LANES]);
+pub struct AdjointLanes(pub [f64; LANES]);
 
-impl Lanes {
-    const ZERO: Lanes = Lanes([0.0; LANES]);
+impl AdjointLanes {
+    const ZERO: AdjointLanes = AdjointLanes([0.0; LANES]);
 
     #[inline]
     fn is_zero(&self) -> bool {
@@ -59,15 +59,15 @@ impl Lanes {
 
     /// The absolute values.
     #[inline]
-    fn size(&self) -> Lanes {
-        Lanes(self.0.map(f64::abs))
+    fn size(&self) -> AdjointLanes {
+        AdjointLanes(self.0.map(f64::abs))
     }
 
     /// Adds a multiple. With a factor that is not finite a lane of zeros
     /// stays: an output that does not depend on a value does not depend on
     /// its infinite derivative.
     #[inline]
-    fn add_multiple(&mut self, factor: f64, other: &Lanes) {
+    fn add_multiple(&mut self, factor: f64, other: &AdjointLanes) {
         if factor.is_finite() {
             for (sum, &lane) in self.0.iter_mut().zip(&other.0) {
                 *sum += factor * lane;
@@ -91,7 +91,7 @@ pub struct Adjoint<'a> {
 /// The memory of a sweep, kept from one to the next.
 #[derive(Default, Debug)]
 pub struct Workspace {
-    gradients: Vec<Lanes>,
+    gradients: Vec<AdjointLanes>,
 }
 
 impl<'a> Adjoint<'a> {
@@ -127,7 +127,7 @@ impl<'a> Adjoint<'a> {
     fn between(tape: &'a Tape, exact: &[f64], computed: &[f64], errors: &[f64]) -> Adjoint<'a> {
         let nodes = 0..tape.nodes();
         let partials = nodes.map(|node| {
-            let operands = tape.operands(node).map(|slot| Pair {
+            let operands = tape.operands(node).map(|slot| EvaluationPair {
                 exact: exact[slot],
                 computed: computed[slot],
                 error: errors[slot],
@@ -170,7 +170,7 @@ impl<'a> Adjoint<'a> {
         &self,
         workspace: &mut Workspace,
         outputs: &[usize],
-        visit: impl FnMut(usize, &Lanes),
+        visit: impl FnMut(usize, &AdjointLanes),
     ) {
         let slots = outputs.iter().map(|&output| self.tape.output_slot(output));
         let slots: Vec<usize> = slots.collect();
@@ -186,13 +186,13 @@ impl<'a> Adjoint<'a> {
         &self,
         workspace: &mut Workspace,
         slots: &[usize],
-        mut visit: impl FnMut(usize, &Lanes),
+        mut visit: impl FnMut(usize, &AdjointLanes),
     ) {
         assert!(slots.len() <= LANES, "at most {LANES} at a time");
         let tape = self.tape;
         let gradients = &mut workspace.gradients;
         // Every sweep leaves zeros behind, so only the first fills them in.
-        gradients.resize(tape.slots(), Lanes::ZERO);
+        gradients.resize(tape.slots(), AdjointLanes::ZERO);
         let mut end = 0;
         for (lane, &slot) in slots.iter().enumerate() {
             gradients[slot].0[lane] += 1.0;
@@ -205,7 +205,7 @@ impl<'a> Adjoint<'a> {
             if gradient.is_zero() {
                 continue;
             }
-            gradients[node] = Lanes::ZERO;
+            gradients[node] = AdjointLanes::ZERO;
             visit(node, &gradient);
             let [first, second] = self.partials[node];
             let [a, b, c] = tape.operands(node);
@@ -221,7 +221,7 @@ impl<'a> Adjoint<'a> {
         let leaves = gradients.iter_mut().enumerate().skip(tape.nodes());
         for (slot, gradient) in leaves.filter(|(_, gradient)| !gradient.is_zero()) {
             visit(slot, gradient);
-            *gradient = Lanes::ZERO;
+            *gradient = AdjointLanes::ZERO;
         }
     }
 
@@ -232,12 +232,12 @@ impl<'a> Adjoint<'a> {
     /// # Panics
     ///
     /// When an output does not exist.
-    pub fn sweep(&self, outputs: &[usize], mut visit: impl FnMut(&[usize], &[Lanes])) {
+    pub fn sweep(&self, outputs: &[usize], mut visit: impl FnMut(&[usize], &[AdjointLanes])) {
         let mut workspace = Workspace::default();
         let mut gradients = Vec::new();
         for group in outputs.chunks(LANES) {
             gradients.clear();
-            gradients.resize(self.tape.slots(), Lanes::ZERO);
+            gradients.resize(self.tape.slots(), AdjointLanes::ZERO);
             self.sweep_lanes(&mut workspace, group, |slot, gradient| {
                 gradients[slot] = *gradient;
             });
@@ -257,7 +257,7 @@ impl<'a> Adjoint<'a> {
         let mut workspace = Workspace::default();
         for (group, rows) in outputs.chunks(LANES).zip(rows.chunks_mut(LANES)) {
             self.sweep_lanes(&mut workspace, group, |slot, gradient| {
-                if let Slot::Input(input) = tape.slot(slot) {
+                if let TapeSlot::Input(input) = tape.slot(slot) {
                     for (row, &lane) in rows.iter_mut().zip(&gradient.0) {
                         row[input.index()] = lane;
                     }

@@ -33,7 +33,7 @@ pub(super) fn tangent(operation: Operation, [a, b, _]: [f64; 3], result: f64) ->
 
 /// What an operand or a result is in both evaluations.
 #[derive(Clone, Copy)]
-pub(super) struct Pair {
+pub(super) struct EvaluationPair {
     /// In exact arithmetic, to binary64.
     pub(super) exact: f64,
     /// In the format.
@@ -43,7 +43,7 @@ pub(super) struct Pair {
 }
 
 /// Quotients of differences between the exact evaluation and another.
-pub(super) fn secant(operation: Operation, [a, b, _]: [Pair; 3], exact: f64) -> [f64; 2] {
+pub(super) fn secant(operation: Operation, [a, b, _]: [EvaluationPair; 3], exact: f64) -> [f64; 2] {
     // The mean of the angles, and sin(d)/d for half their difference.
     let wave = || {
         let half = 0.5 * a.error;

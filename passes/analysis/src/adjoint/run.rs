@@ -1,6 +1,6 @@
 //! A run of a function in a number format, beside the exact one.
 
-use super::{Adjoint, LANES, Lanes, Tape, Workspace, local};
+use super::{Adjoint, AdjointLanes, LANES, Tape, Workspace, local};
 use robovec_ir::evaluate::evaluate_mixed_nodes;
 use robovec_ir::{Format, Function, Value};
 use robovec_num::arithmetic::Arithmetic;
@@ -11,7 +11,7 @@ use robovec_num::soft_float::FormatArithmetic;
 /// computed, and what every operation lost. All vectors count slots, as the
 /// [`Tape`] does.
 #[derive(Clone, Debug)]
-pub struct Run<'a> {
+pub struct AdjointRun<'a> {
     tape: &'a Tape,
     exact: Vec<f64>,
     computed: Vec<f64>,
@@ -39,20 +39,20 @@ pub struct OutputError {
 /// that fits into memory and far below what anybody reads off a bound.
 const SUMS: f64 = 1.0 + 1.0 / (1u64 << 20) as f64;
 
-impl<'a> Run<'a> {
+impl<'a> AdjointRun<'a> {
     /// Runs a function in an arithmetic that computes in a format.
     ///
     /// # Panics
     ///
     /// When there is not one number per input element.
-    pub fn new<A>(tape: &'a Tape, arithmetic: &A, format: Format, inputs: &[f64]) -> Run<'a>
+    pub fn new<A>(tape: &'a Tape, arithmetic: &A, format: Format, inputs: &[f64]) -> AdjointRun<'a>
     where
         A: Arithmetic,
         A::Number: Into<f64>,
     {
         let computed = tape.evaluate(arithmetic, inputs);
         let computed = computed.into_iter().map(Into::into).collect();
-        Run::beside(tape, computed, |_| format, inputs)
+        AdjointRun::beside(tape, computed, |_| format, inputs)
     }
 
     /// Runs a function in a format, its values in formats of their own where
@@ -61,10 +61,15 @@ impl<'a> Run<'a> {
     /// # Panics
     ///
     /// When there is not one number per input element.
-    pub fn of(function: &Function, tape: &'a Tape, format: Format, inputs: &[f64]) -> Run<'a> {
+    pub fn of(
+        function: &Function,
+        tape: &'a Tape,
+        format: Format,
+        inputs: &[f64],
+    ) -> AdjointRun<'a> {
         let arithmetic = FormatArithmetic::new(format);
         let Some(formats) = &function.formats else {
-            return Run::new(tape, &arithmetic, format, inputs);
+            return AdjointRun::new(tape, &arithmetic, format, inputs);
         };
         let mut computed = evaluate_mixed_nodes(function, format, inputs);
         computed.extend(inputs.iter().map(|&input| arithmetic.convert(input)));
@@ -72,7 +77,7 @@ impl<'a> Run<'a> {
         // each, so its slot holds the literal itself.
         computed.extend(tape.constants().iter().chain(&[0.0]));
         let own = |node: usize| formats.get(Value(node as u32)).unwrap_or(format);
-        Run::beside(tape, computed, own, inputs)
+        AdjointRun::beside(tape, computed, own, inputs)
     }
 
     /// The computed slots with everything that is known beside them.
@@ -81,14 +86,14 @@ impl<'a> Run<'a> {
         computed: Vec<f64>,
         format: impl Fn(usize) -> Format,
         inputs: &[f64],
-    ) -> Run<'a> {
+    ) -> AdjointRun<'a> {
         let exact = tape.evaluate(&DoubleDouble, inputs);
         let both = exact.iter().zip(&computed);
         let errors = both.map(|(exact, &computed)| (Double::from(computed) - *exact).high);
         let errors = errors.collect();
         let exact: Vec<f64> = exact.into_iter().map(|number| number.high).collect();
         let local = local::errors(tape, &exact, &computed);
-        Run {
+        AdjointRun {
             tape,
             bounds: local::bounds(tape, format, [&exact, &computed, &local]),
             local,
@@ -152,7 +157,7 @@ impl<'a> Run<'a> {
         self.slots(&slots.collect::<Vec<usize>>())
     }
 
-    /// As [`Run::outputs`], for any slots.
+    /// As [`AdjointRun::outputs`], for any slots.
     ///
     /// # Panics
     ///
@@ -162,7 +167,7 @@ impl<'a> Run<'a> {
         let mut workspace = Workspace::default();
         let mut results = Vec::with_capacity(slots.len());
         for group in slots.chunks(LANES) {
-            let (mut predicted, mut bound) = (Lanes::ZERO, Lanes::ZERO);
+            let (mut predicted, mut bound) = (AdjointLanes::ZERO, AdjointLanes::ZERO);
             adjoint.sweep_slots(&mut workspace, group, |slot, gradient| {
                 let (signed, largest) = (self.local[slot], self.bounds[slot]);
                 // A bound that is NaN is neither.
@@ -184,7 +189,7 @@ impl<'a> Run<'a> {
         results
     }
 
-    /// The bounds alone, as [`Run::outputs`] gives them.
+    /// The bounds alone, as [`AdjointRun::outputs`] gives them.
     ///
     /// # Panics
     ///
@@ -194,7 +199,7 @@ impl<'a> Run<'a> {
         outputs.iter().map(|output| output.bound).collect()
     }
 
-    /// The signed predictions alone, as [`Run::outputs`] gives them.
+    /// The signed predictions alone, as [`AdjointRun::outputs`] gives them.
     ///
     /// # Panics
     ///

@@ -20,7 +20,7 @@ pub struct Tape {
 
 /// What lies in a slot.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Slot {
+pub enum TapeSlot {
     /// The result of a node.
     Value(Value),
     /// An input element.
@@ -112,16 +112,16 @@ impl Tape {
     }
 
     /// What lies in a slot.
-    pub fn slot(&self, slot: usize) -> Slot {
+    pub fn slot(&self, slot: usize) -> TapeSlot {
         let nodes = self.nodes();
         if slot < nodes {
-            Slot::Value(Value(slot as u32))
+            TapeSlot::Value(Value(slot as u32))
         } else if slot < nodes + self.inputs {
-            Slot::Input(Input((slot - nodes) as u32))
+            TapeSlot::Input(Input((slot - nodes) as u32))
         } else if slot < self.slots() - 1 {
-            Slot::Constant(Constant((slot - nodes - self.inputs) as u32))
+            TapeSlot::Constant(Constant((slot - nodes - self.inputs) as u32))
         } else {
-            Slot::Nothing
+            TapeSlot::Nothing
         }
     }
 

@@ -1,9 +1,9 @@
 //! Adjoints against differences, bounds and predictions against errors.
 
 use super::*;
-use robovec_ir::formats::Formats;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
+use robovec_ir::value_formats::ValueFormats;
 use robovec_ir::{Format, Module, Value, View};
 use robovec_num::arithmetic::Binary32;
 
@@ -107,7 +107,7 @@ fn secants_predict_the_error_to_the_last_digits_and_bounds_hold() {
     let states = States::new(3);
     for state in 0..200 {
         let inputs = states.draw(view, state);
-        let run = Run::new(&tape, &Binary32, Format::BINARY32, &inputs);
+        let run = AdjointRun::new(&tape, &Binary32, Format::BINARY32, &inputs);
         for error in run.outputs(&outputs) {
             assert!(error.actual.abs() <= error.bound, "{state}: {error:?}");
             let distance = (error.predicted - error.actual).abs();
@@ -120,7 +120,7 @@ fn secants_predict_the_error_to_the_last_digits_and_bounds_hold() {
 fn a_literal_that_the_format_cannot_hold_is_an_error() {
     let module = module(EVERYTHING);
     let tape = Tape::new(&module.functions[0]);
-    let run = Run::new(&tape, &Binary32, Format::BINARY32, &STATE);
+    let run = AdjointRun::new(&tape, &Binary32, Format::BINARY32, &STATE);
     let [error] = run.outputs(&[4])[..] else {
         panic!("one output was asked for");
     };
@@ -143,7 +143,7 @@ fn division_by_zero_has_no_bound_and_leaves_the_others_alone() {
 }",
     );
     let tape = Tape::new(&module.functions[0]);
-    let run = Run::new(&tape, &Binary32, Format::BINARY32, &[3.0, 5.0]);
+    let run = AdjointRun::new(&tape, &Binary32, Format::BINARY32, &[3.0, 5.0]);
     let bounds = run.bounds(&[0, 1]);
     assert_eq!(bounds[0], f64::INFINITY);
     assert!(bounds[1] > 0.0 && bounds[1] < 1e-5);
@@ -163,7 +163,7 @@ fn an_error_that_is_no_number_has_no_bound() {
     );
     let function = &module.functions[0];
     let tape = Tape::new(function);
-    let run = Run::new(&tape, &Binary32, Format::BINARY32, &[3.0, 0.0, 0.0]);
+    let run = AdjointRun::new(&tape, &Binary32, Format::BINARY32, &[3.0, 0.0, 0.0]);
     assert_eq!(run.outputs(&[0])[0].bound, f64::INFINITY);
     let mut blame = Blame::new(&tape);
     blame.add(function, &run, &[0]);
@@ -184,7 +184,7 @@ fn a_derivative_that_is_no_number_gives_no_bound() {
 }",
     );
     let tape = Tape::new(&module.functions[0]);
-    let run = Run::new(&tape, &Binary32, Format::BINARY32, &[0.0, 0.0]);
+    let run = AdjointRun::new(&tape, &Binary32, Format::BINARY32, &[0.0, 0.0]);
     assert_eq!(run.bounds(&[0]), [f64::INFINITY]);
 }
 
@@ -200,7 +200,7 @@ fn bounds_of_single_operations_are_those_of_any_run() {
 }}"
         ));
         let tape = Tape::new(&module.functions[0]);
-        Run::new(&tape, &Binary64, Format::BINARY64, &inputs).local_bounds()[0]
+        AdjointRun::new(&tape, &Binary64, Format::BINARY64, &inputs).local_bounds()[0]
     };
     // The sine of a host is not rounded as a sum is.
     assert!(bounds("sin(x[1])", [0.5, 0.0]) > half_ulp(Format::BINARY64, 0.5));
@@ -258,7 +258,7 @@ fn blame_goes_to_the_operation_that_cancels() {
     let tape = Tape::new(view.function);
     let factor = f64::from(1000.1f32);
     let square = f64::from((factor * factor) as f32);
-    let run = Run::new(
+    let run = AdjointRun::new(
         &tape,
         &Binary32,
         Format::BINARY32,
@@ -280,7 +280,7 @@ fn blame_goes_to_the_operation_that_cancels() {
 fn values_in_formats_of_their_own_are_predicted_too() {
     let mut module = module(EVERYTHING);
     let function = &mut module.functions[0];
-    let mut formats = Formats::new(function.nodes().len());
+    let mut formats = ValueFormats::new(function.nodes().len());
     let narrow: Format = "float(8,12)".parse().expect("it is one");
     for node in [0, 3, 6, 8, 11] {
         formats.set(Value(node), Some(narrow));
@@ -293,7 +293,7 @@ fn values_in_formats_of_their_own_are_predicted_too() {
     let tape = Tape::new(view.function);
     for state in 0..100 {
         let inputs = States::new(4).draw(view, state);
-        let run = Run::of(view.function, &tape, Format::BINARY32, &inputs);
+        let run = AdjointRun::of(view.function, &tape, Format::BINARY32, &inputs);
         for error in run.outputs(&[0, 1, 2, 3]) {
             assert!(error.actual.abs() <= error.bound, "{state}: {error:?}");
             let distance = (error.predicted - error.actual).abs();

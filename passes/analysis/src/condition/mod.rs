@@ -29,7 +29,7 @@ pub mod spectral;
 
 pub use sensitivity::{DIRECTIONS, Sensitivities};
 
-use super::adjoint::{Adjoint, LANES, Slot, Tape, Workspace};
+use super::adjoint::{Adjoint, LANES, Tape, TapeSlot, Workspace};
 
 /// The sums over the inputs of `|dy/dx x|` of some assignments, by their
 /// places in [`robovec_ir::Function::assignments`], at one state: what a
@@ -48,7 +48,7 @@ pub fn conditions(tape: &Tape, inputs: &[f64], places: &[usize]) -> Vec<f64> {
     let mut sums = vec![0.0; places.len()];
     for (group, sums) in places.chunks(LANES).zip(sums.chunks_mut(LANES)) {
         adjoint.sweep_lanes(&mut workspace, group, |slot, gradients| {
-            if let Slot::Input(input) = tape.slot(slot) {
+            if let TapeSlot::Input(input) = tape.slot(slot) {
                 for (sum, gradient) in sums.iter_mut().zip(&gradients.0) {
                     *sum += (gradient * inputs[input.index()]).abs();
                 }

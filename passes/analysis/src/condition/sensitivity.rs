@@ -1,7 +1,7 @@
 //! Derivatives along random directions.
 
 use robovec_ir::Function;
-use robovec_ir::plan::Plan;
+use robovec_ir::plan::EvaluationPlan;
 use robovec_num::arithmetic::Arithmetic;
 
 /// How many directions are taken at a time: the estimate of one output in one
@@ -18,7 +18,7 @@ pub const DIRECTIONS: usize = 8;
 /// give an estimate for all outputs in one evaluation, where exact numbers
 /// take a reverse sweep for each.
 pub struct Sensitivities {
-    plan: Plan,
+    plan: EvaluationPlan,
     memory: Vec<Dual>,
 }
 
@@ -36,7 +36,7 @@ impl Sensitivities {
     /// Makes a function ready.
     pub fn new(function: &Function) -> Sensitivities {
         Sensitivities {
-            plan: Plan::new(function),
+            plan: EvaluationPlan::new(function),
             memory: Vec::new(),
         }
     }

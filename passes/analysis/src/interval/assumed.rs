@@ -1,6 +1,6 @@
 //! What the leaves of windows can be.
 
-use super::super::adjoint::{Slot, Tape};
+use super::super::adjoint::{Tape, TapeSlot};
 use super::Interval;
 use robovec_ir::View;
 use robovec_ir::states::States;
@@ -12,7 +12,7 @@ pub const MARGIN: f64 = 2.0;
 
 /// What a range rests on, the best first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub enum Knowledge {
+pub enum RangeBasis {
     /// It is that of a literal, or was given for the input.
     Given,
     /// It is the range that random states draw the input from.
@@ -21,31 +21,31 @@ pub enum Knowledge {
     Assumed,
 }
 
-impl Knowledge {
+impl RangeBasis {
     /// The word for it.
     pub fn text(self) -> &'static str {
         match self {
-            Knowledge::Given => "given",
-            Knowledge::Drawn => "drawn",
-            Knowledge::Assumed => "assumed",
+            RangeBasis::Given => "given",
+            RangeBasis::Drawn => "drawn",
+            RangeBasis::Assumed => "assumed",
         }
     }
 }
 
 /// The range of a leaf.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Leaf {
+pub struct LeafRange {
     /// What it can be.
     pub range: Interval,
     /// Why.
-    pub knowledge: Knowledge,
+    pub knowledge: RangeBasis,
 }
 
 /// The ranges of all leaves that windows of a function can have.
 #[derive(Clone, Debug)]
 pub struct Leaves<'a> {
     tape: &'a Tape,
-    inputs: Vec<Leaf>,
+    inputs: Vec<LeafRange>,
     /// The hull of the samples of every node.
     hulls: Vec<Interval>,
 }
@@ -61,12 +61,12 @@ impl<'a> Leaves<'a> {
                 let (indices, _) = array.shape.indices(offset);
                 let given = states.ranges().get(name, indices).is_some();
                 let [low, high] = states.bounds(name, array, offset);
-                inputs.push(Leaf {
+                inputs.push(LeafRange {
                     range: Interval::new(low, high),
                     knowledge: if given {
-                        Knowledge::Given
+                        RangeBasis::Given
                     } else {
-                        Knowledge::Drawn
+                        RangeBasis::Drawn
                     },
                 });
             }
@@ -90,20 +90,20 @@ impl<'a> Leaves<'a> {
     }
 
     /// The range of a slot as a leaf.
-    pub fn of(&self, slot: usize) -> Leaf {
+    pub fn of(&self, slot: usize) -> LeafRange {
         match self.tape.slot(slot) {
-            Slot::Input(input) => self.inputs[input.index()],
-            Slot::Constant(constant) => Leaf {
+            TapeSlot::Input(input) => self.inputs[input.index()],
+            TapeSlot::Constant(constant) => LeafRange {
                 range: Interval::point(self.tape.constants()[constant.index()]),
-                knowledge: Knowledge::Given,
+                knowledge: RangeBasis::Given,
             },
-            Slot::Nothing => Leaf {
+            TapeSlot::Nothing => LeafRange {
                 range: Interval::ZERO,
-                knowledge: Knowledge::Given,
+                knowledge: RangeBasis::Given,
             },
-            Slot::Value(value) => Leaf {
+            TapeSlot::Value(value) => LeafRange {
                 range: assumed(self.hulls[value.index()]),
-                knowledge: Knowledge::Assumed,
+                knowledge: RangeBasis::Assumed,
             },
         }
     }

@@ -1,6 +1,6 @@
 //! Sound ranges and error bounds in windows.
 //!
-//! Given ranges of its leaves, every value of a [`Window`] is enclosed by
+//! Given ranges of its leaves, every value of a [`ConeWindow`] is enclosed by
 //! interval arithmetic, once in exact arithmetic and once as a format
 //! computes it. The error made inside the window is the sum over its
 //! operations of what each can lose times its adjoint, where adjoints are
@@ -15,7 +15,7 @@
 //! What the leaves can be is known only for inputs with given ranges. Ranges
 //! of other inputs are those that random states are drawn from, and ranges of
 //! inner values are *assumed*: the hull of sampled values, widened by a
-//! margin. Whatever rests on an assumed range says so ([`Knowledge`]).
+//! margin. Whatever rests on an assumed range says so ([`RangeBasis`]).
 
 mod assumed;
 mod number;
@@ -23,9 +23,9 @@ mod number;
 mod tests;
 mod window;
 
-pub use assumed::{Knowledge, Leaf, Leaves, MARGIN};
+pub use assumed::{LeafRange, Leaves, MARGIN, RangeBasis};
 pub use number::{Enclosing, Interval};
-pub use window::Window;
+pub use window::ConeWindow;
 
 use super::adjoint::{Tape, half_ulp};
 use robovec_ir::{Format, Operation};
@@ -38,7 +38,7 @@ pub const USUAL: usize = 1000;
 
 /// What is enclosed in a window.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Enclosure {
+pub struct WindowEnclosure {
     /// The exact value of every leaf, then of every node.
     pub exact: Vec<Interval>,
     /// The same as the format computes it.
@@ -49,7 +49,7 @@ pub struct Enclosure {
     /// have none; infinite where nothing can be said.
     pub error: f64,
     /// What the weakest range of a leaf rests on.
-    pub knowledge: Knowledge,
+    pub knowledge: RangeBasis,
 }
 
 /// What a range says about a format.
@@ -106,18 +106,23 @@ pub fn integer_bits(range: Interval) -> Option<u32> {
 
 /// Encloses all values of a window and bounds its error in a format, for
 /// operands of that format.
-pub fn enclose(tape: &Tape, window: &Window, format: Format, leaves: &Leaves<'_>) -> Enclosure {
+pub fn enclose(
+    tape: &Tape,
+    window: &ConeWindow,
+    format: Format,
+    leaves: &Leaves<'_>,
+) -> WindowEnclosure {
     let arithmetic = FormatArithmetic::new(format);
     let count = window.leaves.len() + window.nodes.len();
-    let mut enclosure = Enclosure {
+    let mut enclosure = WindowEnclosure {
         exact: Vec::with_capacity(count),
         computed: Vec::with_capacity(count),
         local: Vec::with_capacity(count),
         error: 0.0,
-        knowledge: Knowledge::Given,
+        knowledge: RangeBasis::Given,
     };
     for &slot in &window.leaves {
-        let Leaf { range, knowledge } = leaves.of(slot);
+        let LeafRange { range, knowledge } = leaves.of(slot);
         enclosure.knowledge = enclosure.knowledge.max(knowledge);
         // A literal is rounded once and for all; other leaves are what the
         // format holds.
@@ -177,7 +182,7 @@ fn rounded(operation: Operation, range: Interval, format: Format) -> (Interval, 
 
 /// The error of a window's value: adjoints of all nodes and literals as
 /// intervals, times what they lose.
-fn error(tape: &Tape, window: &Window, enclosure: &Enclosure) -> f64 {
+fn error(tape: &Tape, window: &ConeWindow, enclosure: &WindowEnclosure) -> f64 {
     let leaves = window.leaves.len();
     let mut adjoints = vec![Interval::ZERO; leaves + window.nodes.len()];
     let Some(last) = adjoints.last_mut() else {
@@ -209,7 +214,7 @@ fn error(tape: &Tape, window: &Window, enclosure: &Enclosure) -> f64 {
 fn secant(
     operation: Operation,
     places: [usize; 3],
-    enclosure: &Enclosure,
+    enclosure: &WindowEnclosure,
     result: usize,
 ) -> [Interval; 3] {
     let one = Interval::point(1.0);

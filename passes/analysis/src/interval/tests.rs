@@ -1,7 +1,7 @@
 //! Enclosures and bounds of windows against runs inside the ranges.
 
 use super::*;
-use crate::adjoint::Run;
+use crate::adjoint::AdjointRun;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Module, View};
@@ -33,7 +33,7 @@ fn windows_are_cut_off_behind_everything_they_leave_out() {
     for output in 0..tape.outputs() {
         for most in 0..20 {
             let root = tape.output_slot(output);
-            let window = Window::new(&tape, root, most);
+            let window = ConeWindow::new(&tape, root, most);
             assert!(window.nodes.len() <= most);
             let first = window.nodes.first().copied().unwrap_or(usize::MAX);
             let values = window.leaves.iter().filter(|&&leaf| leaf < tape.nodes());
@@ -68,16 +68,16 @@ fn errors_and_values_stay_inside_for_every_state_and_format() {
         let format: Format = text.parse().expect("it is one");
         for output in 0..tape.outputs() {
             let slot = tape.output_slot(output);
-            let window = Window::new(&tape, slot, USUAL);
+            let window = ConeWindow::new(&tape, slot, USUAL);
             let enclosure = enclose(&tape, &window, format, &leaves);
-            assert_eq!(enclosure.knowledge, Knowledge::Given);
+            assert_eq!(enclosure.knowledge, RangeBasis::Given);
             assert!(enclosure.error.is_finite(), "{text} {output}");
             let arithmetic = FormatArithmetic::new(format);
             for state in 0..300 {
                 // Inputs are given in the format.
                 let inputs = states.draw(view, state);
                 let inputs: Vec<f64> = inputs.iter().map(|&x| arithmetic.convert(x)).collect();
-                let run = Run::new(&tape, &arithmetic, format, &inputs);
+                let run = AdjointRun::new(&tape, &arithmetic, format, &inputs);
                 let error = run.errors()[slot].abs();
                 assert!(error <= enclosure.error, "{text} {output} {state}");
                 if error > 0.0 && format == Format::BINARY32 {
@@ -116,12 +116,12 @@ fn secants_times_differences_of_operands_are_those_of_results() {
                 values
             });
             let difference = (after[3] - before[3]).widened(1e-12);
-            let enclosure = Enclosure {
+            let enclosure = WindowEnclosure {
                 exact: before,
                 computed: after,
                 local: Vec::new(),
                 error: 0.0,
-                knowledge: Knowledge::Given,
+                knowledge: RangeBasis::Given,
             };
             let secants = secant(operation, [0, 1, 2], &enclosure, 3);
             let parts = secants.into_iter().zip(step).take(operation.arity());
@@ -158,11 +158,11 @@ fn assumed_ranges_are_said_to_be() {
     let leaves = Leaves::new(view, &tape, &States::new(1), 16);
     let root = tape.output_slot(1);
     let knowledge = |most| {
-        let window = Window::new(&tape, root, most);
+        let window = ConeWindow::new(&tape, root, most);
         enclose(&tape, &window, Format::BINARY32, &leaves).knowledge
     };
-    assert_eq!(knowledge(2), Knowledge::Assumed);
-    assert_eq!(knowledge(USUAL), Knowledge::Drawn);
+    assert_eq!(knowledge(2), RangeBasis::Assumed);
+    assert_eq!(knowledge(USUAL), RangeBasis::Drawn);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 /// outside comes before everything inside: a leaf never depends on an
 /// operation of the window.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Window {
+pub struct ConeWindow {
     /// The slots that are read and not computed inside, in order.
     pub leaves: Vec<usize>,
     /// The nodes inside, in program order; the last one is the value. None
@@ -19,9 +19,9 @@ pub struct Window {
     pub(super) operands: Vec<[usize; 3]>,
 }
 
-impl Window {
+impl ConeWindow {
     /// The window of a slot with at most so many operations.
-    pub fn new(tape: &Tape, root: usize, most: usize) -> Window {
+    pub fn new(tape: &Tape, root: usize, most: usize) -> ConeWindow {
         // Inputs and literals have the largest slots, though they come before
         // everything: only nodes are taken in order.
         let (mut open, mut nodes, mut leaves) = (BinaryHeap::new(), Vec::new(), Vec::new());
@@ -63,7 +63,7 @@ impl Window {
             places
         });
         let operands = operands.collect();
-        Window {
+        ConeWindow {
             leaves,
             nodes,
             operands,

@@ -3,15 +3,15 @@
 //! What rounding errors are measured against must itself be beyond doubt.
 //! Three levels of effort:
 //!
-//! - [`Effort::DoubleDouble`]: about 106 bits and no proof; some fifty bits
+//! - [`ReferenceEffort::DoubleDouble`]: about 106 bits and no proof; some fifty bits
 //!   to spare over binary64 leave little doubt, and it is the fastest.
-//! - [`Effort::Certified`]: double-double with a bound of its own error.
+//! - [`ReferenceEffort::Certified`]: double-double with a bound of its own error.
 //!   Outputs whose ball holds a change from one binary64 number to the next
 //!   are computed again in arbitrary precision, with twice the bits until
 //!   one number is left ([Ziv's strategy](precise)). Outputs that are zero by
 //!   an identity, which no precision would ever tell, are recognised in the
 //!   prime field.
-//! - [`Effort::Audit`]: everything in arbitrary precision, which shares no
+//! - [`ReferenceEffort::Audit`]: everything in arbitrary precision, which shares no
 //!   arithmetic with double-double.
 //!
 //! With the feature `mpfr`, `mpfr` evaluates a third time with another
@@ -29,7 +29,7 @@ mod rounding;
 use astro_float::Consts;
 use robovec_ir::Function;
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::plan::Plan;
+use robovec_ir::plan::EvaluationPlan;
 use robovec_num::ball::{self, Ball, Balls};
 use robovec_num::double_double::{Double, DoubleDoubleLanes, DoubleLanes};
 use robovec_num::field::{CircleField, Field, FieldPoint, Prime};
@@ -42,7 +42,7 @@ pub const LANES: usize = 8;
 
 /// How much is done for the exact outputs.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub enum Effort {
+pub enum ReferenceEffort {
     /// Double-double, without a proof.
     #[default]
     DoubleDouble,
@@ -55,7 +55,7 @@ pub enum Effort {
 
 /// What stands behind an exact value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub enum ExactEvidence {
     /// Double-double without a proof.
     Unproved,
     /// Double-double whose bound leaves one binary64 number.
@@ -71,7 +71,7 @@ pub enum Kind {
 
 /// An exact output.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Exact {
+pub struct ExactOutput {
     /// The value; its upper half is the nearest binary64 number, proved
     /// unless `kind` says otherwise.
     pub value: Double,
@@ -79,24 +79,24 @@ pub struct Exact {
     /// proof.
     pub bound: f64,
     /// What stands behind it.
-    pub kind: Kind,
+    pub kind: ExactEvidence,
 }
 
-impl Exact {
+impl ExactOutput {
     /// True when the upper half is proved to be the nearest binary64 number.
     pub fn is_certain(&self) -> bool {
         match self.kind {
-            Kind::DoubleDouble | Kind::Precise(_) | Kind::Zero => true,
-            Kind::Unproved | Kind::Uncertain => false,
+            ExactEvidence::DoubleDouble | ExactEvidence::Precise(_) | ExactEvidence::Zero => true,
+            ExactEvidence::Unproved | ExactEvidence::Uncertain => false,
         }
     }
 }
 
 /// Evaluates a function exactly, state after state.
-pub struct Reference<'a> {
+pub struct ReferenceEvaluator<'a> {
     function: &'a Function,
-    effort: Effort,
-    plan: Plan,
+    effort: ReferenceEffort,
+    plan: EvaluationPlan,
     /// Which assignments are zero in the prime field; found when first
     /// needed.
     zeros: Option<Vec<bool>>,
@@ -106,13 +106,13 @@ pub struct Reference<'a> {
     lanes: Vec<DoubleLanes<LANES>>,
 }
 
-impl<'a> Reference<'a> {
+impl<'a> ReferenceEvaluator<'a> {
     /// Makes a function ready.
-    pub fn new(function: &'a Function, effort: Effort) -> Reference<'a> {
-        Reference {
+    pub fn new(function: &'a Function, effort: ReferenceEffort) -> ReferenceEvaluator<'a> {
+        ReferenceEvaluator {
             function,
             effort,
-            plan: Plan::new(function),
+            plan: EvaluationPlan::new(function),
             zeros: None,
             constants: None,
             balls: Vec::new(),
@@ -125,13 +125,13 @@ impl<'a> Reference<'a> {
     /// # Panics
     ///
     /// When a state has not one number per input element.
-    pub fn evaluate(&mut self, states: &[Vec<f64>]) -> Vec<Vec<Exact>> {
+    pub fn evaluate(&mut self, states: &[Vec<f64>]) -> Vec<Vec<ExactOutput>> {
         let mut results = Vec::with_capacity(states.len());
         for batch in states.chunks(LANES) {
             match self.effort {
-                Effort::DoubleDouble => self.unproved(batch, &mut results),
-                Effort::Certified => self.certified(batch, &mut results),
-                Effort::Audit => {
+                ReferenceEffort::DoubleDouble => self.unproved(batch, &mut results),
+                ReferenceEffort::Certified => self.certified(batch, &mut results),
+                ReferenceEffort::Audit => {
                     let all: Vec<usize> = (0..self.function.assignments.len()).collect();
                     for inputs in batch {
                         results.push(self.precise(inputs, &all));
@@ -144,31 +144,31 @@ impl<'a> Reference<'a> {
 
     /// The exact values of some assignments, counted from 0 in ascending
     /// order, in arbitrary precision; not finite where there is none.
-    pub fn evaluate_places(&mut self, inputs: &[f64], places: &[usize]) -> Vec<Exact> {
+    pub fn evaluate_places(&mut self, inputs: &[f64], places: &[usize]) -> Vec<ExactOutput> {
         self.precise(inputs, places)
     }
 
-    fn unproved(&mut self, batch: &[Vec<f64>], results: &mut Vec<Vec<Exact>>) {
+    fn unproved(&mut self, batch: &[Vec<f64>], results: &mut Vec<Vec<ExactOutput>>) {
         let inputs = gather(batch, DoubleLanes::new);
         let outputs = self
             .plan
             .run(&DoubleDoubleLanes::<LANES>, &inputs, &mut self.lanes);
         for lane in 0..batch.len() {
-            let exact = |number: &DoubleLanes<LANES>| Exact {
+            let exact = |number: &DoubleLanes<LANES>| ExactOutput {
                 value: number.lane(lane),
                 bound: f64::INFINITY,
-                kind: Kind::Unproved,
+                kind: ExactEvidence::Unproved,
             };
             results.push(outputs.iter().map(exact).collect());
         }
     }
 
-    fn certified(&mut self, batch: &[Vec<f64>], results: &mut Vec<Vec<Exact>>) {
+    fn certified(&mut self, batch: &[Vec<f64>], results: &mut Vec<Vec<ExactOutput>>) {
         let inputs = gather(batch, Ball::exact);
         let outputs = self.plan.run(&Balls::<LANES>, &inputs, &mut self.balls);
         for (lane, inputs) in batch.iter().enumerate() {
             let judge = |ball: &Ball<LANES>| certify(ball.value.lane(lane), ball.radius[lane]);
-            let mut exact: Vec<Exact> = outputs.iter().map(judge).collect();
+            let mut exact: Vec<ExactOutput> = outputs.iter().map(judge).collect();
             let open = self.uncertain(&mut exact);
             if !open.is_empty() {
                 let precise = self.precise(inputs, &open);
@@ -182,7 +182,7 @@ impl<'a> Reference<'a> {
 
     /// The assignments that are to be computed again; those that are zero by
     /// an identity are set to it.
-    fn uncertain(&mut self, exact: &mut [Exact]) -> Vec<usize> {
+    fn uncertain(&mut self, exact: &mut [ExactOutput]) -> Vec<usize> {
         let mut open = Vec::new();
         for (place, value) in exact.iter_mut().enumerate() {
             if value.is_certain() {
@@ -194,10 +194,10 @@ impl<'a> Reference<'a> {
             let function = self.function;
             let zeros = self.zeros.get_or_insert_with(|| zeros(function));
             if possible && zeros[place] {
-                *value = Exact {
+                *value = ExactOutput {
                     value: Double::from(0.0),
                     bound: 0.0,
-                    kind: Kind::Zero,
+                    kind: ExactEvidence::Zero,
                 };
             } else {
                 open.push(place);
@@ -206,7 +206,7 @@ impl<'a> Reference<'a> {
         open
     }
 
-    fn precise(&mut self, inputs: &[f64], places: &[usize]) -> Vec<Exact> {
+    fn precise(&mut self, inputs: &[f64], places: &[usize]) -> Vec<ExactOutput> {
         if self.constants.is_none() {
             self.constants = Consts::new().ok();
         }
@@ -217,10 +217,10 @@ impl<'a> Reference<'a> {
             }
             // No memory for the digits of pi.
             None => vec![
-                Exact {
+                ExactOutput {
                     value: Double::from(f64::NAN),
                     bound: f64::INFINITY,
-                    kind: Kind::Uncertain,
+                    kind: ExactEvidence::Uncertain,
                 };
                 places.len()
             ],
@@ -257,7 +257,7 @@ fn zeros(function: &Function) -> Vec<bool> {
 }
 
 /// Judges a double-double number with the radius of its error.
-fn certify(value: Double, radius: f64) -> Exact {
+fn certify(value: Double, radius: f64) -> ExactOutput {
     let radius = radius * ball::SLACK;
     // Half the distance to the nearer neighbour; a power of two has its
     // lower neighbour at half the distance of the upper one.
@@ -267,7 +267,7 @@ fn certify(value: Double, radius: f64) -> Exact {
         true => radius == 0.0,
         false => value.low.abs() + radius < half,
     };
-    Exact {
+    ExactOutput {
         value,
         bound: if radius.is_nan() {
             f64::INFINITY
@@ -275,28 +275,32 @@ fn certify(value: Double, radius: f64) -> Exact {
             radius
         },
         kind: if certain && value.high.is_finite() {
-            Kind::DoubleDouble
+            ExactEvidence::DoubleDouble
         } else {
-            Kind::Uncertain
+            ExactEvidence::Uncertain
         },
     }
 }
 
-impl fmt::Display for Effort {
+impl fmt::Display for ReferenceEffort {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Effort::DoubleDouble => "double-double",
-            Effort::Certified => "certified",
-            Effort::Audit => "audit",
+            ReferenceEffort::DoubleDouble => "double-double",
+            ReferenceEffort::Certified => "certified",
+            ReferenceEffort::Audit => "audit",
         })
     }
 }
 
-impl FromStr for Effort {
+impl FromStr for ReferenceEffort {
     type Err = String;
 
-    fn from_str(text: &str) -> Result<Effort, String> {
-        let all = [Effort::DoubleDouble, Effort::Certified, Effort::Audit];
+    fn from_str(text: &str) -> Result<ReferenceEffort, String> {
+        let all = [
+            ReferenceEffort::DoubleDouble,
+            ReferenceEffort::Certified,
+            ReferenceEffort::Audit,
+        ];
         let found = all.into_iter().find(|effort| effort.to_string() == text);
         found.ok_or_else(|| "expected double-double, certified or audit".to_owned())
     }

@@ -1,7 +1,7 @@
 //! A third evaluation with GNU MPFR (crate `rug`, feature `mpfr`), which
 //! shares neither arithmetic nor code with the others.
 
-use robovec_ir::plan::Plan;
+use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::{Function, Operation};
 use rug::Float;
 use rug::ops::NegAssign;
@@ -14,7 +14,7 @@ use rug::ops::NegAssign;
 /// When `inputs` is not as long as the function's inputs, or `bits` is more
 /// than MPFR takes.
 pub fn evaluate(function: &Function, inputs: &[f64], bits: u32) -> Vec<f64> {
-    let outputs = Plan::new(function).run_with(
+    let outputs = EvaluationPlan::new(function).run_with(
         inputs,
         |number| Float::with_val(bits, number),
         |operation, operands| apply(operation, operands, bits),

@@ -5,7 +5,7 @@
 //! functions with correctly rounded last bit", 1991), for whole functions:
 //! compute with so many bits and a radius; where the ends of the ball round to
 //! different binary64 numbers, compute again with twice as many. A value that
-//! is still not told from zero with [`MOST`] bits counts as zero: it is less
+//! is still not told from zero with [`MAX_BITS`] bits counts as zero: it is less
 //! than 2⁻⁹⁰⁰ of the terms that it is the sum of, or zero by an identity that
 //! the prime field does not know.
 //!
@@ -14,23 +14,23 @@
 //! first order.
 
 use super::rounding::{from_binary64, magnitude, to_binary64};
-use super::{Exact, Kind};
+use super::{ExactEvidence, ExactOutput};
 use astro_float::{BigFloat, Consts, RoundingMode};
-use robovec_ir::plan::Plan;
+use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::{Function, Operation};
 use robovec_num::double_double::Double;
 
 /// Bits of the first attempt: whole words of the library's.
-const FEWEST: usize = 192;
+const MIN_BITS: usize = 192;
 
 /// Bits of the last attempt.
-const MOST: usize = 1536;
+const MAX_BITS: usize = 1536;
 
 const ROUNDING: RoundingMode = RoundingMode::ToEven;
 
 /// A number of arbitrary precision with a bound of its error.
 #[derive(Clone)]
-struct Ball {
+struct PreciseBall {
     value: BigFloat,
     /// An upper bound of its absolute value; infinite beyond the range of
     /// binary64.
@@ -49,9 +49,9 @@ pub(super) fn evaluate(
     places: &[usize],
     zeros: &[bool],
     constants: &mut Consts,
-) -> Vec<Exact> {
-    let mut results: Vec<Option<Exact>> = vec![None; places.len()];
-    let mut bits = FEWEST;
+) -> Vec<ExactOutput> {
+    let mut results: Vec<Option<ExactOutput>> = vec![None; places.len()];
+    let mut bits = MIN_BITS;
     loop {
         let open: Vec<usize> = (0..places.len())
             .filter(|&index| results[index].is_none())
@@ -60,7 +60,7 @@ pub(super) fn evaluate(
         if wanted.is_empty() {
             break;
         }
-        let plan = Plan::of(function, |index| wanted.binary_search(&index).is_ok());
+        let plan = EvaluationPlan::of(function, |index| wanted.binary_search(&index).is_ok());
         let balls = run(&plan, inputs, bits, constants);
         for (&index, ball) in open.iter().zip(&balls) {
             results[index] = settle(ball, zeros[places[index]], bits);
@@ -72,11 +72,16 @@ pub(super) fn evaluate(
 }
 
 /// Evaluates a plan with so many bits.
-fn run(plan: &Plan, inputs: &[f64], bits: usize, constants: &mut Consts) -> Vec<Ball> {
+fn run(
+    plan: &EvaluationPlan,
+    inputs: &[f64],
+    bits: usize,
+    constants: &mut Consts,
+) -> Vec<PreciseBall> {
     let unit = 2f64.powi(-(bits.min(1000) as i32));
     plan.run_with(
         inputs,
-        |number| Ball {
+        |number| PreciseBall {
             value: from_binary64(number, bits),
             size: number.abs(),
             radius: 0.0,
@@ -88,11 +93,11 @@ fn run(plan: &Plan, inputs: &[f64], bits: usize, constants: &mut Consts) -> Vec<
 /// One operation.
 fn apply(
     operation: Operation,
-    [a, b, c]: [&Ball; 3],
+    [a, b, c]: [&PreciseBall; 3],
     bits: usize,
     unit: f64,
     constants: &mut Consts,
-) -> Ball {
+) -> PreciseBall {
     let value = match operation {
         Operation::Copy => a.value.clone(),
         Operation::Neg => a.value.neg(),
@@ -118,7 +123,7 @@ fn apply(
     // with that in mind.
     let carried = match operation {
         Operation::Copy | Operation::Neg => {
-            return Ball {
+            return PreciseBall {
                 value,
                 size,
                 radius: a.radius,
@@ -148,7 +153,7 @@ fn apply(
     // Nothing is added where nothing was rounded, so that sums of short
     // numbers are known to be ties where they are.
     let exact = carried == 0.0 && !value.inexact();
-    Ball {
+    PreciseBall {
         radius: if exact { 0.0 } else { carried + size },
         size,
         value,
@@ -157,16 +162,16 @@ fn apply(
 
 /// The binary64 numbers of a value, when its bound leaves one choice or there
 /// are no more bits to be had.
-fn settle(ball: &Ball, zero: bool, bits: usize) -> Option<Exact> {
-    let last = bits >= MOST;
+fn settle(ball: &PreciseBall, zero: bool, bits: usize) -> Option<ExactOutput> {
+    let last = bits >= MAX_BITS;
     let high = to_binary64(&ball.value);
     let radius = ball.radius * super::ball::SLACK;
     if !high.is_finite() || !radius.is_finite() {
         let value = Double::from(high);
-        return (last || !high.is_finite()).then_some(Exact {
+        return (last || !high.is_finite()).then_some(ExactOutput {
             value,
             bound: f64::INFINITY,
-            kind: Kind::Uncertain,
+            kind: ExactEvidence::Uncertain,
         });
     }
     // The radius in absolute terms, as a number of the library's: it may be
@@ -186,20 +191,20 @@ fn settle(ball: &Ball, zero: bool, bits: usize) -> Option<Exact> {
     // alone is not enough.
     let straddles = ends[0].is_negative() != ends[1].is_negative();
     if straddles && (zero || last) {
-        return Some(Exact {
+        return Some(ExactOutput {
             value: Double::from(0.0),
             bound: 0.0,
-            kind: Kind::Zero,
+            kind: ExactEvidence::Zero,
         });
     }
     let kind = if below == above {
-        Kind::Precise(bits as u32)
+        ExactEvidence::Precise(bits as u32)
     } else if !last {
         return None;
     } else {
-        Kind::Uncertain
+        ExactEvidence::Uncertain
     };
-    Some(Exact {
+    Some(ExactOutput {
         value: Double { high, low },
         bound,
         kind,

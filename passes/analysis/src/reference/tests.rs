@@ -62,9 +62,9 @@ fn certified_and_audited_values_agree_to_the_last_bit() {
     let module = module(MIXED, 12);
     let function = &module.functions[0];
     let states = states(&module, 40);
-    let certified = Reference::new(function, Effort::Certified).evaluate(&states);
-    let audited = Reference::new(function, Effort::Audit).evaluate(&states);
-    let plain = Reference::new(function, Effort::DoubleDouble).evaluate(&states);
+    let certified = ReferenceEvaluator::new(function, ReferenceEffort::Certified).evaluate(&states);
+    let audited = ReferenceEvaluator::new(function, ReferenceEffort::Audit).evaluate(&states);
+    let plain = ReferenceEvaluator::new(function, ReferenceEffort::DoubleDouble).evaluate(&states);
     for ((certified, audited), plain) in certified.iter().zip(&audited).zip(&plain) {
         for (place, (one, other)) in certified.iter().zip(audited).enumerate() {
             assert!(
@@ -81,19 +81,19 @@ fn certified_and_audited_values_agree_to_the_last_bit() {
             );
             let kind = match place {
                 // Zero by an identity, whatever rounding makes of it.
-                4 => Some(Kind::Zero),
+                4 => Some(ExactEvidence::Zero),
                 // Beyond double-double: the angle, and the far end of the
                 // range.
-                11 => Some(Kind::Precise(192)),
-                0 | 1 | 2 | 3 | 9 => Some(Kind::DoubleDouble),
+                11 => Some(ExactEvidence::Precise(192)),
+                0 | 1 | 2 | 3 | 9 => Some(ExactEvidence::DoubleDouble),
                 _ => None,
             };
             assert!(kind.is_none_or(|kind| kind == one.kind), "{place}: {one:?}");
         }
         assert!(plain.iter().all(|value| !value.is_certain()));
     }
-    assert!(audited[0][0].kind == Kind::Precise(192));
-    assert_eq!(audited[0][4].kind, Kind::Zero);
+    assert!(audited[0][0].kind == ExactEvidence::Precise(192));
+    assert_eq!(audited[0][4].kind, ExactEvidence::Zero);
 }
 
 #[test]
@@ -115,13 +115,16 @@ fn what_double_double_loses_is_computed_again() {
     );
     let function = &module.functions[0];
     let states = states(&module, 20);
-    let exact = Reference::new(function, Effort::Certified).evaluate(&states);
+    let exact = ReferenceEvaluator::new(function, ReferenceEffort::Certified).evaluate(&states);
     let mut precise = 0;
     for (values, inputs) in exact.iter().zip(&states) {
-        assert_eq!((values[0].value.high, values[0].kind), (0.0, Kind::Zero));
+        assert_eq!(
+            (values[0].value.high, values[0].kind),
+            (0.0, ExactEvidence::Zero)
+        );
         assert_eq!(values[1].value.high, inputs[1] * 2f64.powi(-115));
         assert_eq!(values[2].value.high, inputs[0]);
-        precise += u32::from(values[1].kind == Kind::Precise(192));
+        precise += u32::from(values[1].kind == ExactEvidence::Precise(192));
     }
     assert!(precise > 10, "{precise}");
 }
@@ -143,12 +146,13 @@ fn the_edge_between_two_numbers_takes_more_bits() {
     );
     let function = &module.functions[0];
     let states = states(&module, 1);
-    let exact = Reference::new(function, Effort::Certified).evaluate(&states);
-    let found: Vec<(f64, Kind)> = exact[0].iter().map(|e| (e.value.high, e.kind)).collect();
-    assert_eq!(found[0], (1.0 + f64::EPSILON, Kind::Precise(384)));
-    assert_eq!(found[1], (1.0, Kind::Precise(384)));
+    let exact = ReferenceEvaluator::new(function, ReferenceEffort::Certified).evaluate(&states);
+    let found: Vec<(f64, ExactEvidence)> =
+        exact[0].iter().map(|e| (e.value.high, e.kind)).collect();
+    assert_eq!(found[0], (1.0 + f64::EPSILON, ExactEvidence::Precise(384)));
+    assert_eq!(found[1], (1.0, ExactEvidence::Precise(384)));
     // A tie is known to be one, as nothing was rounded, and goes to even.
-    assert_eq!(found[2], (1.0, Kind::Precise(192)));
+    assert_eq!(found[2], (1.0, ExactEvidence::Precise(192)));
 }
 
 #[test]
@@ -169,8 +173,8 @@ fn what_is_not_a_number_is_not_certain() {
     );
     let function = &module.functions[0];
     let states = states(&module, 2);
-    for effort in [Effort::Certified, Effort::Audit] {
-        let exact = Reference::new(function, effort).evaluate(&states);
+    for effort in [ReferenceEffort::Certified, ReferenceEffort::Audit] {
+        let exact = ReferenceEvaluator::new(function, effort).evaluate(&states);
         let [a, b, c, d] = [0, 1, 2, 3].map(|place| exact[0][place]);
         assert!(!a.value.high.is_finite() && !a.is_certain());
         assert!(b.value.high.is_nan() && !b.is_certain());
@@ -182,8 +186,12 @@ fn what_is_not_a_number_is_not_certain() {
 
 #[test]
 fn efforts_read_back() {
-    for effort in [Effort::DoubleDouble, Effort::Certified, Effort::Audit] {
+    for effort in [
+        ReferenceEffort::DoubleDouble,
+        ReferenceEffort::Certified,
+        ReferenceEffort::Audit,
+    ] {
         assert_eq!(effort.to_string().parse(), Ok(effort));
     }
-    assert!("exact".parse::<Effort>().is_err());
+    assert!("exact".parse::<ReferenceEffort>().is_err());
 }

@@ -31,7 +31,7 @@ mod rounder;
 #[cfg(test)]
 mod tests;
 
-pub use rounder::MOST_BITS;
+pub use rounder::MAX_BITS;
 
 use super::adjoint::{Tape, half_ulp};
 use robovec_ir::{Format, Operation};
@@ -50,7 +50,7 @@ const LANES: usize = 8;
 /// The format holds too many bits for its roundings to be sampled in
 /// binary64.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("roundings to {format} cannot be sampled: it has more than {MOST_BITS} bits of mantissa")]
+#[error("roundings to {format} cannot be sampled: it has more than {MAX_BITS} bits of mantissa")]
 pub struct Unsupported {
     /// The format.
     pub format: Format,
@@ -71,7 +71,7 @@ pub struct Sampled {
 ///
 /// # Errors
 ///
-/// When the format has more than [`MOST_BITS`] bits.
+/// When the format has more than [`MAX_BITS`] bits.
 ///
 /// # Panics
 ///

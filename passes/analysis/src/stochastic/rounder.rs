@@ -6,12 +6,12 @@ use robovec_ir::Format;
 /// The most bits of mantissa, or of a fixed-point number, that can be
 /// sampled: binary64 has to hold a result with some bits to spare, whose
 /// random choice decides.
-pub const MOST_BITS: u32 = 40;
+pub const MAX_BITS: u32 = 40;
 
 /// Rounds numbers of binary64 to a format: to one of the two neighbours, each
 /// the likelier the nearer it is, so that the mean is the number itself.
 pub(super) struct Rounder {
-    kind: Kind,
+    kind: RounderKind,
     /// What is added to a number before cutting comes from 32 random bits,
     /// moved left or right to below the last place.
     left: u32,
@@ -23,7 +23,7 @@ pub(super) struct Rounder {
 }
 
 #[derive(Clone, Copy)]
-enum Kind {
+enum RounderKind {
     /// The distance of numbers near zero, the largest finite number, and the
     /// size below which results are zero.
     Float { step: f64, largest: f64, flush: f64 },
@@ -37,7 +37,7 @@ impl Rounder {
             Format::Float(float) => float.mantissa,
             Format::Fixed(fixed) => fixed.integer + fixed.fraction,
         };
-        if bits > MOST_BITS {
+        if bits > MAX_BITS {
             return Err(Unsupported { format });
         }
         let power = |exponent: i32| 2f64.powi(exponent);
@@ -45,7 +45,7 @@ impl Rounder {
             Format::Float(float) => {
                 let (smallest, largest) = (float.smallest_exponent(), float.largest_exponent());
                 let mantissa = float.mantissa as i32;
-                let kind = Kind::Float {
+                let kind = RounderKind::Float {
                     // Below the least number of binary64 there is nothing.
                     step: power((smallest - mantissa).max(-1074)),
                     largest: (2.0 - power(-mantissa)) * power(largest),
@@ -60,7 +60,7 @@ impl Rounder {
             }
             Format::Fixed(fixed) => {
                 let end = power((fixed.integer + fixed.fraction) as i32);
-                let kind = Kind::Fixed {
+                let kind = RounderKind::Fixed {
                     step: power(-(fixed.fraction as i32)),
                     low: -end,
                     high: end - 1.0,
@@ -111,14 +111,14 @@ impl Rounder {
     fn round_one(&self, number: f64, random: u32) -> f64 {
         if !number.is_finite() {
             return match self.kind {
-                Kind::Fixed { step, low, high } => (number / step).clamp(low, high) * step,
-                Kind::Float { .. } => number,
+                RounderKind::Fixed { step, low, high } => (number / step).clamp(low, high) * step,
+                RounderKind::Float { .. } => number,
             };
         }
         let chance = f64::from(random) / 4_294_967_296.0;
         match self.kind {
-            Kind::Float { flush, .. } if number.abs() < flush => 0.0,
-            Kind::Float { step, largest, .. } => {
+            RounderKind::Float { flush, .. } if number.abs() < flush => 0.0,
+            RounderKind::Float { step, largest, .. } => {
                 let rounded = if number.abs() < self.normal[0] {
                     steps(number / step, chance) * step
                 } else {
@@ -131,7 +131,9 @@ impl Rounder {
                     rounded
                 }
             }
-            Kind::Fixed { step, low, high } => steps(number / step, chance).clamp(low, high) * step,
+            RounderKind::Fixed { step, low, high } => {
+                steps(number / step, chance).clamp(low, high) * step
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Samples against what is known of them.
 
 use super::*;
-use crate::adjoint::Run;
+use crate::adjoint::AdjointRun;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
 use robovec_ir::{Module, View};
@@ -92,7 +92,7 @@ fn three_sigma_hold_almost_always_and_sigma_is_no_waste() {
     let (mut beyond, mut total, mut squares) = (0u32, 0u32, 0.0);
     for state in 0..2000 {
         let inputs = States::new(9).draw(view, state);
-        let run = Run::new(&tape, &Binary32, Format::BINARY32, &inputs);
+        let run = AdjointRun::new(&tape, &Binary32, Format::BINARY32, &inputs);
         let sampled = stochastic(&tape, Format::BINARY32, &inputs, 7).expect("f32 is narrow");
         for (output, sampled) in sampled.iter().enumerate() {
             let ratio = run.errors()[tape.output_slot(output)] / sampled.sigma;

@@ -82,7 +82,7 @@ impl Default for Options {
 /// counted from 1 as in Robotran is `(s / F_LANES * F_SIZE_array + element) *
 /// F_LANES + s % F_LANES`, `element` being `i` or `i * (columns + 1) + j`.
 pub fn batch_files(view: View<'_>, options: &Options) -> [(String, String); 2] {
-    let mut plan = plan::Plan::new(view, options);
+    let mut plan = plan::BatchPlan::new(view, options);
     let prepared = prepared::Prepared::new(view.function, &mut plan, options.part);
     let writer = text::BatchWriter::new(view, options, &plan, &prepared);
     let name = writer.names.function.clone();

@@ -1,6 +1,6 @@
 //! The names in a file of batch code.
 
-use super::plan::Plan;
+use super::plan::BatchPlan;
 use crate::emit::names::CNames;
 use robovec_ir::{Array, View};
 
@@ -24,7 +24,7 @@ pub(super) struct BatchNames {
 }
 
 impl BatchNames {
-    pub(super) fn new(view: View<'_>, plan: &Plan) -> BatchNames {
+    pub(super) fn new(view: View<'_>, plan: &BatchPlan) -> BatchNames {
         let symbols = &view.tables.symbols;
         let mut taken = CNames::beside(&OWN);
         let function = taken.take(&view.function.name);

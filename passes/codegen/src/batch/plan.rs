@@ -3,7 +3,7 @@
 
 use super::Options;
 use crate::emit::crossing::{Crossing, PartValues};
-use crate::emit::order::{Step, by_registers};
+use crate::emit::order::{CodeStep, by_registers};
 use hashbrown::{HashMap, HashSet};
 use robovec_analysis::slice::live;
 use robovec_ir::{Function, Input, Operand, OperandKind, Operation, Value, View};
@@ -15,7 +15,7 @@ const REGISTERS: usize = 28;
 
 /// Where an operand is read.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) enum Place {
+pub(super) enum OperandPlace {
     /// A variable of a part.
     Variable(Value),
     /// A sine or cosine: the number of its angle.
@@ -30,7 +30,7 @@ pub(super) enum Place {
 
 /// Some angles whose sines and cosines are computed in one loop.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Group {
+pub(super) struct AngleGroup {
     /// The input array they lie in, or none for computed ones.
     pub(super) array: Option<usize>,
     /// The number of the first.
@@ -41,15 +41,15 @@ pub(super) struct Group {
 
 /// What follows what.
 #[derive(Clone, Debug)]
-pub(super) enum Item {
+pub(super) enum BatchItem {
     /// Sines and cosines of a group of angles.
-    Circular(Group),
+    Circular(AngleGroup),
     /// The operations of a part, by number.
     Part(usize),
 }
 
 /// The plan of batch code.
-pub(super) struct Plan {
+pub(super) struct BatchPlan {
     /// For each input array whether all states share it.
     pub(super) shared: Vec<bool>,
     /// For each value whether it is the same for all states.
@@ -61,15 +61,15 @@ pub(super) struct Plan {
     pub(super) angles: u32,
     angle_numbers: HashMap<Operand, u32, FxBuildHasher>,
     /// Consecutive steps that stand in a function of their own.
-    pub(super) parts: Vec<Vec<Step>>,
-    pub(super) items: Vec<Item>,
+    pub(super) parts: Vec<Vec<CodeStep>>,
+    pub(super) items: Vec<BatchItem>,
     /// What travels from part to part.
     pub(super) crossing: Crossing,
 }
 
-impl Plan {
+impl BatchPlan {
     /// Plans a function.
-    pub(super) fn new(view: View<'_>, options: &Options) -> Plan {
+    pub(super) fn new(view: View<'_>, options: &Options) -> BatchPlan {
         let function = view.function;
         let name = |index: usize| view.tables.symbols.text(function.inputs()[index].name);
         let shared: Vec<bool> = (0..function.inputs().len())
@@ -85,7 +85,7 @@ impl Plan {
             .values()
             .map(|(value, node)| lanes[value.index()] && !node.operation.is_trigonometric())
             .collect();
-        let mut plan = Plan {
+        let mut plan = BatchPlan {
             shared,
             uniform,
             prepared: Vec::new(),
@@ -99,7 +99,7 @@ impl Plan {
         plan.prepare(function, &lanes);
         let steps = by_registers(function, &computed, REGISTERS);
         let last = stages.iter().fold(0, |last, &stage| last.max(stage));
-        let mut by_stage: Vec<Vec<Step>> = vec![Vec::new(); last as usize + 1];
+        let mut by_stage: Vec<Vec<CodeStep>> = vec![Vec::new(); last as usize + 1];
         for step in steps {
             by_stage[plan.stage(function, &stages, step) as usize].push(step);
         }
@@ -112,10 +112,10 @@ impl Plan {
     }
 
     /// The stage a step belongs to.
-    fn stage(&self, function: &Function, stages: &[u32], step: Step) -> u32 {
+    fn stage(&self, function: &Function, stages: &[u32], step: CodeStep) -> u32 {
         match step {
-            Step::Define(value) => stages[value.index()],
-            Step::Assign(index) => {
+            CodeStep::Define(value) => stages[value.index()],
+            CodeStep::Assign(index) => {
                 let operand = function.assignments[index as usize].operand;
                 let value = operand.value();
                 let value = value.filter(|value| !self.uniform[value.index()]);
@@ -126,7 +126,7 @@ impl Plan {
 
     /// The groups of angles at the head of a stage.
     fn circular(&mut self, function: &Function, lanes: &[bool], stages: &[u32], stage: u32) {
-        let mut groups: Vec<Group> = Vec::new();
+        let mut groups: Vec<AngleGroup> = Vec::new();
         let mut found: HashSet<Operand, FxBuildHasher> = HashSet::default();
         for (value, node) in function.values() {
             let wanted = lanes[value.index()] && stages[value.index()] == stage;
@@ -138,7 +138,7 @@ impl Plan {
             let array = angle.input().map(|input| function.input_array(input));
             match groups.iter_mut().find(|group| group.array == array) {
                 Some(group) => group.angles.push(angle),
-                None => groups.push(Group {
+                None => groups.push(AngleGroup {
                     array,
                     first: 0,
                     angles: vec![angle],
@@ -151,12 +151,12 @@ impl Plan {
                 self.angle_numbers.insert(angle, number);
             }
             self.angles += group.angles.len() as u32;
-            self.items.push(Item::Circular(group));
+            self.items.push(BatchItem::Circular(group));
         }
     }
 
     /// Cuts the steps of a stage into parts.
-    fn cut(&mut self, steps: Vec<Step>, size: usize) {
+    fn cut(&mut self, steps: Vec<CodeStep>, size: usize) {
         let mut steps = steps.into_iter().peekable();
         while steps.peek().is_some() {
             let mut part = Vec::new();
@@ -164,17 +164,17 @@ impl Plan {
             while count < size
                 && let Some(step) = steps.next()
             {
-                count += usize::from(matches!(step, Step::Define(_)));
+                count += usize::from(matches!(step, CodeStep::Define(_)));
                 part.push(step);
                 // The outputs of the last value stand with it.
                 if count == size {
-                    while let Some(&step @ Step::Assign(_)) = steps.peek() {
+                    while let Some(&step @ CodeStep::Assign(_)) = steps.peek() {
                         part.push(step);
                         steps.next();
                     }
                 }
             }
-            self.items.push(Item::Part(self.parts.len()));
+            self.items.push(BatchItem::Part(self.parts.len()));
             self.parts.push(part);
         }
     }
@@ -185,11 +185,11 @@ impl Plan {
             let mut traffic = PartValues::default();
             for step in steps {
                 for &operand in step.reads(function) {
-                    if let Place::Variable(value) = self.place(function, operand) {
+                    if let OperandPlace::Variable(value) = self.place(function, operand) {
                         traffic.read.push(value);
                     }
                 }
-                if let Step::Define(value) = *step {
+                if let CodeStep::Define(value) = *step {
                     traffic.defined.push(value);
                 }
             }
@@ -225,22 +225,24 @@ impl Plan {
     }
 
     /// Where an operand is read by the code for lanes.
-    pub(super) fn place(&self, function: &Function, operand: Operand) -> Place {
+    pub(super) fn place(&self, function: &Function, operand: Operand) -> OperandPlace {
         if let Some(place) = self.prepared_place(operand) {
-            return Place::Prepared(place);
+            return OperandPlace::Prepared(place);
         }
         match operand.kind() {
             OperandKind::Value(value) => {
                 let node = function.node(value);
                 match self.angle_numbers.get(&node.operands[0]) {
                     Some(&angle) if node.operation.is_trigonometric() => {
-                        Place::Circular(node.operation, angle)
+                        OperandPlace::Circular(node.operation, angle)
                     }
-                    _ => Place::Variable(value),
+                    _ => OperandPlace::Variable(value),
                 }
             }
-            OperandKind::Input(input) => Place::Input(input),
-            OperandKind::Constant(constant) => Place::Literal(function.constant_number(constant)),
+            OperandKind::Input(input) => OperandPlace::Input(input),
+            OperandKind::Constant(constant) => {
+                OperandPlace::Literal(function.constant_number(constant))
+            }
             OperandKind::None => unreachable!("an operation has all its operands"),
         }
     }
@@ -258,8 +260,8 @@ impl Plan {
     /// True when some angles are computed.
     pub(super) fn has_computed_angles(&self) -> bool {
         self.items.iter().any(|item| match item {
-            Item::Circular(group) => group.array.is_none(),
-            Item::Part(_) => false,
+            BatchItem::Circular(group) => group.array.is_none(),
+            BatchItem::Part(_) => false,
         })
     }
 }

@@ -7,7 +7,7 @@
 
 use super::Options;
 use super::names::BatchNames;
-use super::plan::Plan;
+use super::plan::BatchPlan;
 use crate::emit::arrays::place;
 use crate::emit::expression::{BoundText, Operands, apply, lane_literal};
 use crate::emit::frame::unused;
@@ -25,7 +25,7 @@ pub(super) struct Prepared {
 impl Prepared {
     /// Cuts what is to be prepared into parts. Adds to the prepared numbers
     /// those that cross from part to part.
-    pub(super) fn new(function: &Function, plan: &mut Plan, part: u32) -> Prepared {
+    pub(super) fn new(function: &Function, plan: &mut BatchPlan, part: u32) -> Prepared {
         let mut wanted = vec![false; function.nodes().len()];
         for value in plan.prepared.iter().filter_map(|operand| operand.value()) {
             wanted[value.index()] = true;
@@ -62,7 +62,7 @@ impl Prepared {
     pub(super) fn write(
         &self,
         function: &Function,
-        plan: &Plan,
+        plan: &BatchPlan,
         names: &BatchNames,
         options: &Options,
         parameters: &str,
@@ -109,7 +109,7 @@ impl Prepared {
 
 struct PreparedWriter<'a> {
     function: &'a Function,
-    plan: &'a Plan,
+    plan: &'a BatchPlan,
     names: &'a BatchNames,
     options: &'a Options,
     part_of: &'a [Option<usize>],

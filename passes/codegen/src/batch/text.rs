@@ -1,14 +1,14 @@
 //! The source and the header.
 
 use super::names::BatchNames;
-use super::plan::{Group, Item, Place, Plan};
+use super::plan::{AngleGroup, BatchItem, BatchPlan, OperandPlace};
 use super::prepared::Prepared;
 use super::{Options, comment, driver};
 use crate::emit::arrays::{extent, place};
 use crate::emit::expression::{BoundText, Operands, apply, lane_literal};
 use crate::emit::frame::{self, APART};
-use crate::emit::order::Step;
-use crate::sincos::Kernel;
+use crate::emit::order::CodeStep;
+use crate::sincos::SineKernel;
 use robovec_ir::{Array, Function, Operand, Operation, Shape, Value, View};
 use std::fmt::Write;
 
@@ -16,10 +16,10 @@ use std::fmt::Write;
 pub(super) struct BatchWriter<'a> {
     pub(super) view: View<'a>,
     pub(super) options: &'a Options,
-    pub(super) plan: &'a Plan,
+    pub(super) plan: &'a BatchPlan,
     pub(super) prepared: &'a Prepared,
     pub(super) names: BatchNames,
-    kernel: Kernel,
+    kernel: SineKernel,
 }
 
 /// How a list of arrays is written.
@@ -35,12 +35,12 @@ impl<'a> BatchWriter<'a> {
     pub(super) fn new(
         view: View<'a>,
         options: &'a Options,
-        plan: &'a Plan,
+        plan: &'a BatchPlan,
         prepared: &'a Prepared,
     ) -> BatchWriter<'a> {
         BatchWriter {
             names: BatchNames::new(view, plan),
-            kernel: Kernel {
+            kernel: SineKernel {
                 real: options.real,
                 lanes: options.lanes,
             },
@@ -210,8 +210,8 @@ impl<'a> BatchWriter<'a> {
         }
         for &step in &self.plan.parts[number] {
             match step {
-                Step::Define(value) => self.define(text, value),
-                Step::Assign(index) => self.assign(text, index),
+                CodeStep::Define(value) => self.define(text, value),
+                CodeStep::Assign(index) => self.assign(text, index),
             }
         }
         let list = self.part_list(List::Arguments);
@@ -255,22 +255,24 @@ impl<'a> BatchWriter<'a> {
         let element = place(array, assignment.output.0 - array.offset);
         let operand = self.operand(assignment.operand).text;
         let spread = match self.plan.place(self.function(), assignment.operand) {
-            Place::Prepared(_) | Place::Literal(_) => {
+            OperandPlace::Prepared(_) | OperandPlace::Literal(_) => {
                 format!("({}){{0}} + ", self.kernel.vector())
             }
-            Place::Variable(_) | Place::Circular(..) | Place::Input(_) => String::new(),
+            OperandPlace::Variable(_) | OperandPlace::Circular(..) | OperandPlace::Input(_) => {
+                String::new()
+            }
         };
         let _ = writeln!(text, "    OUT({name}, {element}) = {spread}{operand};");
     }
 
     fn operand(&self, operand: Operand) -> BoundText {
         let text = match self.plan.place(self.function(), operand) {
-            Place::Variable(value) => self.names.values[value.index()].clone(),
-            Place::Circular(Operation::Sin, angle) => format!("sines[{angle}]"),
-            Place::Circular(_, angle) => format!("cosines[{angle}]"),
-            Place::Prepared(place) => format!("prepared[{place}]"),
-            Place::Literal(number) => return lane_literal(number, self.options.real),
-            Place::Input(input) => {
+            OperandPlace::Variable(value) => self.names.values[value.index()].clone(),
+            OperandPlace::Circular(Operation::Sin, angle) => format!("sines[{angle}]"),
+            OperandPlace::Circular(_, angle) => format!("cosines[{angle}]"),
+            OperandPlace::Prepared(place) => format!("prepared[{place}]"),
+            OperandPlace::Literal(number) => return lane_literal(number, self.options.real),
+            OperandPlace::Input(input) => {
                 let index = self.function().input_array(input);
                 let array = &self.function().inputs()[index];
                 let element = place(array, input.0 - array.offset);
@@ -304,10 +306,10 @@ impl<'a> BatchWriter<'a> {
         let arguments = self.part_list(List::Arguments);
         for item in &self.plan.items {
             match item {
-                Item::Part(number) => {
+                BatchItem::Part(number) => {
                     let _ = writeln!(text, "    {name}_part_{}({arguments});", number + 1);
                 }
-                Item::Circular(group) => self.circular(text, group),
+                BatchItem::Circular(group) => self.circular(text, group),
             }
         }
         if self.plan.parts.is_empty() {
@@ -318,7 +320,7 @@ impl<'a> BatchWriter<'a> {
         *text += "}\n\n";
     }
 
-    fn circular(&self, text: &mut String, group: &Group) {
+    fn circular(&self, text: &mut String, group: &AngleGroup) {
         let (first, count) = (group.first, group.angles.len());
         let function = self.function();
         let places = group.angles.iter().zip(first..).map(|(angle, number)| {
@@ -333,7 +335,7 @@ impl<'a> BatchWriter<'a> {
         });
         let places = places.collect::<Vec<_>>().join(", ");
         for (&angle, number) in group.angles.iter().zip(first..) {
-            if let Place::Circular(..) = self.plan.place(function, angle) {
+            if let OperandPlace::Circular(..) = self.plan.place(function, angle) {
                 let _ = writeln!(text, "    angles[{number}] = {};", self.operand(angle).text);
             }
         }

@@ -3,7 +3,7 @@
 use super::{Options, Real, Signature};
 use crate::emit::arrays::{self, Rows};
 use crate::emit::names::{CNames, is_word_letter};
-use crate::kind::{Kind, file_stem};
+use crate::kind::{EquationKind, file_stem};
 use hashbrown::HashMap;
 use robovec_ir::{Array, Function, Input, OperandKind, Output, Shape, View};
 use rustc_hash::FxBuildHasher;
@@ -50,7 +50,7 @@ pub enum SignatureError {
 }
 
 /// An element in C, and the local pointer it is reached by, if any.
-pub(super) struct Element {
+pub(super) struct ElementExpression {
     pub(super) text: String,
     pub(super) pointer: Option<usize>,
 }
@@ -63,7 +63,7 @@ pub(super) struct Pointer {
 
 /// How an array is reached.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Reach {
+enum ArrayReach {
     /// A parameter with indices, or a number given by value.
     Parameter,
     /// A parameter that points to a number.
@@ -74,15 +74,15 @@ enum Reach {
     Member,
 }
 
-struct Access {
+struct ArrayAccess {
     name: String,
-    reach: Reach,
+    reach: ArrayReach,
     /// The array is both given and given back.
     is_shared: bool,
 }
 
 /// The data structure of a project, which changed its name.
-pub(super) struct Structure {
+pub(super) struct ProjectStructure {
     pub(super) name: &'static str,
     pub(super) header: &'static str,
     /// What stands before the names of functions.
@@ -91,14 +91,14 @@ pub(super) struct Structure {
 
 /// The structure that a function's file was written for: that of today,
 /// unless its metadata say `structure "MBSdataStruct"`.
-pub(super) fn structure(function: &Function) -> Structure {
+pub(super) fn structure(function: &Function) -> ProjectStructure {
     match function.metadata("structure") {
-        Some("MBSdataStruct") => Structure {
+        Some("MBSdataStruct") => ProjectStructure {
             name: "MBSdataStruct",
             header: "MBSdataStructR7.h",
             prefix: "",
         },
-        Some(_) | None => Structure {
+        Some(_) | None => ProjectStructure {
             name: "MbsData",
             header: "mbs_data.h",
             prefix: "mbs_",
@@ -110,11 +110,11 @@ pub(super) fn structure(function: &Function) -> Structure {
 pub(super) struct Interface<'a> {
     function: &'a Function,
     /// Robotran's kind; `None` with the plain signature.
-    kind: Option<Kind>,
+    kind: Option<EquationKind>,
     name: String,
     file: String,
-    inputs: Vec<Access>,
-    outputs: Vec<Access>,
+    inputs: Vec<ArrayAccess>,
+    outputs: Vec<ArrayAccess>,
     pub(super) pointers: Vec<Pointer>,
     by_row: HashMap<(bool, usize, u32), usize, FxBuildHasher>,
     /// Declarations of the parameters, and their names.
@@ -160,11 +160,11 @@ impl<'a> Interface<'a> {
                 let declaration =
                     arrays::parameter(real, &name, array.shape, is_output, Rows::Brackets);
                 let reach = match array.shape {
-                    Shape::Scalar if is_output => Reach::Target,
-                    Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) => Reach::Parameter,
+                    Shape::Scalar if is_output => ArrayReach::Target,
+                    Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) => ArrayReach::Parameter,
                 };
                 self.parameters.push((declaration, name.clone()));
-                let access = Access {
+                let access = ArrayAccess {
                     name,
                     reach,
                     is_shared: false,
@@ -213,7 +213,7 @@ impl<'a> Interface<'a> {
         self.parameters.push(time.clone());
         for array in function.inputs() {
             let access = self.access(view, array, kind, false)?;
-            if access.reach == Reach::Parameter {
+            if access.reach == ArrayReach::Parameter {
                 self.inner.push(time.clone());
             }
             self.inputs.push(access);
@@ -230,9 +230,9 @@ impl<'a> Interface<'a> {
         &self,
         view: View<'_>,
         array: &Array,
-        kind: Kind,
+        kind: EquationKind,
         is_output: bool,
-    ) -> Result<Access, SignatureError> {
+    ) -> Result<ArrayAccess, SignatureError> {
         let name = view.tables.symbols.text(array.name);
         let function = || view.function.name.clone();
         if !is_word(name) {
@@ -255,12 +255,12 @@ impl<'a> Interface<'a> {
         let name = robotran_name(name);
         let parameter = kind.outputs.iter().find(|(known, _)| *known == name);
         let reach = match (parameter, array.shape) {
-            (None, Shape::Scalar) if name == "tsim" => Reach::Parameter,
-            (Some((_, 2)), _) => Reach::Rows,
-            (Some(_), _) => Reach::Target,
-            (None, _) => Reach::Member,
+            (None, Shape::Scalar) if name == "tsim" => ArrayReach::Parameter,
+            (Some((_, 2)), _) => ArrayReach::Rows,
+            (Some(_), _) => ArrayReach::Target,
+            (None, _) => ArrayReach::Member,
         };
-        Ok(Access {
+        Ok(ArrayAccess {
             name: name.to_owned(),
             reach,
             is_shared: others.iter().any(|other| other.name == array.name),
@@ -291,13 +291,13 @@ impl<'a> Interface<'a> {
             let access = &access[number];
             let row = if rank == 2 { indices[0] } else { 0 };
             let key = (is_output, number, row);
-            let needs_none = rank == 0 || (rank == 1 && access.reach != Reach::Member);
+            let needs_none = rank == 0 || (rank == 1 && access.reach != ArrayReach::Member);
             if needs_none || self.by_row.contains_key(&key) {
                 continue;
             }
             let source = match (access.reach, rank) {
-                (Reach::Member, 1) => format!("s->{}", access.name),
-                (Reach::Member, _) => format!("s->{}[{row}]", access.name),
+                (ArrayReach::Member, 1) => format!("s->{}", access.name),
+                (ArrayReach::Member, _) => format!("s->{}[{row}]", access.name),
                 (_, _) => format!("{}[{row}]", access.name),
             };
             let qualifiers = match (is_output, access.is_shared) {
@@ -333,7 +333,7 @@ impl<'a> Interface<'a> {
     }
 
     /// How an input (or output) element is written.
-    pub(super) fn element(&self, is_output: bool, element: u32) -> Element {
+    pub(super) fn element(&self, is_output: bool, element: u32) -> ElementExpression {
         let (number, indices, rank) = self.place(is_output, element);
         let access = if is_output {
             &self.outputs
@@ -348,14 +348,14 @@ impl<'a> Interface<'a> {
                 format!("{}[{}]", self.pointers[pointer].name, indices[rank - 1])
             }
             (None, 0) => match access.reach {
-                Reach::Target => format!("*{}", access.name),
-                Reach::Member => format!("s->{}", access.name),
-                Reach::Parameter | Reach::Rows => access.name.clone(),
+                ArrayReach::Target => format!("*{}", access.name),
+                ArrayReach::Member => format!("s->{}", access.name),
+                ArrayReach::Parameter | ArrayReach::Rows => access.name.clone(),
             },
             (None, 1) => format!("{}[{}]", access.name, indices[0]),
             (None, _) => format!("{}[{}][{}]", access.name, indices[0], indices[1]),
         };
-        Element { text, pointer }
+        ElementExpression { text, pointer }
     }
 
     /// True when writing an output may change an input.
@@ -406,12 +406,12 @@ impl<'a> Interface<'a> {
 }
 
 /// The kind of a function that one bounded C function can stand for.
-fn robotran_kind(function: &Function) -> Result<Kind, SignatureError> {
+fn robotran_kind(function: &Function) -> Result<EquationKind, SignatureError> {
     let name = || function.name.clone();
     if function.metadata("part").is_some() {
         return Err(SignatureError::Part(name()));
     }
-    let (kind, _) = Kind::of(function).ok_or_else(|| SignatureError::Kind(name()))?;
+    let (kind, _) = EquationKind::of(function).ok_or_else(|| SignatureError::Kind(name()))?;
     if kind.is_sensor() {
         return Err(SignatureError::Sensor(name()));
     }

@@ -34,10 +34,10 @@ mod trial;
 
 pub use super::emit::Real;
 pub use interface::SignatureError;
-pub use trial::{Trial, minimal_data, trial_main};
+pub use trial::{TrialState, minimal_data, trial_main};
 
 use interface::Interface;
-use parts::Plan;
+use parts::CodePlan;
 use robovec_framework::option_words;
 use robovec_ir::{Array, Assignment, Function, Name, Node, Operand, Operation, View};
 use std::borrow::Cow;
@@ -66,7 +66,7 @@ option_words! {
 
 option_words! {
     /// In which order statements stand.
-    pub enum Order {
+    pub enum StatementOrder {
         /// Each value shortly before it is read.
         Depth = "depth",
         /// As in the function.
@@ -84,7 +84,7 @@ pub struct Options {
     /// Who computes sines and cosines.
     pub sines: Sines,
     /// In which order statements stand.
-    pub order: Order,
+    pub order: StatementOrder,
     /// Operations per part.
     pub part: u32,
 }
@@ -95,7 +95,7 @@ impl Default for Options {
             signature: Signature::Robotran,
             real: Real::Double,
             sines: Sines::Inline,
-            order: Order::Depth,
+            order: StatementOrder::Depth,
             part: 500,
         }
     }
@@ -108,7 +108,7 @@ impl Options {
             signature: Signature::Plain,
             real,
             sines: Sines::Library,
-            order: Order::Program,
+            order: StatementOrder::Program,
             ..Options::default()
         }
     }
@@ -128,7 +128,7 @@ pub fn files(view: View<'_>, options: &Options) -> Result<[(String, String); 2],
         ..view
     };
     let interface = Interface::new(view, options)?;
-    let plan = Plan::new(view.function, options, interface.overwrites());
+    let plan = CodePlan::new(view.function, options, interface.overwrites());
     let writer = PlainWriter::new(view, options, &interface, &plan);
     let name = interface.file().to_owned();
     Ok([

@@ -2,34 +2,34 @@
 //! cross from part to part.
 
 use super::sines::Slots;
-use super::{Options, Order, Sines};
+use super::{Options, Sines, StatementOrder};
 use crate::emit::crossing::{Crossing, PartValues};
 use crate::emit::inlining::{Inlining, assigned};
-use crate::emit::order::{Step, depth_first, program};
+use crate::emit::order::{CodeStep, depth_first, program};
 use robovec_analysis::slice::live;
 use robovec_ir::{Function, Operand, Value};
 
 /// A statement of the generated function.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Statement {
+pub(super) enum CodeStatement {
     /// Defines a variable or sets an output element.
-    Step(Step),
+    Step(CodeStep),
     /// Puts an angle in its slot.
     Angle(u32),
 }
 
 /// Some statements that follow each other.
 #[derive(Clone, Default, Debug)]
-pub(super) struct Part {
-    pub(super) statements: Vec<Statement>,
+pub(super) struct CodePart {
+    pub(super) statements: Vec<CodeStatement>,
 }
 
 /// The plan of a generated function.
-pub(super) struct Plan {
+pub(super) struct CodePlan {
     /// For each node: whether its operation stands inside the expression of
     /// its only user.
     inlined: Vec<bool>,
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<CodePart>,
     /// How many parts stand before the sines are computed.
     pub(super) head: usize,
     /// True when all parts stand in one function.
@@ -38,10 +38,10 @@ pub(super) struct Plan {
     crossing: Crossing,
 }
 
-impl Plan {
+impl CodePlan {
     /// Plans a function. With `outputs_last` no output is written before
     /// everything is computed.
-    pub(super) fn new(function: &Function, options: &Options, outputs_last: bool) -> Plan {
+    pub(super) fn new(function: &Function, options: &Options, outputs_last: bool) -> CodePlan {
         let live = live(function);
         let Inlining { inlined, sizes } = inlining(function, outputs_last);
         let slots = match options.sines {
@@ -52,15 +52,15 @@ impl Plan {
             .map(|(live, inlined)| *live && !inlined)
             .collect();
         let ordered = match options.order {
-            Order::Program => program(function, &computed),
-            Order::Depth => depth_first(function, &computed, outputs_last),
+            StatementOrder::Program => program(function, &computed),
+            StatementOrder::Depth => depth_first(function, &computed, outputs_last),
         };
         let (head, body) = apart(function, ordered, &slots);
-        let size = |statement: &Statement| {
+        let size = |statement: &CodeStatement| {
             let operand = match *statement {
-                Statement::Step(Step::Define(value)) => return sizes[value.index()],
-                Statement::Angle(slot) => slots.angles()[slot as usize],
-                Statement::Step(Step::Assign(index)) => {
+                CodeStatement::Step(CodeStep::Define(value)) => return sizes[value.index()],
+                CodeStatement::Angle(slot) => slots.angles()[slot as usize],
+                CodeStatement::Step(CodeStep::Assign(index)) => {
                     function.assignments[index as usize].operand
                 }
             };
@@ -69,7 +69,7 @@ impl Plan {
         };
         let head = cut(head, options.part, size);
         let body = cut(body, options.part, size);
-        let mut plan = Plan {
+        let mut plan = CodePlan {
             is_flat: head.len() <= 1 && body.len() <= 1,
             inlined,
             head: head.len(),
@@ -110,7 +110,7 @@ impl Plan {
             .map(|part| {
                 let mut traffic = PartValues::default();
                 for &statement in &part.statements {
-                    if let Statement::Step(Step::Define(value)) = statement {
+                    if let CodeStatement::Step(CodeStep::Define(value)) = statement {
                         traffic.defined.push(value);
                     }
                     self.leaves(function, statement, |operand| {
@@ -133,10 +133,10 @@ impl Plan {
 
     /// Calls for every variable, input and constant in a statement's
     /// expression.
-    fn leaves(&self, function: &Function, statement: Statement, mut call: impl FnMut(Operand)) {
+    fn leaves(&self, function: &Function, statement: CodeStatement, mut call: impl FnMut(Operand)) {
         let mut open: Vec<Operand> = match statement {
-            Statement::Step(step) => step.reads(function).to_vec(),
-            Statement::Angle(slot) => vec![self.slots.angles()[slot as usize]],
+            CodeStatement::Step(step) => step.reads(function).to_vec(),
+            CodeStatement::Angle(slot) => vec![self.slots.angles()[slot as usize]],
         };
         while let Some(operand) = open.pop() {
             match operand.value() {
@@ -152,9 +152,9 @@ impl Plan {
 /// What stands before the sines, angles last, and what stands behind them.
 fn apart(
     function: &Function,
-    ordered: Vec<Step>,
+    ordered: Vec<CodeStep>,
     slots: &Slots,
-) -> (Vec<Statement>, Vec<Statement>) {
+) -> (Vec<CodeStatement>, Vec<CodeStatement>) {
     let mut early = vec![false; function.nodes().len()];
     for &angle in slots.angles() {
         mark(function, angle, &mut early);
@@ -163,28 +163,32 @@ fn apart(
     let mut body = Vec::with_capacity(ordered.len());
     for step in ordered {
         match step {
-            Step::Define(value) if slots.of(value).is_some() => {}
-            Step::Define(value) if early[value.index()] => head.push(Statement::Step(step)),
-            Step::Define(_) | Step::Assign(_) => body.push(Statement::Step(step)),
+            CodeStep::Define(value) if slots.of(value).is_some() => {}
+            CodeStep::Define(value) if early[value.index()] => head.push(CodeStatement::Step(step)),
+            CodeStep::Define(_) | CodeStep::Assign(_) => body.push(CodeStatement::Step(step)),
         }
     }
-    head.extend((0..slots.angles().len() as u32).map(Statement::Angle));
+    head.extend((0..slots.angles().len() as u32).map(CodeStatement::Angle));
     (head, body)
 }
 
 /// Cuts statements into parts of about so many operations, all of one size.
-fn cut(statements: Vec<Statement>, part: u32, size: impl Fn(&Statement) -> u32) -> Vec<Part> {
+fn cut(
+    statements: Vec<CodeStatement>,
+    part: u32,
+    size: impl Fn(&CodeStatement) -> u32,
+) -> Vec<CodePart> {
     let total: u64 = statements
         .iter()
         .map(|statement| u64::from(size(statement)))
         .sum();
     let count = total.div_ceil(u64::from(part.max(1))).max(1);
     let share = total.div_ceil(count);
-    let mut parts: Vec<Part> = Vec::new();
+    let mut parts: Vec<CodePart> = Vec::new();
     let mut done = share;
     for statement in statements {
         if done >= share {
-            parts.push(Part::default());
+            parts.push(CodePart::default());
             done = 0;
         }
         done += u64::from(size(&statement));

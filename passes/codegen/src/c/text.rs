@@ -1,11 +1,11 @@
 //! The text of a generated C function.
 
 use super::interface::Interface;
-use super::parts::{Part, Plan, Statement};
+use super::parts::{CodePart, CodePlan, CodeStatement};
 use super::{Options, Real};
 use crate::emit::expression::{BoundText, Operands, Tightness, apply, literal};
 use crate::emit::frame::{self, APART};
-use crate::emit::order::Step;
+use crate::emit::order::CodeStep;
 use robovec_ir::{Function, Operand, OperandKind, Value, View};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -14,7 +14,7 @@ use std::fmt::Write;
 pub(super) struct PlainWriter<'a> {
     function: &'a Function,
     real: Real,
-    plan: &'a Plan,
+    plan: &'a CodePlan,
     interface: &'a Interface<'a>,
     parts: Vec<String>,
     /// The name of the function that computes sines.
@@ -41,7 +41,7 @@ impl<'a> PlainWriter<'a> {
         view: View<'a>,
         options: &Options,
         interface: &'a Interface<'a>,
-        plan: &'a Plan,
+        plan: &'a CodePlan,
     ) -> PlainWriter<'a> {
         let function = view.function;
         let symbols = &view.tables.symbols;
@@ -134,7 +134,7 @@ impl<'a> PlainWriter<'a> {
     }
 
     /// A part as a function of its own.
-    fn part(&self, text: &mut String, number: usize, part: &Part) {
+    fn part(&self, text: &mut String, number: usize, part: &CodePart) {
         let mut parameters: Vec<&str> = self
             .interface
             .inner()
@@ -244,11 +244,11 @@ impl<'a> PlainWriter<'a> {
         }
     }
 
-    fn statements(&self, body: &mut PartBody, number: usize, part: &Part) {
+    fn statements(&self, body: &mut PartBody, number: usize, part: &CodePart) {
         let real = self.real.name();
         for &statement in &part.statements {
             match statement {
-                Statement::Step(Step::Define(value)) => {
+                CodeStatement::Step(CodeStep::Define(value)) => {
                     let name = &self.values[value.index()];
                     let expression = self.expression(body, number, value).text;
                     let _ = writeln!(body.text, "    const {real} {name} = {expression};");
@@ -257,14 +257,14 @@ impl<'a> PlainWriter<'a> {
                         let _ = writeln!(body.text, "    {}[{word}] = {name};", self.work);
                     }
                 }
-                Statement::Angle(slot) => {
+                CodeStatement::Angle(slot) => {
                     body.uses_work = true;
                     let angle = self.plan.slots.angles()[slot as usize];
                     let word = self.plan.slots.angle_words().start + slot;
                     let operand = self.operand(body, number, angle).text;
                     let _ = writeln!(body.text, "    {}[{word}] = {operand};", self.work);
                 }
-                Statement::Step(Step::Assign(index)) => {
+                CodeStatement::Step(CodeStep::Assign(index)) => {
                     let assignment = &self.function.assignments[index as usize];
                     let operand = self.operand(body, number, assignment.operand).text;
                     let target = self.interface.element(true, assignment.output.0);

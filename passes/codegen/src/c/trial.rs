@@ -16,7 +16,7 @@ use super::{Options, Real, Signature};
 use crate::emit::arrays::{Rows, dimensions, parameter, rank};
 use crate::emit::frame::parameters;
 use crate::emit::names::is_word_letter;
-use crate::kind::Kind;
+use crate::kind::EquationKind;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Array, Input, View};
 use robovec_num::arithmetic::Binary64;
@@ -24,7 +24,7 @@ use std::fmt::Write;
 
 /// A state, and what a function gives there.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Trial {
+pub struct TrialState {
     /// One number per input element, in order of declaration.
     pub inputs: Vec<f64>,
     /// One number per assignment of the function, in its order.
@@ -33,11 +33,11 @@ pub struct Trial {
     pub tolerance: f64,
 }
 
-impl Trial {
+impl TrialState {
     /// A trial of a function at a state; what is expected comes from the
     /// evaluator in binary64.
-    pub fn new(view: View<'_>, inputs: Vec<f64>, tolerance: f64) -> Trial {
-        Trial {
+    pub fn new(view: View<'_>, inputs: Vec<f64>, tolerance: f64) -> TrialState {
+        TrialState {
             expected: evaluate(view.function, &Binary64, &inputs),
             inputs,
             tolerance,
@@ -52,7 +52,7 @@ pub fn trial_main(
     view: View<'_>,
     options: &Options,
     contestants: &[&str],
-    trial: &Trial,
+    trial: &TrialState,
 ) -> String {
     let main = Main {
         view,
@@ -61,7 +61,7 @@ pub fn trial_main(
             Signature::Plain => options.real,
         },
         kind: match options.signature {
-            Signature::Robotran => Kind::of(view.function).map(|(kind, _)| kind),
+            Signature::Robotran => EquationKind::of(view.function).map(|(kind, _)| kind),
             Signature::Plain => None,
         },
         contestants,
@@ -130,9 +130,9 @@ struct Stored {
 struct Main<'a> {
     view: View<'a>,
     real: Real,
-    kind: Option<Kind>,
+    kind: Option<EquationKind>,
     contestants: &'a [&'a str],
-    trial: &'a Trial,
+    trial: &'a TrialState,
 }
 
 impl Main<'_> {

@@ -9,8 +9,8 @@
 //! (yosys 0.70, binary32 with subnormal numbers); a test compares them when
 //! yosys is installed. They were never calibrated against Quartus.
 
-use super::shape::Shape;
-use crate::rtl::cores::{self, Core};
+use super::shape::MachineShape;
+use crate::rtl::cores::{self, OperatorCore};
 use robovec_ir::machine::ElementDescription;
 use robovec_ir::{Format, Machine, Operation};
 use robovec_num::NumberFormat;
@@ -87,7 +87,7 @@ pub struct Estimate {
 /// cells for a Cyclone V of speed grade 7, neither placed nor routed nor
 /// calibrated.
 pub fn estimated_clock_mhz(machine: &Machine) -> Estimate {
-    let shape = Shape::of(machine, 1024, 1024);
+    let shape = MachineShape::of(machine, 1024, 1024);
     let [quick, slow] = [0, 1].map(|guess| period(&shape, guess));
     Estimate {
         low: 1e6 / slow,
@@ -100,11 +100,11 @@ pub fn estimated_clock_mhz(machine: &Machine) -> Estimate {
 /// register, and from register to register, ps; `guess` 0 for quick nets, 1
 /// for slow ones. Latencies beyond the table are no quicker. None for the
 /// operators that are not tabulated.
-pub fn tabulated(core: Core, stages: u32, guess: usize) -> Option<[u32; 2]> {
+pub fn tabulated(core: OperatorCore, stages: u32, guess: usize) -> Option<[u32; 2]> {
     let table: &[[u32; 4]] = match core {
-        Core::Add => &ADDER,
-        Core::Multiply => &MULTIPLIER,
-        Core::Divide | Core::Root | Core::Fused => return None,
+        OperatorCore::Add => &ADDER,
+        OperatorCore::Multiply => &MULTIPLIER,
+        OperatorCore::Divide | OperatorCore::Root | OperatorCore::Fused => return None,
     };
     let place = (stages.max(1) as usize).min(table.len()) - 1;
     let row = table[place];
@@ -112,7 +112,7 @@ pub fn tabulated(core: Core, stages: u32, guess: usize) -> Option<[u32; 2]> {
 }
 
 /// The longest of all paths of a cycle, ps.
-fn period(shape: &Shape, guess: usize) -> f64 {
+fn period(shape: &MachineShape, guess: usize) -> f64 {
     let net = NETS[guess];
     let mut longest = f64::from(crossbar(shape, net));
     for kind in &shape.kinds {
@@ -128,7 +128,7 @@ fn period(shape: &Shape, guess: usize) -> f64 {
 }
 
 /// From a buffer's address through the buffer and the crossbar into a memory.
-fn crossbar(shape: &Shape, net: u32) -> u32 {
+fn crossbar(shape: &MachineShape, net: u32) -> u32 {
     let mut levels = 0;
     let mut left = shape.sources();
     while left > 1 {
@@ -147,27 +147,29 @@ fn crossbar(shape: &Shape, net: u32) -> u32 {
 fn element(element: &ElementDescription, number: Format, guess: usize) -> f64 {
     let performed = Operation::ALL.into_iter();
     let performed = performed.filter(|operation| element.performs(*operation));
-    let periods = performed.filter_map(Core::of).map(|core| match number {
-        Format::Float(format) => {
-            let model = slowest(core, format, element.stages);
-            match tabulated(core, element.stages, guess) {
-                Some([first, inner]) => {
-                    let binary32 = slowest(core, NumberFormat::BINARY32, element.stages);
-                    f64::from((MEMORY + first).max(inner)) * model / binary32
+    let periods = performed
+        .filter_map(OperatorCore::of)
+        .map(|core| match number {
+            Format::Float(format) => {
+                let model = slowest(core, format, element.stages);
+                match tabulated(core, element.stages, guess) {
+                    Some([first, inner]) => {
+                        let binary32 = slowest(core, NumberFormat::BINARY32, element.stages);
+                        f64::from((MEMORY + first).max(inner)) * model / binary32
+                    }
+                    // The model has quick nets; slow ones make paths through
+                    // logic three tenths longer, as in the tables.
+                    None => f64::from(MEMORY) + model * [1.0, 1.3][guess],
                 }
-                // The model has quick nets; slow ones make paths through
-                // logic three tenths longer, as in the tables.
-                None => f64::from(MEMORY) + model * [1.0, 1.3][guess],
             }
-        }
-        Format::Fixed(_) => f64::from(fixed(core, number.width(), NETS[guess])),
-    });
+            Format::Fixed(_) => f64::from(fixed(core, number.width(), NETS[guess])),
+        });
     periods.fold(0.0, f64::max)
 }
 
 /// The slowest stage by the cores' own model, which carries the table over
 /// to other formats.
-fn slowest(core: Core, format: NumberFormat, stages: u32) -> f64 {
+fn slowest(core: OperatorCore, format: NumberFormat, stages: u32) -> f64 {
     let mask = cores::cuts(core, format, stages).mask;
     let (mut worst, mut stage) = (1, 0);
     for (place, step) in (0_u32..).zip(core.steps(format)) {
@@ -182,10 +184,10 @@ fn slowest(core: Core, format: NumberFormat, stages: u32) -> f64 {
 
 /// A carry chain, or a product and a carry chain, in one stage: there are no
 /// cores of fixed point.
-fn fixed(core: Core, width: u32, net: u32) -> u32 {
+fn fixed(core: OperatorCore, width: u32, net: u32) -> u32 {
     let chain = 1342 + 36 * width + 368 + net;
     let product = match core {
-        Core::Multiply => 3928 + net,
+        OperatorCore::Multiply => 3928 + net,
         _ => 0,
     };
     MEMORY + net + product + chain

@@ -7,8 +7,8 @@
 //! links they lack. The bits that steer the choices come from instruction
 //! memories, which are counted there.
 
-use super::Resources;
-use robovec_ir::machine::{Interconnect, Network, Topology};
+use super::ResourceUse;
+use robovec_ir::machine::{Interconnect, LinkNetwork, Topology};
 
 /// What a machine has to connect.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -30,7 +30,7 @@ fn choice(words: u32) -> u32 {
 }
 
 /// What an interconnect takes.
-pub fn interconnect(interconnect: Interconnect, terminals: Terminals) -> Resources {
+pub fn interconnect(interconnect: Interconnect, terminals: Terminals) -> ResourceUse {
     let Terminals {
         elements,
         sources,
@@ -52,10 +52,10 @@ pub fn interconnect(interconnect: Interconnect, terminals: Terminals) -> Resourc
             (arrivals + tables, registers)
         }
     };
-    Resources {
+    ResourceUse {
         aluts: f64::from(tables) * f64::from(width),
         registers: f64::from(registers) * f64::from(width),
-        ..Resources::default()
+        ..ResourceUse::default()
     }
 }
 
@@ -68,7 +68,7 @@ struct Links {
     arriving: u32,
 }
 
-fn links(network: &Network, terminals: Terminals) -> Links {
+fn links(network: &LinkNetwork, terminals: Terminals) -> Links {
     let Terminals {
         elements, sources, ..
     } = terminals;
@@ -118,8 +118,8 @@ mod tests {
         width: 32,
     };
 
-    fn of(topology: Topology, terminals: Terminals) -> Resources {
-        interconnect(Interconnect::Network(Network::of(topology)), terminals)
+    fn of(topology: Topology, terminals: Terminals) -> ResourceUse {
+        interconnect(Interconnect::Network(LinkNetwork::of(topology)), terminals)
     }
 
     #[test]

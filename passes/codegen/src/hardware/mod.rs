@@ -1,7 +1,7 @@
 //! What a machine takes of a device and how fast it can be clocked, by
 //! formulas: nothing is synthesised.
 //!
-//! The device is a Cyclone V, as in the thesis. [`Shape`] settles every size
+//! The device is a Cyclone V, as in the thesis. [`MachineShape`] settles every size
 //! of a machine, [`parts`] says what each part of it takes, in tables,
 //! registers, memory blocks and multiplier blocks.
 //!
@@ -22,6 +22,6 @@ pub use clock::{Estimate, estimated_clock_mhz, tabulated};
 pub use interconnect::{Terminals, interconnect};
 pub use memory::{blocks, four_port_blocks, lab_memories, true_dual_port_blocks};
 pub use operator::{operator, product_blocks};
-pub use parts::{Part, PartKind, multiplexer, parts, resources};
-pub use resources::Resources;
-pub use shape::{Kind, Shape};
+pub use parts::{MachinePart, PartKind, multiplexer, parts, resources};
+pub use resources::ResourceUse;
+pub use shape::{ElementsOfKind, MachineShape};

@@ -1,21 +1,21 @@
 //! What an operator takes, for any format and latency.
 //!
 //! Registers follow from the cuts: every cut of a core is so many bits wide
-//! ([`Step::bits`](crate::rtl::cores::Step)). Look-up tables hardly
+//! ([`CoreStep::bits`](crate::rtl::cores::CoreStep)). Look-up tables hardly
 //! depend on the cuts: shifting, adding and rounding take a few tables per
 //! bit of the significand, and exponents are compared, added and limited bit
 //! by bit, so the tables are linear in both widths. The factors are fitted to
 //! mappings by yosys' `synth_intel_alm` of formats from 5 + 7 to 11 + 52
 //! bits, which they meet within a tenth.
 
-use super::Resources;
+use super::ResourceUse;
 use super::memory::bits;
-use crate::rtl::cores::{self, Core};
+use crate::rtl::cores::{self, OperatorCore};
 use robovec_ir::Format;
 use robovec_num::NumberFormat;
 
 /// What one operator takes with so many stages.
-pub fn operator(core: Core, number: Format, stages: u32) -> Resources {
+pub fn operator(core: OperatorCore, number: Format, stages: u32) -> ResourceUse {
     match number {
         Format::Float(format) => float(core, format, stages),
         Format::Fixed(_) => fixed(core, number.width(), stages),
@@ -24,21 +24,21 @@ pub fn operator(core: Core, number: Format, stages: u32) -> Resources {
 
 /// Tables per bit and step of a shift, per bit of the mantissa and of the
 /// exponent, and a constant.
-fn tables(core: Core, subnormals: bool) -> [f64; 4] {
+fn tables(core: OperatorCore, subnormals: bool) -> [f64; 4] {
     match (core, subnormals) {
-        (Core::Add, true) => [1.66, 5.42, 14.6, 0.0],
-        (Core::Add, false) => [0.0, 17.5, 10.5, 0.0],
-        (Core::Multiply, true) => [0.0, 10.5, 24.1, -52.0],
-        (Core::Multiply, false) => [0.0, 2.6, 10.6, 0.0],
-        (Core::Divide, true) => [0.0, 11.0, 25.0, 0.0],
-        (Core::Divide, false) => [0.0, 4.0, 14.0, 0.0],
-        (Core::Root, _) => [0.0, 1.5, 3.0, 0.0],
+        (OperatorCore::Add, true) => [1.66, 5.42, 14.6, 0.0],
+        (OperatorCore::Add, false) => [0.0, 17.5, 10.5, 0.0],
+        (OperatorCore::Multiply, true) => [0.0, 10.5, 24.1, -52.0],
+        (OperatorCore::Multiply, false) => [0.0, 2.6, 10.6, 0.0],
+        (OperatorCore::Divide, true) => [0.0, 11.0, 25.0, 0.0],
+        (OperatorCore::Divide, false) => [0.0, 4.0, 14.0, 0.0],
+        (OperatorCore::Root, _) => [0.0, 1.5, 3.0, 0.0],
         // A product, and a sum of three times the width.
-        (Core::Fused, _) => [4.8, 20.0, 30.0, 0.0],
+        (OperatorCore::Fused, _) => [4.8, 20.0, 30.0, 0.0],
     }
 }
 
-fn float(core: Core, format: NumberFormat, stages: u32) -> Resources {
+fn float(core: OperatorCore, format: NumberFormat, stages: u32) -> ResourceUse {
     let (exponent, mantissa) = (f64::from(format.exponent), f64::from(format.mantissa));
     let [per_step, per_mantissa, per_exponent, constant] = tables(core, format.subnormals);
     let steps = f64::from(bits(format.mantissa + 5));
@@ -47,13 +47,17 @@ fn float(core: Core, format: NumberFormat, stages: u32) -> Resources {
         + per_exponent * exponent
         + constant;
     let mut multiplier_blocks = 0.0;
-    if matches!(core, Core::Divide | Core::Root) {
+    if matches!(core, OperatorCore::Divide | OperatorCore::Root) {
         // One row per bit of the result: a subtraction and a choice.
         let rows = mantissa + 3.0;
-        let wide = if core == Core::Divide { 2.0 } else { 1.6 };
+        let wide = if core == OperatorCore::Divide {
+            2.0
+        } else {
+            1.6
+        };
         aluts += wide * rows * (mantissa + 2.0);
     }
-    if matches!(core, Core::Multiply | Core::Fused) {
+    if matches!(core, OperatorCore::Multiply | OperatorCore::Fused) {
         let significand = format.mantissa + 1;
         multiplier_blocks = product_blocks(significand);
         aluts += product_tables(significand);
@@ -65,36 +69,36 @@ fn float(core: Core, format: NumberFormat, stages: u32) -> Resources {
         .filter(|(place, _)| cuts.mask >> place & 1 == 1);
     let held: u32 = cut.map(|(_, step)| step.bits).sum();
     let width = 1 + format.exponent + format.mantissa;
-    Resources {
+    ResourceUse {
         aluts,
         registers: f64::from(held + cuts.extra * width),
         multiplier_blocks,
-        ..Resources::default()
+        ..ResourceUse::default()
     }
 }
 
 /// Numbers without an exponent: a carry chain that saturates, or a product
 /// that is rounded and saturates. No cores are built for them; this is for
 /// comparing formats.
-fn fixed(core: Core, width: u32, stages: u32) -> Resources {
+fn fixed(core: OperatorCore, width: u32, stages: u32) -> ResourceUse {
     let places = f64::from(width);
     let registers = places * f64::from(stages);
     match core {
-        Core::Divide | Core::Root => Resources {
+        OperatorCore::Divide | OperatorCore::Root => ResourceUse {
             aluts: 2.0 * places * places,
             registers,
-            ..Resources::default()
+            ..ResourceUse::default()
         },
-        Core::Add => Resources {
+        OperatorCore::Add => ResourceUse {
             aluts: 2.0 * places,
             registers,
-            ..Resources::default()
+            ..ResourceUse::default()
         },
-        Core::Multiply | Core::Fused => Resources {
+        OperatorCore::Multiply | OperatorCore::Fused => ResourceUse {
             aluts: 3.0 * places + product_tables(width),
             registers,
             multiplier_blocks: product_blocks(width),
-            ..Resources::default()
+            ..ResourceUse::default()
         },
     }
 }
@@ -128,41 +132,41 @@ mod tests {
     }
 
     /// Tables that yosys 0.70 maps the cores of no latency to.
-    const MAPPED: [(Core, u32, u32, bool, f64); 34] = [
-        (Core::Add, 8, 23, true, 458.0),
-        (Core::Add, 5, 10, true, 239.0),
-        (Core::Add, 11, 52, true, 1082.0),
-        (Core::Add, 8, 17, true, 398.0),
-        (Core::Add, 8, 7, true, 236.0),
-        (Core::Add, 11, 40, true, 874.0),
-        (Core::Add, 6, 13, true, 299.0),
-        (Core::Add, 8, 23, false, 498.0),
-        (Core::Add, 5, 10, false, 237.0),
-        (Core::Add, 11, 52, false, 1071.0),
-        (Core::Add, 8, 17, false, 391.0),
-        (Core::Add, 8, 7, false, 214.0),
-        (Core::Add, 11, 40, false, 852.0),
-        (Core::Multiply, 8, 23, true, 408.0),
-        (Core::Multiply, 5, 10, true, 188.0),
-        (Core::Multiply, 11, 52, true, 1118.0),
-        (Core::Multiply, 8, 17, true, 340.0),
-        (Core::Multiply, 8, 7, true, 226.0),
-        (Core::Multiply, 11, 40, true, 949.0),
-        (Core::Multiply, 6, 13, true, 229.0),
-        (Core::Multiply, 8, 23, false, 146.0),
-        (Core::Multiply, 5, 10, false, 81.0),
-        (Core::Multiply, 11, 52, false, 517.0),
-        (Core::Multiply, 8, 17, false, 124.0),
-        (Core::Multiply, 8, 7, false, 103.0),
-        (Core::Multiply, 11, 40, false, 465.0),
-        (Core::Divide, 5, 10, true, 538.0),
-        (Core::Divide, 8, 17, true, 1160.0),
-        (Core::Root, 5, 10, true, 277.0),
-        (Core::Root, 8, 17, true, 614.0),
-        (Core::Fused, 8, 23, true, 1345.0),
-        (Core::Fused, 5, 10, true, 625.0),
-        (Core::Fused, 8, 17, true, 1044.0),
-        (Core::Fused, 11, 52, true, 3520.0),
+    const MAPPED: [(OperatorCore, u32, u32, bool, f64); 34] = [
+        (OperatorCore::Add, 8, 23, true, 458.0),
+        (OperatorCore::Add, 5, 10, true, 239.0),
+        (OperatorCore::Add, 11, 52, true, 1082.0),
+        (OperatorCore::Add, 8, 17, true, 398.0),
+        (OperatorCore::Add, 8, 7, true, 236.0),
+        (OperatorCore::Add, 11, 40, true, 874.0),
+        (OperatorCore::Add, 6, 13, true, 299.0),
+        (OperatorCore::Add, 8, 23, false, 498.0),
+        (OperatorCore::Add, 5, 10, false, 237.0),
+        (OperatorCore::Add, 11, 52, false, 1071.0),
+        (OperatorCore::Add, 8, 17, false, 391.0),
+        (OperatorCore::Add, 8, 7, false, 214.0),
+        (OperatorCore::Add, 11, 40, false, 852.0),
+        (OperatorCore::Multiply, 8, 23, true, 408.0),
+        (OperatorCore::Multiply, 5, 10, true, 188.0),
+        (OperatorCore::Multiply, 11, 52, true, 1118.0),
+        (OperatorCore::Multiply, 8, 17, true, 340.0),
+        (OperatorCore::Multiply, 8, 7, true, 226.0),
+        (OperatorCore::Multiply, 11, 40, true, 949.0),
+        (OperatorCore::Multiply, 6, 13, true, 229.0),
+        (OperatorCore::Multiply, 8, 23, false, 146.0),
+        (OperatorCore::Multiply, 5, 10, false, 81.0),
+        (OperatorCore::Multiply, 11, 52, false, 517.0),
+        (OperatorCore::Multiply, 8, 17, false, 124.0),
+        (OperatorCore::Multiply, 8, 7, false, 103.0),
+        (OperatorCore::Multiply, 11, 40, false, 465.0),
+        (OperatorCore::Divide, 5, 10, true, 538.0),
+        (OperatorCore::Divide, 8, 17, true, 1160.0),
+        (OperatorCore::Root, 5, 10, true, 277.0),
+        (OperatorCore::Root, 8, 17, true, 614.0),
+        (OperatorCore::Fused, 8, 23, true, 1345.0),
+        (OperatorCore::Fused, 5, 10, true, 625.0),
+        (OperatorCore::Fused, 8, 17, true, 1044.0),
+        (OperatorCore::Fused, 11, 52, true, 3520.0),
     ];
 
     #[test]
@@ -176,17 +180,17 @@ mod tests {
     }
 
     /// Tables and registers that yosys 0.70 maps cores of binary32 to.
-    const BY_STAGES: [(Core, u32, f64, f64); 10] = [
-        (Core::Add, 1, 457.0, 32.0),
-        (Core::Add, 3, 449.0, 148.0),
-        (Core::Add, 5, 455.0, 258.0),
-        (Core::Add, 7, 427.0, 334.0),
-        (Core::Add, 10, 439.0, 543.0),
-        (Core::Add, 14, 438.0, 725.0),
-        (Core::Multiply, 2, 358.0, 100.0),
-        (Core::Multiply, 4, 369.0, 213.0),
-        (Core::Multiply, 5, 366.0, 264.0),
-        (Core::Multiply, 9, 370.0, 425.0),
+    const BY_STAGES: [(OperatorCore, u32, f64, f64); 10] = [
+        (OperatorCore::Add, 1, 457.0, 32.0),
+        (OperatorCore::Add, 3, 449.0, 148.0),
+        (OperatorCore::Add, 5, 455.0, 258.0),
+        (OperatorCore::Add, 7, 427.0, 334.0),
+        (OperatorCore::Add, 10, 439.0, 543.0),
+        (OperatorCore::Add, 14, 438.0, 725.0),
+        (OperatorCore::Multiply, 2, 358.0, 100.0),
+        (OperatorCore::Multiply, 4, 369.0, 213.0),
+        (OperatorCore::Multiply, 5, 366.0, 264.0),
+        (OperatorCore::Multiply, 9, 370.0, 425.0),
     ];
 
     #[test]

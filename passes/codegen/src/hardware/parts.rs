@@ -5,12 +5,12 @@
 //! any number of elements, format, latency, memory style and size; yosys'
 //! mapping is what they are compared with (`robovec rtl --synthesise`).
 
-use super::Resources;
+use super::ResourceUse;
 use super::interconnect::{Terminals, interconnect};
 use super::memory::{bits, blocks, four_port_blocks, lab_memories, true_dual_port_blocks};
 use super::operator::operator;
-use super::shape::{Kind, Shape};
-use crate::rtl::cores::Core;
+use super::shape::{ElementsOfKind, MachineShape};
+use crate::rtl::cores::OperatorCore;
 use robovec_ir::Operation;
 use robovec_ir::machine::{Interconnect, MemoryStyle};
 use serde::Serialize;
@@ -52,7 +52,7 @@ impl PartKind {
 
 /// A part of a machine.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Part {
+pub struct MachinePart {
     /// What it is.
     pub part: PartKind,
     /// The kind of the element it belongs to; none for what exists once.
@@ -60,15 +60,15 @@ pub struct Part {
     /// How many there are.
     pub count: u32,
     /// What one takes.
-    pub each: Resources,
+    pub each: ResourceUse,
 }
 
 /// The parts of a machine.
-pub fn parts(shape: &Shape) -> Vec<Part> {
+pub fn parts(shape: &MachineShape) -> Vec<MachinePart> {
     let mut parts = Vec::new();
     for kind in shape.kinds.iter().filter(|kind| kind.count > 0) {
-        let mut part = |part: PartKind, each: Resources| {
-            parts.push(Part {
+        let mut part = |part: PartKind, each: ResourceUse| {
+            parts.push(MachinePart {
                 part,
                 kind: Some(kind.element.kind.clone()),
                 count: kind.count,
@@ -87,7 +87,7 @@ pub fn parts(shape: &Shape) -> Vec<Part> {
         (PartKind::Sequencer, sequencer(shape)),
         (PartKind::Window, window(shape)),
     ];
-    parts.extend(once.map(|(part, each)| Part {
+    parts.extend(once.map(|(part, each)| MachinePart {
         part,
         kind: None,
         count: 1,
@@ -97,25 +97,25 @@ pub fn parts(shape: &Shape) -> Vec<Part> {
 }
 
 /// What a whole machine takes.
-pub fn resources(shape: &Shape) -> Resources {
+pub fn resources(shape: &MachineShape) -> ResourceUse {
     let all = parts(shape).into_iter();
     all.map(|part| part.each * f64::from(part.count)).sum()
 }
 
 /// The operators that perform the operations of a kind.
-fn cores_of(kind: &Kind) -> Vec<Core> {
+fn cores_of(kind: &ElementsOfKind) -> Vec<OperatorCore> {
     let performed = Operation::ALL.into_iter();
     let performed = performed.filter(|operation| kind.element.performs(*operation));
-    let mut cores: Vec<Core> = performed.filter_map(Core::of).collect();
+    let mut cores: Vec<OperatorCore> = performed.filter_map(OperatorCore::of).collect();
     cores.sort_unstable();
     cores.dedup();
     cores
 }
 
-fn operators(shape: &Shape, kind: &Kind) -> Resources {
+fn operators(shape: &MachineShape, kind: &ElementsOfKind) -> ResourceUse {
     let cores = cores_of(kind);
     let stages = kind.element.stages;
-    let mut taken: Resources = cores
+    let mut taken: ResourceUse = cores
         .iter()
         .map(|core| operator(*core, shape.number, stages))
         .sum();
@@ -135,19 +135,19 @@ fn operators(shape: &Shape, kind: &Kind) -> Resources {
     taken
 }
 
-fn instructions(shape: &Shape, kind: &Kind) -> Resources {
+fn instructions(shape: &MachineShape, kind: &ElementsOfKind) -> ResourceUse {
     let width = shape.instruction_width(kind);
     let words = 1 << shape.instruction_address();
-    Resources {
+    ResourceUse {
         // Enables that are inverted.
         aluts: 2.0,
         registers: f64::from(width),
         memory_blocks: f64::from(blocks(words, width)),
-        ..Resources::default()
+        ..ResourceUse::default()
     }
 }
 
-fn operands(shape: &Shape, kind: &Kind) -> Resources {
+fn operands(shape: &MachineShape, kind: &ElementsOfKind) -> ResourceUse {
     let address = shape.operand_address();
     let width = shape.number.width();
     let words = 1 << address;
@@ -162,11 +162,11 @@ fn operands(shape: &Shape, kind: &Kind) -> Resources {
                 0
             };
             let held = if ports > 1 { width } else { 0 };
-            let side = Resources {
+            let side = ResourceUse {
                 aluts: f64::from(2 * address + 2 + choice),
                 registers: f64::from(held),
                 memory_blocks: f64::from(blocks(words, width)),
-                ..Resources::default()
+                ..ResourceUse::default()
             };
             side * 2.0
         }
@@ -182,19 +182,19 @@ fn operands(shape: &Shape, kind: &Kind) -> Resources {
             };
             let held = if shape.phases() > 2 { 2 } else { 1 };
             let copies = copies_of(kind);
-            Resources {
+            ResourceUse {
                 aluts: f64::from((1 + copies) * (address + 1) + 2 * choice),
                 registers: f64::from((1 + copies) * held * width),
                 memory_blocks: f64::from(copies * true_dual_port_blocks(words, width)),
-                ..Resources::default()
+                ..ResourceUse::default()
             }
         }
         MemoryStyle::FourPort => {
             let copies = copies_of(kind);
-            Resources {
+            ResourceUse {
                 aluts: f64::from(copies * (2 * address + 2)),
                 memory_blocks: f64::from(copies * four_port_blocks(words, width)),
-                ..Resources::default()
+                ..ResourceUse::default()
             }
         }
     }
@@ -202,11 +202,11 @@ fn operands(shape: &Shape, kind: &Kind) -> Resources {
 
 /// How often an operand memory is there: an element of fused operations reads
 /// a third operand from a second one.
-fn copies_of(kind: &Kind) -> u32 {
+fn copies_of(kind: &ElementsOfKind) -> u32 {
     if kind.element.is_fused() { 2 } else { 1 }
 }
 
-fn buffer(shape: &Shape, words: u32, reads: u32) -> Resources {
+fn buffer(shape: &MachineShape, words: u32, reads: u32) -> ResourceUse {
     let width = shape.number.width();
     let words = 1_u32 << bits(words).max(2);
     let columns = words.div_ceil(32);
@@ -215,10 +215,10 @@ fn buffer(shape: &Shape, words: u32, reads: u32) -> Resources {
     } else {
         0
     };
-    Resources {
+    ResourceUse {
         aluts: f64::from(reads * (1 + choice)),
         lab_memories: f64::from(reads * lab_memories(words, width)),
-        ..Resources::default()
+        ..ResourceUse::default()
     }
 }
 
@@ -235,7 +235,7 @@ pub fn multiplexer(count: u32) -> u32 {
     tables
 }
 
-fn crossbar(shape: &Shape) -> Resources {
+fn crossbar(shape: &MachineShape) -> ResourceUse {
     let width = shape.number.width();
     if let Interconnect::Network(_) = shape.interconnect {
         let terminals = Terminals {
@@ -260,25 +260,25 @@ fn crossbar(shape: &Shape) -> Resources {
             })
             .sum(),
     };
-    Resources {
+    ResourceUse {
         aluts: f64::from(aluts),
-        ..Resources::default()
+        ..ResourceUse::default()
     }
 }
 
-fn sequencer(shape: &Shape) -> Resources {
+fn sequencer(shape: &MachineShape) -> ResourceUse {
     let address = shape.instruction_address();
     let phases = shape.phases();
     let counter = if phases > 1 { bits(phases) + 1 } else { 0 };
-    Resources {
+    ResourceUse {
         // Three counters with their loads, and a comparison with zero.
         aluts: f64::from(5 * address + 16 + 2 * counter),
         registers: f64::from(4 * address + 6 + counter),
-        ..Resources::default()
+        ..ResourceUse::default()
     }
 }
 
-fn window(shape: &Shape) -> Resources {
+fn window(shape: &MachineShape) -> ResourceUse {
     let elements = shape.elements();
     let width = shape.number.width();
     let memories = elements * shape.memories();
@@ -296,14 +296,14 @@ fn window(shape: &Shape) -> Resources {
         memories,
     ));
     let unit = memories.next_power_of_two().ilog2();
-    Resources {
+    ResourceUse {
         // What the host reads is a choice among all memories and registers;
         // every memory compares the address with its own.
         aluts: f64::from(
             multiplexer(memories) * width + 4 * 32 + address + 2 * (elements + memories) + 20,
         ),
         registers: f64::from(32 * limbs + address + cycle + 1 + 64 + 4 * 32 + 14 + unit + width),
-        ..Resources::default()
+        ..ResourceUse::default()
     }
 }
 
@@ -338,7 +338,7 @@ mod tests {
             for (element, stages) in machine.elements.iter_mut().zip([add, multiply]) {
                 (element.count, element.stages) = (count, stages);
             }
-            let taken = resources(&Shape::of(&machine, words, 1024));
+            let taken = resources(&MachineShape::of(&machine, words, 1024));
             let found = [
                 taken.aluts,
                 taken.registers,
@@ -355,9 +355,9 @@ mod tests {
     #[test]
     fn more_of_anything_takes_more() {
         let machine = Machine::built_in("side-split").expect("it ships");
-        let base = resources(&Shape::of(&machine, 1024, 1024));
-        let grown = |change: &dyn Fn(&mut Shape)| {
-            let mut shape = Shape::of(&machine, 1024, 1024);
+        let base = resources(&MachineShape::of(&machine, 1024, 1024));
+        let grown = |change: &dyn Fn(&mut MachineShape)| {
+            let mut shape = MachineShape::of(&machine, 1024, 1024);
             change(&mut shape);
             resources(&shape)
         };

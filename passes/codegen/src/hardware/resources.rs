@@ -8,7 +8,7 @@ use std::ops::{Add, AddAssign, Mul};
 /// fractions where two things share a part (two products of 18 bits share a
 /// multiplier block).
 #[derive(Clone, Copy, PartialEq, Default, Debug, Serialize)]
-pub struct Resources {
+pub struct ResourceUse {
     /// Adaptive look-up tables (ALUT), two of which are a logic module (ALM).
     pub aluts: f64,
     /// Registers.
@@ -23,11 +23,11 @@ pub struct Resources {
     pub multiplier_blocks: f64,
 }
 
-impl Add for Resources {
-    type Output = Resources;
+impl Add for ResourceUse {
+    type Output = ResourceUse;
 
-    fn add(self, other: Resources) -> Resources {
-        Resources {
+    fn add(self, other: ResourceUse) -> ResourceUse {
+        ResourceUse {
             aluts: self.aluts + other.aluts,
             registers: self.registers + other.registers,
             memory_blocks: self.memory_blocks + other.memory_blocks,
@@ -37,17 +37,17 @@ impl Add for Resources {
     }
 }
 
-impl AddAssign for Resources {
-    fn add_assign(&mut self, other: Resources) {
+impl AddAssign for ResourceUse {
+    fn add_assign(&mut self, other: ResourceUse) {
         *self = *self + other;
     }
 }
 
-impl Mul<f64> for Resources {
-    type Output = Resources;
+impl Mul<f64> for ResourceUse {
+    type Output = ResourceUse;
 
-    fn mul(self, times: f64) -> Resources {
-        Resources {
+    fn mul(self, times: f64) -> ResourceUse {
+        ResourceUse {
             aluts: self.aluts * times,
             registers: self.registers * times,
             memory_blocks: self.memory_blocks * times,
@@ -57,8 +57,8 @@ impl Mul<f64> for Resources {
     }
 }
 
-impl Sum for Resources {
-    fn sum<I: Iterator<Item = Resources>>(all: I) -> Resources {
-        all.fold(Resources::default(), Add::add)
+impl Sum for ResourceUse {
+    fn sum<I: Iterator<Item = ResourceUse>>(all: I) -> ResourceUse {
+        all.fold(ResourceUse::default(), Add::add)
     }
 }

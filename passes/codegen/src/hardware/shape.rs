@@ -14,7 +14,7 @@ const LEAST_ADDRESS: u32 = 6;
 
 /// Elements of one kind.
 #[derive(Clone, Debug)]
-pub struct Kind {
+pub struct ElementsOfKind {
     /// What they are.
     pub element: ElementDescription,
     /// How many there are.
@@ -23,11 +23,11 @@ pub struct Kind {
 
 /// A machine with every size settled.
 #[derive(Clone, Debug)]
-pub struct Shape {
+pub struct MachineShape {
     /// The number format.
     pub number: Format,
     /// The kinds of elements.
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<ElementsOfKind>,
     /// How operand memories are built.
     pub style: MemoryStyle,
     /// Words of an operand memory (per side, when split).
@@ -45,17 +45,17 @@ pub struct Shape {
     pub legs: Option<Vec<u32>>,
 }
 
-impl Shape {
+impl MachineShape {
     /// The shape of a machine for programs of at most so many cycles that
     /// need at most so many words per operand memory, with a full crossbar.
     /// Sizes that the machine file declares come first; a buffer it leaves
     /// open has 16 words, as in the thesis.
-    pub fn of(machine: &Machine, cycles: u32, words: u32) -> Shape {
-        let kinds = machine.elements.iter().map(|element| Kind {
+    pub fn of(machine: &Machine, cycles: u32, words: u32) -> MachineShape {
+        let kinds = machine.elements.iter().map(|element| ElementsOfKind {
             element: element.clone(),
             count: element.count,
         });
-        Shape {
+        MachineShape {
             number: machine.number,
             kinds: kinds.collect(),
             style: machine.memory.style,
@@ -74,16 +74,16 @@ impl Shape {
     }
 
     /// The shape of hardware that is built.
-    pub fn built(hardware: &Hardware) -> Shape {
+    pub fn built(hardware: &Hardware) -> MachineShape {
         let kinds = hardware.elements.iter().filter_map(|group| {
             let mut known = hardware.machine.elements.iter();
             let element = known.find(|element| element.kind == group.kind)?;
-            Some(Kind {
+            Some(ElementsOfKind {
                 element: element.clone(),
                 count: group.count,
             })
         });
-        Shape {
+        MachineShape {
             number: hardware.machine.number,
             kinds: kinds.collect(),
             style: hardware.machine.memory.style,
@@ -147,7 +147,7 @@ impl Shape {
     }
 
     /// Bits of an instruction word of a kind (`docs/images.md`).
-    pub fn instruction_width(&self, kind: &Kind) -> u32 {
+    pub fn instruction_width(&self, kind: &ElementsOfKind) -> u32 {
         let operations = kind.element.operations.len() as u32;
         let code = if operations > 1 { bits(operations) } else { 0 };
         let reads = if kind.element.is_fused() { 3 } else { 2 };
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn the_machine_of_the_thesis_has_its_sizes() {
         let machine = Machine::built_in("de10-nano").expect("it ships");
-        let shape = Shape::of(&machine, 987, 900);
+        let shape = MachineShape::of(&machine, 987, 900);
         assert_eq!(
             (shape.elements(), shape.sources(), shape.ports()),
             (8, 16, 16)

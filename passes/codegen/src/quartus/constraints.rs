@@ -1,13 +1,13 @@
 //! The timing constraints of the project.
 
-use crate::hardware::Shape;
+use crate::hardware::MachineShape;
 
 /// The constraints (Synopsys design constraints) of a machine on the board.
 ///
 /// Where a cycle has several clocks, everything in the elements that changes
 /// only at the end of a cycle has a whole cycle from register to register:
 /// instruction words, operators, operands.
-pub(super) fn constraints(shape: &Shape, plain: bool) -> String {
+pub(super) fn constraints(shape: &MachineShape, plain: bool) -> String {
     let mut text = String::from(
         "# Written by robovec; Quartus has not been run on it.\n\
          create_clock -name board_clock -period 20.000 [get_ports {FPGA_CLK1_50}]\n",

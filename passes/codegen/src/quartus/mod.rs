@@ -15,7 +15,7 @@ mod constraints;
 mod map;
 
 use super::manifest::Manifest;
-use crate::hardware::{Shape, estimated_clock_mhz};
+use crate::hardware::{MachineShape, estimated_clock_mhz};
 use constraints::constraints;
 use map::map;
 use robovec_ir::Machine;
@@ -91,7 +91,7 @@ fn clock(machine: &Machine, phases: u32) -> Clock {
 /// the `.mif` files in `img/`.
 pub fn project(
     machine: &Machine,
-    shape: &Shape,
+    shape: &MachineShape,
     manifest: &Manifest,
     sources: &[String],
     images: &[String],
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn only_cycles_of_several_clocks_have_exceptions() {
         let machine = machine();
-        let mut shape = Shape::of(&machine, 1024, 1024);
+        let mut shape = MachineShape::of(&machine, 1024, 1024);
         assert!(constraints(&shape, true).contains("set_multicycle_path -setup -end"));
         shape.style = robovec_ir::machine::MemoryStyle::SideSplit;
         shape.write_ports = 1;

@@ -6,7 +6,7 @@
 
 use super::layout::coordinates;
 use super::nest::Nest;
-use super::statements::{Statements, Target};
+use super::statements::{StatementTarget, Statements};
 use robovec_ir::{Function, Output, Value};
 
 /// For each value the output its statement sets.
@@ -29,8 +29,8 @@ impl Outputs {
                 .iter()
                 .filter_map(
                     |&statement| match statements.list[statement as usize].target {
-                        Target::Value(value) => Some((value, statements.primary(value))),
-                        Target::Output(_) => None,
+                        StatementTarget::Value(value) => Some((value, statements.primary(value))),
+                        StatementTarget::Output(_) => None,
                     },
                 )
                 .collect();

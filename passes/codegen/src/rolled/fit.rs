@@ -7,13 +7,13 @@
 
 /// `base + factors . iterations`.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Fit {
+pub(super) struct AffineFit {
     pub(super) base: i64,
     /// For each loop, the outermost first.
     pub(super) factors: Vec<i64>,
 }
 
-impl Fit {
+impl AffineFit {
     /// The value at a pass.
     pub(super) fn at(&self, iterations: &[u32]) -> i64 {
         let terms = self.factors.iter().zip(iterations);
@@ -53,7 +53,7 @@ impl Vote {
 /// The affine function that most known values lie on; `iterations` has
 /// `depth` entries for each value. If the values are those of an affine
 /// function it is found.
-pub(super) fn fit(depth: usize, iterations: &[u32], values: &[Option<i64>]) -> Fit {
+pub(super) fn fit(depth: usize, iterations: &[u32], values: &[Option<i64>]) -> AffineFit {
     let row = |pass: usize| &iterations[pass * depth..(pass + 1) * depth];
     let mut factors = vec![0i64; depth];
     for level in (0..depth).rev() {
@@ -77,7 +77,7 @@ pub(super) fn fit(depth: usize, iterations: &[u32], values: &[Option<i64>]) -> F
         }
         factors[level] = vote.candidate;
     }
-    let mut fit = Fit { base: 0, factors };
+    let mut fit = AffineFit { base: 0, factors };
     let mut vote = Vote::new();
     for (pass, value) in values.iter().enumerate() {
         if let Some(value) = value {
@@ -89,7 +89,7 @@ pub(super) fn fit(depth: usize, iterations: &[u32], values: &[Option<i64>]) -> F
 }
 
 /// The affine function through all values, if there is one.
-pub(super) fn exact(depth: usize, iterations: &[u32], values: &[i64]) -> Option<Fit> {
+pub(super) fn exact(depth: usize, iterations: &[u32], values: &[i64]) -> Option<AffineFit> {
     let known: Vec<Option<i64>> = values.iter().map(|&value| Some(value)).collect();
     let fit = fit(depth, iterations, &known);
     let agrees = |(pass, &value): (usize, &i64)| {
@@ -112,7 +112,7 @@ mod tests {
                 values.push(i64::from(outer) * 7 - i64::from(inner) * 2 + 40);
             }
         }
-        let expected = Fit {
+        let expected = AffineFit {
             base: 40,
             factors: vec![7, -2],
         };

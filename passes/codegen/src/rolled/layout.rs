@@ -13,9 +13,9 @@ mod places;
 use super::demote::Outputs;
 use super::fit::{exact, fit};
 use super::nest::Nest;
-use super::program::Place;
-use super::resolve::{Access, Resolved};
-use super::statements::{Statements, Target};
+use super::program::SpaceElement;
+use super::resolve::{MemoryRead, Resolved};
+use super::statements::{StatementTarget, Statements};
 use hashbrown::{HashMap, HashSet};
 use robovec_ir::{Function, Operand, Value};
 use rustc_hash::FxBuildHasher;
@@ -34,7 +34,7 @@ const INTERLEAVED: usize = 3;
 const JUNK: u32 = 0;
 
 /// Where everything is.
-pub(super) struct Layout<'a> {
+pub(super) struct RolledLayout<'a> {
     function: &'a Function,
     nest: &'a Nest,
     statements: &'a Statements,
@@ -54,10 +54,10 @@ pub(super) struct Layout<'a> {
     pub(super) constants: Vec<f64>,
     pub(super) tables: Vec<Vec<u32>>,
     /// For each access where it reads.
-    pub(super) places: Vec<Place>,
+    pub(super) places: Vec<SpaceElement>,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> RolledLayout<'a> {
     /// Lays a program out.
     pub(super) fn new(
         function: &'a Function,
@@ -65,9 +65,9 @@ impl<'a> Layout<'a> {
         statements: &'a Statements,
         outputs: &'a Outputs,
         resolved: &Resolved,
-    ) -> Layout<'a> {
+    ) -> RolledLayout<'a> {
         let values = function.nodes().len();
-        let mut layout = Layout {
+        let mut layout = RolledLayout {
             function,
             nest,
             statements,
@@ -180,7 +180,7 @@ impl<'a> Layout<'a> {
     /// Takes the words that an access reads as they are, if they lie on an
     /// affine function but for a few that can be moved. `contiguous` asks for
     /// neighbours in neighbouring passes.
-    fn extend(&mut self, number: usize, access: &Access, contiguous: bool) -> bool {
+    fn extend(&mut self, number: usize, access: &MemoryRead, contiguous: bool) -> bool {
         let Some(owner) = access.owner else {
             return true;
         };
@@ -233,7 +233,7 @@ impl<'a> Layout<'a> {
     fn share(
         &mut self,
         number: usize,
-        access: &Access,
+        access: &MemoryRead,
         chains: &[usize],
         resolved: &Resolved,
     ) -> bool {
@@ -261,7 +261,7 @@ impl<'a> Layout<'a> {
 
     /// Gives operands of an access words: values without one keep it, others
     /// are copied there.
-    fn apply(&mut self, number: usize, access: &Access, moves: &[(Operand, u32)]) {
+    fn apply(&mut self, number: usize, access: &MemoryRead, moves: &[(Operand, u32)]) {
         for &(operand, word) in moves {
             match operand.value() {
                 Some(value) if self.home[value.index()].is_none() => self.settle(value, word),
@@ -276,7 +276,7 @@ impl<'a> Layout<'a> {
 
     /// Lays the operands of an access out one after another, in the order in
     /// which all visits of its loop read them, if they agree on one.
-    fn chain(&mut self, number: usize, access: &Access) -> bool {
+    fn chain(&mut self, number: usize, access: &MemoryRead) -> bool {
         let Some(owner) = access.owner else {
             return false;
         };
@@ -405,7 +405,7 @@ impl<'a> Layout<'a> {
 
     /// Keeps results together of which an access reads but a few: those are
     /// copied, instead of being stored apart from the rest.
-    fn keep(&mut self, access: &Access) {
+    fn keep(&mut self, access: &MemoryRead) {
         let mut counts: Map<u32, usize> = Map::default();
         let mut seen: HashSet<Operand, FxBuildHasher> = HashSet::default();
         for value in access
@@ -436,8 +436,8 @@ impl<'a> Layout<'a> {
     /// The values of a position, pass by pass; none for copies.
     fn values(&self, position: usize) -> Vec<Value> {
         let target = |&statement: &u32| match self.statements.list[statement as usize].target {
-            Target::Value(value) => Some(value),
-            Target::Output(_) => None,
+            StatementTarget::Value(value) => Some(value),
+            StatementTarget::Output(_) => None,
         };
         let statements = &self.nest.positions[position].statements;
         statements.iter().filter_map(target).collect()

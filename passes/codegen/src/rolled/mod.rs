@@ -26,13 +26,13 @@ mod tests;
 mod text;
 mod unroll;
 
-pub use unroll::Difference;
+pub use unroll::RolledDifference;
 
 use super::emit::Real;
 use demote::Outputs;
-use layout::Layout;
-use nest::{Element, Nest};
-use program::{Carried, Code, Loop, Program, Source};
+use layout::RolledLayout;
+use nest::{BodyElement, Nest};
+use program::{Carried, Code, LeafSource, RolledLoop, RolledProgram};
 use repeat::repeats;
 use resolve::{Resolution, parts, resolve};
 use robovec_framework::option_words;
@@ -45,7 +45,7 @@ const PART: usize = 500;
 option_words! {
     /// How sines and cosines are computed.
     #[derive(Default)]
-    pub enum Circular {
+    pub enum RolledCircular {
         /// Those of inputs all at once, by the kernel of
         /// [`sincos`](super::sincos): within 1 ulp.
         #[default]
@@ -61,7 +61,7 @@ pub struct Options {
     /// The type it computes in.
     pub real: Real,
     /// Its sines and cosines.
-    pub circular: Circular,
+    pub circular: RolledCircular,
 }
 
 impl From<Real> for Options {
@@ -75,7 +75,7 @@ impl From<Real> for Options {
 
 /// How much of a function became loops.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub struct Summary {
+pub struct RolledSummary {
     /// Operations of the function.
     pub operations: usize,
     /// Operations of it that loops carry out.
@@ -94,7 +94,7 @@ pub struct Summary {
     pub work: usize,
 }
 
-impl Summary {
+impl RolledSummary {
     /// The counts under the names they are reported by.
     pub fn statistics(&self) -> [(&'static str, u64); 8] {
         [
@@ -116,7 +116,7 @@ pub struct Rolled {
     /// The source and then the header: file name and text.
     pub files: [(String, String); 2],
     /// How much was rolled.
-    pub summary: Summary,
+    pub summary: RolledSummary,
 }
 
 /// The C source of a function with its recursions as loops, and the header
@@ -129,7 +129,10 @@ pub struct Rolled {
 ///
 /// When the loops, unrolled again, are not the function: a mistake of ours,
 /// and no code is written.
-pub fn rolled_files(view: View<'_>, options: impl Into<Options>) -> Result<Rolled, Difference> {
+pub fn rolled_files(
+    view: View<'_>,
+    options: impl Into<Options>,
+) -> Result<Rolled, RolledDifference> {
     let (program, summary) = roll(view.function)?;
     let files = text::files(view, options.into(), &program);
     Ok(Rolled { files, summary })
@@ -140,12 +143,12 @@ pub fn rolled_files(view: View<'_>, options: impl Into<Options>) -> Result<Rolle
 /// # Errors
 ///
 /// As [`rolled_files`].
-pub fn summary(function: &Function) -> Result<Summary, Difference> {
+pub fn summary(function: &Function) -> Result<RolledSummary, RolledDifference> {
     roll(function).map(|(_, summary)| summary)
 }
 
 /// The rolled program of a function, proved equal to it.
-fn roll(function: &Function) -> Result<(Program, Summary), Difference> {
+fn roll(function: &Function) -> Result<(RolledProgram, RolledSummary), RolledDifference> {
     let mut statements = Statements::new(function);
     let found = repeats(function, &statements);
     let mut nest = Nest::new(function, &statements, &found);
@@ -161,19 +164,19 @@ fn assemble(
     statements: &Statements,
     nest: &Nest,
     outputs: &Outputs,
-) -> Program {
+) -> RolledProgram {
     let parts = parts(nest, statements, PART);
     let resolved = resolve(nest, statements, &parts);
-    let mut layout = Layout::new(function, nest, statements, outputs, &resolved);
+    let mut layout = RolledLayout::new(function, nest, statements, outputs, &resolved);
     let number = |operand: Operand| {
         let number = function.number(operand);
         number.expect("a leaf that is no result, input or output is a constant")
     };
-    let source = |layout: &Layout<'_>, resolution: Resolution| match resolution {
-        Resolution::Position(position) => Source::Position(position),
-        Resolution::Carried(carried) => Source::Carried(carried),
-        Resolution::Constant(operand) => Source::Number(number(operand)),
-        Resolution::Access(access) => Source::Place(layout.places[access].clone()),
+    let source = |layout: &RolledLayout<'_>, resolution: Resolution| match resolution {
+        Resolution::Position(position) => LeafSource::Position(position),
+        Resolution::Carried(carried) => LeafSource::Carried(carried),
+        Resolution::Constant(operand) => LeafSource::Number(number(operand)),
+        Resolution::Access(access) => LeafSource::Place(layout.places[access].clone()),
     };
     let mut codes = Vec::with_capacity(nest.positions.len());
     for (number, position) in nest.positions.iter().enumerate() {
@@ -203,7 +206,7 @@ fn assemble(
         .map(|place| {
             let counts = place.starts.windows(2);
             let counts: Vec<i64> = counts.map(|pair| i64::from(pair[1] - pair[0])).collect();
-            Loop {
+            RolledLoop {
                 count: layout.index(place.parent, &counts),
                 body: place.body.clone(),
                 independent: place.independent,
@@ -213,7 +216,7 @@ fn assemble(
         })
         .collect();
     let copies = layout.copies();
-    let mut program = Program {
+    let mut program = RolledProgram {
         templates: statements.templates.clone(),
         items: nest.items.clone(),
         parts,
@@ -230,14 +233,14 @@ fn assemble(
     program
 }
 
-fn summarise(statements: &Statements, nest: &Nest, program: &Program) -> Summary {
-    let mut summary = Summary {
+fn summarise(statements: &Statements, nest: &Nest, program: &RolledProgram) -> RolledSummary {
+    let mut summary = RolledSummary {
         loops: nest.loops.len(),
         independent: nest.loops.iter().filter(|place| place.independent).count(),
         tables: program.tables.len(),
         entries: program.tables.iter().map(Vec::len).sum(),
         work: program.work as usize,
-        ..Summary::default()
+        ..RolledSummary::default()
     };
     for position in &nest.positions {
         let one = statements.operations(position.statements[0]);
@@ -251,7 +254,7 @@ fn summarise(statements: &Statements, nest: &Nest, program: &Program) -> Summary
     summary
 }
 
-impl Program {
+impl RolledProgram {
     /// Marks the loops whose passes tables count.
     fn count(&mut self) {
         let mut counted: Vec<usize> = Vec::new();
@@ -269,7 +272,7 @@ impl Program {
             .flat_map(|code| code.sources.iter())
             .chain(self.carried.iter().map(|carry| &carry.first))
             .filter_map(|source| match source {
-                Source::Place(place) => Some(place),
+                LeafSource::Place(place) => Some(place),
                 _ => None,
             })
             .chain(self.codes.iter().flat_map(|code| code.stores.iter()));
@@ -283,11 +286,11 @@ impl Program {
     }
 
     /// The elements of a body and all below, loops before what they hold.
-    fn below(&self, element: Element, list: &mut Vec<Element>) {
+    fn below(&self, element: BodyElement, list: &mut Vec<BodyElement>) {
         let mut open = vec![element];
         while let Some(element) = open.pop() {
             list.push(element);
-            if let Element::Loop(number) = element {
+            if let BodyElement::Loop(number) = element {
                 open.extend(self.loops[number].body.iter().rev());
             }
         }

@@ -7,13 +7,13 @@
 //!
 //! Visit `k` of a loop belongs to pass `k` of the loop around it.
 
-use super::repeat::{Item, Repeats};
-use super::statements::{Statements, Target};
+use super::repeat::{ProgramItem, Repeats};
+use super::statements::{StatementTarget, Statements};
 use robovec_ir::{Function, Value};
 
 /// An element of a body.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Element {
+pub(super) enum BodyElement {
     /// A statement of the code.
     Position(usize),
     /// A loop of the code.
@@ -31,7 +31,7 @@ pub(super) struct Position {
 
 /// A loop of the code.
 #[derive(Clone, Debug)]
-pub(super) struct Loop {
+pub(super) struct NestLoop {
     /// The loop around it.
     pub(super) parent: Option<usize>,
     /// How many loops it stands in, itself included.
@@ -41,14 +41,14 @@ pub(super) struct Loop {
     /// For each pass its visit.
     pub(super) visits: Vec<u32>,
     /// What it repeats.
-    pub(super) body: Vec<Element>,
+    pub(super) body: Vec<BodyElement>,
     /// True when no pass of a visit reads what another computes.
     pub(super) independent: bool,
     /// True for the loop of sines and cosines.
     pub(super) circular: bool,
 }
 
-impl Loop {
+impl NestLoop {
     /// The number of passes of all visits.
     pub(super) fn passes(&self) -> usize {
         self.visits.len()
@@ -62,10 +62,10 @@ impl Loop {
 
 /// The code.
 pub(super) struct Nest {
-    pub(super) loops: Vec<Loop>,
+    pub(super) loops: Vec<NestLoop>,
     pub(super) positions: Vec<Position>,
     /// The program, element after element.
-    pub(super) items: Vec<Element>,
+    pub(super) items: Vec<BodyElement>,
     /// For each value the position that computes it, if a statement does, and
     /// the pass.
     pub(super) producers: Vec<Option<(u32, u32)>>,
@@ -86,19 +86,19 @@ impl Nest {
         for &item in &repeats.items {
             let top = nest.items.len();
             match item {
-                Item::Statement(statement) => {
+                ProgramItem::Statement(statement) => {
                     let position = nest.position(None, top, vec![statement]);
                     nest.items.push(position);
                 }
-                Item::Loop(run) => {
+                ProgramItem::Loop(run) => {
                     let number = nest.build(repeats, None, top, &[run]);
-                    nest.items.push(Element::Loop(number));
+                    nest.items.push(BodyElement::Loop(number));
                 }
-                Item::Row => {}
+                ProgramItem::Row => {}
             }
         }
         if repeats.circular
-            && let Some(&Element::Loop(first)) = nest.items.first()
+            && let Some(&BodyElement::Loop(first)) = nest.items.first()
         {
             nest.loops[first].circular = true;
         }
@@ -110,10 +110,10 @@ impl Nest {
         nest
     }
 
-    fn position(&mut self, owner: Option<usize>, top: usize, statements: Vec<u32>) -> Element {
+    fn position(&mut self, owner: Option<usize>, top: usize, statements: Vec<u32>) -> BodyElement {
         self.positions.push(Position { owner, statements });
         self.tops.push(top);
-        Element::Position(self.positions.len() - 1)
+        BodyElement::Position(self.positions.len() - 1)
     }
 
     /// Appends a statement behind everything.
@@ -145,7 +145,7 @@ impl Nest {
             visits.extend(std::iter::repeat_n(visit, run.items.len() / period));
             starts.push(visits.len() as u32);
         }
-        self.loops.push(Loop {
+        self.loops.push(NestLoop {
             parent,
             depth,
             starts,
@@ -161,9 +161,9 @@ impl Nest {
             let (mut inner, mut single) = (Vec::new(), Vec::new());
             for &item in column {
                 match item {
-                    Item::Statement(statement) => single.push(statement),
-                    Item::Loop(run) => inner.push(run),
-                    Item::Row => {}
+                    ProgramItem::Statement(statement) => single.push(statement),
+                    ProgramItem::Loop(run) => inner.push(run),
+                    ProgramItem::Row => {}
                 }
             }
             if !single.is_empty() {
@@ -171,7 +171,7 @@ impl Nest {
                 self.loops[number].body.push(element);
             } else if !inner.is_empty() {
                 let inner = self.build(repeats, Some(number), top, &inner);
-                self.loops[number].body.push(Element::Loop(inner));
+                self.loops[number].body.push(BodyElement::Loop(inner));
             }
         }
         number
@@ -180,7 +180,7 @@ impl Nest {
     fn produce(&mut self, statements: &Statements) {
         for (number, position) in (0u32..).zip(&self.positions) {
             for (pass, &statement) in (0u32..).zip(&position.statements) {
-                if let Target::Value(value) = statements.list[statement as usize].target {
+                if let StatementTarget::Value(value) = statements.list[statement as usize].target {
                     self.producers[value.index()] = Some((number, pass));
                 }
             }
@@ -195,8 +195,8 @@ impl Nest {
         let mut positions = Vec::new();
         for element in body {
             match element {
-                Element::Position(position) => positions.push(position),
-                Element::Loop(_) => return,
+                BodyElement::Position(position) => positions.push(position),
+                BodyElement::Loop(_) => return,
             }
         }
         let reads_others = positions.iter().any(|&position| {
@@ -252,8 +252,8 @@ impl Nest {
         let output = |pass: usize| {
             let statement = self.positions[position].statements[pass];
             let output = match statements.list[statement as usize].target {
-                Target::Value(value) => statements.primary(value),
-                Target::Output(output) => Some(output),
+                StatementTarget::Value(value) => statements.primary(value),
+                StatementTarget::Output(output) => Some(output),
             }?;
             let (array, indices, _) = function.output_element(output);
             Some((array.offset, indices))

@@ -3,12 +3,12 @@
 //! It stands on its own: [`super::unroll`] runs it, and [`super::text`] writes
 //! it, without looking at the function it was made from.
 
-use super::nest::Element;
+use super::nest::BodyElement;
 use super::statements::Template;
 
 /// Where numbers are kept.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Space {
+pub(super) enum StorageSpace {
     /// The work array.
     Work,
     /// The table of constants.
@@ -42,21 +42,21 @@ impl Index {
 /// An element of a space: indices count from 1 in arrays (row and column of a
 /// matrix, column alone of a vector) and from 0 elsewhere.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Place {
-    pub(super) space: Space,
+pub(super) struct SpaceElement {
+    pub(super) space: StorageSpace,
     pub(super) row: Index,
     pub(super) column: Index,
 }
 
 /// Where a leaf comes from.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) enum Source {
+pub(super) enum LeafSource {
     /// The result of a position in this pass, of the same loop or one around.
     Position(usize),
     /// A variable that carries a result from pass to pass.
     Carried(usize),
     /// An element.
-    Place(Place),
+    Place(SpaceElement),
     /// A number.
     Number(f64),
 }
@@ -65,8 +65,8 @@ pub(super) enum Source {
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Code {
     pub(super) template: u32,
-    pub(super) sources: Vec<Source>,
-    pub(super) stores: Vec<Place>,
+    pub(super) sources: Vec<LeafSource>,
+    pub(super) stores: Vec<SpaceElement>,
 }
 
 /// A variable that carries the result of a position of a loop to the next
@@ -76,15 +76,15 @@ pub(super) struct Carried {
     pub(super) owner: usize,
     pub(super) position: usize,
     /// What it is in the first pass of a visit.
-    pub(super) first: Source,
+    pub(super) first: LeafSource,
 }
 
 /// A loop of the code.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) struct Loop {
+pub(super) struct RolledLoop {
     /// How many passes a visit has.
     pub(super) count: Index,
-    pub(super) body: Vec<Element>,
+    pub(super) body: Vec<BodyElement>,
     /// True when no pass of a visit reads what another computes.
     pub(super) independent: bool,
     /// True for the loop of sines and cosines, whose body is the sine and the
@@ -100,7 +100,7 @@ pub(super) struct Copy {
     /// How many.
     pub(super) count: u32,
     /// Where from, and the steps in row and column.
-    pub(super) space: Space,
+    pub(super) space: StorageSpace,
     pub(super) from: [i64; 2],
     pub(super) step: [i64; 2],
     /// The first word of the work array they are copied to, and the step.
@@ -110,12 +110,12 @@ pub(super) struct Copy {
 
 /// The rolled program.
 #[derive(Clone, Debug)]
-pub(super) struct Program {
+pub(super) struct RolledProgram {
     pub(super) templates: Vec<Template>,
-    pub(super) items: Vec<Element>,
+    pub(super) items: Vec<BodyElement>,
     /// For each element of the program the part it belongs to.
     pub(super) parts: Vec<u32>,
-    pub(super) loops: Vec<Loop>,
+    pub(super) loops: Vec<RolledLoop>,
     /// For each position.
     pub(super) codes: Vec<Code>,
     pub(super) carried: Vec<Carried>,

@@ -8,14 +8,14 @@
 //! those around them. Nothing is reordered: the loops, run one pass after
 //! another, *are* the program in its order.
 
-use super::statements::{Statements, Step, Target};
+use super::statements::{StatementTarget, Statements, TemplateStep};
 use hashbrown::{HashMap, HashSet};
 use robovec_ir::{Array, Function, Operand, OperandKind, Operation, Shape};
 use rustc_hash::FxBuildHasher;
 
 /// An element of the program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Item {
+pub(super) enum ProgramItem {
     /// A statement.
     Statement(u32),
     /// Where a row of an output begins among the copies: nothing to do, but
@@ -27,17 +27,17 @@ pub(super) enum Item {
 
 /// One run of a loop.
 #[derive(Clone, Debug)]
-pub(super) struct Run {
+pub(super) struct LoopRun {
     /// Elements of one pass.
     pub(super) period: usize,
     /// The elements of all passes, one pass after another.
-    pub(super) items: Vec<Item>,
+    pub(super) items: Vec<ProgramItem>,
 }
 
 /// The program with its repetitions.
 pub(super) struct Repeats {
-    pub(super) items: Vec<Item>,
-    pub(super) runs: Vec<Run>,
+    pub(super) items: Vec<ProgramItem>,
+    pub(super) runs: Vec<LoopRun>,
     /// True when the first element is the loop of sines and cosines.
     pub(super) circular: bool,
 }
@@ -56,7 +56,7 @@ const COMPARISONS: usize = 200_000_000;
 /// How often loops are sought in what the last search left.
 const ROUNDS: usize = 3;
 
-type Letter = (Item, u32);
+type Letter = (ProgramItem, u32);
 
 /// Finds the repetitions.
 pub(super) fn repeats(function: &Function, statements: &Statements) -> Repeats {
@@ -70,7 +70,7 @@ pub(super) fn repeats(function: &Function, statements: &Statements) -> Repeats {
     let mut program = finder.letters(function, statements);
     let taken: HashSet<u32, FxBuildHasher> = circles.iter().copied().collect();
     if !circles.is_empty() {
-        let is_left = |item: &Item| !matches!(item, Item::Statement(one) if taken.contains(one));
+        let is_left = |item: &ProgramItem| !matches!(item, ProgramItem::Statement(one) if taken.contains(one));
         program.retain(|(item, _)| is_left(item));
     }
     for _ in 0..ROUNDS {
@@ -83,13 +83,13 @@ pub(super) fn repeats(function: &Function, statements: &Statements) -> Repeats {
             break;
         }
     }
-    let mut items: Vec<Item> = program.into_iter().map(|(item, _)| item).collect();
+    let mut items: Vec<ProgramItem> = program.into_iter().map(|(item, _)| item).collect();
     let circular = !circles.is_empty();
     if circular {
-        items.insert(0, Item::Loop(finder.runs.len() as u32));
-        finder.runs.push(Run {
+        items.insert(0, ProgramItem::Loop(finder.runs.len() as u32));
+        finder.runs.push(LoopRun {
             period: 2,
-            items: circles.into_iter().map(Item::Statement).collect(),
+            items: circles.into_iter().map(ProgramItem::Statement).collect(),
         });
     }
     Repeats {
@@ -110,8 +110,8 @@ fn circles(statements: &Statements) -> Vec<u32> {
     for (number, statement) in (0u32..).zip(&statements.list) {
         let steps = &statements.templates[statement.template as usize].steps;
         let cosine = match steps.as_slice() {
-            [Step::Leaf, Step::Apply(Operation::Sin)] => false,
-            [Step::Leaf, Step::Apply(Operation::Cos)] => true,
+            [TemplateStep::Leaf, TemplateStep::Apply(Operation::Sin)] => false,
+            [TemplateStep::Leaf, TemplateStep::Apply(Operation::Cos)] => true,
             _ => continue,
         };
         let angle = statements.leaves(number)[0];
@@ -137,7 +137,7 @@ struct Finder {
     bodies: HashMap<Vec<u32>, u32, FxBuildHasher>,
     /// For each letter the statements in one pass of what it stands for.
     sizes: Vec<usize>,
-    runs: Vec<Run>,
+    runs: Vec<LoopRun>,
 }
 
 impl Finder {
@@ -146,12 +146,12 @@ impl Finder {
         let mut row = None;
         for (number, statement) in (0u32..).zip(&statements.list) {
             let mut key = vec![statement.template];
-            if let Target::Output(output) = statement.target {
+            if let StatementTarget::Output(output) = statement.target {
                 let (array, indices, _) = function.output_element(output);
                 let here = (array.offset, row_of(array, indices));
                 if row.replace(here) != Some(here) {
                     let letter = self.letter(vec![u32::MAX], 0);
-                    program.push((Item::Row, letter));
+                    program.push((ProgramItem::Row, letter));
                 }
                 key.push(array.offset);
             }
@@ -166,7 +166,7 @@ impl Finder {
                 }
             }
             let letter = self.letter(key, 1);
-            program.push((Item::Statement(number), letter));
+            program.push((ProgramItem::Statement(number), letter));
         }
         program
     }
@@ -235,11 +235,11 @@ impl Finder {
             self.sizes.push(size.max(SHORT_BODY));
         }
         let number = self.runs.len() as u32;
-        self.runs.push(Run {
+        self.runs.push(LoopRun {
             period,
             items: items.iter().map(|&(item, _)| item).collect(),
         });
-        (Item::Loop(number), letter)
+        (ProgramItem::Loop(number), letter)
     }
 }
 

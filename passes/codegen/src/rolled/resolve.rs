@@ -5,7 +5,7 @@
 //! carried variable. One that never changes is read once. All others are read
 //! from memory, and their values need a home there.
 
-use super::nest::{Element, Nest};
+use super::nest::{BodyElement, Nest};
 use super::statements::Statements;
 use hashbrown::HashMap;
 use robovec_ir::{Operand, OperandKind};
@@ -26,7 +26,7 @@ pub(super) enum Resolution {
 
 /// A read of memory.
 #[derive(Clone, Debug)]
-pub(super) struct Access {
+pub(super) struct MemoryRead {
     /// The loop it happens in.
     pub(super) owner: Option<usize>,
     /// What it reads, in every pass; one operand alone when it never changes.
@@ -49,7 +49,7 @@ pub(super) struct Carry {
 pub(super) struct Resolved {
     /// For each position its leaves.
     pub(super) leaves: Vec<Vec<Resolution>>,
-    pub(super) accesses: Vec<Access>,
+    pub(super) accesses: Vec<MemoryRead>,
     pub(super) carried: Vec<Carry>,
 }
 
@@ -75,7 +75,7 @@ pub(super) fn resolve(nest: &Nest, statements: &Statements, parts: &[u32]) -> Re
         let width = lists.first().map_or(0, |list| list.len());
         let copies = position.statements.first().is_some_and(|&statement| {
             let target = statements.list[statement as usize].target;
-            matches!(target, super::statements::Target::Output(_))
+            matches!(target, super::statements::StatementTarget::Output(_))
         });
         let leaves = (0..width)
             .map(|leaf| {
@@ -119,7 +119,7 @@ impl Resolver<'_> {
         } else if let Some(carried) = self.carried(owner, &operands, top) {
             return Resolution::Carried(carried);
         }
-        self.resolved.accesses.push(Access {
+        self.resolved.accesses.push(MemoryRead {
             owner,
             operands,
             top,
@@ -202,7 +202,7 @@ pub(super) fn parts(nest: &Nest, statements: &Statements, longest: usize) -> Vec
     let (mut part, mut length, mut open) = (0u32, 0, false);
     for item in &nest.items {
         match item {
-            Element::Position(position) => {
+            BodyElement::Position(position) => {
                 let cost = 1 + statements.operations(nest.positions[*position].statements[0]);
                 if !open || length + cost > longest {
                     part += 1;
@@ -211,7 +211,7 @@ pub(super) fn parts(nest: &Nest, statements: &Statements, longest: usize) -> Vec
                 }
                 length += cost;
             }
-            Element::Loop(_) => {
+            BodyElement::Loop(_) => {
                 part += 1;
                 open = false;
             }

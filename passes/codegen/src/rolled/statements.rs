@@ -12,7 +12,7 @@ use rustc_hash::FxBuildHasher;
 
 /// A step of a template, in postfix order.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Step {
+pub(super) enum TemplateStep {
     /// Takes the next leaf.
     Leaf,
     /// Applies an operation to what was computed last.
@@ -22,20 +22,20 @@ pub(super) enum Step {
 /// What a statement computes, with its leaves left open.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(super) struct Template {
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<TemplateStep>,
 }
 
 impl Template {
     /// The number of operations.
     pub(super) fn operations(&self) -> usize {
-        let apply = |step: &&Step| matches!(step, Step::Apply(_));
+        let apply = |step: &&TemplateStep| matches!(step, TemplateStep::Apply(_));
         self.steps.iter().filter(apply).count()
     }
 }
 
 /// What a statement sets.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Target {
+pub(super) enum StatementTarget {
     /// The value of a node, and the outputs that are assigned to it.
     Value(Value),
     /// An output that is set to an operand known elsewhere.
@@ -44,13 +44,13 @@ pub(super) enum Target {
 
 /// A statement.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Statement {
+pub(super) struct RolledStatement {
     /// Which template it is an instance of.
     pub(super) template: u32,
     /// Where its leaves start.
     start: u32,
     /// What it sets.
-    pub(super) target: Target,
+    pub(super) target: StatementTarget,
 }
 
 /// The template of copies.
@@ -59,7 +59,7 @@ const COPY: u32 = 0;
 /// All statements of a function, in program order; copies to outputs last.
 pub(super) struct Statements {
     pub(super) templates: Vec<Template>,
-    pub(super) list: Vec<Statement>,
+    pub(super) list: Vec<RolledStatement>,
     leaves: Vec<Operand>,
     /// For each value the output elements assigned to it, in order: where
     /// they start in `assigned`.
@@ -73,13 +73,13 @@ impl Statements {
         let live = live(function);
         let inlined = inlined(function);
         let (starts, assigned) = assigned(function);
-        let mut builder = Builder {
+        let mut builder = StatementBuilder {
             function,
             inlined: &inlined,
             index: HashMap::default(),
             statements: Statements {
                 templates: vec![Template {
-                    steps: vec![Step::Leaf],
+                    steps: vec![TemplateStep::Leaf],
                 }],
                 list: Vec::new(),
                 leaves: Vec::new(),
@@ -109,11 +109,14 @@ impl Statements {
 
     /// The leaves of a statement.
     pub(super) fn leaves(&self, statement: u32) -> &[Operand] {
-        let Statement {
+        let RolledStatement {
             start, template, ..
         } = self.list[statement as usize];
         let steps = &self.templates[template as usize].steps;
-        let count = steps.iter().filter(|step| **step == Step::Leaf).count();
+        let count = steps
+            .iter()
+            .filter(|step| **step == TemplateStep::Leaf)
+            .count();
         &self.leaves[start as usize..start as usize + count]
     }
 
@@ -129,10 +132,10 @@ impl Statements {
     pub(super) fn append(&mut self, output: Output, value: Value) -> u32 {
         let start = self.leaves.len() as u32;
         self.leaves.push(value.into());
-        self.list.push(Statement {
+        self.list.push(RolledStatement {
             template: COPY,
             start,
-            target: Target::Output(output),
+            target: StatementTarget::Output(output),
         });
         self.list.len() as u32 - 1
     }
@@ -143,14 +146,14 @@ impl Statements {
     }
 }
 
-struct Builder<'a> {
+struct StatementBuilder<'a> {
     function: &'a Function,
     inlined: &'a [bool],
     index: HashMap<Template, u32, FxBuildHasher>,
     statements: Statements,
 }
 
-impl Builder<'_> {
+impl StatementBuilder<'_> {
     fn statement(&mut self, value: Value) {
         let start = self.statements.leaves.len() as u32;
         // Postfix order, by taking the reverse of a walk that visits the
@@ -162,7 +165,7 @@ impl Builder<'_> {
             match operand.kind() {
                 OperandKind::Value(value) if inner => {
                     let node = self.function.node(value);
-                    steps.push(Step::Apply(node.operation));
+                    steps.push(TemplateStep::Apply(node.operation));
                     for &operand in node.operands() {
                         let inner = operand
                             .value()
@@ -171,27 +174,27 @@ impl Builder<'_> {
                     }
                 }
                 _ => {
-                    steps.push(Step::Leaf);
+                    steps.push(TemplateStep::Leaf);
                     leaves.push(operand);
                 }
             }
         }
         steps.reverse();
         self.statements.leaves.extend(leaves.iter().rev());
-        self.push(steps, start, Target::Value(value));
+        self.push(steps, start, StatementTarget::Value(value));
     }
 
     fn copy(&mut self, output: Output, operand: Operand) {
         let start = self.statements.leaves.len() as u32;
         self.statements.leaves.push(operand);
-        self.statements.list.push(Statement {
+        self.statements.list.push(RolledStatement {
             template: COPY,
             start,
-            target: Target::Output(output),
+            target: StatementTarget::Output(output),
         });
     }
 
-    fn push(&mut self, steps: Vec<Step>, start: u32, target: Target) {
+    fn push(&mut self, steps: Vec<TemplateStep>, start: u32, target: StatementTarget) {
         let next = self.statements.templates.len() as u32;
         let template = Template { steps };
         let number = match self.index.get(&template) {
@@ -202,7 +205,7 @@ impl Builder<'_> {
                 next
             }
         };
-        self.statements.list.push(Statement {
+        self.statements.list.push(RolledStatement {
             template: number,
             start,
             target,

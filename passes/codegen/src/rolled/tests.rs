@@ -1,9 +1,9 @@
 //! Random recurrences are rolled, and proved equal by unrolling; whatever is
 //! changed in a rolled program is noticed.
 
-use super::program::Place;
+use super::program::SpaceElement;
 use super::*;
-use crate::c::{self, Trial, trial_main};
+use crate::c::{self, TrialState, trial_main};
 use crate::testing::compiled_output;
 use robovec_ir::{
     Assignment, Input, Level, Module, Name, Node, Operation, Output, Shape, SourceSet, Symbol,
@@ -33,7 +33,7 @@ impl Builder {
     fn node(&mut self, operation: Operation, operands: &[Operand]) -> Operand {
         let suffix = self.function.nodes().len() as u32;
         let base = self.base;
-        let mut list = [Operand::NONE; Operand::MOST];
+        let mut list = [Operand::NONE; Operand::MAX_COUNT];
         list[..operands.len()].copy_from_slice(operands);
         let value = self.function.push(Node {
             name: Name { base, suffix },
@@ -183,21 +183,21 @@ fn changes_of_a_rolled_program_are_noticed() {
     let function = &module.functions[0];
     let (program, _) = roll(function).expect("equal");
     let statements = Statements::new(function);
-    let differs = |program: &Program| unroll::unroll(program, function, &statements).is_err();
+    let differs = |program: &RolledProgram| unroll::unroll(program, function, &statements).is_err();
     assert!(!differs(&program));
-    let shift = |place: &mut Place| place.column.base += 1;
+    let shift = |place: &mut SpaceElement| place.column.base += 1;
     let mut changed = 0;
     for position in 0..program.codes.len() {
         for leaf in 0..program.codes[position].sources.len() {
             let mut mutant = program.clone();
-            if let Source::Place(place) = &mut mutant.codes[position].sources[leaf] {
+            if let LeafSource::Place(place) = &mut mutant.codes[position].sources[leaf] {
                 shift(place);
                 assert!(differs(&mutant), "leaf {leaf} of {position}");
                 changed += 1;
             }
         }
         let mut mutant = program.clone();
-        if let Some(Source::Position(other)) = mutant.codes[position].sources.first_mut()
+        if let Some(LeafSource::Position(other)) = mutant.codes[position].sources.first_mut()
             && *other > 0
         {
             *other -= 1;
@@ -247,14 +247,14 @@ fn compiled_loops_give_the_bits_of_the_evaluator() {
         function,
     };
     let options = Options {
-        circular: Circular::Library,
+        circular: RolledCircular::Library,
         ..Options::default()
     };
     let rolled = rolled_files(view, options).expect("equal");
     let inputs: Vec<f64> = (0..4 * joints)
         .map(|_| random.below(1000) as f64 / 1000.0 + 0.25)
         .collect();
-    let trial = Trial::new(view, inputs, 0.0);
+    let trial = TrialState::new(view, inputs, 0.0);
     let main = trial_main(view, &c::Options::plain(Real::Double), &["f"], &trial);
     let mut files = rolled.files.to_vec();
     files.push(("main.c".to_owned(), main));

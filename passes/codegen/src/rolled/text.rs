@@ -6,15 +6,19 @@ use super::super::emit::arrays::{Rows, parameter};
 use super::super::emit::expression::literal;
 use super::super::emit::names::CNames;
 use super::super::emit::{Real, frame};
-use super::super::sincos::Kernel;
-use super::nest::Element;
-use super::program::{Copy, Place, Program, Source, Space};
-use super::{Circular, Options};
+use super::super::sincos::SineKernel;
+use super::nest::BodyElement;
+use super::program::{Copy, LeafSource, RolledProgram, SpaceElement, StorageSpace};
+use super::{Options, RolledCircular};
 use robovec_ir::{Array, Function, View};
 use std::fmt::Write;
 
 /// The source and the header.
-pub(super) fn files(view: View<'_>, options: Options, program: &Program) -> [(String, String); 2] {
+pub(super) fn files(
+    view: View<'_>,
+    options: Options,
+    program: &RolledProgram,
+) -> [(String, String); 2] {
     let writer = RolledWriter::new(view, options, program);
     let name = writer.name.clone();
     [
@@ -25,10 +29,10 @@ pub(super) fn files(view: View<'_>, options: Options, program: &Program) -> [(St
 
 struct RolledWriter<'a> {
     function: &'a Function,
-    program: &'a Program,
+    program: &'a RolledProgram,
     real: Real,
     /// The kernel of sines and cosines, where one is wanted and used.
-    kernel: Option<Kernel>,
+    kernel: Option<SineKernel>,
     name: String,
     inputs: Vec<String>,
     outputs: Vec<String>,
@@ -56,7 +60,7 @@ struct Used {
 }
 
 impl<'a> RolledWriter<'a> {
-    fn new(view: View<'a>, options: Options, program: &'a Program) -> RolledWriter<'a> {
+    fn new(view: View<'a>, options: Options, program: &'a RolledProgram) -> RolledWriter<'a> {
         let function = view.function;
         let symbols = &view.tables.symbols;
         let mut names = CNames::new();
@@ -87,9 +91,9 @@ impl<'a> RolledWriter<'a> {
         let indices = list("i", program.loops.len());
         let counters = list("pass", program.loops.len());
         let variables = list("x", program.codes.len());
-        let vector = options.circular == Circular::Vector;
+        let vector = options.circular == RolledCircular::Vector;
         let circular = program.loops.iter().any(|place| place.circular);
-        let kernel = (vector && circular).then(|| Kernel::widest(options.real));
+        let kernel = (vector && circular).then(|| SineKernel::widest(options.real));
         RolledWriter {
             function,
             program,
@@ -281,33 +285,33 @@ impl<'a> RolledWriter<'a> {
             outputs: vec![false; self.outputs.len()],
             work: false,
         };
-        let mut space = |space: Space| match space {
-            Space::Work => used.work = true,
-            Space::Input(array) => used.inputs[array] = true,
-            Space::Output(array) => used.outputs[array] = true,
-            Space::Constants => {}
+        let mut space = |space: StorageSpace| match space {
+            StorageSpace::Work => used.work = true,
+            StorageSpace::Input(array) => used.inputs[array] = true,
+            StorageSpace::Output(array) => used.outputs[array] = true,
+            StorageSpace::Constants => {}
         };
         let program = self.program;
         for (top, copy) in self.copies(range.clone()) {
             debug_assert!(range.contains(&top));
-            space(Space::Work);
+            space(StorageSpace::Work);
             space(copy.space);
         }
         let mut elements = Vec::new();
         for &item in &program.items[range] {
             program.below(item, &mut elements);
         }
-        let mut source = |source: &Source| {
-            if let Source::Place(place) = source {
+        let mut source = |source: &LeafSource| {
+            if let LeafSource::Place(place) = source {
                 space(place.space);
             }
         };
         for &element in &elements {
             match element {
-                Element::Position(position) => {
+                BodyElement::Position(position) => {
                     program.codes[position].sources.iter().for_each(&mut source);
                 }
-                Element::Loop(number) => {
+                BodyElement::Loop(number) => {
                     for &carried in &program.carries[number] {
                         source(&program.carried[carried].first);
                     }
@@ -315,7 +319,7 @@ impl<'a> RolledWriter<'a> {
             }
         }
         for element in elements {
-            if let Element::Position(position) = element {
+            if let BodyElement::Position(position) = element {
                 for store in &program.codes[position].stores {
                     space(store.space);
                 }
@@ -337,7 +341,7 @@ impl<'a> RolledWriter<'a> {
             self.program.below(item, &mut elements);
         }
         for element in elements {
-            if let Element::Loop(number) = element
+            if let BodyElement::Loop(number) = element
                 && self.program.loops[number].counted
             {
                 let _ = writeln!(text, "    long {} = 0;", self.counters[number]);
@@ -358,7 +362,7 @@ impl<'a> RolledWriter<'a> {
         };
         let [row, column] = [0, 1].map(|axis| index(copy.from[axis], copy.step[axis]));
         let from = self.at(copy.space, &row, &column);
-        let to = self.at(Space::Work, "", &index(copy.to, copy.advance));
+        let to = self.at(StorageSpace::Work, "", &index(copy.to, copy.advance));
         if copy.count == 1 {
             let _ = writeln!(text, "    {to} = {from};");
         } else {
@@ -372,10 +376,10 @@ impl<'a> RolledWriter<'a> {
 
     /// Writes an element of a body. Loops nest a few deep, which bounds the
     /// recursion.
-    fn element(&self, text: &mut String, element: Element, depth: usize) {
+    fn element(&self, text: &mut String, element: BodyElement, depth: usize) {
         let number = match element {
-            Element::Position(position) => return self.statement(text, position, depth),
-            Element::Loop(number) => number,
+            BodyElement::Position(position) => return self.statement(text, position, depth),
+            BodyElement::Loop(number) => number,
         };
         let indent = "    ".repeat(depth);
         let place = &self.program.loops[number];
@@ -415,12 +419,12 @@ impl<'a> RolledWriter<'a> {
     fn circles(&self, number: usize) -> Option<String> {
         let kernel = self.kernel?;
         let place = &self.program.loops[number];
-        let (&[Element::Position(sine), Element::Position(cosine)], true) =
+        let (&[BodyElement::Position(sine), BodyElement::Position(cosine)], true) =
             (place.body.as_slice(), place.circular)
         else {
             return None;
         };
-        let start = |place: &Place| {
+        let start = |place: &SpaceElement| {
             let column = &place.column;
             let steps = column.factors == [(number, 1)] && column.table.is_none();
             (steps && place.row.factors.is_empty() && place.row.table.is_none()).then(|| {
@@ -433,7 +437,7 @@ impl<'a> RolledWriter<'a> {
             _ => None,
         };
         let angles = match self.program.codes[sine].sources.as_slice() {
-            [Source::Place(place)] => start(place),
+            [LeafSource::Place(place)] => start(place),
             _ => None,
         };
         Some(format!(

@@ -6,16 +6,16 @@
 //! then stored. In the end every output must hold what the function assigns
 //! to it. No arithmetic is involved, so what agrees agrees in every bit.
 
-use super::nest::Element;
-use super::program::{Index, Place, Program, Source, Space};
-use super::statements::{Statements, Target};
+use super::nest::BodyElement;
+use super::program::{Index, LeafSource, RolledProgram, SpaceElement, StorageSpace};
+use super::statements::{StatementTarget, Statements};
 use hashbrown::HashMap;
 use robovec_ir::{Array, Constant, Function, Input, Operand, Output, Shape};
 use rustc_hash::FxBuildHasher;
 
 /// Why a rolled program is not the function it was made from.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-pub enum Difference {
+pub enum RolledDifference {
     /// A statement computes what the function does not.
     #[error(
         "statement {position} of the loops computes what the function does not, in pass {pass}"
@@ -42,11 +42,11 @@ pub enum Difference {
 
 /// Runs the program with names and compares.
 pub(super) fn unroll(
-    program: &Program,
+    program: &RolledProgram,
     function: &Function,
     statements: &Statements,
-) -> Result<(), Difference> {
-    let mut machine = Machine::new(program, function, statements);
+) -> Result<(), RolledDifference> {
+    let mut machine = RolledInterpreter::new(program, function, statements);
     let mut copies = program.copies.iter().peekable();
     for (top, &item) in program.items.iter().enumerate() {
         while let Some((_, copy)) = copies.next_if(|(before, _)| *before == top) {
@@ -55,8 +55,8 @@ pub(super) fn unroll(
                 let operand = machine.load(copy.space, row, column);
                 let word = copy.to + pass * copy.advance;
                 let stored =
-                    operand.and_then(|operand| machine.store(Space::Work, 0, word, operand));
-                stored.ok_or(Difference::Missing { position: 0 })?;
+                    operand.and_then(|operand| machine.store(StorageSpace::Work, 0, word, operand));
+                stored.ok_or(RolledDifference::Missing { position: 0 })?;
             }
         }
         machine.element(item)?;
@@ -64,7 +64,7 @@ pub(super) fn unroll(
     for assignment in &function.assignments {
         let expected = machine.canonical(assignment.operand);
         if machine.outputs[assignment.output.index()] != Some(expected) {
-            return Err(Difference::Output {
+            return Err(RolledDifference::Output {
                 output: assignment.output.0,
             });
         }
@@ -72,8 +72,8 @@ pub(super) fn unroll(
     Ok(())
 }
 
-struct Machine<'a> {
-    program: &'a Program,
+struct RolledInterpreter<'a> {
+    program: &'a RolledProgram,
     function: &'a Function,
     /// For each value the first that is computed in the same way.
     first: Vec<Operand>,
@@ -88,10 +88,14 @@ struct Machine<'a> {
     runs: Vec<usize>,
 }
 
-impl<'a> Machine<'a> {
-    fn new(program: &'a Program, function: &'a Function, statements: &Statements) -> Machine<'a> {
+impl<'a> RolledInterpreter<'a> {
+    fn new(
+        program: &'a RolledProgram,
+        function: &'a Function,
+        statements: &Statements,
+    ) -> RolledInterpreter<'a> {
         let numbers = function.constants().iter().zip(0..);
-        let mut machine = Machine {
+        let mut machine = RolledInterpreter {
             program,
             function,
             first: (0..function.nodes().len())
@@ -110,7 +114,7 @@ impl<'a> Machine<'a> {
             runs: vec![0; program.codes.len()],
         };
         for (number, statement) in (0u32..).zip(&statements.list) {
-            if let Target::Value(value) = statement.target {
+            if let StatementTarget::Value(value) = statement.target {
                 let leaves = statements.leaves(number).iter();
                 let leaves = leaves.map(|&leaf| machine.canonical(leaf)).collect();
                 let key = (statement.template, leaves);
@@ -127,17 +131,17 @@ impl<'a> Machine<'a> {
             .map_or(operand, |value| self.first[value.index()])
     }
 
-    fn element(&mut self, element: Element) -> Result<(), Difference> {
+    fn element(&mut self, element: BodyElement) -> Result<(), RolledDifference> {
         let number = match element {
-            Element::Position(position) => return self.statement(position),
-            Element::Loop(number) => number,
+            BodyElement::Position(position) => return self.statement(position),
+            BodyElement::Loop(number) => number,
         };
         let program = self.program;
         let place = &program.loops[number];
         for &carried in &program.carries[number] {
             let position = program.carried[carried].position;
             let first = self.source(&program.carried[carried].first);
-            self.carried[carried] = Some(first.ok_or(Difference::Missing { position })?);
+            self.carried[carried] = Some(first.ok_or(RolledDifference::Missing { position })?);
         }
         let count = self.index(&place.count).unwrap_or(0);
         for iteration in 0..count {
@@ -154,10 +158,10 @@ impl<'a> Machine<'a> {
         Ok(())
     }
 
-    fn statement(&mut self, position: usize) -> Result<(), Difference> {
+    fn statement(&mut self, position: usize) -> Result<(), RolledDifference> {
         let program = self.program;
         let code = &program.codes[position];
-        let missing = Difference::Missing { position };
+        let missing = RolledDifference::Missing { position };
         let leaves = code.sources.iter().map(|source| self.source(source));
         let leaves: Option<Vec<Operand>> = leaves.collect();
         let leaves = leaves.ok_or(missing.clone())?;
@@ -168,7 +172,7 @@ impl<'a> Machine<'a> {
             _ => *self
                 .known
                 .get(&(code.template, leaves))
-                .ok_or(Difference::Foreign { position, pass })?,
+                .ok_or(RolledDifference::Foreign { position, pass })?,
         };
         self.results[position] = Some(result);
         for store in &code.stores {
@@ -182,12 +186,12 @@ impl<'a> Machine<'a> {
         Ok(())
     }
 
-    fn source(&self, source: &Source) -> Option<Operand> {
+    fn source(&self, source: &LeafSource) -> Option<Operand> {
         match source {
-            Source::Position(position) => self.results[*position],
-            Source::Carried(carried) => self.carried[*carried],
-            Source::Number(number) => self.numbers.get(&number.to_bits()).copied(),
-            Source::Place(Place { space, row, column }) => {
+            LeafSource::Position(position) => self.results[*position],
+            LeafSource::Carried(carried) => self.carried[*carried],
+            LeafSource::Number(number) => self.numbers.get(&number.to_bits()).copied(),
+            LeafSource::Place(SpaceElement { space, row, column }) => {
                 self.load(*space, self.index(row)?, self.index(column)?)
             }
         }
@@ -206,32 +210,38 @@ impl<'a> Machine<'a> {
         Some(index.base + terms.sum::<i64>() + entry)
     }
 
-    fn load(&self, space: Space, row: i64, column: i64) -> Option<Operand> {
+    fn load(&self, space: StorageSpace, row: i64, column: i64) -> Option<Operand> {
         match space {
-            Space::Work => *self.work.get(usize::try_from(column).ok()?)?,
-            Space::Constants => {
+            StorageSpace::Work => *self.work.get(usize::try_from(column).ok()?)?,
+            StorageSpace::Constants => {
                 let number = self.program.constants.get(usize::try_from(column).ok()?)?;
                 self.numbers.get(&number.to_bits()).copied()
             }
-            Space::Input(array) => {
+            StorageSpace::Input(array) => {
                 let offset = flattened(&self.function.inputs()[array], row, column)?;
                 Some(Input(offset).into())
             }
-            Space::Output(array) => {
+            StorageSpace::Output(array) => {
                 let offset = flattened(&self.function.outputs()[array], row, column)?;
                 self.outputs[Output(offset).index()]
             }
         }
     }
 
-    fn store(&mut self, space: Space, row: i64, column: i64, operand: Operand) -> Option<()> {
+    fn store(
+        &mut self,
+        space: StorageSpace,
+        row: i64,
+        column: i64,
+        operand: Operand,
+    ) -> Option<()> {
         let word = match space {
-            Space::Work => self.work.get_mut(usize::try_from(column).ok()?)?,
-            Space::Output(array) => {
+            StorageSpace::Work => self.work.get_mut(usize::try_from(column).ok()?)?,
+            StorageSpace::Output(array) => {
                 let offset = flattened(&self.function.outputs()[array], row, column)?;
                 &mut self.outputs[offset as usize]
             }
-            Space::Input(_) | Space::Constants => return None,
+            StorageSpace::Input(_) | StorageSpace::Constants => return None,
         };
         *word = Some(operand);
         Some(())

@@ -1,15 +1,15 @@
 //! A processing element: instruction memory, operand memories, operators and
 //! buffer, one module per kind.
 
-use super::hardware::{Group, Hardware};
+use super::hardware::{ElementGroup, Hardware};
 use super::text::{bits_of, extended, heading, joined, range, slice};
 use super::unit;
-use crate::layout::{Layout, OPERATION, READ, bits};
+use crate::layout::{OPERATION, READ, WordLayout, bits};
 use robovec_ir::machine::MemoryStyle;
 use std::fmt::Write;
 
 /// The name of a kind's module.
-pub(super) fn module_name(group: &Group) -> String {
+pub(super) fn module_name(group: &ElementGroup) -> String {
     format!("robovec_element_{}", group.kind)
 }
 
@@ -25,8 +25,8 @@ pub(super) fn phase_bits(phases: u32) -> u32 {
 }
 
 /// The text of the module of a kind.
-pub(super) fn text(hardware: &Hardware, group: &Group) -> String {
-    let element = Element {
+pub(super) fn text(hardware: &Hardware, group: &ElementGroup) -> String {
+    let element = ElementModule {
         hardware,
         group,
         layout: hardware.layout(group),
@@ -48,15 +48,15 @@ pub(super) fn text(hardware: &Hardware, group: &Group) -> String {
     text
 }
 
-struct Element<'a> {
+struct ElementModule<'a> {
     hardware: &'a Hardware,
-    group: &'a Group,
-    layout: Layout,
+    group: &'a ElementGroup,
+    layout: WordLayout,
     /// Bits of a select field.
     select: u32,
 }
 
-impl Element<'_> {
+impl ElementModule<'_> {
     fn field(&self, place: u32) -> String {
         slice("word", &self.layout.fields()[place as usize])
     }

@@ -10,7 +10,7 @@ use std::fmt;
 
 /// What a program asks of one part of the hardware.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Demand {
+pub struct HardwareDemand {
     /// The part.
     pub part: &'static str,
     /// How much of it the program uses.
@@ -19,9 +19,9 @@ pub struct Demand {
     pub available: u64,
 }
 
-impl fmt::Display for Demand {
+impl fmt::Display for HardwareDemand {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Demand {
+        let HardwareDemand {
             part,
             used,
             available,
@@ -32,9 +32,9 @@ impl fmt::Display for Demand {
 
 /// What a program asks of hardware, and why it does not fit.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub struct Fit {
+pub struct HardwareFit {
     /// Part by part.
-    pub demands: Vec<Demand>,
+    pub demands: Vec<HardwareDemand>,
     /// Why the program does not fit, one sentence each; none when it does.
     pub reasons: Vec<String>,
 }
@@ -45,14 +45,14 @@ pub struct Fit {
 ///
 /// When the function has no images at all on the hardware's machine. A
 /// program that has images but does not fit is no error: see
-/// [`Fit::reasons`].
-pub fn fits(view: View<'_>, hardware: &Hardware) -> Result<Fit, RtlError> {
+/// [`HardwareFit::reasons`].
+pub fn fits(view: View<'_>, hardware: &Hardware) -> Result<HardwareFit, RtlError> {
     let traffic = Traffic::new(view, &hardware.machine)?;
     Ok(of_traffic(&traffic, hardware))
 }
 
-pub(super) fn of_traffic(traffic: &Traffic<'_>, hardware: &Hardware) -> Fit {
-    let mut fit = Fit::default();
+pub(super) fn of_traffic(traffic: &Traffic<'_>, hardware: &Hardware) -> HardwareFit {
+    let mut fit = HardwareFit::default();
     let kinds = (traffic.schedule.kinds.iter()).filter(|kind| kind.count > 0);
     let used: Vec<(&str, u32)> = kinds.map(|kind| (kind.name.as_str(), kind.count)).collect();
     let built: Vec<(&str, u32)> = (hardware.elements.iter())
@@ -99,16 +99,16 @@ pub(super) fn of_traffic(traffic: &Traffic<'_>, hardware: &Hardware) -> Fit {
 }
 
 /// Missing pairs that are named; of the others the number is told.
-const MOST_NAMED: usize = 5;
+const MAX_NAMED: usize = 5;
 
-impl Fit {
+impl HardwareFit {
     fn demand(&mut self, part: &'static str, used: u64, available: u64) {
         if used > available {
             self.reasons.push(format!(
                 "it needs {used} {part}, and the hardware has {available}"
             ));
         }
-        self.demands.push(Demand {
+        self.demands.push(HardwareDemand {
             part,
             used,
             available,
@@ -128,7 +128,7 @@ impl Fit {
                 .filter(|code| built.binary_search(code).is_err());
             missing.extend(lacking.map(|&code| (code, port)));
         }
-        self.demands.push(Demand {
+        self.demands.push(HardwareDemand {
             part: "pairs of the crossbar",
             used: pairs,
             available: legs.iter().map(|codes| codes.len() as u64).sum(),
@@ -152,7 +152,7 @@ impl Fit {
             let target = traffic.memory_name(memory / sizes.memories, bank);
             format!("{source}{through} to port {port} of {target}")
         };
-        let named: Vec<String> = missing.iter().take(MOST_NAMED).map(name).collect();
+        let named: Vec<String> = missing.iter().take(MAX_NAMED).map(name).collect();
         let rest = match missing.len() - named.len() {
             0 => String::new(),
             count => format!(" and {count} more"),

@@ -6,9 +6,9 @@
 //! fits when its traffic stays within.
 
 use super::error::RtlError;
-use super::window::Window;
+use super::window::AddressBlocks;
 use super::{legs, unit};
-use crate::layout::{Layout, Sizes, bits};
+use crate::layout::{Sizes, WordLayout, bits};
 use crate::manifest::{Buffer, FileHash};
 use crate::traffic::Traffic;
 use robovec_framework::option_words;
@@ -21,11 +21,11 @@ use serde::{Deserialize, Serialize};
 /// The version of the description, raised at every incompatible change.
 const FORMAT: u32 = 2;
 /// Bits of the host's address at most: 4 GiB of bytes.
-const MOST_ADDRESS_BITS: u32 = 30;
+const MAX_ADDRESS_BITS: u32 = 30;
 /// Words of an instruction or operand memory at most.
-const MOST_WORDS: u32 = 1 << 24;
+const MAX_WORDS: u32 = 1 << 24;
 /// Elements at most: a crossbar grows with their square.
-const MOST_ELEMENTS: usize = 1024;
+const MAX_ELEMENTS: usize = 1024;
 
 option_words! {
     /// How much of the crossbar is built.
@@ -54,7 +54,7 @@ pub enum Crossbar {
 /// Equal elements.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Group {
+pub struct ElementGroup {
     /// Their kind in the machine file.
     pub kind: String,
     /// How many there are.
@@ -72,7 +72,7 @@ pub struct Hardware {
     /// The machine file.
     pub machine: Machine,
     /// The elements, in the order that the crossbar counts them.
-    pub elements: Vec<Group>,
+    pub elements: Vec<ElementGroup>,
     /// Words of an instruction memory: cycles of the longest program.
     pub instruction_words: u32,
     /// Words of an operand memory.
@@ -111,7 +111,7 @@ impl Hardware {
             )];
             return Err(RtlError::Misfit { function, reasons });
         }
-        let groups = traffic.schedule.kinds.iter().map(|kind| Group {
+        let groups = traffic.schedule.kinds.iter().map(|kind| ElementGroup {
             kind: kind.name.clone(),
             count: kind.count,
         });
@@ -171,7 +171,8 @@ impl Hardware {
 
     fn validate(&self) -> Result<(), RtlError> {
         check_machine(&self.machine)?;
-        let unknown = |group: &&Group| self.machine.elements.iter().all(|e| e.kind != group.kind);
+        let unknown =
+            |group: &&ElementGroup| self.machine.elements.iter().all(|e| e.kind != group.kind);
         if let Some(group) = self.elements.iter().find(unknown) {
             return Err(RtlError::Description(format!(
                 "the machine has no elements of kind '{}'",
@@ -186,18 +187,18 @@ impl Hardware {
             .iter()
             .map(|group| u64::from(group.count))
             .sum();
-        if elements == 0 || elements > MOST_ELEMENTS as u64 {
+        if elements == 0 || elements > MAX_ELEMENTS as u64 {
             return Err(RtlError::TooLarge(format!(
-                "the machine has {elements} elements; hardware is built for 1 to {MOST_ELEMENTS}"
+                "the machine has {elements} elements; hardware is built for 1 to {MAX_ELEMENTS}"
             )));
         }
         let sizes = [self.instruction_words, self.words]
             .into_iter()
             .chain(self.buffer.iter().map(|buffer| buffer.words));
         for words in sizes {
-            if words == 0 || words > MOST_WORDS {
+            if words == 0 || words > MAX_WORDS {
                 return Err(RtlError::TooLarge(format!(
-                    "a memory of {words} words; hardware is built for 1 to {MOST_WORDS}"
+                    "a memory of {words} words; hardware is built for 1 to {MAX_WORDS}"
                 )));
             }
         }
@@ -214,9 +215,9 @@ impl Hardware {
                 "a memory has more than 64 ports or none".to_owned(),
             ));
         }
-        if self.window().address_bits > MOST_ADDRESS_BITS {
+        if self.window().address_bits > MAX_ADDRESS_BITS {
             return Err(RtlError::TooLarge(format!(
-                "the memories take {} bits of the host's address, more than {MOST_ADDRESS_BITS}",
+                "the memories take {} bits of the host's address, more than {MAX_ADDRESS_BITS}",
                 self.window().address_bits
             )));
         }
@@ -282,7 +283,7 @@ impl Hardware {
     }
 
     /// The kind of a group.
-    pub(super) fn kind(&self, group: &Group) -> &ElementDescription {
+    pub(super) fn kind(&self, group: &ElementGroup) -> &ElementDescription {
         let mut kinds = self.machine.elements.iter();
         let found = kinds.find(|kind| kind.kind == group.kind);
         // Validation has found every kind.
@@ -290,16 +291,16 @@ impl Hardware {
     }
 
     /// The names and kinds of all elements, in order.
-    pub(super) fn names(&self) -> impl Iterator<Item = (String, &Group)> {
+    pub(super) fn names(&self) -> impl Iterator<Item = (String, &ElementGroup)> {
         self.elements.iter().flat_map(|group| {
             (0..group.count).map(move |number| (format!("{}{number}", group.kind), group))
         })
     }
 
     /// The layout of the instruction words of a group.
-    pub(super) fn layout(&self, group: &Group) -> Layout {
+    pub(super) fn layout(&self, group: &ElementGroup) -> WordLayout {
         let kind = self.kind(group);
-        Layout::new(&self.sizes(), kind.operations.len(), kind.is_fused())
+        WordLayout::new(&self.sizes(), kind.operations.len(), kind.is_fused())
     }
 
     /// Bits of the widest instruction word.
@@ -327,8 +328,8 @@ impl Hardware {
     }
 
     /// Where the host finds everything.
-    pub(crate) fn window(&self) -> Window {
-        Window::new(self)
+    pub(crate) fn window(&self) -> AddressBlocks {
+        AddressBlocks::new(self)
     }
 
     /// Pairs of source and write port that the crossbar has, and that a full

@@ -24,14 +24,14 @@ mod unit;
 mod window;
 
 pub use error::RtlError;
-pub use fits::{Demand, Fit, fits};
-pub use hardware::{Crossbar, CrossbarChoice, Group, Hardware};
+pub use fits::{HardwareDemand, HardwareFit, fits};
+pub use hardware::{Crossbar, CrossbarChoice, ElementGroup, Hardware};
 
 use super::images::write_traffic;
 use super::manifest::{FileHash, Manifest};
 use super::traffic::Traffic;
 use super::{Artifacts, ImageError};
-use cores::Core;
+use cores::OperatorCore;
 use robovec_ir::machine::MemoryStyle;
 use robovec_ir::{Machine, View};
 use robovec_num::fnv::Fnv;
@@ -104,7 +104,7 @@ pub fn write_rtl(
     let traffic = Traffic::new(view, machine)?;
     let hardware = Hardware::new(&traffic, choice)?;
     let manifest = write_images_on(&traffic, &hardware, artifacts)?;
-    let program = top::Program {
+    let program = top::ConfiguredProgram {
         function: &manifest.function,
         cycles: manifest.cycles,
         schedule_hash: &manifest.schedule_hash,
@@ -137,13 +137,13 @@ pub fn write_program(
 }
 
 /// Puts files into a folder, and keeps the manifest.
-struct Folder<'a> {
+struct ManifestFolder<'a> {
     name: &'static str,
     artifacts: &'a mut dyn Artifacts,
     manifest: Vec<u8>,
 }
 
-impl Artifacts for Folder<'_> {
+impl Artifacts for ManifestFolder<'_> {
     fn file(
         &mut self,
         name: &str,
@@ -165,7 +165,7 @@ fn write_images_on(
     hardware: &Hardware,
     artifacts: &mut dyn Artifacts,
 ) -> Result<Manifest, RtlError> {
-    let mut folder = Folder {
+    let mut folder = ManifestFolder {
         name: "img",
         artifacts,
         manifest: Vec::new(),
@@ -178,7 +178,7 @@ fn write_images_on(
 /// Writes the hardware; gives it back with the hashes of its files.
 fn write_files(
     mut hardware: Hardware,
-    program: &top::Program<'_>,
+    program: &top::ConfiguredProgram<'_>,
     artifacts: &mut dyn Artifacts,
 ) -> Result<Hardware, RtlError> {
     let mut files: Vec<(String, String)> = Vec::new();
@@ -225,7 +225,7 @@ fn core_files(hardware: &Hardware) -> Vec<(&'static str, &'static str)> {
     let stem = |file: &cores::SourceFile| file.name.trim_end_matches(".v");
     let mut wanted: Vec<&str> = (hardware.elements.iter())
         .flat_map(|group| unit::cores(hardware.kind(group)))
-        .map(Core::module)
+        .map(OperatorCore::module)
         .collect();
     let mut files = Vec::new();
     while let Some(module) = wanted.pop() {

@@ -1,6 +1,6 @@
 //! Small pieces of Verilog.
 
-use crate::manifest::Field;
+use crate::manifest::InstructionField;
 
 /// The range of a vector of `width` bits; a single bit is a vector too, so
 /// that selections from it stay legal.
@@ -9,7 +9,7 @@ pub(super) fn range(width: u32) -> String {
 }
 
 /// A field of the vector `word`.
-pub(super) fn slice(word: &str, field: &Field) -> String {
+pub(super) fn slice(word: &str, field: &InstructionField) -> String {
     bits_of(word, field.low, field.width)
 }
 

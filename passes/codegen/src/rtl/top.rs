@@ -5,13 +5,13 @@ use super::crossbar::host_sources;
 use super::element::{self, phase_bits};
 use super::hardware::Hardware;
 use super::text::{bits_of, equals, heading, range};
-use super::window::{Block, Window};
+use super::window::{AddressBlocks, Block};
 use crate::layout::bits;
 use robovec_ir::machine::MemoryStyle;
 use std::fmt::Write;
 
 /// The program that is loaded at configuration.
-pub(super) struct Program<'a> {
+pub(super) struct ConfiguredProgram<'a> {
     /// The function's name, which its images' names begin with.
     pub(super) function: &'a str,
     /// Its cycles.
@@ -21,7 +21,7 @@ pub(super) struct Program<'a> {
 }
 
 /// The text of the top.
-pub(super) fn text(hardware: &Hardware, program: &Program<'_>) -> String {
+pub(super) fn text(hardware: &Hardware, program: &ConfiguredProgram<'_>) -> String {
     let top = Top {
         hardware,
         window: hardware.window(),
@@ -42,7 +42,7 @@ pub(super) fn text(hardware: &Hardware, program: &Program<'_>) -> String {
 
 struct Top<'a> {
     hardware: &'a Hardware,
-    window: Window,
+    window: AddressBlocks,
     /// Bits of a data word.
     width: u32,
     elements: u32,
@@ -68,7 +68,7 @@ impl Top<'_> {
             .max(self.window.operands.limbs)
     }
 
-    fn head(&self, program: &Program<'_>) -> String {
+    fn head(&self, program: &ConfiguredProgram<'_>) -> String {
         let hardware = self.hardware;
         let groups: Vec<String> = (hardware.elements.iter())
             .map(|group| format!("{} {}", group.count, group.kind))

@@ -1,7 +1,7 @@
 //! The operators of an element: which cores it has, what tells them apart,
 //! and whose result is put on the bus.
 
-use super::cores::{self, Core};
+use super::cores::{self, OperatorCore};
 use super::error::RtlError;
 use super::text::range;
 use robovec_ir::Operation;
@@ -10,36 +10,36 @@ use robovec_num::NumberFormat;
 use std::fmt::Write;
 
 /// A core of a kind, with its operations and their codes.
-struct Part {
-    core: Core,
+struct UnitCore {
+    core: OperatorCore,
     /// Name and code.
     operations: Vec<(String, u32)>,
 }
 
-impl Part {
+impl UnitCore {
     fn name(&self) -> &'static str {
         self.core.module()
     }
 }
 
 /// The core that performs an operation.
-fn core_of(name: &str) -> Option<Core> {
+fn core_of(name: &str) -> Option<OperatorCore> {
     let mut all = Operation::ALL.into_iter();
     all.find(|operation| operation.name() == name)
-        .and_then(Core::of)
+        .and_then(OperatorCore::of)
 }
 
 /// The cores that a kind of element needs, in order of their first
 /// operations.
-fn parts(kind: &ElementDescription) -> Vec<Part> {
-    let mut parts: Vec<Part> = Vec::new();
+fn parts(kind: &ElementDescription) -> Vec<UnitCore> {
+    let mut parts: Vec<UnitCore> = Vec::new();
     for (name, code) in kind.operations.iter().zip(0..) {
         // Hardware is made only for what has a core.
         let Some(core) = core_of(name) else { continue };
         let operation = (name.clone(), code);
         match parts.iter_mut().find(|part| part.core == core) {
             Some(part) => part.operations.push(operation),
-            None => parts.push(Part {
+            None => parts.push(UnitCore {
                 core,
                 operations: vec![operation],
             }),
@@ -49,7 +49,7 @@ fn parts(kind: &ElementDescription) -> Vec<Part> {
 }
 
 /// The cores that a kind of element needs.
-pub(super) fn cores(kind: &ElementDescription) -> Vec<Core> {
+pub(super) fn cores(kind: &ElementDescription) -> Vec<OperatorCore> {
     parts(kind).into_iter().map(|part| part.core).collect()
 }
 
@@ -90,7 +90,7 @@ pub(super) fn text(kind: &ElementDescription, number: NumberFormat, code_bits: u
 
 fn core_instance(
     text: &mut String,
-    part: &Part,
+    part: &UnitCore,
     kind: &ElementDescription,
     number: NumberFormat,
     code_bits: u32,
@@ -134,7 +134,7 @@ fn core_instance(
 }
 
 /// The core's code of a fused operation, from the element's.
-fn fused_operation(part: &Part, code_bits: u32) -> String {
+fn fused_operation(part: &UnitCore, code_bits: u32) -> String {
     let core_code = |name: &str| match name {
         "fms" => 1,
         "fnma" => 2,
@@ -159,7 +159,7 @@ fn fused_operation(part: &Part, code_bits: u32) -> String {
 
 /// What is on the bus: with several cores, the result of the one whose
 /// operation entered as many cycles ago as the pipeline has stages.
-fn select_result(text: &mut String, parts: &[Part], stages: u32, code_bits: u32) {
+fn select_result(text: &mut String, parts: &[UnitCore], stages: u32, code_bits: u32) {
     if let [part] = parts {
         let _ = writeln!(text, "    assign result = {}_result;", part.name());
         return;

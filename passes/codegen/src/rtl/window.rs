@@ -61,7 +61,7 @@ fn log2(count: u32) -> u32 {
 
 /// The map.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Window {
+pub(crate) struct AddressBlocks {
     /// Bits of the host's address.
     pub(crate) address_bits: u32,
     /// The instruction memories, in order of the elements.
@@ -70,8 +70,8 @@ pub(crate) struct Window {
     pub(crate) operands: Block,
 }
 
-impl Window {
-    pub(super) fn new(hardware: &Hardware) -> Window {
+impl AddressBlocks {
+    pub(super) fn new(hardware: &Hardware) -> AddressBlocks {
         let elements = hardware.element_count();
         let mut instructions = Block::new(
             hardware.instruction_width(),
@@ -93,7 +93,7 @@ impl Window {
         let step = u32::from(small.bits() == large.bits());
         large.base = (1 + step) << large.bits().min(30);
         let address_bits = large.bits() + 1 + step;
-        Window {
+        AddressBlocks {
             address_bits,
             instructions,
             operands,
@@ -101,10 +101,10 @@ impl Window {
     }
 
     /// What the manifest says of it.
-    pub(crate) fn manifest(&self, hardware: &Hardware) -> manifest::Window {
+    pub(crate) fn manifest(&self, hardware: &Hardware) -> manifest::AddressMap {
         let mut units = Vec::new();
         for (index, (name, group)) in (0u32..).zip(hardware.names()) {
-            units.push(manifest::Unit {
+            units.push(manifest::MappedMemory {
                 name: format!("{name}.instructions"),
                 address: self.instructions.address(index),
                 words: hardware.instruction_depth(),
@@ -115,7 +115,7 @@ impl Window {
         }
         for (index, (name, _)) in (0u32..).zip(hardware.names()) {
             for (memory, suffix) in (0u32..).zip(hardware.memory_suffixes()) {
-                units.push(manifest::Unit {
+                units.push(manifest::MappedMemory {
                     name: format!("{name}{suffix}"),
                     address: self.operands.address(index * hardware.memories() + memory),
                     words: 1 << hardware.operand_address(),
@@ -125,7 +125,7 @@ impl Window {
                 });
             }
         }
-        manifest::Window {
+        manifest::AddressMap {
             version: VERSION,
             address_bits: self.address_bits,
             machine_hash: hardware.hash(),

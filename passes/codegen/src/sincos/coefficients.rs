@@ -6,7 +6,7 @@ use crate::c::Real;
 /// [`robovec_num::trigonometry::Polynomial::minimax_behind`]) and the parts
 /// from the digits of pi.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Constants {
+pub struct KernelConstants {
     /// Largest angle in radians that is not left to the library: as many
     /// quarter turns as the first parts leave room for in exact products.
     pub limit: f64,
@@ -24,9 +24,9 @@ pub struct Constants {
     pub cosine: &'static [f64],
 }
 
-impl Constants {
+impl KernelConstants {
     /// The numbers for a type.
-    pub fn of(real: Real) -> &'static Constants {
+    pub fn of(real: Real) -> &'static KernelConstants {
         match real {
             Real::Double => &DOUBLE,
             Real::Float => &FLOAT,
@@ -36,7 +36,7 @@ impl Constants {
 
 /// Parts of 33, 33 and 53 bits: up to 2^20 quarter turns. The sine is within
 /// 2^-56.7 of itself, the cosine within 2^-63.
-static DOUBLE: Constants = Constants {
+static DOUBLE: KernelConstants = KernelConstants {
     limit: 1_048_576.0,
     turns: std::f64::consts::FRAC_2_PI,
     rounder: 6_755_399_441_055_744.0,
@@ -65,7 +65,7 @@ static DOUBLE: Constants = Constants {
 
 /// Parts of three times 12 and 24 bits: up to 2^12 quarter turns. The sine is
 /// within 2^-27.3 of itself, the cosine within 2^-32.7.
-static FLOAT: Constants = Constants {
+static FLOAT: KernelConstants = KernelConstants {
     limit: 4096.0,
     turns: std::f32::consts::FRAC_2_PI as f64,
     rounder: 12_582_912.0,

@@ -9,10 +9,10 @@
 //! The reduction subtracts multiples of a quarter turn in parts so short that
 //! their products are exact (Cody and Waite 1980), and keeps what is rounded
 //! away in a second word. So nothing depends on whether the compiler
-//! contracts, and the results are within 1 ulp (measured: 0.79 in both types) for angles up to [`Constants::limit`]. Larger ones, and what
+//! contracts, and the results are within 1 ulp (measured: 0.79 in both types) for angles up to [`KernelConstants::limit`]. Larger ones, and what
 //! is no number, are found by their bits and left to the library.
 //!
-//! The text stands alone: [`Kernel::types`] once, then whichever functions
+//! The text stands alone: [`SineKernel::types`] once, then whichever functions
 //! are called. Where the compiler has no vector extensions, or
 //! `ROBOVEC_SCALAR` is defined, a vector is one number and the library
 //! computes.
@@ -21,26 +21,26 @@ mod coefficients;
 mod text;
 
 use super::emit::Real;
-pub use coefficients::Constants;
+pub use coefficients::KernelConstants;
 
 /// The kernel for one type and number of lanes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Kernel {
+pub struct SineKernel {
     /// The type of a lane.
     pub real: Real,
     /// Lanes of a vector, a power of two; with one lane a vector is a number.
     pub lanes: u32,
 }
 
-impl Kernel {
+impl SineKernel {
     /// The kernel whose vectors fill 64 bytes: for scalar code that has many
     /// angles at once. Compilers split its vectors for narrower machines.
-    pub fn widest(real: Real) -> Kernel {
+    pub fn widest(real: Real) -> SineKernel {
         let lanes = match real {
             Real::Double => 8,
             Real::Float => 16,
         };
-        Kernel { real, lanes }
+        SineKernel { real, lanes }
     }
 
     /// The short name of the type and lanes, `d8` or `f16`.
@@ -63,12 +63,12 @@ impl Kernel {
         format!("robovec_{}u", self.suffix())
     }
 
-    /// The function of [`Kernel::arrays`].
+    /// The function of [`SineKernel::arrays`].
     pub fn arrays_name(self) -> String {
         format!("robovec_sincos_{}", self.suffix())
     }
 
-    /// The function of [`Kernel::runs`].
+    /// The function of [`SineKernel::runs`].
     pub fn runs_name(self) -> String {
         format!("robovec_sincos_runs_{}", self.suffix())
     }

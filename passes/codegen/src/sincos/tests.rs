@@ -11,7 +11,7 @@ fn polynomials_are_the_best_of_their_degree() {
         (Real::Double, Format::BINARY64, [13, 14]),
         (Real::Float, Format::BINARY32, [7, 8]),
     ] {
-        let constants = Constants::of(real);
+        let constants = KernelConstants::of(real);
         // A little over an eighth of a turn, for what the reduction rounds.
         let range = 7854.0 / 1e4;
         let derive = |of, leading: &[f64], order| {
@@ -27,7 +27,7 @@ fn polynomials_are_the_best_of_their_degree() {
 #[test]
 fn first_parts_of_a_quarter_turn_have_exact_products() {
     for (real, digits, significand) in [(Real::Double, 20, 53), (Real::Float, 12, 24)] {
-        let constants = Constants::of(real);
+        let constants = KernelConstants::of(real);
         let most = 2f64.powi(digits);
         assert!(constants.limit * constants.turns <= most);
         let (last, first) = constants.quarter.split_last().expect("parts");
@@ -45,15 +45,15 @@ fn first_parts_of_a_quarter_turn_have_exact_products() {
 #[test]
 fn the_types_stand_for_themselves() {
     for (kernel, vector) in [
-        (Kernel::widest(Real::Double), "robovec_d8"),
-        (Kernel::widest(Real::Float), "robovec_f16"),
+        (SineKernel::widest(Real::Double), "robovec_d8"),
+        (SineKernel::widest(Real::Float), "robovec_f16"),
     ] {
         assert_eq!(kernel.vector(), vector);
         assert!(kernel.types().contains("vector_size(64)"));
         assert!(kernel.arrays().contains(&kernel.arrays_name()));
         assert!(kernel.runs().contains(&kernel.runs_name()));
     }
-    let alone = Kernel {
+    let alone = SineKernel {
         real: Real::Double,
         lanes: 1,
     };
@@ -92,8 +92,8 @@ fn units(found: f64, exact: Double, significand: i32) -> f64 {
 fn compiled_kernels_are_within_one_unit_in_the_last_place() {
     use std::fmt::Write;
     for (real, significand) in [(Real::Double, 53), (Real::Float, 24)] {
-        let kernel = Kernel::widest(real);
-        let angles = angles(Constants::of(real).limit, significand);
+        let kernel = SineKernel::widest(real);
+        let angles = angles(KernelConstants::of(real).limit, significand);
         let mut text = kernel.types() + &kernel.arrays();
         let list: Vec<String> = angles.iter().map(|angle| format!("{angle:?}")).collect();
         let (name, count) = (real.name(), angles.len());

@@ -1,13 +1,13 @@
 //! The C text of the kernel.
 
-use super::{Constants, Kernel};
+use super::{KernelConstants, SineKernel};
 use crate::emit::Real;
 use crate::emit::expression::{self, BoundText, Operands, apply};
 use robovec_ir::Operation;
 use std::fmt::Write;
 
 /// Whether vectors are there, and their types.
-pub(super) fn types(kernel: Kernel) -> String {
+pub(super) fn types(kernel: SineKernel) -> String {
     let KernelNames {
         real,
         integer,
@@ -55,7 +55,7 @@ typedef {real} {unaligned};
 }
 
 /// The function for angles one behind the other.
-pub(super) fn arrays(kernel: Kernel) -> String {
+pub(super) fn arrays(kernel: SineKernel) -> String {
     let names = KernelNames::of(kernel);
     let KernelNames { real, lanes, .. } = names;
     let name = kernel.arrays_name();
@@ -131,7 +131,7 @@ static ROBOVEC_PRECISE void {name}(long count, const {real} *angles, {real} *sin
 }
 
 /// The function for angles of many states.
-pub(super) fn runs(kernel: Kernel) -> String {
+pub(super) fn runs(kernel: SineKernel) -> String {
     let names = KernelNames::of(kernel);
     let KernelNames {
         real,
@@ -199,7 +199,7 @@ pub(super) fn runs(kernel: Kernel) -> String {
 
 /// One vector of angles; `far` gathers lanes that are left to the library in
 /// its sign bits.
-fn core(kernel: Kernel) -> String {
+fn core(kernel: SineKernel) -> String {
     let KernelNames {
         vector,
         bits,
@@ -208,7 +208,7 @@ fn core(kernel: Kernel) -> String {
         ones,
         ..
     } = KernelNames::of(kernel);
-    let constants = Constants::of(kernel.real);
+    let constants = KernelConstants::of(kernel.real);
     let number = |value: f64| literal(kernel.real, value);
     let most = match kernel.real {
         Real::Double => constants.limit.to_bits(),
@@ -264,9 +264,9 @@ static inline ROBOVEC_PRECISE void robovec_circular_{suffix}(const {vector} *ang
 }
 
 /// The parts of a quarter turn behind the first.
-fn reduction(text: &mut String, kernel: Kernel) {
+fn reduction(text: &mut String, kernel: SineKernel) {
     let vector = kernel.vector();
-    let parts = &Constants::of(kernel.real).quarter[1..];
+    let parts = &KernelConstants::of(kernel.real).quarter[1..];
     let number = |value: f64| literal(kernel.real, value);
     for (index, &part) in (1..).zip(parts) {
         let (from, to) = match index {
@@ -294,9 +294,9 @@ fn reduction(text: &mut String, kernel: Kernel) {
 }
 
 /// The library for lanes that are too large or no numbers.
-fn far(kernel: Kernel) -> String {
+fn far(kernel: SineKernel) -> String {
     let KernelNames { real, suffix, .. } = KernelNames::of(kernel);
-    let limit = literal(kernel.real, Constants::of(kernel.real).limit);
+    let limit = literal(kernel.real, KernelConstants::of(kernel.real).limit);
     let absolute = match kernel.real {
         Real::Double => "fabs",
         Real::Float => "fabsf",
@@ -335,7 +335,7 @@ struct KernelNames {
 }
 
 impl KernelNames {
-    fn of(kernel: Kernel) -> KernelNames {
+    fn of(kernel: SineKernel) -> KernelNames {
         let suffix = kernel.suffix();
         let (integer, ones) = match kernel.real {
             Real::Double => ("long long", "ull"),

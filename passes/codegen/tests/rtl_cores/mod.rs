@@ -18,7 +18,7 @@ mod reference;
 mod simulators;
 mod vectors;
 
-use robovec_codegen::rtl::cores::{Core, Cuts, cuts};
+use robovec_codegen::rtl::cores::{Cuts, OperatorCore, cuts};
 use robovec_num::NumberFormat;
 use simulators::{Bench, Simulator};
 
@@ -47,7 +47,7 @@ fn is_missing(simulator: Simulator) -> bool {
 }
 
 /// Runs vectors through a core and demands that nothing differs.
-fn check(simulator: Simulator, core: Core, format: NumberFormat, cuts: Cuts, count: usize) {
+fn check(simulator: Simulator, core: OperatorCore, format: NumberFormat, cuts: Cuts, count: usize) {
     let vectors = vectors::vectors(core, format, count, 1);
     let bench = Bench::new(core, format, cuts);
     let report = bench.run(simulator, &vectors);
@@ -60,12 +60,12 @@ fn check(simulator: Simulator, core: Core, format: NumberFormat, cuts: Cuts, cou
 }
 
 /// One register, a handful, one at every cut, and more than that.
-fn stages(core: Core, format: NumberFormat) -> [u32; 4] {
+fn stages(core: OperatorCore, format: NumberFormat) -> [u32; 4] {
     let places = core.steps(format).len() as u32;
     [1, places.min(5), places, places + 2]
 }
 
-fn short(core: Core) {
+fn short(core: OperatorCore) {
     if is_missing(Simulator::Iverilog) {
         return;
     }
@@ -80,27 +80,27 @@ fn short(core: Core) {
 
 #[test]
 fn sums_are_right() {
-    short(Core::Add);
+    short(OperatorCore::Add);
 }
 
 #[test]
 fn products_are_right() {
-    short(Core::Multiply);
+    short(OperatorCore::Multiply);
 }
 
 #[test]
 fn quotients_are_right() {
-    short(Core::Divide);
+    short(OperatorCore::Divide);
 }
 
 #[test]
 fn roots_are_right() {
-    short(Core::Root);
+    short(OperatorCore::Root);
 }
 
 #[test]
 fn fused_results_are_right() {
-    short(Core::Fused);
+    short(OperatorCore::Fused);
 }
 
 /// The least and the widest format, narrow exponents with long mantissas and
@@ -122,7 +122,7 @@ fn every_format_is_right() {
         return;
     }
     for (exponent, mantissa) in FORMATS {
-        for core in Core::ALL {
+        for core in OperatorCore::ALL {
             for subnormals in [true, false] {
                 let format = float(exponent, mantissa, subnormals);
                 let places = core.steps(format).len() as u32;
@@ -149,19 +149,19 @@ fn mutants_are_noticed() {
 }
 
 /// The latencies of the thesis' Tables 1.1 and 1.2, and some for the rest.
-fn tabled(core: Core) -> &'static [u32] {
+fn tabled(core: OperatorCore) -> &'static [u32] {
     match core {
-        Core::Add => &[1, 2, 3, 4, 5, 6, 7, 9, 10, 14],
-        Core::Multiply => &[2, 3, 4, 5, 8, 9],
-        Core::Divide => &[1, 8, 16, 28],
-        Core::Root => &[1, 8, 16, 28],
-        Core::Fused => &[1, 5, 13, 20],
+        OperatorCore::Add => &[1, 2, 3, 4, 5, 6, 7, 9, 10, 14],
+        OperatorCore::Multiply => &[2, 3, 4, 5, 8, 9],
+        OperatorCore::Divide => &[1, 8, 16, 28],
+        OperatorCore::Root => &[1, 8, 16, 28],
+        OperatorCore::Fused => &[1, 5, 13, 20],
     }
 }
 
 /// Every tabled latency of binary32, and other formats. `ROBOVEC_VECTORS` sets
 /// another number of vectors per line than three million.
-fn long(core: Core) {
+fn long(core: OperatorCore) {
     if is_missing(Simulator::Verilator) {
         return;
     }
@@ -191,35 +191,40 @@ fn long(core: Core) {
 #[test]
 #[ignore = "minutes of simulation, in a release build"]
 fn millions_of_sums() {
-    long(Core::Add);
+    long(OperatorCore::Add);
 }
 
 #[test]
 #[ignore = "minutes of simulation, in a release build"]
 fn millions_of_products() {
-    long(Core::Multiply);
+    long(OperatorCore::Multiply);
 }
 
 #[test]
 #[ignore = "minutes of simulation, in a release build"]
 fn millions_of_quotients() {
-    long(Core::Divide);
+    long(OperatorCore::Divide);
 }
 
 #[test]
 #[ignore = "minutes of simulation, in a release build"]
 fn millions_of_roots() {
-    long(Core::Root);
+    long(OperatorCore::Root);
 }
 
 #[test]
 #[ignore = "minutes of simulation, in a release build"]
 fn millions_of_fused_results() {
-    long(Core::Fused);
+    long(OperatorCore::Fused);
 }
 
 /// Runs and prints one line of the table.
-fn line(core: Core, format: NumberFormat, stages: u32, vectors: &[vectors::Vector]) -> usize {
+fn line(
+    core: OperatorCore,
+    format: NumberFormat,
+    stages: u32,
+    vectors: &[vectors::Vector],
+) -> usize {
     let bench = Bench::new(core, format, cuts(core, format, stages));
     let report = bench.run(Simulator::Verilator, vectors);
     println!(

@@ -7,7 +7,7 @@
 //! subnormal numbers have their rule put on top here: small operands count as
 //! zero, and a result is too small when it is so rounded towards zero.
 
-use robovec_codegen::rtl::cores::Core;
+use robovec_codegen::rtl::cores::OperatorCore;
 use robovec_ir::{Format, Operation};
 use robovec_num::NumberFormat;
 use robovec_num::arithmetic::Arithmetic;
@@ -45,7 +45,7 @@ impl Reference {
     }
 
     /// The word of a result, on which all references agree.
-    pub(crate) fn result(&self, core: Core, operation: u64, words: [u64; 3]) -> u64 {
+    pub(crate) fn result(&self, core: OperatorCore, operation: u64, words: [u64; 3]) -> u64 {
         let operation = operation_of(core, operation);
         let numbers = words.map(|word| self.simulator.from_word(word));
         let simulated = self
@@ -138,16 +138,16 @@ impl Reference {
     }
 }
 
-fn operation_of(core: Core, code: u64) -> Operation {
+fn operation_of(core: OperatorCore, code: u64) -> Operation {
     match (core, code) {
-        (Core::Add, 0) => Operation::Add,
-        (Core::Add, _) => Operation::Sub,
-        (Core::Multiply, _) => Operation::Mul,
-        (Core::Divide, _) => Operation::Div,
-        (Core::Root, _) => Operation::Sqrt,
-        (Core::Fused, 0) => Operation::Fma,
-        (Core::Fused, 1) => Operation::Fms,
-        (Core::Fused, _) => Operation::Fnma,
+        (OperatorCore::Add, 0) => Operation::Add,
+        (OperatorCore::Add, _) => Operation::Sub,
+        (OperatorCore::Multiply, _) => Operation::Mul,
+        (OperatorCore::Divide, _) => Operation::Div,
+        (OperatorCore::Root, _) => Operation::Sqrt,
+        (OperatorCore::Fused, 0) => Operation::Fma,
+        (OperatorCore::Fused, 1) => Operation::Fms,
+        (OperatorCore::Fused, _) => Operation::Fnma,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Benches: a core, a stream of vectors and a simulator.
 
 use super::vectors::Vector;
-use robovec_codegen::rtl::cores::{Core, Cuts, SOURCES, SourceFile};
+use robovec_codegen::rtl::cores::{Cuts, OperatorCore, SOURCES, SourceFile};
 use robovec_num::NumberFormat;
 use std::fmt::Write;
 use std::path::Path;
@@ -43,7 +43,7 @@ pub(crate) struct Report {
 
 /// A core to be simulated.
 pub(crate) struct Bench {
-    core: Core,
+    core: OperatorCore,
     format: NumberFormat,
     cuts: Cuts,
     sources: Vec<SourceFile>,
@@ -51,7 +51,7 @@ pub(crate) struct Bench {
 }
 
 impl Bench {
-    pub(crate) fn new(core: Core, format: NumberFormat, cuts: Cuts) -> Bench {
+    pub(crate) fn new(core: OperatorCore, format: NumberFormat, cuts: Cuts) -> Bench {
         Bench {
             core,
             format,
@@ -92,10 +92,12 @@ impl Bench {
     /// One shape for all cores: operation and three operands.
     fn top(&self) -> String {
         let ports = match self.core {
-            Core::Add => ".subtract(operation[0]), .left(left), .right(right),",
-            Core::Multiply | Core::Divide => ".left(left), .right(right),",
-            Core::Root => ".left(left),",
-            Core::Fused => ".operation(operation), .left(left), .right(right), .addend(addend),",
+            OperatorCore::Add => ".subtract(operation[0]), .left(left), .right(right),",
+            OperatorCore::Multiply | OperatorCore::Divide => ".left(left), .right(right),",
+            OperatorCore::Root => ".left(left),",
+            OperatorCore::Fused => {
+                ".operation(operation), .left(left), .right(right), .addend(addend),"
+            }
         };
         let NumberFormat {
             exponent,

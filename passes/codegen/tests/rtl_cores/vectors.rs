@@ -1,7 +1,7 @@
 //! Operands where floating-point operators go wrong, and what must come out.
 
 use super::reference::Reference;
-use robovec_codegen::rtl::cores::Core;
+use robovec_codegen::rtl::cores::OperatorCore;
 use robovec_num::NumberFormat;
 use robovec_num::arithmetic::Arithmetic;
 
@@ -18,7 +18,12 @@ pub(crate) struct Vector {
 }
 
 /// So many vectors for a core; the same for the same seed.
-pub(crate) fn vectors(core: Core, format: NumberFormat, count: usize, seed: u64) -> Vec<Vector> {
+pub(crate) fn vectors(
+    core: OperatorCore,
+    format: NumberFormat,
+    count: usize,
+    seed: u64,
+) -> Vec<Vector> {
     let reference = Reference::new(format);
     let mut source = Source {
         format,
@@ -28,13 +33,13 @@ pub(crate) fn vectors(core: Core, format: NumberFormat, count: usize, seed: u64)
         .map(|_| {
             let left = source.word();
             let right = match core {
-                Core::Add => source.close(left),
-                Core::Multiply => source.balanced(left, false),
-                Core::Divide => source.balanced(left, true),
-                Core::Root => left,
-                Core::Fused => source.balanced(left, false),
+                OperatorCore::Add => source.close(left),
+                OperatorCore::Multiply => source.balanced(left, false),
+                OperatorCore::Divide => source.balanced(left, true),
+                OperatorCore::Root => left,
+                OperatorCore::Fused => source.balanced(left, false),
             };
-            let addend = if core == Core::Fused {
+            let addend = if core == OperatorCore::Fused {
                 let arithmetic = reference.simulator();
                 let factors = [left, right].map(|word| arithmetic.from_word(word));
                 let product = arithmetic.word(arithmetic.mul(factors[0], factors[1]));
@@ -43,8 +48,8 @@ pub(crate) fn vectors(core: Core, format: NumberFormat, count: usize, seed: u64)
                 0
             };
             let operation = match core {
-                Core::Add => source.below(2),
-                Core::Fused => source.below(3),
+                OperatorCore::Add => source.below(2),
+                OperatorCore::Fused => source.below(3),
                 _ => 0,
             };
             Vector {

@@ -152,7 +152,7 @@ pub(super) fn explain<F: Field>(
 }
 
 /// So many inputs are named.
-const MOST_INPUTS: usize = 8;
+const MAX_INPUTS: usize = 8;
 
 /// The inputs that an assignment depends on, with their numbers.
 fn inputs(view: View<'_>, assignment: usize, slice: &[Value], state: &[f64]) -> Vec<(String, f64)> {
@@ -166,7 +166,7 @@ fn inputs(view: View<'_>, assignment: usize, slice: &[Value], state: &[f64]) -> 
     inputs.dedup();
     inputs
         .into_iter()
-        .take(MOST_INPUTS)
+        .take(MAX_INPUTS)
         .map(|input| (print_operand(view, input.into()), state[input.index()]))
         .collect()
 }
@@ -223,8 +223,8 @@ impl fmt::Display for Failure {
                 "{} is another function: {} before and {} after modulo {prime}, although no state \
                  was found at which its numbers differ",
                 self.name,
-                Residue(*before),
-                Residue(*after)
+                ResidueText(*before),
+                ResidueText(*after)
             )?,
             FailureKind::Numbers(values) => {
                 write!(formatter, "{} is another function: {values}", self.name)?;
@@ -285,9 +285,9 @@ impl fmt::Display for Values {
 }
 
 /// A field element as text.
-struct Residue(Option<u64>);
+struct ResidueText(Option<u64>);
 
-impl fmt::Display for Residue {
+impl fmt::Display for ResidueText {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
             Some(number) => number.fmt(formatter),

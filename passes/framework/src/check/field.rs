@@ -41,7 +41,7 @@ fn lane_field<F: Field>(primes: [Prime; 2], seed: u64, first: u32, lane: usize) 
 pub(super) fn compare<F: Field>(pairs: &Pairs<'_>, points: u32, seed: u64) -> FieldComparison<F> {
     let primes = pairs.primes(seed);
     let wanted = points.saturating_mul(2);
-    let mut tallies = vec![Tally::default(); pairs.list.len()];
+    let mut tallies = vec![DefinitionTally::default(); pairs.list.len()];
     let mut point = 0;
     while point < points.saturating_add(EXTRA_POINTS)
         && (point == 0 || tallies.iter().any(|tally| tally.both < wanted))
@@ -72,13 +72,13 @@ pub(super) fn compare<F: Field>(pairs: &Pairs<'_>, points: u32, seed: u64) -> Fi
 
 /// How often an output was defined.
 #[derive(Clone, Copy, Default)]
-struct Tally {
+struct DefinitionTally {
     before: u32,
     after: u32,
     both: u32,
 }
 
-impl Tally {
+impl DefinitionTally {
     /// Counts a point; true when it can be compared.
     fn add<F: Field>(&mut self, before: F::Number, after: F::Number) -> bool {
         let defined = [before, after].map(|number| !F::is_undefined(number));
@@ -92,7 +92,11 @@ impl Tally {
 
 /// An output that could never be compared was undefined to begin with (then
 /// anything may follow), or has become so, which is a difference.
-fn judge_undefined<F: Field>(pairs: &Pairs<'_>, tallies: &[Tally], field: F) -> FieldComparison<F> {
+fn judge_undefined<F: Field>(
+    pairs: &Pairs<'_>,
+    tallies: &[DefinitionTally],
+    field: F,
+) -> FieldComparison<F> {
     let mut undefined = Vec::new();
     for (index, (_, tally)) in pairs.list.iter().zip(tallies).enumerate() {
         if tally.both > 0 {

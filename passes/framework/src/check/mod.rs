@@ -53,7 +53,7 @@ use field::FieldComparison;
 use numbers::Survey;
 use pairing::Pairs;
 pub use promise::Promise;
-use robovec_analysis::accuracy::{Measurement, Summary, measure};
+use robovec_analysis::accuracy::{ErrorSummary, Measurement, measure};
 use robovec_analysis::class::NumericClass;
 use robovec_ir::states::States;
 use robovec_ir::{Output, View};
@@ -66,7 +66,7 @@ use std::fmt;
 
 /// What the check found.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Verdict {
+pub struct CheckVerdict {
     /// What was claimed.
     pub class: NumericClass,
     /// How many points and states it was tested at.
@@ -96,9 +96,9 @@ pub struct Verdict {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ErrorChange {
     /// Before the pass.
-    pub before: Summary,
+    pub before: ErrorSummary,
     /// After it.
-    pub after: Summary,
+    pub after: ErrorSummary,
 }
 
 /// The distance between two versions in double-double, over random states.
@@ -123,7 +123,7 @@ pub fn check(
     class: NumericClass,
     states: &States,
     points: u32,
-) -> Verdict {
+) -> CheckVerdict {
     check_promise(before, after, (class, None), states, points)
 }
 
@@ -134,8 +134,8 @@ pub fn check_promise(
     (class, promise): (NumericClass, Option<&Promise>),
     states: &States,
     points: u32,
-) -> Verdict {
-    let mut verdict = Verdict::new(class, states, points);
+) -> CheckVerdict {
+    let mut verdict = CheckVerdict::new(class, states, points);
     match Pairs::new(before, after) {
         Ok(pairs) => judge(&pairs, states, promise, &mut verdict),
         Err(unpaired) => verdict.failure = Some(unpaired.failure(before, after)),
@@ -156,8 +156,8 @@ pub fn check_instances(
     class: NumericClass,
     states: &States,
     points: u32,
-) -> Verdict {
-    let mut verdict = Verdict::new(class, states, points);
+) -> CheckVerdict {
+    let mut verdict = CheckVerdict::new(class, states, points);
     for instance in 1..=instances.count {
         match Pairs::instance(before, after, instances, instance) {
             Ok(pairs) => judge(&pairs, states, None, &mut verdict),
@@ -193,14 +193,14 @@ pub fn check_specialised(
     class: NumericClass,
     states: &States,
     points: u32,
-) -> Verdict {
+) -> CheckVerdict {
     let Specialised {
         before,
         witness,
         after,
         scene,
     } = subject;
-    let mut verdict = Verdict::new(class, states, points);
+    let mut verdict = CheckVerdict::new(class, states, points);
     let empty = Scene::default();
     match Pairs::within(before, witness, scene.unwrap_or(&empty)) {
         Ok(pairs) => judge(&pairs, states, None, &mut verdict),
@@ -217,7 +217,12 @@ pub fn check_specialised(
     verdict
 }
 
-fn judge(pairs: &Pairs<'_>, states: &States, promise: Option<&Promise>, verdict: &mut Verdict) {
+fn judge(
+    pairs: &Pairs<'_>,
+    states: &States,
+    promise: Option<&Promise>,
+    verdict: &mut CheckVerdict,
+) {
     let states = &promise.map_or_else(|| states.clone(), |promise| promise.states(states));
     let rounds = verdict.points;
     match verdict.class {
@@ -266,7 +271,7 @@ impl Failed {
         pairs: &Pairs<'_>,
         states: &States,
         kind: fn(Values) -> FailureKind,
-        verdict: &Verdict,
+        verdict: &CheckVerdict,
     ) -> Failure {
         let found = (self.pair, kind(self.values));
         let field = first_field(pairs, verdict.seed);
@@ -275,7 +280,7 @@ impl Failed {
 }
 
 /// Equality as functions: in the fields and in numbers.
-fn judge_equality<F: Field>(pairs: &Pairs<'_>, states: &States, verdict: &mut Verdict) {
+fn judge_equality<F: Field>(pairs: &Pairs<'_>, states: &States, verdict: &mut CheckVerdict) {
     let rounds = verdict.points;
     let numbers = |only: Option<usize>| {
         let survey = Survey {
@@ -321,7 +326,7 @@ fn judge_promise(
     pairs: &Pairs<'_>,
     states: &States,
     promise: Option<&Promise>,
-    verdict: &mut Verdict,
+    verdict: &mut CheckVerdict,
 ) {
     let Some(promise) = promise else { return };
     match promise.keeps(pairs, states, verdict.points) {
@@ -348,10 +353,10 @@ fn nth_seed(seed: u64, n: u32) -> u64 {
     seed.wrapping_add(u64::from(n) << 32)
 }
 
-impl Verdict {
+impl CheckVerdict {
     /// Before anything is found.
-    fn new(class: NumericClass, states: &States, points: u32) -> Verdict {
-        Verdict {
+    fn new(class: NumericClass, states: &States, points: u32) -> CheckVerdict {
+        CheckVerdict {
             class,
             points: points.max(1),
             seed: states.seed(),
@@ -376,12 +381,12 @@ impl Verdict {
     }
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for CheckVerdict {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(failure) = &self.failure {
             return write!(formatter, "not {}: {failure}", self.class);
         }
-        let Verdict { class, states, .. } = self;
+        let CheckVerdict { class, states, .. } = self;
         if let Some(deviation) = self.deviation {
             write!(
                 formatter,

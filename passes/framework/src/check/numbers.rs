@@ -10,8 +10,8 @@
 use super::failure::{Failed, Values};
 use super::pairing::Pairs;
 use super::states::{SCALES, StatePlace};
-use robovec_analysis::reference::{Effort, Reference};
-use robovec_ir::plan::Plan;
+use robovec_analysis::reference::{ReferenceEffort, ReferenceEvaluator};
+use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::states::States;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::ball::{Ball, Balls};
@@ -76,12 +76,12 @@ where
         list.sort_unstable();
     }
     let [before, after] = [(pairs.before, 0), (pairs.after, 1)].map(|(view, version)| {
-        Plan::of(view.function, |place: usize| {
+        EvaluationPlan::of(view.function, |place: usize| {
             places[version].binary_search(&place).is_ok()
         })
     });
     let (mut agreement, mut memory) = (NumbersAgree::default(), Vec::new());
-    let mut precise = MOST_PRECISE;
+    let mut precise = MAX_PRECISE;
     for round in 0..survey.rounds {
         let states = (survey.states)(round);
         let inputs = states.map(|state| pairs.numbers(source, state));
@@ -146,7 +146,7 @@ where
 
 /// So many outputs are evaluated in arbitrary precision to find out whether a
 /// number was lost or only overflowed, and those of larger functions never.
-const MOST_PRECISE: u32 = 4;
+const MAX_PRECISE: u32 = 4;
 const LARGEST_PRECISE: usize = 20_000;
 
 /// Whether an output that is a number before is none after: over the real
@@ -157,7 +157,7 @@ fn is_lost(pairs: &Pairs<'_>, pair: usize, inputs: &[Vec<f64>; 2]) -> bool {
         return false;
     }
     let place = pairs.list[pair].after;
-    let mut reference = Reference::new(function, Effort::Audit);
+    let mut reference = ReferenceEvaluator::new(function, ReferenceEffort::Audit);
     let exact = reference.evaluate_places(&inputs[1], &[place]);
     exact
         .first()

@@ -11,7 +11,7 @@ use robovec_num::field::{Field, Prime, mix};
 use std::collections::BTreeMap;
 
 /// The same output element in both versions.
-pub(super) struct Pair {
+pub(super) struct OutputPair {
     pub(super) output: Output,
     /// Index into the assignments of the version before.
     pub(super) before: usize,
@@ -24,7 +24,7 @@ pub(super) struct Pairs<'a> {
     pub(super) before: View<'a>,
     pub(super) after: View<'a>,
     /// In order of the output elements.
-    pub(super) list: Vec<Pair>,
+    pub(super) list: Vec<OutputPair>,
     inputs: Inputs,
     /// Of the constants of both versions.
     sizes: Vec<f64>,
@@ -87,7 +87,7 @@ impl<'a> Pairs<'a> {
         for (index, indices) in first.into_iter().zip(second).enumerate() {
             let output = Output(index as u32);
             match indices {
-                (Some(before), Some(after)) => list.push(Pair {
+                (Some(before), Some(after)) => list.push(OutputPair {
                     output,
                     before,
                     after,
@@ -138,7 +138,7 @@ impl<'a> Pairs<'a> {
         for (index, assignment) in before.function.assignments.iter().enumerate() {
             let output = assignment.output;
             match sets.remove(&output_key(before, output)) {
-                Some(after) => list.push(Pair {
+                Some(after) => list.push(OutputPair {
                     output,
                     before: index,
                     after,
@@ -188,7 +188,7 @@ impl<'a> Pairs<'a> {
             }
             let element = Output(output as u32);
             match (first[output], set) {
-                (Some(before), Some(after)) => list.push(Pair {
+                (Some(before), Some(after)) => list.push(OutputPair {
                     output: element,
                     before,
                     after,

@@ -22,17 +22,17 @@ use robovec_num::field::{Field, FieldPoint, PrimeField};
 const WORK: usize = 40_000_000;
 
 /// Lines at most, and places looked at on each before zeros are narrowed down.
-const MOST_LINES: u32 = 6;
+const MAX_LINES: u32 = 6;
 const STEPS: i32 = 32;
 
 /// So many steps narrow a zero down, two evaluations each at most.
 const NARROWINGS: usize = 60;
 
 /// Zeros that are narrowed down on a line.
-const MOST_ZEROS: usize = 3;
+const MAX_ZEROS: usize = 3;
 
 /// So many new divisors are looked at.
-const MOST_DIVISORS: usize = 8;
+const MAX_DIVISORS: usize = 8;
 
 /// A divisor is zero where it is less than this part of its largest value.
 const ZERO: f64 = 1e-9;
@@ -59,13 +59,13 @@ pub(super) fn first(pairs: &Pairs<'_>, source: &States, seed: u64) -> Option<Fai
         .into_iter()
         .map(|value| known.binary_search(&field.without_sign(value).0).is_err());
     new.retain(|_| fresh.next().unwrap_or(false));
-    new.truncate(MOST_DIVISORS);
+    new.truncate(MAX_DIVISORS);
     if new.is_empty() {
         return None;
     }
     let size = pairs.before.function.nodes().len() + pairs.after.function.nodes().len() + 1;
-    let evaluations = 2 * STEPS as usize + MOST_ZEROS * 2 * NARROWINGS;
-    let lines = (WORK / size / evaluations).clamp(1, MOST_LINES as usize);
+    let evaluations = 2 * STEPS as usize + MAX_ZEROS * 2 * NARROWINGS;
+    let lines = (WORK / size / evaluations).clamp(1, MAX_LINES as usize);
     (0..lines as u32)
         .find_map(|number| StateLine::new(pairs, source, number).search(pairs, &old, &new))
 }
@@ -142,7 +142,7 @@ impl StateLine {
         let before = |t: f64| values(pairs.before.function, &Binary64, &self.at(0, t), old);
         let samples: Vec<Vec<f64>> = grid.iter().map(|&t| after(t)).collect();
         let mut usual: Option<Vec<f64>> = None;
-        let (mut left, mut divisors) = (MOST_ZEROS, (0..new.len()).cycle());
+        let (mut left, mut divisors) = (MAX_ZEROS, (0..new.len()).cycle());
         // Every divisor has its turn before one is looked at again.
         for window in 0..(grid.len() - 2) * new.len() {
             let index = divisors.next().expect("there are divisors");

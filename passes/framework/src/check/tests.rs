@@ -3,8 +3,8 @@
 use super::*;
 use robovec_ir::states::States;
 use robovec_ir::{
-    Assignment, Formats, Function, Input, Level, Name, Node, Operand, Operation, Shape, SourceSet,
-    Tables, Value,
+    Assignment, Function, Input, Level, Name, Node, Operand, Operation, Shape, SourceSet, Tables,
+    Value, ValueFormats,
 };
 
 /// Builds a function of inputs `x[1..4]` and outputs `y[1..4]`; every value
@@ -75,7 +75,7 @@ fn single(body: impl FnOnce(&mut Builder) -> Operand) -> Builder {
 
 use Operation::{Add, Cos, Div, Mul, Neg, Sin, Sqrt, Sub};
 
-fn verdict(before: &Builder, after: &Builder, class: NumericClass) -> Verdict {
+fn verdict(before: &Builder, after: &Builder, class: NumericClass) -> CheckVerdict {
     check(before.view(), after.view(), class, &States::new(11), 3)
 }
 
@@ -493,7 +493,7 @@ fn formats_of_values_are_compared_in_every_class() {
     let product = |format: Option<&str>| {
         let mut product = single(|b| b.binary(Mul, Builder::x(1), Builder::x(2)));
         if let Some(format) = format {
-            let mut formats = Formats::new(1);
+            let mut formats = ValueFormats::new(1);
             formats.set(Value(0), Some(format.parse().expect("it is one")));
             product.function.formats = Some(formats);
         }

@@ -6,7 +6,7 @@
 
 use super::RunError;
 use crate::pass::Gives;
-use crate::pipeline::{Pipeline, Step};
+use crate::pipeline::{Pipeline, PipelineStep};
 use robovec_ir::verify::verify_placement;
 use robovec_ir::{Level, Machine, Module, View};
 
@@ -18,8 +18,8 @@ pub(super) fn check(
     machine: &Machine,
 ) -> Result<(), RunError> {
     let first = pipeline.steps.iter().find_map(|step| match step {
-        Step::Pass(pass) => Some(pass),
-        Step::Open { .. } | Step::Close => None,
+        PipelineStep::Pass(pass) => Some(pass),
+        PipelineStep::Open { .. } | PipelineStep::Close => None,
     });
     let Some(first) = first else {
         return Ok(());

@@ -2,7 +2,7 @@
 
 use crate::pass::{PassError, PassInfo, Property};
 use robovec_analysis::critical_path::{Weights, arrivals};
-use robovec_ir::{Formats, Function, Machine, Operation};
+use robovec_ir::{Function, Machine, Operation, ValueFormats};
 use rustc_hash::FxHasher;
 use std::hash::{Hash, Hasher};
 
@@ -62,7 +62,7 @@ pub(super) fn computation(function: &Function) -> u64 {
     for constant in function.constants() {
         constant.to_bits().hash(&mut hasher);
     }
-    for format in function.formats.iter().flat_map(Formats::iter) {
+    for format in function.formats.iter().flat_map(ValueFormats::iter) {
         format.hash(&mut hasher);
     }
     hasher.finish()

@@ -21,18 +21,18 @@ pub use measure::usage;
 pub use plan::PlanError;
 pub use walk::apply;
 
-use crate::check::{self, Promise, Verdict};
+use crate::check::{self, CheckVerdict, Promise};
 use crate::instances::Instances;
 use crate::pass::{Artifact, Context, PassError, PassInfo};
 use crate::pipeline::{PassStep, Pipeline};
 use crate::registry::Registry;
-use crate::rewrites::Rewrites;
+use crate::rewrite_limit::RewriteLimit;
 use crate::scene::Scene;
 use crate::trail::{self, Follower, Notes, Trail};
 use instrument::Instruments;
 use measure::Meter;
 use robovec_analysis::class::NumericClass;
-use robovec_analysis::rounding::{Rounding, rounding, usual_states};
+use robovec_analysis::rounding::{RoundingErrors, rounding, usual_states};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
 use robovec_rules::RuleSet;
@@ -41,7 +41,7 @@ use std::borrow::Cow;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use walk::Walk;
+use walk::PipelineWalk;
 
 /// Told before each pass: its ordinal, the number of all, its name.
 pub type Progress<'a> = dyn FnMut(usize, usize, &str) + 'a;
@@ -135,14 +135,14 @@ pub struct PassRecord {
     /// What the pass counted.
     pub statistics: Vec<(&'static str, u64)>,
     /// The outcome of the semantic check.
-    pub check: Option<Verdict>,
+    pub check: Option<CheckVerdict>,
     /// Rounding errors before and after, when they were asked for.
-    pub rounding: Option<[Arc<Rounding>; 2]>,
+    pub rounding: Option<[Arc<RoundingErrors>; 2]>,
 }
 
 /// What a run leaves behind, besides the module.
 #[derive(Default, Debug)]
-pub struct Outcome {
+pub struct RunOutcome {
     /// One record per pass and function, in order.
     pub records: Vec<PassRecord>,
     /// Files produced by code generation.
@@ -229,15 +229,15 @@ pub fn run(
     module: &mut Module,
     pipeline: &Pipeline,
     config: Config<'_>,
-) -> Result<Outcome, RunError> {
+) -> Result<RunOutcome, RunError> {
     plan::check(module, pipeline)?;
     given::check(module, pipeline, config.machine)?;
     let rules = config.rules.map(Cow::Borrowed);
-    let mut run = Run {
+    let mut run = PipelineRun {
         registry: pipeline.registry,
         rules: rules.unwrap_or_else(|| Cow::Owned(RuleSet::built_in())),
         instruments: Instruments::new(config),
-        outcome: Outcome::default(),
+        outcome: RunOutcome::default(),
         ordinal: 0,
         index: 0,
         fingerprint: 0,
@@ -275,11 +275,11 @@ struct Claim {
     promise: Option<Promise>,
 }
 
-struct Run<'a> {
+struct PipelineRun<'a> {
     registry: &'static Registry,
     rules: Cow<'a, RuleSet>,
     instruments: Instruments<'a>,
-    outcome: Outcome,
+    outcome: RunOutcome,
     ordinal: usize,
     total: usize,
     /// Of the function.
@@ -287,17 +287,17 @@ struct Run<'a> {
     /// That of the function as it is now.
     fingerprint: u64,
     /// Its rounding errors, with the fingerprint of what it computes.
-    rounding: Option<(u64, Arc<Rounding>)>,
+    rounding: Option<(u64, Arc<RoundingErrors>)>,
 }
 
-impl Run<'_> {
+impl PipelineRun<'_> {
     fn steps(
         &mut self,
         pipeline: &Pipeline,
         tables: &mut Tables,
         function: &mut Function,
     ) -> Result<(), RunError> {
-        let mut walk = Walk::new(pipeline);
+        let mut walk = PipelineWalk::new(pipeline);
         while let Some(step) = walk.next(self.fingerprint) {
             self.pass(step, tables, function)?;
         }
@@ -346,7 +346,7 @@ impl Run<'_> {
             true => Notes::wanted(),
             false => Notes::unwanted(),
         };
-        let rewrites = Rewrites::new(limit);
+        let rewrites = RewriteLimit::new(limit);
         let (mut witness, mut promise) = (None, None);
         let mut context = Context {
             tables,
@@ -440,7 +440,7 @@ impl Run<'_> {
         &mut self,
         tables: &Tables,
         function: &Function,
-    ) -> Option<[Arc<Rounding>; 2]> {
+    ) -> Option<[Arc<RoundingErrors>; 2]> {
         let (old, before) = self.rounding.take()?;
         let new = measure::computation(function);
         let after = if new == old {
@@ -518,7 +518,7 @@ impl Run<'_> {
         points: u32,
         tables: &Tables,
         versions: [&Function; 3],
-    ) -> Result<Verdict, RunError> {
+    ) -> Result<CheckVerdict, RunError> {
         let [before, witness, after] = versions.map(|function| View { tables, function });
         let config = &self.instruments.config;
         let class = claim.class;

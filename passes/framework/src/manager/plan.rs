@@ -1,7 +1,7 @@
 //! Whether a pipeline makes sense, before any of it runs.
 
 use crate::pass::{Gives, PassInfo, Property};
-use crate::pipeline::{PassStep, Pipeline, Step};
+use crate::pipeline::{PassStep, Pipeline, PipelineStep};
 use crate::registry::Registry;
 use robovec_ir::{Function, Level, Module};
 use std::ops::Range;
@@ -28,7 +28,7 @@ pub(super) fn check(module: &Module, pipeline: &Pipeline) -> Result<(), PlanErro
 
 /// Follows levels and properties for one function.
 pub(super) fn check_function(function: &Function, pipeline: &Pipeline) -> Result<(), PlanError> {
-    let mut state = State {
+    let mut state = PipelineState {
         registry: pipeline.registry,
         level: function.level,
         maker: None,
@@ -38,14 +38,14 @@ pub(super) fn check_function(function: &Function, pipeline: &Pipeline) -> Result
         state.properties.push(Property::Timed);
     }
     for step in &pipeline.steps {
-        if let Step::Pass(step) = step {
+        if let PipelineStep::Pass(step) = step {
             state.step(&function.name, step)?;
         }
     }
     Ok(())
 }
 
-struct State {
+struct PipelineState {
     registry: &'static Registry,
     level: Level,
     /// The pass that gave the level.
@@ -53,7 +53,7 @@ struct State {
     properties: Vec<Property>,
 }
 
-impl State {
+impl PipelineState {
     fn step(&mut self, function: &str, step: &PassStep) -> Result<(), PlanError> {
         let info = step.info;
         if !info.takes.contains(&self.level) {

@@ -3,28 +3,28 @@
 
 use super::{measure, plan};
 use crate::pass::{Context, PassError};
-use crate::pipeline::{PassStep, Pipeline, Step};
+use crate::pipeline::{PassStep, Pipeline, PipelineStep};
 use robovec_ir::Function;
 
 /// A way through a pipeline.
-pub(super) struct Walk<'p> {
+pub(super) struct PipelineWalk<'p> {
     pipeline: &'p Pipeline,
     next: usize,
-    rounds: Vec<Round>,
+    rounds: Vec<RepeatedGroup>,
 }
 
 /// A group that is being repeated.
-struct Round {
+struct RepeatedGroup {
     /// Index of its first step.
     first: usize,
     left: u32,
     fingerprint: u64,
 }
 
-impl<'p> Walk<'p> {
+impl<'p> PipelineWalk<'p> {
     /// Before the first step.
-    pub(super) fn new(pipeline: &'p Pipeline) -> Walk<'p> {
-        Walk {
+    pub(super) fn new(pipeline: &'p Pipeline) -> PipelineWalk<'p> {
+        PipelineWalk {
             pipeline,
             next: 0,
             rounds: Vec::new(),
@@ -37,13 +37,13 @@ impl<'p> Walk<'p> {
             let step = self.pipeline.steps.get(self.next)?;
             self.next += 1;
             match step {
-                Step::Pass(step) => return Some(step),
-                Step::Open { max } => self.rounds.push(Round {
+                PipelineStep::Pass(step) => return Some(step),
+                PipelineStep::Open { max } => self.rounds.push(RepeatedGroup {
                     first: self.next,
                     left: *max,
                     fingerprint,
                 }),
-                Step::Close => {
+                PipelineStep::Close => {
                     let Some(round) = self.rounds.last_mut() else {
                         continue;
                     };
@@ -73,12 +73,12 @@ pub fn apply(
 ) -> Result<(), PassError> {
     plan::check_function(function, pipeline)
         .map_err(|error| PassError::new(error.message).help(error.help))?;
-    let mut walk = Walk::new(pipeline);
+    let mut walk = PipelineWalk::new(pipeline);
     // Only groups ask whether something changed.
     let repeats = pipeline
         .steps
         .iter()
-        .any(|step| matches!(step, Step::Close));
+        .any(|step| matches!(step, PipelineStep::Close));
     let fingerprint = |function: &Function| match repeats {
         true => measure::fingerprint(function),
         false => 0,

@@ -25,7 +25,7 @@ use std::ops::Range;
 
 /// One step of a pipeline.
 #[derive(Clone, Debug)]
-pub enum Step {
+pub enum PipelineStep {
     /// Run a pass.
     Pass(PassStep),
     /// Start of a group repeated until nothing changes, at most `max` times.
@@ -62,7 +62,7 @@ pub const DEEPEST: usize = 16;
 #[derive(Clone, Debug)]
 pub struct Pipeline {
     /// The steps.
-    pub steps: Vec<Step>,
+    pub steps: Vec<PipelineStep>,
     /// The passes it could name.
     pub registry: &'static Registry,
 }
@@ -80,8 +80,8 @@ impl Pipeline {
     /// The passes, in order of appearance.
     pub fn passes(&self) -> impl Iterator<Item = &PassStep> {
         self.steps.iter().filter_map(|step| match step {
-            Step::Pass(pass) => Some(pass),
-            Step::Open { .. } | Step::Close => None,
+            PipelineStep::Pass(pass) => Some(pass),
+            PipelineStep::Open { .. } | PipelineStep::Close => None,
         })
     }
 }
@@ -111,17 +111,17 @@ impl fmt::Display for Pipeline {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut first = true;
         for step in &self.steps {
-            if !first && !matches!(step, Step::Close) {
+            if !first && !matches!(step, PipelineStep::Close) {
                 formatter.write_str(",")?;
             }
             first = false;
             match step {
-                Step::Pass(pass) => pass.fmt(formatter)?,
-                Step::Open { max } => {
+                PipelineStep::Pass(pass) => pass.fmt(formatter)?,
+                PipelineStep::Open { max } => {
                     write!(formatter, "fixpoint{{max={max}}}(")?;
                     first = true;
                 }
-                Step::Close => formatter.write_str(")")?,
+                PipelineStep::Close => formatter.write_str(")")?,
             }
         }
         Ok(())

@@ -1,8 +1,8 @@
 //! Reading a pipeline: grammar first, then meaning, with a caret for each
 //! mistake.
 
-use super::token::Token;
-use super::{DEEPEST, DEFAULT_ROUNDS, PassStep, Pipeline, ROUNDS, Step};
+use super::token::PipelineToken;
+use super::{DEEPEST, DEFAULT_ROUNDS, PassStep, Pipeline, PipelineStep, ROUNDS};
 use crate::options::OptionError;
 use crate::pass::PassInfo;
 use crate::registry::Registry;
@@ -36,7 +36,7 @@ const LONGEST: usize = 1 << 20;
 
 /// Reads a pipeline of the passes of a registry: [`Registry::pipeline`].
 pub(crate) fn parse(text: &str, registry: &'static Registry) -> Result<Pipeline, PipelineError> {
-    let mut builder = Builder::new(registry);
+    let mut builder = PipelineBuilder::new(registry);
     if text.len() > LONGEST {
         builder.error(0..0, "a pipeline of more than a megabyte is a mistake");
     } else {
@@ -54,24 +54,24 @@ pub(crate) fn parse(text: &str, registry: &'static Registry) -> Result<Pipeline,
 }
 
 /// An option as written.
-pub(crate) struct Setting {
+pub(crate) struct WrittenOption {
     pub(super) span: Range<usize>,
     pub(super) name: String,
     pub(super) value: Option<String>,
 }
 
-pub(crate) struct Builder {
+pub(crate) struct PipelineBuilder {
     registry: &'static Registry,
-    steps: Vec<Step>,
+    steps: Vec<PipelineStep>,
     depth: usize,
     /// Set while the text of a preset is read: where the preset is used.
     inside: Option<Range<usize>>,
     diagnostics: Vec<Diagnostic>,
 }
 
-impl Builder {
-    fn new(registry: &'static Registry) -> Builder {
-        Builder {
+impl PipelineBuilder {
+    fn new(registry: &'static Registry) -> PipelineBuilder {
+        PipelineBuilder {
             registry,
             steps: Vec::new(),
             depth: 0,
@@ -81,7 +81,7 @@ impl Builder {
     }
 
     fn read(&mut self, text: &str) {
-        let tokens = Token::lexer(text)
+        let tokens = PipelineToken::lexer(text)
             .spanned()
             .map(|(token, span)| match token {
                 Ok(token) => Ok((span.start, token, span.end)),
@@ -142,7 +142,7 @@ impl Builder {
         &mut self.diagnostics[last]
     }
 
-    pub(super) fn pass(&mut self, span: Range<usize>, name: &str, settings: Vec<Setting>) {
+    pub(super) fn pass(&mut self, span: Range<usize>, name: &str, settings: Vec<WrittenOption>) {
         let Some(info) = self.registry.find(name) else {
             let message = if name == "fixpoint" {
                 "'fixpoint' needs a group of passes: fixpoint(fold,cse)".to_owned()
@@ -159,7 +159,7 @@ impl Builder {
             self.option(info, &mut options, setting);
         }
         let span = self.inside.clone().unwrap_or(span);
-        self.steps.push(Step::Pass(PassStep {
+        self.steps.push(PipelineStep::Pass(PassStep {
             info,
             options,
             span,
@@ -170,7 +170,7 @@ impl Builder {
         &mut self,
         info: &'static PassInfo,
         options: &mut Vec<(String, String)>,
-        setting: Setting,
+        setting: WrittenOption,
     ) {
         let flag = setting.value.is_none();
         let written = setting.value.unwrap_or_else(|| "true".to_owned());
@@ -218,7 +218,7 @@ impl Builder {
         self.inside = outer;
     }
 
-    pub(super) fn open(&mut self, span: Range<usize>, name: &str, settings: Vec<Setting>) {
+    pub(super) fn open(&mut self, span: Range<usize>, name: &str, settings: Vec<WrittenOption>) {
         self.depth += 1;
         if self.depth == DEEPEST + 1 {
             self.error(span.clone(), &format!("groups nest at most {DEEPEST} deep"));
@@ -247,12 +247,12 @@ impl Builder {
                 }
             }
         }
-        self.steps.push(Step::Open { max });
+        self.steps.push(PipelineStep::Open { max });
     }
 
     pub(super) fn close(&mut self) {
         self.depth -= 1;
-        self.steps.push(Step::Close);
+        self.steps.push(PipelineStep::Close);
     }
 }
 

@@ -6,7 +6,7 @@ use logos::Logos;
 #[derive(Logos, Clone, Copy, PartialEq, Debug)]
 #[logos(skip r"[ \t\r\n]+")]
 #[logos(skip(r"//[^\n]*", allow_greedy = true))]
-pub(crate) enum Token<'text> {
+pub(crate) enum PipelineToken<'text> {
     /// A name or a value.
     #[regex(r"[A-Za-z0-9_.+\-]+")]
     Word(&'text str),

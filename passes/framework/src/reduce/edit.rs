@@ -49,7 +49,7 @@ impl Edit {
 
     /// The function after the edit.
     pub(super) fn apply(&self, old: &Function, tables: &mut Tables) -> Function {
-        let mut writer = Writer {
+        let mut writer = EditWriter {
             sources: self.resolve(old),
             edit: self,
             old,
@@ -73,17 +73,17 @@ impl Edit {
 
     /// What stands for each value: itself, something before it, or an input
     /// of its own.
-    fn resolve(&self, old: &Function) -> Vec<Source> {
-        let mut sources: Vec<Source> = Vec::with_capacity(old.nodes().len());
+    fn resolve(&self, old: &Function) -> Vec<NumberSource> {
+        let mut sources: Vec<NumberSource> = Vec::with_capacity(old.nodes().len());
         for (value, node) in old.values() {
             let source = match self.fates[value.index()] {
-                Fate::Keep => Source::Operand(value.into()),
-                Fate::Cut => Source::Cut(value),
+                Fate::Keep => NumberSource::Operand(value.into()),
+                Fate::Cut => NumberSource::Cut(value),
                 Fate::Operand(side) => {
                     let operand = node.operands()[side.min(node.operation.arity() - 1)];
                     match operand.value() {
                         Some(earlier) => sources[earlier.index()],
-                        None => Source::Operand(operand),
+                        None => NumberSource::Operand(operand),
                     }
                 }
             };
@@ -95,18 +95,18 @@ impl Edit {
 
 /// Where the number of an old value comes from.
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Source {
+enum NumberSource {
     /// An old operand; a value among them stays.
     Operand(Operand),
     /// A new input for this value.
     Cut(Value),
 }
 
-struct Writer<'a> {
+struct EditWriter<'a> {
     edit: &'a Edit,
     old: &'a Function,
     new: Function,
-    sources: Vec<Source>,
+    sources: Vec<NumberSource>,
     live: Vec<bool>,
     /// New element of an old one that is read.
     inputs: Vec<Option<Input>>,
@@ -114,11 +114,11 @@ struct Writer<'a> {
     map: Vec<Operand>,
 }
 
-impl Writer<'_> {
-    fn source(&self, operand: Operand) -> Source {
+impl EditWriter<'_> {
+    fn source(&self, operand: Operand) -> NumberSource {
         match operand.value() {
             Some(value) => self.sources[value.index()],
-            None => Source::Operand(operand),
+            None => NumberSource::Operand(operand),
         }
     }
 
@@ -147,8 +147,8 @@ impl Writer<'_> {
     fn mark(&mut self, operand: Operand) {
         // Which element it becomes is decided when all are known.
         match self.source(operand) {
-            Source::Cut(value) => self.cuts[value.index()] = Some(Input(0)),
-            Source::Operand(operand) => match operand.kind() {
+            NumberSource::Cut(value) => self.cuts[value.index()] = Some(Input(0)),
+            NumberSource::Operand(operand) => match operand.kind() {
                 OperandKind::Value(value) => self.live[value.index()] = true,
                 OperandKind::Input(input) => self.inputs[input.index()] = Some(Input(0)),
                 OperandKind::Constant(_) | OperandKind::None => {}
@@ -214,8 +214,8 @@ impl Writer<'_> {
     fn translate(&mut self, operand: Operand) -> Operand {
         let input = |input: Option<Input>| input.map_or(Operand::NONE, Operand::from);
         match self.source(operand) {
-            Source::Cut(value) => input(self.cuts[value.index()]),
-            Source::Operand(operand) => match operand.kind() {
+            NumberSource::Cut(value) => input(self.cuts[value.index()]),
+            NumberSource::Operand(operand) => match operand.kind() {
                 OperandKind::Value(value) => self.map[value.index()],
                 OperandKind::Input(old) => input(self.inputs[old.index()]),
                 OperandKind::Constant(constant) => {

@@ -1,13 +1,13 @@
 //! Finding the first pass that goes wrong, and in it the one rewrite.
 
-use super::trial::{self, Case, Problem, Setting};
+use super::trial::{self, Case, PassProblem, TrialSetting};
 use crate::manager::{Executed, Limit};
 use crate::pipeline::{PassStep, Pipeline};
 use robovec_ir::{Level, Module};
 
 /// The first pass that goes wrong.
 pub(super) struct Located {
-    pub(super) problem: Problem,
+    pub(super) problem: PassProblem,
     /// How many passes ran before it and with it, over all functions.
     pub(super) ordinal: u64,
     /// The function and the passes that show the problem; usually the one
@@ -23,7 +23,7 @@ pub(super) struct Located {
 pub(super) fn first_broken_pass(
     module: &Module,
     pipeline: &Pipeline,
-    setting: Setting<'_>,
+    setting: TrialSetting<'_>,
 ) -> Option<Located> {
     let trial = trial::run(module, pipeline, setting, None, true);
     let problem = trial.problem?;
@@ -41,10 +41,10 @@ pub(super) fn first_broken_pass(
 fn shortest_tail(
     module: &Module,
     pipeline: &Pipeline,
-    setting: Setting<'_>,
+    setting: TrialSetting<'_>,
     executed: &[Executed],
     index: usize,
-    problem: &Problem,
+    problem: &PassProblem,
 ) -> Case {
     let mut steps: Vec<PassStep> = Vec::new();
     for (done, pass) in executed.iter().enumerate().rev() {
@@ -99,8 +99,8 @@ pub struct Rewrite {
 /// wrong without any.
 pub(super) fn single_rewrite(
     case: &Case,
-    problem: &Problem,
-    setting: Setting<'_>,
+    problem: &PassProblem,
+    setting: TrialSetting<'_>,
 ) -> Option<Rewrite> {
     let total = case.run(setting, None, true).executed.last()?.rewrites;
     let shows = |rewrites| case.shows(problem, setting, Some(rewrites));

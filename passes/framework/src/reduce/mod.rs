@@ -17,8 +17,8 @@ mod trial;
 mod witness;
 
 pub use locate::Rewrite;
-pub use shrink::Effort;
-pub use trial::{Problem, ProblemKind, Setting};
+pub use shrink::ReductionEffort;
+pub use trial::{PassProblem, ProblemKind, TrialSetting};
 pub use witness::Witness;
 
 use crate::manager::difference;
@@ -38,7 +38,7 @@ pub struct Reduction {
     /// Which pass of the whole run it is, counted over all functions from 1.
     pub ordinal: u64,
     /// What goes wrong on the program as it was.
-    pub problem: Problem,
+    pub problem: PassProblem,
     /// The rewrite that breaks the program as it was.
     pub rewrite: Option<Rewrite>,
     /// Values of the function before the pass.
@@ -48,7 +48,7 @@ pub struct Reduction {
     /// The passes that show the problem on it; the last one goes wrong.
     pub pipeline: Pipeline,
     /// What goes wrong on the small program.
-    pub small_problem: Problem,
+    pub small_problem: PassProblem,
     /// The rewrite that breaks the small program.
     pub small_rewrite: Option<Rewrite>,
     /// What that rewrite (or, when the pass does not count them, the whole
@@ -57,14 +57,14 @@ pub struct Reduction {
     /// Whole numbers that show the difference, where there are such.
     pub witness: Option<Witness>,
     /// How much was tried.
-    pub effort: Effort,
+    pub effort: ReductionEffort,
 }
 
 /// The first pass that goes wrong, on the function as it was before it.
 #[derive(Clone, Debug)]
 pub struct Broken {
     /// What goes wrong.
-    pub problem: Problem,
+    pub problem: PassProblem,
     /// The function that goes wrong, alone.
     pub program: Module,
     /// The passes that show the problem on it; the last one goes wrong.
@@ -73,7 +73,11 @@ pub struct Broken {
 
 /// Finds the first pass that goes wrong when a pipeline runs on a module;
 /// `None` when every pass does what its numeric class promises.
-pub fn broken_pass(module: &Module, pipeline: &Pipeline, setting: Setting<'_>) -> Option<Broken> {
+pub fn broken_pass(
+    module: &Module,
+    pipeline: &Pipeline,
+    setting: TrialSetting<'_>,
+) -> Option<Broken> {
     let located = locate::first_broken_pass(module, pipeline, setting)?;
     Some(Broken {
         problem: located.problem,
@@ -89,7 +93,7 @@ pub fn broken_pass(module: &Module, pipeline: &Pipeline, setting: Setting<'_>) -
 pub fn reduce(
     module: &Module,
     pipeline: &Pipeline,
-    setting: Setting<'_>,
+    setting: TrialSetting<'_>,
     work: u64,
 ) -> Option<Reduction> {
     let located = locate::first_broken_pass(module, pipeline, setting)?;
@@ -123,9 +127,9 @@ pub fn reduce(
 /// where there is a well-formed result to look at.
 fn effect(
     case: &Case,
-    problem: &Problem,
+    problem: &PassProblem,
     rewrite: Option<&Rewrite>,
-    setting: Setting<'_>,
+    setting: TrialSetting<'_>,
 ) -> (Option<String>, Option<Witness>) {
     if problem.kind != ProblemKind::Changed {
         return (None, None);

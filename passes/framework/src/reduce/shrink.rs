@@ -6,12 +6,12 @@
 //! repeated until nothing smaller goes wrong, or the work is used up.
 
 use super::edit::{Edit, Fate};
-use super::trial::{Case, Problem, Setting};
+use super::trial::{Case, PassProblem, TrialSetting};
 use robovec_ir::{Function, View, verify};
 
 /// How much was tried.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub struct Effort {
+pub struct ReductionEffort {
     /// Programs tried.
     pub trials: u64,
     /// Values in all programs tried, times the passes run on them.
@@ -24,16 +24,16 @@ pub struct Effort {
 /// run through passes, however fast the machine is.
 pub(super) fn shrink(
     case: &mut Case,
-    problem: &Problem,
-    setting: Setting<'_>,
+    problem: &PassProblem,
+    setting: TrialSetting<'_>,
     work: u64,
-) -> Effort {
+) -> ReductionEffort {
     let mut shrinker = Shrinker {
         case,
         problem,
         setting,
         allowed: work,
-        effort: Effort::default(),
+        effort: ReductionEffort::default(),
     };
     let nothing = Edit::nothing(&shrinker.case.function);
     shrinker.attempt(&nothing);
@@ -46,10 +46,10 @@ pub(super) fn shrink(
 
 struct Shrinker<'a> {
     case: &'a mut Case,
-    problem: &'a Problem,
-    setting: Setting<'a>,
+    problem: &'a PassProblem,
+    setting: TrialSetting<'a>,
     allowed: u64,
-    effort: Effort,
+    effort: ReductionEffort,
 }
 
 impl Shrinker<'_> {

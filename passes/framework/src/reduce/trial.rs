@@ -1,7 +1,7 @@
 //! Running steps on a function and saying what went wrong.
 
 use crate::manager::{self, Config, Executed, Limit, RunError};
-use crate::pipeline::{PassStep, Pipeline, Step};
+use crate::pipeline::{PassStep, Pipeline, PipelineStep};
 use crate::registry::Registry;
 use crate::scene::Scene;
 use robovec_ir::states::States;
@@ -11,7 +11,7 @@ use std::io;
 
 /// How passes are judged.
 #[derive(Clone, Copy)]
-pub struct Setting<'a> {
+pub struct TrialSetting<'a> {
     /// The machine compiled for.
     pub machine: &'a Machine,
     /// The rules that rewriting may use.
@@ -39,7 +39,7 @@ pub enum ProblemKind {
 
 /// What went wrong, and in which pass.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Problem {
+pub struct PassProblem {
     /// In what way.
     pub kind: ProblemKind,
     /// What the manager says.
@@ -48,11 +48,11 @@ pub struct Problem {
     pub pass: &'static str,
 }
 
-impl Problem {
+impl PassProblem {
     /// True when another program shows the same: the same pass fails in the
     /// same way, and where it says why, for the same reason. Names and
     /// numbers in the reason may differ, as they belong to the program.
-    pub(super) fn is_like(&self, other: &Problem) -> bool {
+    pub(super) fn is_like(&self, other: &PassProblem) -> bool {
         let reasoned = matches!(self.kind, ProblemKind::Refused | ProblemKind::Panicked);
         (self.kind, self.pass) == (other.kind, other.pass)
             && (!reasoned || gist(&self.message) == gist(&other.message))
@@ -69,13 +69,13 @@ fn gist(message: &str) -> Vec<&str> {
 }
 
 /// What became of a run.
-pub(super) struct Trial {
+pub(super) struct ReductionTrial {
     /// The functions as far as they came.
     pub(super) module: Module,
     /// The passes that were started.
     pub(super) executed: Vec<Executed>,
     /// What went wrong.
-    pub(super) problem: Option<Problem>,
+    pub(super) problem: Option<PassProblem>,
 }
 
 /// Runs a pipeline on a copy of a module under the verifier and the check.
@@ -84,10 +84,10 @@ pub(super) struct Trial {
 pub(super) fn run(
     module: &Module,
     pipeline: &Pipeline,
-    setting: Setting<'_>,
+    setting: TrialSetting<'_>,
     limit: Option<Limit>,
     judged: bool,
-) -> Trial {
+) -> ReductionTrial {
     let mut module = module.clone();
     let mut executed = Vec::new();
     let result = manager::run(
@@ -120,10 +120,10 @@ pub(super) fn run(
     let pass = executed
         .last()
         .map_or("", |last: &Executed| last.step.info.name);
-    Trial {
+    ReductionTrial {
         module,
         executed,
-        problem: kind.map(|kind| Problem {
+        problem: kind.map(|kind| PassProblem {
             kind,
             message,
             pass,
@@ -143,7 +143,7 @@ pub(super) struct Case {
 impl Case {
     pub(super) fn pipeline(&self) -> Pipeline {
         Pipeline {
-            steps: self.steps.iter().cloned().map(Step::Pass).collect(),
+            steps: self.steps.iter().cloned().map(PipelineStep::Pass).collect(),
             registry: self.registry,
         }
     }
@@ -156,7 +156,12 @@ impl Case {
     }
 
     /// Runs the steps; of the last one only some rewrites, if limited.
-    pub(super) fn run(&self, setting: Setting<'_>, rewrites: Option<u64>, judged: bool) -> Trial {
+    pub(super) fn run(
+        &self,
+        setting: TrialSetting<'_>,
+        rewrites: Option<u64>,
+        judged: bool,
+    ) -> ReductionTrial {
         let limit = rewrites.map(|rewrites| Limit {
             passes: self.steps.len() as u64,
             rewrites: Some(rewrites),
@@ -167,8 +172,8 @@ impl Case {
     /// True when the steps go wrong in a given way.
     pub(super) fn shows(
         &self,
-        wanted: &Problem,
-        setting: Setting<'_>,
+        wanted: &PassProblem,
+        setting: TrialSetting<'_>,
         rewrites: Option<u64>,
     ) -> bool {
         let trial = self.run(setting, rewrites, true);

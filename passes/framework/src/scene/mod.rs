@@ -21,7 +21,7 @@ mod allowed;
 mod pattern;
 
 pub use allowed::Allowed;
-pub use pattern::{IndexPattern, Pattern};
+pub use pattern::{ElementPattern, IndexPattern};
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Input, Output, View};
 use std::collections::BTreeMap;
@@ -36,7 +36,7 @@ pub struct Scene {
     /// One line for people.
     pub description: String,
     /// The outputs that are needed; without any, all are.
-    pub outputs: Vec<Need>,
+    pub outputs: Vec<NeededOutputs>,
     /// The numbers of inputs that are known when the program is compiled.
     pub bound: Bindings,
     /// Joints that are no degrees of freedom here.
@@ -58,16 +58,16 @@ pub struct Scene {
 
 /// Outputs that are needed, and how well.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Need {
+pub struct NeededOutputs {
     /// Which elements.
-    pub pattern: Pattern,
+    pub pattern: ElementPattern,
     /// The error they may have; `None`: any that the number format has.
-    pub tolerance: Option<Tolerance>,
+    pub tolerance: Option<OutputTolerance>,
 }
 
 /// An allowed error.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Tolerance {
+pub struct OutputTolerance {
     /// What the error is compared with.
     pub measure: Measure,
     /// The largest that is allowed.
@@ -107,7 +107,7 @@ impl Measure {
     }
 }
 
-impl fmt::Display for Tolerance {
+impl fmt::Display for OutputTolerance {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let of = match self.measure {
             Measure::Norm => " of its array's largest element",
@@ -200,8 +200,8 @@ impl Scene {
     }
 
     /// The errors an output element may have: all that were given for it.
-    pub fn tolerances(&self, view: View<'_>, output: Output) -> Vec<Tolerance> {
-        let meant = |need: &&Need| need.pattern.matches_output(view, output);
+    pub fn tolerances(&self, view: View<'_>, output: Output) -> Vec<OutputTolerance> {
+        let meant = |need: &&NeededOutputs| need.pattern.matches_output(view, output);
         let needs = self.outputs.iter().filter(meant);
         needs.filter_map(|need| need.tolerance).collect()
     }

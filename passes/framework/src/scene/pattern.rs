@@ -34,17 +34,17 @@ impl fmt::Display for IndexPattern {
 
 /// Elements of an array.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub struct Pattern {
+pub struct ElementPattern {
     /// The name of the array.
     pub array: String,
     /// One for each index of the array; without any, every element is meant.
     pub indices: Vec<IndexPattern>,
 }
 
-impl Pattern {
+impl ElementPattern {
     /// Every element of an array.
-    pub fn whole(array: &str) -> Pattern {
-        Pattern {
+    pub fn whole(array: &str) -> ElementPattern {
+        ElementPattern {
             array: array.to_owned(),
             indices: Vec::new(),
         }
@@ -82,7 +82,7 @@ impl Pattern {
     }
 }
 
-impl fmt::Display for Pattern {
+impl fmt::Display for ElementPattern {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&self.array)?;
         for (place, index) in self.indices.iter().enumerate() {
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn patterns_mean_elements_and_print_as_they_are_written() {
-        let pattern = Pattern {
+        let pattern = ElementPattern {
             array: "M".to_owned(),
             indices: vec![IndexPattern::Any, IndexPattern::Between(2, 4)],
         };
@@ -110,10 +110,10 @@ mod tests {
         assert!(pattern.matches("M", &[7, 4]) && pattern.matches("M", &[1, 2]));
         assert!(!pattern.matches("M", &[2, 5]) && !pattern.matches("c", &[2, 2]));
         assert!(!pattern.matches("M", &[2]));
-        let whole = Pattern::whole("M");
+        let whole = ElementPattern::whole("M");
         assert_eq!(whole.to_string(), "M");
         assert!(whole.matches("M", &[3, 3]) && whole.matches("M", &[]));
-        let one = Pattern {
+        let one = ElementPattern {
             array: "q".to_owned(),
             indices: vec![IndexPattern::Between(3, 3)],
         };

@@ -1,12 +1,14 @@
 //! The story of one value, from its equation to the last state.
 
-use super::expression::{Expression, of_output, of_value};
-use super::find::Item;
+use super::expression::{WrittenExpression, of_output, of_value};
+use super::find::TrackedItem;
 use super::follow::origin;
-use super::state::{Definition, OutputSymbols, State, Subject, assignment_of, name_of};
+use super::state::{
+    Definition, DefinitionState, DefinitionSubject, OutputSymbols, assignment_of, name_of,
+};
 use super::{Notes, Stage, Trail};
 use robovec_analysis::critical_path::{Weights, arrivals, tails};
-use robovec_ir::{Function, Machine, Name, SourceSet, Step, Tables, View};
+use robovec_ir::{Function, HistoryStep, Machine, Name, SourceSet, Tables, View};
 
 /// What is told of a value or an output.
 #[derive(Clone, PartialEq, Debug)]
@@ -18,11 +20,11 @@ pub struct Account {
     pub sources: Vec<SourceSet>,
     /// What histories said before this run, of it and of what it was made
     /// from: name and steps, those without a step left out.
-    pub earlier: Vec<(String, Vec<Step>)>,
+    pub earlier: Vec<(String, Vec<HistoryStep>)>,
     /// The states of it, and of what it was made from, before the first pass.
     pub read: Vec<Moment>,
     /// The passes that changed it, in order.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<PassEntry>,
     /// What it is now; `None` when a pass removed it.
     pub now: Option<Moment>,
     /// When it was removed.
@@ -40,16 +42,16 @@ pub struct Gone {
 
 /// A pass that had a part in a value.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Entry {
+pub struct PassEntry {
     /// The pass with its options, as in the pipeline.
     pub pass: String,
     /// What it did.
-    pub changes: Vec<Change>,
+    pub changes: Vec<DefinitionChange>,
 }
 
 /// One definition that a pass changed.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Change {
+pub struct DefinitionChange {
     /// What it was made from; `None` for one made from nothing known.
     pub before: Option<Moment>,
     /// What it became.
@@ -77,7 +79,7 @@ pub struct Moment {
 
 /// So many values are followed at most: where an output was set to another
 /// value, both stories are told.
-const MOST_FOLLOWED: usize = 8;
+const MAX_FOLLOWED: usize = 8;
 
 /// Tells how an item that was [found](super::find) came to be what it is in
 /// the function as the run left it.
@@ -88,7 +90,7 @@ pub fn explain(
     function: &Function,
     trail: &Trail,
     machine: &Machine,
-    item: Item,
+    item: TrackedItem,
 ) -> Account {
     let stages = trail.of(&function.name);
     let weights = Weights::cycles(machine);
@@ -100,14 +102,14 @@ pub fn explain(
         last -= 1;
     }
     let mut after = Snapshot::new(tables, state(last), &weights);
-    let mut walk = Walk {
+    let mut walk = BackwardWalk {
         tracked: vec![item],
         entries: Vec::new(),
     };
     let subject = after.subject(item);
     let now = subject.map(|subject| after.moment(subject));
     let name = subject.map_or_else(String::new, |subject| name_of(after.view, subject));
-    if let Some(Subject::Output(index)) = subject {
+    if let Some(DefinitionSubject::Output(index)) = subject {
         walk.follow_operand(after.view.function, index);
     }
     let followed = walk.tracked.iter();
@@ -119,7 +121,7 @@ pub fn explain(
         after = before;
     }
     walk.entries.reverse();
-    let read: Vec<Subject> = walk
+    let read: Vec<DefinitionSubject> = walk
         .tracked
         .iter()
         .filter_map(|&item| after.subject(item))
@@ -144,10 +146,10 @@ pub fn explain(
     }
 }
 
-fn has(function: &Function, item: Item) -> bool {
+fn has(function: &Function, item: TrackedItem) -> bool {
     match item {
-        Item::Value(name) => function.nodes().iter().any(|node| node.name == name),
-        Item::Output(output) => assignment_of(function, output).is_some(),
+        TrackedItem::Value(name) => function.nodes().iter().any(|node| node.name == name),
+        TrackedItem::Output(output) => assignment_of(function, output).is_some(),
     }
 }
 
@@ -160,7 +162,7 @@ fn replacement(tables: &Tables, notes: &Notes, name: &str) -> Option<String> {
 /// A state with all that is asked about it.
 struct Snapshot<'a> {
     view: View<'a>,
-    state: State,
+    state: DefinitionState,
     uses: Vec<u32>,
     arrivals: Vec<u32>,
     tails: Vec<u32>,
@@ -172,7 +174,7 @@ impl<'a> Snapshot<'a> {
         let arrivals = arrivals(function, weights);
         Snapshot {
             view: View { tables, function },
-            state: State::of(function),
+            state: DefinitionState::of(function),
             uses: function.use_counts(),
             tails: tails(function, weights),
             path: arrivals.iter().copied().max().unwrap_or(0),
@@ -180,34 +182,38 @@ impl<'a> Snapshot<'a> {
         }
     }
 
-    fn subject(&self, item: Item) -> Option<Subject> {
+    fn subject(&self, item: TrackedItem) -> Option<DefinitionSubject> {
         match item {
-            Item::Value(name) => self.state.value(name).map(Subject::Value),
-            Item::Output(output) => assignment_of(self.view.function, output).map(Subject::Output),
+            TrackedItem::Value(name) => self.state.value(name).map(DefinitionSubject::Value),
+            TrackedItem::Output(output) => {
+                assignment_of(self.view.function, output).map(DefinitionSubject::Output)
+            }
         }
     }
 
-    fn item(&self, subject: Subject) -> Item {
+    fn item(&self, subject: DefinitionSubject) -> TrackedItem {
         let function = self.view.function;
         match subject {
-            Subject::Value(value) => Item::Value(function.node(value).name),
-            Subject::Output(index) => Item::Output(function.assignments[index].output),
+            DefinitionSubject::Value(value) => TrackedItem::Value(function.node(value).name),
+            DefinitionSubject::Output(index) => {
+                TrackedItem::Output(function.assignments[index].output)
+            }
         }
     }
 
-    fn sources(&self, subject: Subject) -> SourceSet {
+    fn sources(&self, subject: DefinitionSubject) -> SourceSet {
         match subject {
-            Subject::Value(value) => self.view.function.node(value).sources,
-            Subject::Output(index) => self.view.function.assignments[index].sources,
+            DefinitionSubject::Value(value) => self.view.function.node(value).sources,
+            DefinitionSubject::Output(index) => self.view.function.assignments[index].sources,
         }
     }
 
     /// A subject's name and the steps of its history.
-    fn earlier(&self, subject: Subject) -> (String, Vec<Step>) {
+    fn earlier(&self, subject: DefinitionSubject) -> (String, Vec<HistoryStep>) {
         let steps = self.view.function.histories.as_ref().map(|histories| {
             let history = match subject {
-                Subject::Value(value) => histories.values.get(value.index()),
-                Subject::Output(index) => histories.outputs.get(index),
+                DefinitionSubject::Value(value) => histories.values.get(value.index()),
+                DefinitionSubject::Output(index) => histories.outputs.get(index),
             };
             let chain = histories.chain(history.copied().unwrap_or_default());
             chain.into_iter().cloned().collect()
@@ -215,25 +221,27 @@ impl<'a> Snapshot<'a> {
         (name_of(self.view, subject), steps.unwrap_or_default())
     }
 
-    fn definition(&self, subject: Subject) -> Definition {
+    fn definition(&self, subject: DefinitionSubject) -> Definition {
         self.state.definition(self.view.function, subject)
     }
 
-    fn expression(&self, subject: Subject) -> Expression {
+    fn expression(&self, subject: DefinitionSubject) -> WrittenExpression {
         match subject {
-            Subject::Value(value) => of_value(self.view, &self.uses, value),
-            Subject::Output(index) => of_output(self.view, &self.uses, index),
+            DefinitionSubject::Value(value) => of_value(self.view, &self.uses, value),
+            DefinitionSubject::Output(index) => of_output(self.view, &self.uses, index),
         }
     }
 
-    fn moment(&self, subject: Subject) -> Moment {
+    fn moment(&self, subject: DefinitionSubject) -> Moment {
         self.timed(subject, self.expression(subject).text)
     }
 
-    fn timed(&self, subject: Subject, text: String) -> Moment {
+    fn timed(&self, subject: DefinitionSubject, text: String) -> Moment {
         let value = match subject {
-            Subject::Value(value) => Some(value),
-            Subject::Output(index) => self.view.function.assignments[index].operand.value(),
+            DefinitionSubject::Value(value) => Some(value),
+            DefinitionSubject::Output(index) => {
+                self.view.function.assignments[index].operand.value()
+            }
         };
         let (arrival, tail) = value.map_or((0, 0), |value| {
             (self.arrivals[value.index()], self.tails[value.index()])
@@ -248,15 +256,15 @@ impl<'a> Snapshot<'a> {
 }
 
 /// Going backwards through the stages.
-struct Walk {
+struct BackwardWalk {
     /// What is followed, by its names in the state reached.
-    tracked: Vec<Item>,
-    entries: Vec<Entry>,
+    tracked: Vec<TrackedItem>,
+    entries: Vec<PassEntry>,
 }
 
-impl Walk {
-    fn follow(&mut self, item: Item) {
-        if self.tracked.len() < MOST_FOLLOWED && !self.tracked.contains(&item) {
+impl BackwardWalk {
+    fn follow(&mut self, item: TrackedItem) {
+        if self.tracked.len() < MAX_FOLLOWED && !self.tracked.contains(&item) {
             self.tracked.push(item);
         }
     }
@@ -266,7 +274,7 @@ impl Walk {
         let value = function.assignments[index].operand.value();
         let name = value.map_or(Name::NONE, |value| function.node(value).name);
         if !name.is_none() {
-            self.follow(Item::Value(name));
+            self.follow(TrackedItem::Value(name));
         }
     }
 
@@ -278,19 +286,19 @@ impl Walk {
                 continue;
             };
             let old = match item {
-                Item::Value(name) => origin(&before.state, &owners, &stage.notes, name),
-                Item::Output(_) => before.subject(item),
+                TrackedItem::Value(name) => origin(&before.state, &owners, &stage.notes, name),
+                TrackedItem::Output(_) => before.subject(item),
             };
             if let Some(old) = old {
                 self.follow(before.item(old));
             }
-            if let Some(Subject::Output(index)) = old {
+            if let Some(DefinitionSubject::Output(index)) = old {
                 self.follow_operand(before.view.function, index);
             }
             changes.extend(change(&stage.notes, (before, old), (after, new)));
         }
         if !changes.is_empty() {
-            self.entries.push(Entry {
+            self.entries.push(PassEntry {
                 pass: stage.pass.clone(),
                 changes,
             });
@@ -301,9 +309,9 @@ impl Walk {
 /// What a pass did to one subject; `None` when nothing.
 fn change(
     notes: &Notes,
-    (before, old): (&Snapshot<'_>, Option<Subject>),
-    (after, new): (&Snapshot<'_>, Subject),
-) -> Option<Change> {
+    (before, old): (&Snapshot<'_>, Option<DefinitionSubject>),
+    (after, new): (&Snapshot<'_>, DefinitionSubject),
+) -> Option<DefinitionChange> {
     let expression = after.expression(new);
     let earlier = old.map(|old| before.moment(old));
     let same_definition = old.is_some_and(|old| before.definition(old) == after.definition(new));
@@ -317,8 +325,8 @@ fn change(
         .filter(|&old| same_text && before.definition(old).is_merged(after.definition(new)))
         .map(|_| after.sources(new));
     let own = match after.item(new) {
-        Item::Value(name) => Some(name),
-        Item::Output(_) => None,
+        TrackedItem::Value(name) => Some(name),
+        TrackedItem::Output(_) => None,
     };
     let mut rules: Vec<String> = Vec::new();
     for name in own.into_iter().chain(expression.inside) {
@@ -328,7 +336,7 @@ fn change(
             }
         }
     }
-    Some(Change {
+    Some(DefinitionChange {
         before: earlier,
         after: after.timed(new, expression.text),
         rules,

@@ -10,10 +10,10 @@ use robovec_ir::{Function, Level, Name, Node, Operand, Operation, SourceSet, Sym
 use rustc_hash::FxBuildHasher;
 
 /// So many named values are written out at most.
-const MOST_EXPANDED: usize = 40;
+const MAX_EXPANDED: usize = 40;
 
 /// A definition with the values written out in it.
-pub(super) struct Expression {
+pub(super) struct WrittenExpression {
     /// `%OM16 = q[1]*%C2 + %S`.
     pub(super) text: String,
     /// The names of the values written out, the outermost first.
@@ -22,14 +22,14 @@ pub(super) struct Expression {
 
 /// The definition of a named value; `uses` are the function's
 /// [`Function::use_counts`].
-pub(super) fn of_value(view: View<'_>, uses: &[u32], value: Value) -> Expression {
+pub(super) fn of_value(view: View<'_>, uses: &[u32], value: Value) -> WrittenExpression {
     let node = view.function.node(value);
     let head = format!("%{}", node.name.display(&view.tables.symbols));
-    Sketch::new(view, uses, node.name.base).write(&head, value.into())
+    ExpressionSketch::new(view, uses, node.name.base).write(&head, value.into())
 }
 
 /// What an output is set to; the value named after it is written out.
-pub(super) fn of_output(view: View<'_>, uses: &[u32], index: usize) -> Expression {
+pub(super) fn of_output(view: View<'_>, uses: &[u32], index: usize) -> WrittenExpression {
     let assignment = view.function.assignments[index];
     let head = print_output(view, assignment.output);
     let symbol = crate::rewrite::output_name(view, assignment.output);
@@ -39,19 +39,19 @@ pub(super) fn of_output(view: View<'_>, uses: &[u32], index: usize) -> Expressio
         let name = view.function.node(value).name;
         name.is_none() || name.base == symbol
     });
-    let sketch = Sketch::new(view, uses, symbol);
+    let sketch = ExpressionSketch::new(view, uses, symbol);
     if own {
         return sketch.write(&head, assignment.operand);
     }
     let operand = robovec_ir::print::print_operand(view, assignment.operand);
-    Expression {
+    WrittenExpression {
         text: format!("{head} = {operand}"),
         inside: Vec::new(),
     }
 }
 
 /// A function that holds nothing but one expression, for the printer.
-struct Sketch<'a> {
+struct ExpressionSketch<'a> {
     view: View<'a>,
     uses: &'a [u32],
     /// The equation whose values are written out.
@@ -60,9 +60,9 @@ struct Sketch<'a> {
     map: HashMap<Value, Value, FxBuildHasher>,
 }
 
-impl<'a> Sketch<'a> {
-    fn new(view: View<'a>, uses: &'a [u32], symbol: Symbol) -> Sketch<'a> {
-        Sketch {
+impl<'a> ExpressionSketch<'a> {
+    fn new(view: View<'a>, uses: &'a [u32], symbol: Symbol) -> ExpressionSketch<'a> {
+        ExpressionSketch {
             view,
             uses,
             symbol,
@@ -71,7 +71,7 @@ impl<'a> Sketch<'a> {
         }
     }
 
-    fn write(mut self, head: &str, root: Operand) -> Expression {
+    fn write(mut self, head: &str, root: Operand) -> WrittenExpression {
         let mut inside = Vec::new();
         if let Some(root) = root.value() {
             let mut order = self.tree(root, &mut inside);
@@ -95,7 +95,7 @@ impl<'a> Sketch<'a> {
         };
         let printed = print_definition(view, top);
         let expression = printed.split_once(" = ").map_or("", |(_, text)| text);
-        Expression {
+        WrittenExpression {
             text: format!("{head} = {expression}"),
             inside,
         }
@@ -117,7 +117,7 @@ impl<'a> Sketch<'a> {
                 let own = name.base == self.symbol && self.uses[inner.index()] == 1;
                 if name.is_none() {
                     order.push(inner);
-                } else if own && inside.len() < MOST_EXPANDED {
+                } else if own && inside.len() < MAX_EXPANDED {
                     inside.push(name);
                     order.push(inner);
                 }

@@ -7,7 +7,7 @@ use robovec_ir::{Function, Module, Name, Output, Tables, View};
 
 /// Something whose story can be told.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Item {
+pub enum TrackedItem {
     /// The value of a name.
     Value(Name),
     /// An output element.
@@ -31,7 +31,7 @@ pub struct NotFound {
 ///
 /// When no function has or had such a value or output, with the nearest that
 /// exists.
-pub fn find(module: &Module, trail: &Trail, asked: &str) -> Result<(usize, Item), NotFound> {
+pub fn find(module: &Module, trail: &Trail, asked: &str) -> Result<(usize, TrackedItem), NotFound> {
     let text: String = asked.split_whitespace().collect();
     let bare = text.strip_prefix('%');
     let name = bare.unwrap_or(&text);
@@ -39,7 +39,7 @@ pub fn find(module: &Module, trail: &Trail, asked: &str) -> Result<(usize, Item)
         if bare.is_none()
             && let Some(output) = output(&module.tables, function, &text)
         {
-            return Ok((index, Item::Output(output)));
+            return Ok((index, TrackedItem::Output(output)));
         }
     }
     let (base, suffix) = Name::split(name);
@@ -50,7 +50,7 @@ pub fn find(module: &Module, trail: &Trail, asked: &str) -> Result<(usize, Item)
             let states = stages.iter().map(|stage| &stage.before);
             let mut states = std::iter::once(function).chain(states);
             if states.any(|state| state.nodes().iter().any(|node| node.name == name)) {
-                return Ok((index, Item::Value(name)));
+                return Ok((index, TrackedItem::Value(name)));
             }
         }
     }

@@ -6,16 +6,16 @@
 //! that of the value, or output, it is named after.
 
 use super::Notes;
-use super::state::{OutputSymbols, State, Subject, assignment_of};
+use super::state::{DefinitionState, DefinitionSubject, OutputSymbols, assignment_of};
 use hashbrown::HashMap;
-use robovec_ir::{Function, Histories, History, Name, Step, Tables};
+use robovec_ir::{Function, Histories, History, HistoryStep, Name, Tables};
 use rustc_hash::FxBuildHasher;
 
 /// A function before a pass, as far as histories need it.
 pub(crate) struct Follower {
     /// Without its history; the pass may write the function in place.
     before: Function,
-    state: State,
+    state: DefinitionState,
     histories: Histories,
 }
 
@@ -26,7 +26,7 @@ impl Follower {
         let histories = function.histories.take()?;
         Some(Follower {
             before: function.clone(),
-            state: State::of(function),
+            state: DefinitionState::of(function),
             histories,
         })
     }
@@ -39,8 +39,8 @@ impl Follower {
         pass: &str,
         notes: &Notes,
     ) {
-        let after = State::of(function);
-        let mut steps = Steps {
+        let after = DefinitionState::of(function);
+        let mut steps = HistoryExtension {
             histories: self.histories,
             pass,
             plain: HashMap::default(),
@@ -55,8 +55,10 @@ impl Follower {
             let origin = origin(&self.state, &owners, notes, node.name);
             let history = origin.map_or(History::NONE, |origin| steps.history_of(origin));
             let same = self.state.value(node.name).is_some_and(|old| {
-                let old = self.state.definition(&self.before, Subject::Value(old));
-                old == after.definition(function, Subject::Value(value))
+                let old = self
+                    .state
+                    .definition(&self.before, DefinitionSubject::Value(old));
+                old == after.definition(function, DefinitionSubject::Value(value))
             });
             values.push(match same {
                 true => history,
@@ -69,10 +71,10 @@ impl Follower {
                 outputs.push(steps.add(History::NONE, std::iter::empty()));
                 continue;
             };
-            let old = Subject::Output(old);
+            let old = DefinitionSubject::Output(old);
             let history = steps.history_of(old);
             let same = self.state.definition(&self.before, old)
-                == after.definition(function, Subject::Output(index));
+                == after.definition(function, DefinitionSubject::Output(index));
             outputs.push(match same {
                 true => history,
                 false => steps.add(history, std::iter::empty()),
@@ -84,19 +86,19 @@ impl Follower {
 
 /// What the value that bears a name after a pass was made from.
 pub(super) fn origin(
-    before: &State,
+    before: &DefinitionState,
     owners: &OutputSymbols,
     notes: &Notes,
     name: Name,
-) -> Option<Subject> {
+) -> Option<DefinitionSubject> {
     let own = before.value(name);
     let noted = || notes.origin(name).and_then(|origin| before.value(origin));
-    let value = own.or_else(noted).map(Subject::Value);
+    let value = own.or_else(noted).map(DefinitionSubject::Value);
     value.or_else(|| before.namesake(name, owners))
 }
 
 /// The table of steps being extended by one pass.
-struct Steps<'a> {
+struct HistoryExtension<'a> {
     histories: Histories,
     pass: &'a str,
     /// The step of this pass without rules, by the history before it: the
@@ -104,11 +106,11 @@ struct Steps<'a> {
     plain: HashMap<History, History, FxBuildHasher>,
 }
 
-impl Steps<'_> {
-    fn history_of(&self, subject: Subject) -> History {
+impl HistoryExtension<'_> {
+    fn history_of(&self, subject: DefinitionSubject) -> History {
         let found = match subject {
-            Subject::Value(value) => self.histories.values.get(value.index()),
-            Subject::Output(index) => self.histories.outputs.get(index),
+            DefinitionSubject::Value(value) => self.histories.values.get(value.index()),
+            DefinitionSubject::Output(index) => self.histories.outputs.get(index),
         };
         found.copied().unwrap_or(History::NONE)
     }
@@ -121,7 +123,7 @@ impl Steps<'_> {
             return known;
         }
         let plain = rules.is_empty();
-        let history = self.histories.add(Step {
+        let history = self.histories.add(HistoryStep {
             before,
             pass: self.pass.to_owned(),
             rules,

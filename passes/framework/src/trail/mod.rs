@@ -22,8 +22,8 @@ mod names;
 mod notes;
 mod state;
 
-pub use account::{Account, Change, Entry, Gone, Moment, explain};
-pub use find::{Item, NotFound, find};
+pub use account::{Account, DefinitionChange, Gone, Moment, PassEntry, explain};
+pub use find::{NotFound, TrackedItem, find};
 pub use notes::{Notes, equal_to};
 
 pub(crate) use follow::{Follower, begin};

@@ -8,7 +8,7 @@
 use robovec_ir::{Function, Name, Symbol, Value};
 
 /// The values of a function by their names.
-pub(super) struct Names {
+pub(super) struct ValueNames {
     /// For every symbol where its names start in `entries`; one more for the
     /// end.
     starts: Vec<u32>,
@@ -16,8 +16,8 @@ pub(super) struct Names {
     entries: Vec<(u32, Value)>,
 }
 
-impl Names {
-    pub(super) fn of(function: &Function) -> Names {
+impl ValueNames {
+    pub(super) fn of(function: &Function) -> ValueNames {
         let named = || {
             let values = function.values();
             values.filter(|(_, node)| !node.name.is_none())
@@ -41,7 +41,7 @@ impl Names {
         for index in 0..symbols {
             entries[starts[index] as usize..starts[index + 1] as usize].sort_unstable();
         }
-        Names { starts, entries }
+        ValueNames { starts, entries }
     }
 
     fn derived(&self, symbol: Symbol) -> &[(u32, Value)] {
@@ -77,7 +77,7 @@ mod tests {
     fn every_name_is_found_and_no_other() {
         let text = "function f equations {\n  in q\n  out c\n  %B.7 = q\n  %A = q\n  %B.2 = q\n  c = %A*%B.2\n}\n";
         let module = parse_module("f", text).expect("it is sound");
-        let names = Names::of(&module.functions[0]);
+        let names = ValueNames::of(&module.functions[0]);
         let value = |text: &str| {
             let (base, suffix) = Name::split(text);
             let base = module.tables.symbols.find(base)?;

@@ -5,7 +5,7 @@
 //! named operands by their names, inner nodes of an expression by what they
 //! say in turn.
 
-use super::names::Names;
+use super::names::ValueNames;
 use hashbrown::HashMap;
 use robovec_ir::print::print_output;
 use robovec_ir::{
@@ -23,7 +23,7 @@ pub(super) struct Definition {
 
 /// A value or an output of a function.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Subject {
+pub(super) enum DefinitionSubject {
     /// The node of a name.
     Value(Value),
     /// The assignment of this index.
@@ -31,17 +31,17 @@ pub(super) enum Subject {
 }
 
 /// The definitions of one state of a function.
-pub(super) struct State {
+pub(super) struct DefinitionState {
     bodies: Vec<u64>,
-    names: Names,
+    names: ValueNames,
 }
 
-impl State {
+impl DefinitionState {
     /// Looks through a function once.
-    pub(super) fn of(function: &Function) -> State {
-        let mut state = State {
+    pub(super) fn of(function: &Function) -> DefinitionState {
+        let mut state = DefinitionState {
             bodies: Vec::with_capacity(function.nodes().len()),
-            names: Names::of(function),
+            names: ValueNames::of(function),
         };
         for node in function.nodes() {
             let mut hasher = FxHasher::default();
@@ -72,13 +72,13 @@ impl State {
     }
 
     /// What a value or output says.
-    pub(super) fn definition(&self, function: &Function, subject: Subject) -> Definition {
+    pub(super) fn definition(&self, function: &Function, subject: DefinitionSubject) -> Definition {
         match subject {
-            Subject::Value(value) => Definition {
+            DefinitionSubject::Value(value) => Definition {
                 body: self.bodies[value.index()],
                 sources: function.node(value).sources,
             },
-            Subject::Output(index) => {
+            DefinitionSubject::Output(index) => {
                 let assignment = &function.assignments[index];
                 let mut hasher = FxHasher::default();
                 let said = self.said_by(function, assignment.operand.kind());
@@ -94,14 +94,18 @@ impl State {
     /// What a value that this state does not have was made from, as names
     /// tell: the value it is named after, or the output, or another value
     /// derived from the same equation.
-    pub(super) fn namesake(&self, name: Name, owners: &OutputSymbols) -> Option<Subject> {
+    pub(super) fn namesake(&self, name: Name, owners: &OutputSymbols) -> Option<DefinitionSubject> {
         if let Some(value) = self.value(Name::plain(name.base)) {
-            return Some(Subject::Value(value));
+            return Some(DefinitionSubject::Value(value));
         }
-        let output = owners.0.get(&name.base).copied().map(Subject::Output);
+        let output = owners
+            .0
+            .get(&name.base)
+            .copied()
+            .map(DefinitionSubject::Output);
         output.or_else(|| {
             let derived = self.names.first(name.base);
-            derived.map(Subject::Value)
+            derived.map(DefinitionSubject::Value)
         })
     }
 }
@@ -138,12 +142,14 @@ pub(super) fn assignment_of(function: &Function, output: Output) -> Option<usize
 }
 
 /// What a value or output is called in the text.
-pub(super) fn name_of(view: View<'_>, subject: Subject) -> String {
+pub(super) fn name_of(view: View<'_>, subject: DefinitionSubject) -> String {
     match subject {
-        Subject::Value(value) => {
+        DefinitionSubject::Value(value) => {
             let name = view.function.node(value).name;
             format!("%{}", name.display(&view.tables.symbols))
         }
-        Subject::Output(index) => print_output(view, view.function.assignments[index].output),
+        DefinitionSubject::Output(index) => {
+            print_output(view, view.function.assignments[index].output)
+        }
     }
 }

@@ -8,7 +8,7 @@
 //! When that fails, signs that are known for all real numbers are asked of the
 //! points as well.
 
-use super::field::Residue;
+use super::field::RuleResidue;
 use super::joined::Joined;
 use robovec_ir::Operation;
 
@@ -28,18 +28,18 @@ const POINTS: u32 = 16;
 /// Points per way of distributing signs.
 const POINTS_PER_SIGN: u32 = 64;
 /// More different roots than in any rule that makes sense.
-const MOST_ROOTS: usize = 6;
+const MAX_ROOTS: usize = 6;
 /// Points tried at most, for those that are defined.
-pub(super) const MOST_TRIED: u64 = 1 << 15;
+pub(super) const MAX_TRIED: u64 = 1 << 15;
 
 /// The points that a rule with roots needs, when these are the values of its
 /// nodes somewhere; `None` for a rule without roots, or with too many.
-pub(super) fn points_for(joined: &Joined<'_>, values: &[Residue]) -> Option<u32> {
+pub(super) fn points_for(joined: &Joined<'_>, values: &[RuleResidue]) -> Option<u32> {
     let operands = joined.operands(Operation::Sqrt, 0..values.len());
     let mut roots: Vec<u64> = operands.map(|[operand, _]| values[operand].value).collect();
     roots.sort_unstable();
     roots.dedup();
-    let counts = 1..=MOST_ROOTS;
+    let counts = 1..=MAX_ROOTS;
     counts
         .contains(&roots.len())
         .then(|| POINTS_PER_SIGN << roots.len())
@@ -54,7 +54,7 @@ pub(super) fn agree(joined: &Joined<'_>, circle: bool, signs: &[(usize, i32)]) -
     let (mut needed, mut seen) = (POINTS, [0; 2]);
     let mut limit = 64 * u64::from(POINTS);
     if with_roots {
-        limit = MOST_TRIED;
+        limit = MAX_TRIED;
     }
     for point in 0..limit {
         let field = joined.field(point).on_circle(circle);

@@ -12,7 +12,7 @@ use robovec_num::double_double::{Double, DoubleDouble};
 
 /// A real number and how far it can be from there.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) struct Ball {
+pub(super) struct ScaledBall {
     mantissa: Double,
     /// In the unit of the mantissa; not negative.
     radius: f64,
@@ -34,20 +34,20 @@ const LARGEST_ANGLE: f64 = 1e6;
 /// Beyond so many powers of two the smaller term of a sum is only error.
 const FAR: i64 = 400;
 
-impl Ball {
+impl ScaledBall {
     /// A binary64 number, exactly.
-    pub(super) fn exact(number: f64) -> Ball {
-        Ball::between(number, 0.0)
+    pub(super) fn exact(number: f64) -> ScaledBall {
+        ScaledBall::between(number, 0.0)
     }
 
     /// A finite binary64 number and how far the number meant can be from it.
-    pub(super) fn between(number: f64, radius: f64) -> Ball {
+    pub(super) fn between(number: f64, radius: f64) -> ScaledBall {
         // Subnormals are lifted, so that what follows is exact.
         let (lift, exponent) = match number.abs().max(radius) < 1.0 {
             true => (2f64.powi(600), -600),
             false => (1.0, 0),
         };
-        Ball {
+        ScaledBall {
             mantissa: Double::from(number * lift),
             radius: radius * lift,
             exponent,
@@ -55,7 +55,7 @@ impl Ball {
         .normal()
     }
 
-    const ZERO: Ball = Ball {
+    const ZERO: ScaledBall = ScaledBall {
         mantissa: Double {
             high: 0.0,
             low: 0.0,
@@ -65,22 +65,22 @@ impl Ball {
     };
 
     /// Moves mantissa or radius, the larger, to between 1 and 2.
-    fn normal(self) -> Ball {
+    fn normal(self) -> ScaledBall {
         let size = self.mantissa.high.abs().max(self.radius);
         if size == 0.0 {
-            return Ball::ZERO;
+            return ScaledBall::ZERO;
         }
         let power = i64::from((size.to_bits() >> 52 & 0x7ff) as u32) - 1023;
         self.shifted(-power)
     }
 
     /// The same with another exponent: the mantissa times a power of two.
-    fn shifted(self, power: i64) -> Ball {
+    fn shifted(self, power: i64) -> ScaledBall {
         let scale = |number: f64| {
             let half = power / 2;
             number * 2f64.powi(half as i32) * 2f64.powi((power - half) as i32)
         };
-        Ball {
+        ScaledBall {
             mantissa: Double {
                 high: scale(self.mantissa.high),
                 low: scale(self.mantissa.low),
@@ -95,7 +95,7 @@ impl Ball {
     }
 
     /// The ball in the unit of a larger exponent.
-    fn in_unit(self, exponent: i64) -> Ball {
+    fn in_unit(self, exponent: i64) -> ScaledBall {
         let distance = exponent - self.exponent;
         if distance <= FAR {
             return self.shifted(-distance);
@@ -106,7 +106,7 @@ impl Ball {
             // Mantissa and radius are below 2 each.
             2f64.powi(2 - FAR as i32)
         };
-        Ball {
+        ScaledBall {
             mantissa: Double::default(),
             radius,
             exponent,
@@ -118,12 +118,12 @@ impl Ball {
     }
 
     /// True when both are binary64 numbers times a power of two.
-    fn both_short(self, other: Ball) -> bool {
+    fn both_short(self, other: ScaledBall) -> bool {
         self.mantissa.low == 0.0 && other.mantissa.low == 0.0
     }
 
     /// The sum.
-    pub(super) fn plus(self, other: Ball) -> Ball {
+    pub(super) fn plus(self, other: ScaledBall) -> ScaledBall {
         if self.is_exact_zero() {
             return other;
         }
@@ -137,7 +137,7 @@ impl Ball {
             true => 0.0,
             false => mantissa.high.abs() * SUM,
         };
-        Ball {
+        ScaledBall {
             mantissa,
             radius: (a.radius + b.radius + error) * UP,
             exponent,
@@ -146,15 +146,15 @@ impl Ball {
     }
 
     /// The opposite.
-    pub(super) fn negative(self) -> Ball {
-        Ball {
+    pub(super) fn negative(self) -> ScaledBall {
+        ScaledBall {
             mantissa: -self.mantissa,
             ..self
         }
     }
 
     /// The product.
-    pub(super) fn times(self, other: Ball) -> Ball {
+    pub(super) fn times(self, other: ScaledBall) -> ScaledBall {
         let mantissa = self.mantissa * other.mantissa;
         let (a, b) = (
             self.mantissa.high.abs() * UP,
@@ -166,7 +166,7 @@ impl Ball {
             // A mantissa is tiny only beside a radius.
             false => mantissa.high.abs() * PRODUCT + f64::MIN_POSITIVE,
         };
-        Ball {
+        ScaledBall {
             mantissa,
             radius: (spread + error) * UP,
             exponent: self.exponent + other.exponent,
@@ -175,7 +175,7 @@ impl Ball {
     }
 
     /// The quotient; `None` when the divisor can be zero.
-    pub(super) fn over(self, other: Ball) -> Option<Ball> {
+    pub(super) fn over(self, other: ScaledBall) -> Option<ScaledBall> {
         if other.has_zero() {
             return None;
         }
@@ -192,7 +192,7 @@ impl Ball {
             false => quotient * QUOTIENT + f64::MIN_POSITIVE,
         };
         Some(
-            Ball {
+            ScaledBall {
                 mantissa,
                 radius: (spread + error) * UP,
                 exponent: self.exponent - other.exponent,
@@ -202,14 +202,14 @@ impl Ball {
     }
 
     /// The square root of a ball that holds positive numbers only.
-    pub(super) fn root(self) -> Ball {
+    pub(super) fn root(self) -> ScaledBall {
         let even = match self.exponent.rem_euclid(2) {
             0 => self,
             _ => self.shifted(1),
         };
         let mantissa = DoubleDouble.sqrt(even.mantissa);
         let radius = even.radius / mantissa.high + mantissa.high * QUOTIENT;
-        Ball {
+        ScaledBall {
             mantissa,
             radius: radius * UP,
             exponent: even.exponent / 2,
@@ -218,21 +218,21 @@ impl Ball {
     }
 
     /// The sine, or the cosine.
-    fn wave(self, cosine: bool) -> Ball {
-        let unknown = Ball::between(0.0, 1.0);
+    fn wave(self, cosine: bool) -> ScaledBall {
+        let unknown = ScaledBall::between(0.0, 1.0);
         let half = |number: f64| number * 2f64.powi(self.exponent.clamp(-900, 100) as i32);
         if self.exponent > 20 || half(self.mantissa.high).abs() > LARGEST_ANGLE {
             return unknown;
         }
         if self.is_exact_zero() {
-            return Ball::exact(if cosine { 1.0 } else { 0.0 });
+            return ScaledBall::exact(if cosine { 1.0 } else { 0.0 });
         }
         if self.exponent < -FAR {
             // Beside 1 the square of the angle is nothing, and the sine is
             // the angle.
             return match cosine {
-                true => Ball::between(1.0, 2f64.powi(-FAR as i32)),
-                false => Ball {
+                true => ScaledBall::between(1.0, 2f64.powi(-FAR as i32)),
+                false => ScaledBall {
                     radius: self.radius + 2f64.powi(-FAR as i32),
                     ..self
                 },
@@ -246,7 +246,7 @@ impl Ball {
             true => DoubleDouble.cos(angle),
             false => DoubleDouble.sin(angle),
         };
-        Ball {
+        ScaledBall {
             mantissa,
             // Neither function is steeper than 1.
             radius: (half(self.radius) + SINE) * UP,
@@ -256,12 +256,12 @@ impl Ball {
     }
 
     /// The sine.
-    pub(super) fn sine(self) -> Ball {
+    pub(super) fn sine(self) -> ScaledBall {
         self.wave(false)
     }
 
     /// The cosine.
-    pub(super) fn cosine(self) -> Ball {
+    pub(super) fn cosine(self) -> ScaledBall {
         self.wave(true)
     }
 
@@ -280,7 +280,7 @@ impl Ball {
     }
 
     /// True when the balls have no number in common.
-    pub(super) fn is_apart_from(self, other: Ball) -> bool {
+    pub(super) fn is_apart_from(self, other: ScaledBall) -> bool {
         !self.plus(other.negative()).has_zero()
     }
 
@@ -303,7 +303,7 @@ impl Ball {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::Random;
+    use super::super::super::random::RuleRandom;
     use super::*;
     use astro_float::{BigFloat, Consts, RoundingMode};
 
@@ -315,7 +315,7 @@ mod tests {
     }
 
     /// Ends of a ball; of numbers in the range of binary64.
-    fn holds(ball: Ball, exact: &BigFloat, what: &str) {
+    fn holds(ball: ScaledBall, exact: &BigFloat, what: &str) {
         let scale = big(2.0).powi(ball.exponent.unsigned_abs() as usize, BITS, NEAREST);
         let scaled = |number: &BigFloat| match ball.exponent < 0 {
             true => number.div(&scale, BITS, NEAREST),
@@ -330,11 +330,11 @@ mod tests {
 
     #[test]
     fn balls_hold_what_they_are_balls_of() {
-        let mut random = Random::new(1);
+        let mut random = RuleRandom::new(1);
         let mut constants = Consts::new().expect("memory");
         for _ in 0..400 {
             let [a, b] = [0; 2].map(|_| random.log_uniform(-12, 12));
-            let (x, y) = (Ball::exact(a), Ball::exact(b));
+            let (x, y) = (ScaledBall::exact(a), ScaledBall::exact(b));
             let (u, v) = (big(a), big(b));
             holds(x.plus(y), &u.add(&v, BITS, NEAREST), "sum");
             holds(x.times(y), &u.mul(&v, BITS, NEAREST), "product");
@@ -350,7 +350,7 @@ mod tests {
             }
             let size = u.abs();
             holds(
-                Ball::exact(a.abs()).root(),
+                ScaledBall::exact(a.abs()).root(),
                 &size.sqrt(BITS, NEAREST),
                 "root",
             );
@@ -363,18 +363,18 @@ mod tests {
 
     #[test]
     fn small_numbers_are_exact_and_nothing_overflows() {
-        let [two, three] = [2.0, 3.0].map(Ball::exact);
+        let [two, three] = [2.0, 3.0].map(ScaledBall::exact);
         let six = two.times(three);
-        assert_eq!(six, Ball::exact(6.0));
-        assert_eq!(six.plus(Ball::exact(-6.0)), Ball::ZERO);
-        assert_eq!(two.over(Ball::ZERO), None);
-        let huge = Ball::exact(1e300);
+        assert_eq!(six, ScaledBall::exact(6.0));
+        assert_eq!(six.plus(ScaledBall::exact(-6.0)), ScaledBall::ZERO);
+        assert_eq!(two.over(ScaledBall::ZERO), None);
+        let huge = ScaledBall::exact(1e300);
         let square = huge.times(huge);
         assert_eq!(square.middle(), f64::INFINITY);
         assert_eq!(square.root().middle(), 1e300);
         assert!(!square.root().is_apart_from(huge));
         assert!(square.root().is_apart_from(huge.negative()));
-        let tiny = Ball::exact(5e-324);
+        let tiny = ScaledBall::exact(5e-324);
         assert_eq!(tiny.times(tiny).root().middle(), 5e-324);
         assert_eq!(tiny.times(tiny).sign(), 1);
         let sum = huge.plus(tiny);
@@ -387,12 +387,12 @@ mod tests {
 
     #[test]
     fn what_is_not_known_is_in_the_radius() {
-        let wide = Ball::between(1.0, 0.5);
+        let wide = ScaledBall::between(1.0, 0.5);
         assert_eq!(wide.sign(), 1);
         assert_eq!(wide.plus(wide.negative()).sign(), 0);
-        assert!(wide.over(Ball::between(0.25, 0.5)).is_none());
-        assert!(Ball::exact(1e9).sine().has_zero());
-        assert!(!wide.is_apart_from(Ball::exact(1.4)));
-        assert!(wide.is_apart_from(Ball::exact(1.6)));
+        assert!(wide.over(ScaledBall::between(0.25, 0.5)).is_none());
+        assert!(ScaledBall::exact(1e9).sine().has_zero());
+        assert!(!wide.is_apart_from(ScaledBall::exact(1.4)));
+        assert!(wide.is_apart_from(ScaledBall::exact(1.6)));
     }
 }

@@ -7,10 +7,10 @@
 //! numbers at random. A rule that is said to be exact has passed all of them
 //! in both binary formats.
 
-use super::super::random::Random;
+use super::super::random::RuleRandom;
 use super::super::rule::Rule;
 use super::counterexample;
-use super::states::{States, numbers};
+use super::states::{RulePoints, numbers};
 use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
 
 /// A remark on special values, with an example.
@@ -76,21 +76,21 @@ pub(super) struct Bits {
 }
 
 /// The values a format is hardest on, simple ones first.
-struct Format {
+struct HardFormat {
     name: &'static str,
     specials: Vec<f64>,
     /// Exponents of its normal numbers.
     exponents: (i32, i32),
 }
 
-fn formats() -> [Format; 2] {
+fn formats() -> [HardFormat; 2] {
     let both = |name, tiny: f64, least: f64, most: f64, exponents| {
         let mut specials = vec![0.0, 1.0, 2.0, 3.0, 0.5, most, least, tiny, most / 2.0, 1e-3];
         specials.extend([f64::INFINITY]);
         let negative: Vec<f64> = specials.iter().map(|number| -number).collect();
         specials.extend(negative);
         specials.push(f64::NAN);
-        Format {
+        HardFormat {
             name,
             specials,
             exponents,
@@ -151,7 +151,7 @@ const FEWEST: usize = 2_000;
 /// Tries a rule at special values and at so many random points.
 pub(super) fn try_bits(rule: &Rule, trials: usize) -> Bits {
     let [mut single, mut double] = formats();
-    let mut bench = Bench {
+    let mut bench = BitComparison {
         rule,
         exact: true,
         found: [const { None }; NoteKind::COUNT],
@@ -193,7 +193,7 @@ pub(super) fn try_bits(rule: &Rule, trials: usize) -> Bits {
     }
 }
 
-struct Bench<'a> {
+struct BitComparison<'a> {
     rule: &'a Rule,
     exact: bool,
     /// The first example of each kind.
@@ -202,16 +202,16 @@ struct Bench<'a> {
     compared: usize,
 }
 
-impl Bench<'_> {
+impl BitComparison<'_> {
     /// All combinations of special values when they fit into the budget, else
     /// random ones.
-    fn specials<A>(&mut self, arithmetic: &A, format: &Format, budget: usize)
+    fn specials<A>(&mut self, arithmetic: &A, format: &HardFormat, budget: usize)
     where
         A: Arithmetic<Number: Into<f64>>,
     {
         let (count, base) = (self.rule.variables.len() as u32, format.specials.len());
         let all = base.checked_pow(count).filter(|&all| all <= budget);
-        let mut random = Random::new(2);
+        let mut random = RuleRandom::new(2);
         for index in 0..all.unwrap_or(budget) {
             let mut rest = index;
             let values = (0..count).map(|_| {
@@ -227,11 +227,11 @@ impl Bench<'_> {
         }
     }
 
-    fn random<A>(&mut self, arithmetic: &A, format: &Format, range: (i32, i32), trials: usize)
+    fn random<A>(&mut self, arithmetic: &A, format: &HardFormat, range: (i32, i32), trials: usize)
     where
         A: Arithmetic<Number: Into<f64>>,
     {
-        let mut random = Random::new(3);
+        let mut random = RuleRandom::new(3);
         for _ in 0..trials {
             let draw = |_| random.log_uniform(range.0, range.1);
             let values: Vec<f64> = self.rule.variables.iter().map(draw).collect();
@@ -240,11 +240,11 @@ impl Bench<'_> {
     }
 
     /// At the points at which rules are proved.
-    fn states<A>(&mut self, arithmetic: &A, format: &Format, trials: usize)
+    fn states<A>(&mut self, arithmetic: &A, format: &HardFormat, trials: usize)
     where
         A: Arithmetic<Number: Into<f64>>,
     {
-        let mut states = States::of(self.rule, 11);
+        let mut states = RulePoints::of(self.rule, 11);
         for _ in 0..trials {
             self.trial(arithmetic, format.name, &states.next());
         }

@@ -3,10 +3,10 @@
 //! Whatever is found is certain: the sides are computed with bounds of their
 //! errors, and lie apart, or the right side is not defined.
 
-use super::ball::Ball;
+use super::ball::ScaledBall;
 use super::joined::Joined;
-use super::point::{Outcome, Place, evaluate};
-use super::states::States;
+use super::point::{RealPoint, SideValue, evaluate};
+use super::states::RulePoints;
 use super::zeros;
 use std::fmt;
 
@@ -91,8 +91,8 @@ const RANDOM: usize = 3_000;
 pub(super) fn search(joined: &Joined<'_>) -> Option<Counterexample> {
     smallest(joined)
         .or_else(|| {
-            let mut states = States::of(joined.rule, 1);
-            (0..RANDOM).find_map(|_| compare(joined, &Place::exactly(states.next())))
+            let mut states = RulePoints::of(joined.rule, 1);
+            (0..RANDOM).find_map(|_| compare(joined, &RealPoint::exactly(states.next())))
         })
         .or_else(|| zeros::search(joined))
 }
@@ -110,7 +110,7 @@ pub(super) fn smallest(joined: &Joined<'_>) -> Option<Counterexample> {
             let largest = digits.iter().map(|digit| digit.div_ceil(2)).max();
             if largest.unwrap_or(0) == magnitude {
                 let values: Vec<f64> = digits.iter().map(|&digit| integer(digit)).collect();
-                if let Some(found) = compare(joined, &Place::exactly(values)) {
+                if let Some(found) = compare(joined, &RealPoint::exactly(values)) {
                     return Some(found);
                 }
             }
@@ -147,14 +147,14 @@ fn next(digits: &mut [usize], base: usize) -> bool {
 
 /// The sides at a point, when the conditions hold there, the left side is
 /// defined, and for certain the right side is not or has another value.
-pub(super) fn compare(joined: &Joined<'_>, place: &Place) -> Option<Counterexample> {
+pub(super) fn compare(joined: &Joined<'_>, place: &RealPoint) -> Option<Counterexample> {
     if !place.meets(joined.rule) {
         return None;
     }
     let left = evaluate(&joined.rule.left, place, &joined.fields).value()?;
     let right = match evaluate(&joined.rule.right, place, &joined.fields) {
-        Outcome::Unknown => return None,
-        Outcome::Undefined => None,
+        SideValue::Unknown => return None,
+        SideValue::Undefined => None,
         outcome => outcome.value(),
     };
     if right.is_some_and(|right| !left.is_apart_from(right)) {
@@ -165,7 +165,7 @@ pub(super) fn compare(joined: &Joined<'_>, place: &Place) -> Option<Counterexamp
 
 /// A place in which the right side is not defined somewhere; a counterexample
 /// when the left side is defined everywhere in it.
-pub(super) fn hole(joined: &Joined<'_>, place: &Place) -> Option<Counterexample> {
+pub(super) fn hole(joined: &Joined<'_>, place: &RealPoint) -> Option<Counterexample> {
     if !place.meets(joined.rule) {
         return None;
     }
@@ -173,14 +173,19 @@ pub(super) fn hole(joined: &Joined<'_>, place: &Place) -> Option<Counterexample>
     Some(example(joined, place, left, None))
 }
 
-fn example(joined: &Joined<'_>, place: &Place, left: Ball, right: Option<Ball>) -> Counterexample {
+fn example(
+    joined: &Joined<'_>,
+    place: &RealPoint,
+    left: ScaledBall,
+    right: Option<ScaledBall>,
+) -> Counterexample {
     let names = joined.rule.variables.iter().cloned();
     Counterexample {
         backwards: false,
         near: place.radii.iter().any(|&radius| radius > 0.0),
         values: names.zip(place.values.iter().copied()).collect(),
         left: left.middle(),
-        right: right.map_or(f64::NAN, Ball::middle),
+        right: right.map_or(f64::NAN, ScaledBall::middle),
         defined: right.is_some(),
         difference: right.map_or(f64::NAN, |right| left.plus(right.negative()).middle()),
     }

@@ -9,7 +9,7 @@
 //! even when none is found.
 
 use super::super::pattern::PatternNode;
-use super::facts::Facts;
+use super::facts::NodeFacts;
 use super::line::Lines;
 use super::range::Range;
 use robovec_ir::Operation;
@@ -17,7 +17,7 @@ use robovec_ir::Operation;
 /// Proves that the right side is defined wherever the left side is. What was
 /// learnt of its nodes is added to the facts. The error is the first operand
 /// of which it could not be proved.
-pub(super) fn prove(facts: &mut Facts<'_>) -> Result<(), usize> {
+pub(super) fn prove(facts: &mut NodeFacts<'_>) -> Result<(), usize> {
     let nodes = facts.joined.left..facts.joined.pattern.nodes.len();
     let mut lines = None;
     for node in nodes {

@@ -10,9 +10,9 @@
 use super::super::pattern::PatternNode;
 use super::super::rule::Requirement;
 use super::Doubt;
-use super::agree::{MOST_TRIED, points_for};
-use super::ball::Ball;
-use super::field::{Residue, RuleField};
+use super::agree::{MAX_TRIED, points_for};
+use super::ball::ScaledBall;
+use super::field::{RuleField, RuleResidue};
 use super::joined::Joined;
 use super::range::Range;
 use robovec_ir::Operation;
@@ -22,22 +22,22 @@ const POINTS: usize = 6;
 /// Points at which a node must be a square to be taken for one.
 const SQUARES: u64 = 64;
 /// Nodes up to which each is compared with each.
-const MOST_COMPARED: usize = 160;
+const MAX_COMPARED: usize = 160;
 
 /// What is known of all nodes.
-pub(super) struct Facts<'a> {
+pub(super) struct NodeFacts<'a> {
     pub(super) joined: &'a Joined<'a>,
     pub(super) ranges: Vec<Range>,
     /// So many nodes are known to be defined; of others nothing is used.
     pub(super) defined: usize,
     /// Points at which both sides are defined, with the field of each.
-    pub(super) points: Vec<(RuleField, Vec<Residue>)>,
+    pub(super) points: Vec<(RuleField, Vec<RuleResidue>)>,
     /// A node, an earlier one that is a multiple of it, and the factor's
     /// sign; 2 for a node of equal value.
     links: Vec<(usize, usize, i32)>,
     squares: Vec<Option<bool>>,
     /// Real numbers of all nodes where both sides are defined.
-    reals: &'a [Vec<Ball>],
+    reals: &'a [Vec<ScaledBall>],
 }
 
 /// The factor between nodes of equal value.
@@ -46,11 +46,11 @@ const SAME: i32 = 2;
 /// Points of the fields at which both sides are defined: so many that every
 /// way in which roots can be squares or not occurs; `None` when there are too
 /// few.
-fn points(joined: &Joined<'_>) -> Option<Vec<(RuleField, Vec<Residue>)>> {
+fn points(joined: &Joined<'_>) -> Option<Vec<(RuleField, Vec<RuleResidue>)>> {
     let [left, right] = joined.roots();
     let mut needed = POINTS;
-    let mut points: Vec<(RuleField, Vec<Residue>)> = Vec::new();
-    for point in 0..MOST_TRIED {
+    let mut points: Vec<(RuleField, Vec<RuleResidue>)> = Vec::new();
+    for point in 0..MAX_TRIED {
         let field = joined.field(point);
         let values = joined.values(&field);
         if values[left].is_undefined() || values[right].is_undefined() {
@@ -67,17 +67,20 @@ fn points(joined: &Joined<'_>) -> Option<Vec<(RuleField, Vec<Residue>)>> {
     None
 }
 
-impl<'a> Facts<'a> {
+impl<'a> NodeFacts<'a> {
     /// Finds what is known.
     ///
     /// # Errors
     ///
     /// When the sides are hardly ever both defined, or when the left side may
     /// be defined at single points, where what holds in general need not hold.
-    pub(super) fn of(joined: &'a Joined<'a>, reals: &'a [Vec<Ball>]) -> Result<Facts<'a>, Doubt> {
+    pub(super) fn of(
+        joined: &'a Joined<'a>,
+        reals: &'a [Vec<ScaledBall>],
+    ) -> Result<NodeFacts<'a>, Doubt> {
         let points = points(joined).ok_or(Doubt::Nowhere)?;
         let count = joined.pattern.nodes.len();
-        let mut facts = Facts {
+        let mut facts = NodeFacts {
             joined,
             ranges: vec![Range::ALL; count],
             defined: joined.left,
@@ -213,7 +216,7 @@ impl<'a> Facts<'a> {
     /// Finds nodes that are multiples of each other.
     fn link(&mut self, wanted: &dyn Fn(usize) -> bool) {
         let count = self.ranges.len();
-        if count > MOST_COMPARED {
+        if count > MAX_COMPARED {
             return;
         }
         for node in (0..count).filter(|&node| wanted(node)) {
@@ -247,7 +250,7 @@ impl<'a> Facts<'a> {
         if !constant {
             return None;
         }
-        let signs = |numbers: &Vec<Ball>| numbers[node].sign() * numbers[other].sign();
+        let signs = |numbers: &Vec<ScaledBall>| numbers[node].sign() * numbers[other].sign();
         self.reals.iter().map(signs).find(|&sign| sign != 0)
     }
 

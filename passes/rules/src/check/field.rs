@@ -19,24 +19,24 @@
 //!   independently of each other, for what must hold without any theorem.
 //! - What a sine, cosine or root is as an angle is drawn from its value.
 
-use super::super::random::Random;
+use super::super::random::RuleRandom;
 use super::primes::{COFACTOR, primes};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::field::Modulus;
 
 /// A number of a [`RuleField`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default, Debug)]
-pub(crate) struct Residue {
+pub(crate) struct RuleResidue {
     /// Modulo the prime; all bits set when it is not defined.
     pub(crate) value: u64,
     /// As an angle.
     pub(crate) angle: u64,
 }
 
-impl Residue {
+impl RuleResidue {
     /// The result of a division by zero and of the root of what is no square,
     /// and of every operation on it.
-    pub(crate) const UNDEFINED: Residue = Residue {
+    pub(crate) const UNDEFINED: RuleResidue = RuleResidue {
         value: u64::MAX,
         angle: u64::MAX,
     };
@@ -61,7 +61,7 @@ pub(crate) struct RuleField {
 
 /// What a random element stands for; it keeps the draws apart.
 #[derive(Clone, Copy)]
-enum Role {
+enum RuleDrawRole {
     Input = 1,
     Sine = 2,
     Cosine = 3,
@@ -72,7 +72,7 @@ impl RuleField {
     /// Fields of two primes drawn from a seed, where sine and cosine lie on
     /// the circle.
     pub(crate) fn pair(seed: u64) -> [RuleField; 2] {
-        let mut random = Random::new(seed);
+        let mut random = RuleRandom::new(seed);
         let first = RuleField::draw_from(&mut random);
         let second = loop {
             let field = RuleField::draw_from(&mut random);
@@ -84,7 +84,7 @@ impl RuleField {
         [first, second]
     }
 
-    fn draw_from(random: &mut Random) -> RuleField {
+    fn draw_from(random: &mut RuleRandom) -> RuleField {
         let (prime, factor) = primes(random);
         let mut field = RuleField {
             value: Modulus::new(prime),
@@ -131,10 +131,10 @@ impl RuleField {
     }
 
     /// Random inputs; those that must be positive are squares.
-    pub(crate) fn inputs(&self, positive: &[bool]) -> Vec<Residue> {
+    pub(crate) fn inputs(&self, positive: &[bool]) -> Vec<RuleResidue> {
         let draw = |(index, positive): (usize, &bool)| {
-            let value = self.draw(index as u64, Role::Input);
-            Residue {
+            let value = self.draw(index as u64, RuleDrawRole::Input);
+            RuleResidue {
                 value: match positive {
                     true => self.value.mul(value, value),
                     false => value,
@@ -147,7 +147,7 @@ impl RuleField {
 
     /// 1 for a square, which plays the part of a positive number, −1 for
     /// another number, 0 for zero and for what is not defined.
-    pub(super) fn sign(&self, number: Residue) -> i32 {
+    pub(super) fn sign(&self, number: RuleResidue) -> i32 {
         if number.is_undefined() {
             return 0;
         }
@@ -159,13 +159,13 @@ impl RuleField {
         }
     }
 
-    fn draw(&self, number: u64, role: Role) -> u64 {
+    fn draw(&self, number: u64, role: RuleDrawRole) -> u64 {
         let salt = mix(self.salt ^ (role as u64).rotate_left(56));
         self.value.number(mix(number.wrapping_add(salt)))
     }
 
     /// A draw that changes its sign with its argument.
-    fn draw_odd(&self, number: u64, role: Role) -> u64 {
+    fn draw_odd(&self, number: u64, role: RuleDrawRole) -> u64 {
         let opposite = self.value.neg(number);
         match number.cmp(&opposite) {
             // Zero is its own opposite.
@@ -176,13 +176,13 @@ impl RuleField {
     }
 
     /// A value whose angle nobody knows.
-    fn with_angle(&self, value: u64) -> Residue {
+    fn with_angle(&self, value: u64) -> RuleResidue {
         let opposite = self.value.neg(value);
         let angle = |number| {
-            let salt = mix(self.salt ^ (Role::Angle as u64).rotate_left(56));
+            let salt = mix(self.salt ^ (RuleDrawRole::Angle as u64).rotate_left(56));
             self.angle.number(mix(number ^ salt))
         };
-        Residue {
+        RuleResidue {
             value,
             angle: match value.cmp(&opposite) {
                 std::cmp::Ordering::Equal => 0,
@@ -219,73 +219,73 @@ impl RuleField {
 }
 
 impl Arithmetic for RuleField {
-    type Number = Residue;
+    type Number = RuleResidue;
 
-    fn literal(&self, number: f64) -> Residue {
+    fn literal(&self, number: f64) -> RuleResidue {
         if !number.is_finite() {
-            return Residue::UNDEFINED;
+            return RuleResidue::UNDEFINED;
         }
-        Residue {
+        RuleResidue {
             value: self.value.literal(number),
             angle: self.angle.literal(number),
         }
     }
 
-    fn neg(&self, a: Residue) -> Residue {
+    fn neg(&self, a: RuleResidue) -> RuleResidue {
         if a.is_undefined() {
             return a;
         }
-        Residue {
+        RuleResidue {
             value: self.value.neg(a.value),
             angle: self.angle.neg(a.angle),
         }
     }
 
-    fn add(&self, a: Residue, b: Residue) -> Residue {
+    fn add(&self, a: RuleResidue, b: RuleResidue) -> RuleResidue {
         if a.is_undefined() || b.is_undefined() {
-            return Residue::UNDEFINED;
+            return RuleResidue::UNDEFINED;
         }
-        Residue {
+        RuleResidue {
             value: self.value.add(a.value, b.value),
             angle: self.angle.add(a.angle, b.angle),
         }
     }
 
-    fn sub(&self, a: Residue, b: Residue) -> Residue {
+    fn sub(&self, a: RuleResidue, b: RuleResidue) -> RuleResidue {
         self.add(a, self.neg(b))
     }
 
-    fn mul(&self, a: Residue, b: Residue) -> Residue {
+    fn mul(&self, a: RuleResidue, b: RuleResidue) -> RuleResidue {
         if a.is_undefined() || b.is_undefined() {
-            return Residue::UNDEFINED;
+            return RuleResidue::UNDEFINED;
         }
-        Residue {
+        RuleResidue {
             value: self.value.mul(a.value, b.value),
             angle: self.angle.mul(a.angle, b.angle),
         }
     }
 
-    fn div(&self, a: Residue, b: Residue) -> Residue {
+    fn div(&self, a: RuleResidue, b: RuleResidue) -> RuleResidue {
         if a.is_undefined() || b.is_undefined() || b.value == 0 || b.angle == 0 {
-            return Residue::UNDEFINED;
+            return RuleResidue::UNDEFINED;
         }
-        Residue {
+        RuleResidue {
             value: self.value.mul(a.value, self.value.invert(b.value)),
             angle: self.angle.mul(a.angle, self.angle.invert(b.angle)),
         }
     }
 
-    fn sin(&self, a: Residue) -> Residue {
+    fn sin(&self, a: RuleResidue) -> RuleResidue {
         if a.is_undefined() {
             return a;
         }
         self.with_angle(match self.circle {
             true => self.circle_point(a.angle)[1],
-            false => self.draw_odd(a.value, Role::Sine),
+            false => self.draw_odd(a.value, RuleDrawRole::Sine),
         })
     }
 
-    fn cos(&self, a: Residue) -> Residue {
+    fn cos(&self, a: RuleResidue) -> RuleResidue {
         if a.is_undefined() {
             return a;
         }
@@ -293,11 +293,11 @@ impl Arithmetic for RuleField {
         self.with_angle(match (self.circle, a.value) {
             (true, _) => self.circle_point(a.angle)[0],
             (false, 0) => self.value.number(1),
-            (false, angle) => self.draw(angle.min(opposite), Role::Cosine),
+            (false, angle) => self.draw(angle.min(opposite), RuleDrawRole::Cosine),
         })
     }
 
-    fn sqrt(&self, a: Residue) -> Residue {
+    fn sqrt(&self, a: RuleResidue) -> RuleResidue {
         if a.is_undefined() {
             return a;
         }
@@ -305,11 +305,11 @@ impl Arithmetic for RuleField {
         let root = self.value.power(a.value, self.value.modulus().div_ceil(4));
         match self.value.mul(root, root) == a.value {
             true => self.with_angle(root),
-            false => Residue::UNDEFINED,
+            false => RuleResidue::UNDEFINED,
         }
     }
 
-    fn fma(&self, a: Residue, b: Residue, c: Residue) -> Residue {
+    fn fma(&self, a: RuleResidue, b: RuleResidue, c: RuleResidue) -> RuleResidue {
         self.add(self.mul(a, b), c)
     }
 }
@@ -317,7 +317,7 @@ impl Arithmetic for RuleField {
 /// A permutation of the 64-bit numbers in which every bit of the argument
 /// reaches every bit of the result.
 fn mix(number: u64) -> u64 {
-    Random::new(number).next()
+    RuleRandom::new(number).next()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::super::pattern::{Pattern, PatternNode};
 use super::super::rule::{Requirement, Rule};
-use super::field::{Residue, RuleField};
+use super::field::{RuleField, RuleResidue};
 use robovec_ir::Operation;
 
 /// Both sides of a rule behind each other, with the fields to judge it in.
@@ -111,7 +111,7 @@ impl<'a> Joined<'a> {
     }
 
     /// All nodes at a point of a field.
-    pub(super) fn values(&self, field: &RuleField) -> Vec<Residue> {
+    pub(super) fn values(&self, field: &RuleField) -> Vec<RuleResidue> {
         let inputs = field.inputs(&self.positive);
         self.pattern.evaluate_all(field, &inputs)
     }

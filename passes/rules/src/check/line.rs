@@ -10,19 +10,19 @@
 //! holds more generally than for real angles and roots.
 
 use super::super::pattern::PatternNode;
-use super::super::random::Random;
-use super::facts::Facts;
-use super::field::{Residue, RuleField};
-use super::polynomial::{Polynomial, common, divide, negative, product, sum, without};
+use super::super::random::RuleRandom;
+use super::facts::NodeFacts;
+use super::field::{RuleField, RuleResidue};
+use super::polynomial::{ModularPolynomial, common, divide, negative, product, sum, without};
 use robovec_ir::Operation;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::field::Modulus;
 
 /// More angles than in any rule that makes sense.
-const MOST_ANGLES: usize = 5;
+const MAX_ANGLES: usize = 5;
 
 /// Numerator and denominator; `None` where they grew too large.
-type Quotient = Option<(Polynomial, Polynomial)>;
+type Quotient = Option<(ModularPolynomial, ModularPolynomial)>;
 
 /// All nodes in each chart.
 pub(super) struct Lines {
@@ -33,7 +33,7 @@ pub(super) struct Lines {
 
 impl Lines {
     /// The nodes of a rule.
-    pub(super) fn of(facts: &Facts<'_>) -> Lines {
+    pub(super) fn of(facts: &NodeFacts<'_>) -> Lines {
         let (field, values) = &facts.points[0];
         let modulus = field.modulus();
         let nodes = &facts.joined.pattern.nodes;
@@ -50,7 +50,7 @@ impl Lines {
         angles.sort_unstable();
         angles.dedup();
         let charts = match angles.len() {
-            count if count <= MOST_ANGLES => 0..count as u64 + 1,
+            count if count <= MAX_ANGLES => 0..count as u64 + 1,
             _ => 0..0,
         };
         Lines {
@@ -63,7 +63,7 @@ impl Lines {
 
     /// True when a node is nowhere zero: when all its factors are factors of
     /// what is known not to be zero.
-    pub(super) fn is_nonzero(&self, facts: &Facts<'_>, node: usize) -> bool {
+    pub(super) fn is_nonzero(&self, facts: &NodeFacts<'_>, node: usize) -> bool {
         !self.charts.is_empty()
             && self.charts.iter().all(|chart| {
                 let Some((numerator, denominator)) = &chart[node] else {
@@ -90,15 +90,15 @@ impl Lines {
 }
 
 /// A line of its own for each thing and number.
-fn line(modulus: Modulus, thing: u64, number: u64) -> Polynomial {
-    let mut random = Random::new(number ^ thing.rotate_left(60));
+fn line(modulus: Modulus, thing: u64, number: u64) -> ModularPolynomial {
+    let mut random = RuleRandom::new(number ^ thing.rotate_left(60));
     vec![modulus.number(random.next()), modulus.number(random.next())]
 }
 
 fn nodes_of_chart(
-    facts: &Facts<'_>,
+    facts: &NodeFacts<'_>,
     field: &RuleField,
-    values: &[Residue],
+    values: &[RuleResidue],
     chart: u64,
 ) -> Vec<Quotient> {
     let modulus = field.modulus();
@@ -152,7 +152,7 @@ fn nodes_of_chart(
     quotients
 }
 
-fn constant(field: &RuleField, number: f64) -> Polynomial {
+fn constant(field: &RuleField, number: f64) -> ModularPolynomial {
     match field.literal(number).value {
         0 => Vec::new(),
         value => vec![value],
@@ -174,7 +174,7 @@ fn wave(modulus: Modulus, operation: Operation, angle: u64, chart: u64) -> Quoti
     let scale = modulus.invert(modulus.add(modulus.number(1), tangent_square));
     let c = vec![modulus.mul(modulus.sub(modulus.number(1), tangent_square), scale)];
     let s = vec![modulus.mul(modulus.add(tangent, tangent), scale)];
-    let mixed = |p: &Polynomial, q: &Polynomial| -> Option<Polynomial> {
+    let mixed = |p: &ModularPolynomial, q: &ModularPolynomial| -> Option<ModularPolynomial> {
         let (first, second) = (product(modulus, p, &cosine)?, product(modulus, q, &sine)?);
         Some(sum(modulus, &first, &second))
     };
@@ -190,11 +190,11 @@ fn wave(modulus: Modulus, operation: Operation, angle: u64, chart: u64) -> Quoti
 fn rational(
     modulus: Modulus,
     operation: Operation,
-    (p, q): &(Polynomial, Polynomial),
-    (r, s): &(Polynomial, Polynomial),
+    (p, q): &(ModularPolynomial, ModularPolynomial),
+    (r, s): &(ModularPolynomial, ModularPolynomial),
 ) -> Quotient {
-    let times = |a: &Polynomial, b: &Polynomial| product(modulus, a, b);
-    let added = |r: &Polynomial| match q == s {
+    let times = |a: &ModularPolynomial, b: &ModularPolynomial| product(modulus, a, b);
+    let added = |r: &ModularPolynomial| match q == s {
         true => Some((sum(modulus, p, r), q.clone())),
         false => Some((sum(modulus, &times(p, s)?, &times(r, q)?), times(q, s)?)),
     };

@@ -42,7 +42,7 @@ mod zeros;
 
 pub use bits::{Note, NoteKind};
 pub use counterexample::Counterexample;
-pub(super) use field::{Residue, RuleField};
+pub(super) use field::{RuleField, RuleResidue};
 pub use proof::{Doubt, Proof};
 
 use super::RuleSet;
@@ -58,7 +58,7 @@ const FEW_TRIALS: usize = 2_000;
 
 /// Whether a rule holds.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Verdict {
+pub enum RuleVerdict {
     /// Equal over the reals wherever the left side is defined.
     Proved(Proof),
     /// Refuted.
@@ -71,7 +71,7 @@ pub enum Verdict {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Finding {
     /// Whether it holds.
-    pub verdict: Verdict,
+    pub verdict: RuleVerdict,
     /// What it does to numbers, as found; that of the declaration when the
     /// rule is not proved.
     pub class: NumericClass,
@@ -85,7 +85,7 @@ pub struct Finding {
 impl Finding {
     /// True when a pass may use the rule.
     pub fn is_sound(&self) -> bool {
-        matches!(self.verdict, Verdict::Proved(_))
+        matches!(self.verdict, RuleVerdict::Proved(_))
     }
 
     /// True when the rule keeps what its author declares.
@@ -100,23 +100,23 @@ pub fn check(rule: &Rule, trials: usize) -> Finding {
     let mut verdict = proof::verdict(rule);
     let trials = match verdict {
         // What a false rule does to bits is of little interest.
-        Verdict::False(_) => trials.min(FEW_TRIALS),
+        RuleVerdict::False(_) => trials.min(FEW_TRIALS),
         _ => trials,
     };
     let mut bits = bits::try_bits(rule, trials);
-    if let (Verdict::Proved(_), true) = (&verdict, bits.equal == 0.0) {
-        verdict = Verdict::Unproved(Doubt::Bits);
+    if let (RuleVerdict::Proved(_), true) = (&verdict, bits.equal == 0.0) {
+        verdict = RuleVerdict::Unproved(Doubt::Bits);
     }
     let mut class = match &verdict {
-        Verdict::Proved(proof) if proof.circle => NumericClass::RealTrig,
-        Verdict::Proved(_) => NumericClass::Real,
-        Verdict::False(_) | Verdict::Unproved(_) => rule.class,
+        RuleVerdict::Proved(proof) if proof.circle => NumericClass::RealTrig,
+        RuleVerdict::Proved(_) => NumericClass::Real,
+        RuleVerdict::False(_) | RuleVerdict::Unproved(_) => rule.class,
     };
-    if let Verdict::False(_) = verdict {
+    if let RuleVerdict::False(_) = verdict {
         // What it does to zeros is then of no interest.
         bits.notes.clear();
     }
-    if class == NumericClass::Real && bits.exact && matches!(verdict, Verdict::Proved(_)) {
+    if class == NumericClass::Real && bits.exact && matches!(verdict, RuleVerdict::Proved(_)) {
         class = NumericClass::Exact;
     }
     Finding {
@@ -160,7 +160,7 @@ pub fn diagnose(rule: &Rule, finding: &Finding) -> Option<Diagnostic> {
     let sides = places.left.start.min(places.right.start)..places.left.end.max(places.right.end);
     let name = &rule.name;
     match &finding.verdict {
-        Verdict::False(found) => {
+        RuleVerdict::False(found) => {
             let diagnostic = Diagnostic::error()
                 .with_message(format!("the rule '{name}' is false"))
                 .with_labels(vec![label(&sides).with_message(found.to_string())]);
@@ -171,13 +171,13 @@ pub fn diagnose(rule: &Rule, finding: &Finding) -> Option<Diagnostic> {
             };
             Some(diagnostic.with_note(advice))
         }
-        Verdict::Unproved(doubt) => Some(
+        RuleVerdict::Unproved(doubt) => Some(
             Diagnostic::error()
                 .with_message(format!("the rule '{name}' is neither proved nor refuted"))
                 .with_labels(vec![label(&sides).with_message(doubt.to_string())])
                 .with_note("no pass uses it"),
         ),
-        Verdict::Proved(_) if finding.class > rule.class => Some(
+        RuleVerdict::Proved(_) if finding.class > rule.class => Some(
             Diagnostic::error()
                 .with_message(format!("the rule '{name}' is true, but not {}", rule.class))
                 .with_labels(vec![
@@ -185,6 +185,6 @@ pub fn diagnose(rule: &Rule, finding: &Finding) -> Option<Diagnostic> {
                 ])
                 .with_note("passes use it with the class that was found"),
         ),
-        Verdict::Proved(_) => None,
+        RuleVerdict::Proved(_) => None,
     }
 }

@@ -2,15 +2,15 @@
 
 use super::super::pattern::{Pattern, PatternNode};
 use super::super::rule::Rule;
-use super::ball::Ball;
-use super::field::{Residue, RuleField};
+use super::ball::ScaledBall;
+use super::field::{RuleField, RuleResidue};
 use robovec_ir::Operation;
 
 /// What a side is at a point.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) enum Outcome {
+pub(super) enum SideValue {
     /// The numbers of all nodes.
-    Defined(Vec<Ball>),
+    Defined(Vec<ScaledBall>),
     /// Some operation is not defined for certain: a division by zero, the
     /// root of a negative number.
     Undefined,
@@ -18,34 +18,34 @@ pub(super) enum Outcome {
     Unknown,
 }
 
-impl Outcome {
+impl SideValue {
     /// The numbers of all nodes, where they are defined.
-    pub(super) fn numbers(self) -> Option<Vec<Ball>> {
+    pub(super) fn numbers(self) -> Option<Vec<ScaledBall>> {
         match self {
-            Outcome::Defined(numbers) => Some(numbers),
-            Outcome::Undefined | Outcome::Unknown => None,
+            SideValue::Defined(numbers) => Some(numbers),
+            SideValue::Undefined | SideValue::Unknown => None,
         }
     }
 
     /// The value of the whole side.
-    pub(super) fn value(self) -> Option<Ball> {
+    pub(super) fn value(self) -> Option<ScaledBall> {
         self.numbers()?.last().copied()
     }
 }
 
 /// A point of the reals.
 #[derive(Clone, Debug)]
-pub(super) struct Place {
+pub(super) struct RealPoint {
     /// The variables.
     pub(super) values: Vec<f64>,
     /// How far each variable can be from its value.
     pub(super) radii: Vec<f64>,
 }
 
-impl Place {
+impl RealPoint {
     /// Exactly these numbers.
-    pub(super) fn exactly(values: Vec<f64>) -> Place {
-        Place {
+    pub(super) fn exactly(values: Vec<f64>) -> RealPoint {
+        RealPoint {
             radii: vec![0.0; values.len()],
             values,
         }
@@ -66,8 +66,8 @@ impl Place {
 
 /// Evaluates a pattern in balls. Whether a number that can be zero is zero is
 /// decided by two prime fields.
-pub(super) fn evaluate(pattern: &Pattern, place: &Place, fields: &[RuleField; 2]) -> Outcome {
-    let mut numbers: Vec<Ball> = Vec::with_capacity(pattern.nodes.len());
+pub(super) fn evaluate(pattern: &Pattern, place: &RealPoint, fields: &[RuleField; 2]) -> SideValue {
+    let mut numbers: Vec<ScaledBall> = Vec::with_capacity(pattern.nodes.len());
     let mut zeros = Zeros {
         pattern,
         place,
@@ -78,22 +78,22 @@ pub(super) fn evaluate(pattern: &Pattern, place: &Place, fields: &[RuleField; 2]
         let number = match *node {
             PatternNode::Variable(variable) => {
                 let variable = variable as usize;
-                Ball::between(place.values[variable], place.radii[variable])
+                ScaledBall::between(place.values[variable], place.radii[variable])
             }
-            PatternNode::Number(number) => Ball::exact(number),
+            PatternNode::Number(number) => ScaledBall::exact(number),
             PatternNode::Operation(operation, [first, second]) => {
                 let (a, b) = (numbers[first as usize], numbers[second as usize]);
                 match operation {
                     Operation::Div => match a.over(b) {
                         Some(quotient) => quotient,
-                        None if zeros.is_zero(second) => return Outcome::Undefined,
-                        None => return Outcome::Unknown,
+                        None if zeros.is_zero(second) => return SideValue::Undefined,
+                        None => return SideValue::Unknown,
                     },
                     Operation::Sqrt => match a.sign() {
                         1 => a.root(),
-                        0 if zeros.is_zero(first) => Ball::exact(0.0),
-                        0 => return Outcome::Unknown,
-                        _ => return Outcome::Undefined,
+                        0 if zeros.is_zero(first) => ScaledBall::exact(0.0),
+                        0 => return SideValue::Unknown,
+                        _ => return SideValue::Undefined,
                     },
                     _ => total(operation, a, b),
                 }
@@ -101,11 +101,11 @@ pub(super) fn evaluate(pattern: &Pattern, place: &Place, fields: &[RuleField; 2]
         };
         numbers.push(number);
     }
-    Outcome::Defined(numbers)
+    SideValue::Defined(numbers)
 }
 
 /// An operation that is defined everywhere.
-fn total(operation: Operation, a: Ball, b: Ball) -> Ball {
+fn total(operation: Operation, a: ScaledBall, b: ScaledBall) -> ScaledBall {
     match operation {
         Operation::Neg => a.negative(),
         Operation::Add => a.plus(b),
@@ -122,9 +122,9 @@ fn total(operation: Operation, a: Ball, b: Ball) -> Ball {
 /// Decides which nodes are exactly zero, when that is first asked.
 struct Zeros<'a> {
     pattern: &'a Pattern,
-    place: &'a Place,
+    place: &'a RealPoint,
     fields: &'a [RuleField; 2],
-    residues: Option<[Vec<Residue>; 2]>,
+    residues: Option<[Vec<RuleResidue>; 2]>,
 }
 
 impl Zeros<'_> {
@@ -139,7 +139,7 @@ impl Zeros<'_> {
             self.fields.map(|field| {
                 use robovec_num::arithmetic::Arithmetic;
                 let literal = |&value: &f64| field.literal(value);
-                let inputs: Vec<Residue> = self.place.values.iter().map(literal).collect();
+                let inputs: Vec<RuleResidue> = self.place.values.iter().map(literal).collect();
                 self.pattern.evaluate_all(&field, &inputs)
             })
         });

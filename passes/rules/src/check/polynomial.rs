@@ -11,27 +11,35 @@ use robovec_num::field::Modulus;
 const HIGHEST: usize = 96;
 
 /// A polynomial: coefficients from the constant one up, without zeros behind.
-pub(super) type Polynomial = Vec<u64>;
+pub(super) type ModularPolynomial = Vec<u64>;
 
-fn trimmed(mut polynomial: Polynomial) -> Polynomial {
+fn trimmed(mut polynomial: ModularPolynomial) -> ModularPolynomial {
     while polynomial.last() == Some(&0) {
         polynomial.pop();
     }
     polynomial
 }
 
-pub(super) fn sum(modulus: Modulus, a: &Polynomial, b: &Polynomial) -> Polynomial {
-    let at = |polynomial: &Polynomial, index| polynomial.get(index).copied().unwrap_or(0);
+pub(super) fn sum(
+    modulus: Modulus,
+    a: &ModularPolynomial,
+    b: &ModularPolynomial,
+) -> ModularPolynomial {
+    let at = |polynomial: &ModularPolynomial, index| polynomial.get(index).copied().unwrap_or(0);
     let terms = (0..a.len().max(b.len())).map(|index| modulus.add(at(a, index), at(b, index)));
     trimmed(terms.collect())
 }
 
-pub(super) fn negative(modulus: Modulus, a: &Polynomial) -> Polynomial {
+pub(super) fn negative(modulus: Modulus, a: &ModularPolynomial) -> ModularPolynomial {
     a.iter().map(|&number| modulus.neg(number)).collect()
 }
 
 /// The product; `None` beyond the largest degree.
-pub(super) fn product(modulus: Modulus, a: &Polynomial, b: &Polynomial) -> Option<Polynomial> {
+pub(super) fn product(
+    modulus: Modulus,
+    a: &ModularPolynomial,
+    b: &ModularPolynomial,
+) -> Option<ModularPolynomial> {
     if a.is_empty() || b.is_empty() {
         return Some(Vec::new());
     }
@@ -49,7 +57,11 @@ pub(super) fn product(modulus: Modulus, a: &Polynomial, b: &Polynomial) -> Optio
 }
 
 /// Quotient and remainder by a divisor that is not zero.
-pub(super) fn divide(modulus: Modulus, a: &Polynomial, b: &Polynomial) -> (Polynomial, Polynomial) {
+pub(super) fn divide(
+    modulus: Modulus,
+    a: &ModularPolynomial,
+    b: &ModularPolynomial,
+) -> (ModularPolynomial, ModularPolynomial) {
     let mut rest = a.clone();
     let Some(extra) = (a.len() + 1)
         .checked_sub(b.len())
@@ -71,7 +83,11 @@ pub(super) fn divide(modulus: Modulus, a: &Polynomial, b: &Polynomial) -> (Polyn
 }
 
 /// A greatest common divisor.
-pub(super) fn common(modulus: Modulus, a: &Polynomial, b: &Polynomial) -> Polynomial {
+pub(super) fn common(
+    modulus: Modulus,
+    a: &ModularPolynomial,
+    b: &ModularPolynomial,
+) -> ModularPolynomial {
     let (mut a, mut b) = (a.clone(), b.clone());
     while !b.is_empty() {
         let (_, rest) = divide(modulus, &a, &b);
@@ -83,7 +99,11 @@ pub(super) fn common(modulus: Modulus, a: &Polynomial, b: &Polynomial) -> Polyno
 
 /// What is left of a polynomial when all factors that it shares with another
 /// are taken out, as often as they occur.
-pub(super) fn without(modulus: Modulus, a: &Polynomial, factors: &Polynomial) -> Polynomial {
+pub(super) fn without(
+    modulus: Modulus,
+    a: &ModularPolynomial,
+    factors: &ModularPolynomial,
+) -> ModularPolynomial {
     let mut left = a.clone();
     loop {
         let shared = common(modulus, &left, factors);
@@ -96,14 +116,14 @@ pub(super) fn without(modulus: Modulus, a: &Polynomial, factors: &Polynomial) ->
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::Random;
+    use super::super::super::random::RuleRandom;
     use super::super::primes::primes;
     use super::*;
 
     #[test]
     fn factors_are_found_and_taken_out() {
-        let modulus = Modulus::new(primes(&mut Random::new(4)).0);
-        let plain = |numbers: &[u64]| -> Polynomial {
+        let modulus = Modulus::new(primes(&mut RuleRandom::new(4)).0);
+        let plain = |numbers: &[u64]| -> ModularPolynomial {
             numbers
                 .iter()
                 .map(|&number| modulus.number(number))
@@ -111,7 +131,8 @@ mod tests {
         };
         // (x + 2)^2 (x + 3), and (x + 2)(x + 5).
         let (two, three, five) = (plain(&[2, 1]), plain(&[3, 1]), plain(&[5, 1]));
-        let times = |a: &Polynomial, b: &Polynomial| product(modulus, a, b).expect("small");
+        let times =
+            |a: &ModularPolynomial, b: &ModularPolynomial| product(modulus, a, b).expect("small");
         let first = times(&times(&two, &two), &three);
         let second = times(&two, &five);
         let shared = common(modulus, &first, &second);
@@ -125,7 +146,7 @@ mod tests {
         assert_eq!(quotient, times(&two, &three));
         assert_eq!(
             sum(modulus, &two, &negative(modulus, &two)),
-            Polynomial::new()
+            ModularPolynomial::new()
         );
         assert_eq!(without(modulus, &five, &first), five);
     }

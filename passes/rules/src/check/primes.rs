@@ -11,14 +11,14 @@
 //!   those of order `r` stand for angles: multiplication by any rational
 //!   number whose denominator `r` does not divide has an inverse there.
 
-use super::super::random::Random;
+use super::super::random::RuleRandom;
 use robovec_num::field::is_prime;
 
 /// What divides `p + 1` beside `r`.
 pub(super) const COFACTOR: u64 = 2_042_040;
 
 /// Draws primes `p = 2042040 r - 1` and `r`, `p` between 2⁶⁰ and 2⁶¹.
-pub(super) fn primes(random: &mut Random) -> (u64, u64) {
+pub(super) fn primes(random: &mut RuleRandom) -> (u64, u64) {
     let (lowest, highest) = ((1 << 60) / COFACTOR + 1, (1u64 << 61) / COFACTOR);
     loop {
         let factor = (lowest + random.next() % (highest - lowest)) | 1;
@@ -36,7 +36,7 @@ mod tests {
 
     #[test]
     fn primes_have_the_form_that_rules_need() {
-        let mut random = Random::new(1);
+        let mut random = RuleRandom::new(1);
         for _ in 0..20 {
             let (prime, factor) = primes(&mut random);
             assert_eq!(prime + 1, COFACTOR * factor);

@@ -2,20 +2,20 @@
 
 use super::super::rule::Rule;
 use super::agree::{Agreement, agree};
-use super::ball::Ball;
+use super::ball::ScaledBall;
 use super::counterexample::{Counterexample, compare, search, smallest};
-use super::facts::Facts;
+use super::facts::NodeFacts;
 use super::joined::Joined;
-use super::point::{Place, evaluate};
-use super::states::States;
-use super::{Verdict, domain};
+use super::point::{RealPoint, evaluate};
+use super::states::RulePoints;
+use super::{RuleVerdict, domain};
 use robovec_ir::Operation;
 use std::fmt;
 
 /// States at which numbers are compared.
 const STATES: u32 = 64;
 /// States tried for those at which both sides are defined.
-const MOST_TRIED: u32 = 1_024;
+const MAX_TRIED: u32 = 1_024;
 /// With fewer states nothing is proved.
 const FEWEST: u32 = 8;
 /// Real points that tell signs.
@@ -87,13 +87,13 @@ impl fmt::Display for Doubt {
 }
 
 /// Proves or refutes a rule in each of its directions.
-pub(super) fn verdict(rule: &Rule) -> Verdict {
+pub(super) fn verdict(rule: &Rule) -> RuleVerdict {
     let mut verdicts = rule
         .directed()
         .into_iter()
         .enumerate()
         .map(|(index, rule)| match one_way(&Joined::new(&rule)) {
-            Verdict::False(found) => Verdict::False(Counterexample {
+            RuleVerdict::False(found) => RuleVerdict::False(Counterexample {
                 backwards: index > 0,
                 ..found
             }),
@@ -101,10 +101,10 @@ pub(super) fn verdict(rule: &Rule) -> Verdict {
         });
     let first = verdicts.next().expect("a rule has a direction");
     verdicts.fold(first, |first, second| match (&first, &second) {
-        (Verdict::False(_), _) => first,
-        (_, Verdict::False(_)) | (Verdict::Proved(_), Verdict::Unproved(_)) => second,
-        (Verdict::Unproved(_), _) => first,
-        (Verdict::Proved(one), Verdict::Proved(two)) => Verdict::Proved(Proof {
+        (RuleVerdict::False(_), _) => first,
+        (_, RuleVerdict::False(_)) | (RuleVerdict::Proved(_), RuleVerdict::Unproved(_)) => second,
+        (RuleVerdict::Unproved(_), _) => first,
+        (RuleVerdict::Proved(one), RuleVerdict::Proved(two)) => RuleVerdict::Proved(Proof {
             circle: one.circle || two.circle,
             points: one.points.min(two.points),
             states: one.states.min(two.states),
@@ -113,18 +113,18 @@ pub(super) fn verdict(rule: &Rule) -> Verdict {
     })
 }
 
-fn one_way(joined: &Joined<'_>) -> Verdict {
+fn one_way(joined: &Joined<'_>) -> RuleVerdict {
     let doubt = match prove(joined) {
-        Ok(proof) => return Verdict::Proved(proof),
+        Ok(proof) => return RuleVerdict::Proved(proof),
         // Small numbers say more to people than those that were met first.
         Err(Refusal::Refuted(found)) => {
-            return Verdict::False(smallest(joined).unwrap_or(found));
+            return RuleVerdict::False(smallest(joined).unwrap_or(found));
         }
         Err(Refusal::Doubted(doubt)) => doubt,
     };
     match search(joined) {
-        Some(found) => Verdict::False(found),
-        None => Verdict::Unproved(doubt),
+        Some(found) => RuleVerdict::False(found),
+        None => RuleVerdict::Unproved(doubt),
     }
 }
 
@@ -151,7 +151,7 @@ fn prove(joined: &Joined<'_>) -> Result<Proof, Refusal> {
     let partial = with_roots || joined.uses(Operation::Div, joined.left..all);
     let mut found = first;
     if partial {
-        let mut facts = Facts::of(joined, &reals)?;
+        let mut facts = NodeFacts::of(joined, &reals)?;
         domain::prove(&mut facts).map_err(|operand| {
             let operand = joined.part(operand).to_text(&joined.rule.variables);
             Doubt::Domain(operand)
@@ -185,16 +185,16 @@ fn same_function(joined: &Joined<'_>, signs: &[(usize, i32)]) -> Result<(bool, u
 
 /// Compares numbers at states: all nodes at some of them, how many there
 /// were, and the largest distance.
-fn same_numbers(joined: &Joined<'_>) -> Result<(Vec<Vec<Ball>>, u32, f64), Refusal> {
+fn same_numbers(joined: &Joined<'_>) -> Result<(Vec<Vec<ScaledBall>>, u32, f64), Refusal> {
     let rule = joined.rule;
-    let mut states = States::of(rule, 7);
+    let mut states = RulePoints::of(rule, 7);
     let (mut reals, mut seen, mut distance) = (Vec::new(), 0, 0f64);
     let (wanted, tried) = match rule.variables.is_empty() {
         true => (1, 1),
-        false => (STATES, MOST_TRIED),
+        false => (STATES, MAX_TRIED),
     };
     for _ in 0..tried {
-        let place = Place::exactly(states.next());
+        let place = RealPoint::exactly(states.next());
         if let Some(found) = compare(joined, &place) {
             return Err(Refusal::Refuted(found));
         }
@@ -220,7 +220,7 @@ fn same_numbers(joined: &Joined<'_>) -> Result<(Vec<Vec<Ball>>, u32, f64), Refus
 }
 
 /// A bound of the distance of two sides by the largest of all numbers.
-fn apart(left: &[Ball], right: &[Ball]) -> f64 {
+fn apart(left: &[ScaledBall], right: &[ScaledBall]) -> f64 {
     let largest = left
         .iter()
         .chain(right)

@@ -3,23 +3,23 @@
 //! them, and where variables are equal or opposite.
 
 use super::super::pattern::{Pattern, PatternNode};
-use super::super::random::Random;
+use super::super::random::RuleRandom;
 use super::super::rule::{Requirement, Rule};
 
 /// Draws points for a rule.
-pub(super) struct States<'a> {
+pub(super) struct RulePoints<'a> {
     rule: &'a Rule,
-    random: Random,
+    random: RuleRandom,
     /// The numbers that stand in the rule, without zero.
     numbers: Vec<f64>,
 }
 
-impl<'a> States<'a> {
+impl<'a> RulePoints<'a> {
     /// Points for a rule, others for another seed.
-    pub(super) fn of(rule: &'a Rule, seed: u64) -> States<'a> {
-        States {
+    pub(super) fn of(rule: &'a Rule, seed: u64) -> RulePoints<'a> {
+        RulePoints {
             rule,
-            random: Random::new(seed),
+            random: RuleRandom::new(seed),
             numbers: numbers(&[&rule.left, &rule.right]),
         }
     }

@@ -11,11 +11,11 @@ fn found(text: &str) -> Finding {
     check(&rule(text), 2_000)
 }
 
-impl Verdict {
+impl RuleVerdict {
     /// The number that may be zero or negative.
     fn doubt(&self) -> &str {
         match self {
-            Verdict::Unproved(Doubt::Domain(operand)) => operand,
+            RuleVerdict::Unproved(Doubt::Domain(operand)) => operand,
             other => panic!("{other:?}"),
         }
     }
@@ -23,7 +23,7 @@ impl Verdict {
 
 fn refutation(text: &str) -> String {
     match found(text).verdict {
-        Verdict::False(found) => found.to_string(),
+        RuleVerdict::False(found) => found.to_string(),
         other => panic!("{text}: {other:?}"),
     }
 }
@@ -125,7 +125,7 @@ fn the_circle_is_told_from_the_plane() {
         "sin(a + b)/(cos(a)*cos(b)) => sin(a)/cos(a) + sin(b)/cos(b)",
     ] {
         let finding = found(text);
-        let Verdict::Proved(proof) = finding.verdict else {
+        let RuleVerdict::Proved(proof) = finding.verdict else {
             panic!("{text}: {finding:?}");
         };
         assert!(proof.circle, "{text}");
@@ -151,13 +151,13 @@ fn the_circle_is_told_from_the_plane() {
 fn what_is_not_known_is_not_proved() {
     // It is true: where the left side is defined a is at least 2.
     let finding = found("sqrt((a - 1)*(a - 1)) + 0*sqrt(a - 2) => a - 1");
-    assert_eq!(finding.verdict, Verdict::Unproved(Doubt::Fields));
+    assert_eq!(finding.verdict, RuleVerdict::Unproved(Doubt::Fields));
     assert!(!finding.is_sound());
     // The left side is defined nowhere, and at one point only.
     for text in ["1/(a - a) => 5", "sqrt(-(a*a)) => 5*a"] {
         let verdict = found(text).verdict;
         assert!(
-            matches!(verdict, Verdict::Unproved(_)),
+            matches!(verdict, RuleVerdict::Unproved(_)),
             "{text}: {verdict:?}"
         );
     }
@@ -331,10 +331,10 @@ fn bits_decide_the_class() {
 #[test]
 fn without_any_equal_bits_nothing_is_proved() {
     let finding = found("1 + 1e300 - 1e300 => 1");
-    assert_eq!(finding.verdict, Verdict::Unproved(Doubt::Bits));
+    assert_eq!(finding.verdict, RuleVerdict::Unproved(Doubt::Bits));
     assert_eq!(finding.equal_bits, 0.0);
     let finding = found("sqrt(2)*sqrt(3) => sqrt(6)");
-    assert_eq!(finding.verdict, Verdict::Unproved(Doubt::Bits));
+    assert_eq!(finding.verdict, RuleVerdict::Unproved(Doubt::Bits));
     // Out of the reach of binary32.
     let finding = found("a*1e60*b => a*b*1e60");
     assert!(

@@ -4,22 +4,22 @@
 use super::super::pattern::{Pattern, PatternNode};
 use super::counterexample::{Counterexample, compare, hole};
 use super::joined::Joined;
-use super::point::{Outcome, Place, evaluate};
-use super::states::{States, numbers};
+use super::point::{RealPoint, SideValue, evaluate};
+use super::states::{RulePoints, numbers};
 use robovec_ir::Operation;
 
 /// Points from which the lines along the axes start.
 const BASES: usize = 4;
 /// Nodes looked at at most.
-const MOST_NODES: usize = 24;
+const MAX_NODES: usize = 24;
 /// Lines searched at most.
-const MOST_LINES: usize = 160;
+const MAX_LINES: usize = 160;
 
 /// Looks for zeros of the nodes that matter along the axes, and tries the
 /// rule there, on both sides of them and further away.
 pub(super) fn search(joined: &Joined<'_>) -> Option<Counterexample> {
     let rule = joined.rule;
-    let mut states = States::of(rule, 5);
+    let mut states = RulePoints::of(rule, 5);
     let count = rule.variables.len();
     let bases: Vec<Vec<f64>> = (0..BASES)
         .map(|base| match base {
@@ -35,10 +35,10 @@ pub(super) fn search(joined: &Joined<'_>) -> Option<Counterexample> {
         for &variable in &used {
             for base in &bases {
                 lines += 1;
-                if lines > MOST_LINES {
+                if lines > MAX_LINES {
                     return None;
                 }
-                let line = Line {
+                let line = AxisLine {
                     joined,
                     target: &target,
                     variable: variable as usize,
@@ -54,7 +54,7 @@ pub(super) fn search(joined: &Joined<'_>) -> Option<Counterexample> {
 }
 
 /// A node to find zeros of.
-struct Target {
+struct ZeroTarget {
     part: Pattern,
     /// The divisor of the right side that is zero where the node is.
     divisor: Option<Pattern>,
@@ -62,9 +62,9 @@ struct Target {
 
 /// Factors of the divisors of the right side first, then what is under roots,
 /// then sums.
-fn targets(joined: &Joined<'_>) -> Vec<Target> {
+fn targets(joined: &Joined<'_>) -> Vec<ZeroTarget> {
     let all = joined.pattern.nodes.len();
-    let mut targets: Vec<Target> = Vec::new();
+    let mut targets: Vec<ZeroTarget> = Vec::new();
     let mut seen = vec![false; all];
     for [_, divisor] in joined.operands(Operation::Div, joined.left..all) {
         let mut stack = vec![divisor];
@@ -80,7 +80,7 @@ fn targets(joined: &Joined<'_>) -> Vec<Target> {
                 ) => stack.push(a as usize),
                 _ => {
                     seen[node] = true;
-                    targets.push(Target {
+                    targets.push(ZeroTarget {
                         part: joined.part(node),
                         divisor: Some(joined.part(divisor)),
                     });
@@ -98,13 +98,13 @@ fn targets(joined: &Joined<'_>) -> Vec<Target> {
     });
     for node in radicands.into_iter().chain(sums) {
         if !std::mem::replace(&mut seen[node], true) {
-            targets.push(Target {
+            targets.push(ZeroTarget {
                 part: joined.part(node),
                 divisor: None,
             });
         }
     }
-    targets.truncate(MOST_NODES);
+    targets.truncate(MAX_NODES);
     targets
 }
 
@@ -128,16 +128,16 @@ fn grid(joined: &Joined<'_>) -> Vec<f64> {
 }
 
 /// A line along the axis of a variable.
-struct Line<'a> {
+struct AxisLine<'a> {
     joined: &'a Joined<'a>,
-    target: &'a Target,
+    target: &'a ZeroTarget,
     variable: usize,
     base: &'a [f64],
 }
 
-impl Line<'_> {
-    fn place(&self, value: f64, radius: f64) -> Place {
-        let mut place = Place::exactly(self.base.to_vec());
+impl AxisLine<'_> {
+    fn place(&self, value: f64, radius: f64) -> RealPoint {
+        let mut place = RealPoint::exactly(self.base.to_vec());
         place.values[self.variable] = value;
         place.radii[self.variable] = radius;
         place
@@ -147,8 +147,8 @@ impl Line<'_> {
     fn sign(&self, value: f64) -> Option<i32> {
         let place = self.place(value, 0.0);
         match evaluate(&self.target.part, &place, &self.joined.fields) {
-            Outcome::Defined(numbers) => numbers.last().map(|number| number.sign()),
-            Outcome::Undefined | Outcome::Unknown => None,
+            SideValue::Defined(numbers) => numbers.last().map(|number| number.sign()),
+            SideValue::Undefined | SideValue::Unknown => None,
         }
     }
 
@@ -221,7 +221,7 @@ impl Line<'_> {
         let place = self.place(low, (high - low) * 1.01);
         let defined = [&self.target.part, divisor].iter().all(|part| {
             let outcome = evaluate(part, &place, &self.joined.fields);
-            matches!(outcome, Outcome::Defined(_))
+            matches!(outcome, SideValue::Defined(_))
         });
         if defined {
             hole(self.joined, &place)

@@ -5,7 +5,7 @@
 //! other term of that value is one side of a candidate, the representative the
 //! other; whether they are equal is then proved like any rule.
 
-use super::super::check::{Residue, RuleField};
+use super::super::check::{RuleField, RuleResidue};
 use super::super::pattern::{Pattern, PatternNode, apply};
 use hashbrown::HashMap;
 use robovec_ir::Operation::{self, Add, Cos, Mul, Sin, Sub};
@@ -13,7 +13,7 @@ use robovec_num::arithmetic::Arithmetic;
 
 /// Which terms are tried.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Space {
+pub struct TermSpace {
     /// Operations of a term, at most.
     pub operations: u32,
     /// Variables besides an angle.
@@ -26,9 +26,9 @@ pub struct Space {
     pub budget: usize,
 }
 
-impl Default for Space {
-    fn default() -> Space {
-        Space {
+impl Default for TermSpace {
+    fn default() -> TermSpace {
+        TermSpace {
             operations: 4,
             variables: 3,
             numbers: Vec::new(),
@@ -44,21 +44,21 @@ const POINTS: usize = 4;
 /// Selects the fields.
 const SEED: u64 = 1;
 
-type Fingerprint = [Residue; POINTS];
+type TermFingerprint = [RuleResidue; POINTS];
 
-fn key(fingerprint: &Fingerprint) -> [u64; POINTS] {
+fn key(fingerprint: &TermFingerprint) -> [u64; POINTS] {
     fingerprint.map(|number| number.value)
 }
 
 /// Two terms of equal value; the first one is the larger.
-pub(super) struct Candidate {
+pub(super) struct RuleCandidate {
     pub(super) left: Pattern,
     pub(super) right: Pattern,
 }
 
 /// What was tried.
 pub(super) struct Enumeration {
-    pub(super) candidates: Vec<Candidate>,
+    pub(super) candidates: Vec<RuleCandidate>,
     /// Terms tried.
     pub(super) tried: usize,
     /// Terms of different value.
@@ -69,17 +69,17 @@ pub(super) struct Enumeration {
 
 /// A term: a leaf or an operation on earlier terms.
 #[derive(Clone, Copy)]
-enum Term {
+enum EnumeratedTerm {
     Leaf(PatternNode),
     /// A sine or cosine of a variable.
     Turn(Operation, u32),
     Operation(Operation, [u32; 2]),
 }
 
-struct Terms {
+struct EnumeratedTerms {
     fields: Vec<RuleField>,
-    terms: Vec<Term>,
-    values: Vec<Fingerprint>,
+    terms: Vec<EnumeratedTerm>,
+    values: Vec<TermFingerprint>,
     /// By value: what a value is as an angle is of no interest here.
     known: HashMap<[u64; POINTS], u32>,
     /// Representatives by number of operations.
@@ -87,9 +87,9 @@ struct Terms {
 }
 
 /// Tries all terms of a space, in a fixed order.
-pub(super) fn enumerate(space: &Space) -> Enumeration {
+pub(super) fn enumerate(space: &TermSpace) -> Enumeration {
     let pair = RuleField::pair(SEED).map(|field| field.on_circle(space.trigonometric));
-    let mut terms = Terms {
+    let mut terms = EnumeratedTerms {
         fields: (0..POINTS)
             .map(|point| pair[point % 2].at(point as u64))
             .collect(),
@@ -116,48 +116,51 @@ pub(super) fn enumerate(space: &Space) -> Enumeration {
     enumeration
 }
 
-impl Terms {
-    fn leaves(&mut self, space: &Space) {
+impl EnumeratedTerms {
+    fn leaves(&mut self, space: &TermSpace) {
         let count = (space.variables + u32::from(space.trigonometric)) as usize;
-        let points: Vec<Vec<Residue>> = self
+        let points: Vec<Vec<RuleResidue>> = self
             .fields
             .iter()
             .map(|field| field.inputs(&vec![false; count]))
             .collect();
-        let at = |variable: u32| -> Fingerprint {
+        let at = |variable: u32| -> TermFingerprint {
             std::array::from_fn(|point| points[point][variable as usize])
         };
         // Nothing is built from zero: known rules remove it again.
         let zero = std::array::from_fn(|point| self.fields[point].literal(0.0));
-        self.push(Term::Leaf(PatternNode::Number(0.0)), zero);
+        self.push(EnumeratedTerm::Leaf(PatternNode::Number(0.0)), zero);
         for variable in 0..space.variables {
-            self.leaf(Term::Leaf(PatternNode::Variable(variable)), at(variable));
+            self.leaf(
+                EnumeratedTerm::Leaf(PatternNode::Variable(variable)),
+                at(variable),
+            );
         }
         for &number in &space.numbers {
             let value = std::array::from_fn(|point| self.fields[point].literal(number));
-            self.leaf(Term::Leaf(PatternNode::Number(number)), value);
+            self.leaf(EnumeratedTerm::Leaf(PatternNode::Number(number)), value);
         }
         if space.trigonometric {
             let angle = at(space.variables);
             for turn in [Sin, Cos] {
                 let value = self.apply(turn, [angle, angle]);
-                self.leaf(Term::Turn(turn, space.variables), value);
+                self.leaf(EnumeratedTerm::Turn(turn, space.variables), value);
             }
         }
     }
 
-    fn leaf(&mut self, term: Term, value: Fingerprint) {
+    fn leaf(&mut self, term: EnumeratedTerm, value: TermFingerprint) {
         if let Some(index) = self.push(term, value) {
             self.levels[0].push(index);
         }
     }
 
-    fn apply(&self, operation: Operation, [a, b]: [Fingerprint; 2]) -> Fingerprint {
+    fn apply(&self, operation: Operation, [a, b]: [TermFingerprint; 2]) -> TermFingerprint {
         std::array::from_fn(|point| apply(&self.fields[point], operation, a[point], b[point]))
     }
 
     /// Adds a term unless one of its value is known.
-    fn push(&mut self, term: Term, value: Fingerprint) -> Option<u32> {
+    fn push(&mut self, term: EnumeratedTerm, value: TermFingerprint) -> Option<u32> {
         let key = key(&value);
         if self.known.contains_key(&key) {
             return None;
@@ -192,13 +195,13 @@ impl Terms {
                     enumeration.tried += 1;
                     let operands = [self.values[a as usize], self.values[b as usize]];
                     let value = self.apply(operation, operands);
-                    let term = Term::Operation(operation, [a, b]);
+                    let term = EnumeratedTerm::Operation(operation, [a, b]);
                     if let Some(index) = self.push(term, value) {
                         self.levels[first + second + 1].push(index);
                         continue;
                     }
                     let same = self.known[&key(&value)];
-                    enumeration.candidates.push(Candidate {
+                    enumeration.candidates.push(RuleCandidate {
                         left: self.pattern(term),
                         right: self.pattern(self.terms[same as usize]),
                     });
@@ -209,28 +212,28 @@ impl Terms {
     }
 
     /// A term written out.
-    fn pattern(&self, root: Term) -> Pattern {
-        enum Step {
-            Write(Term),
+    fn pattern(&self, root: EnumeratedTerm) -> Pattern {
+        enum WritingStep {
+            Write(EnumeratedTerm),
             Apply(Operation),
         }
         let mut pattern = Pattern::default();
         let mut operands: Vec<u32> = Vec::new();
-        let mut steps = vec![Step::Write(root)];
+        let mut steps = vec![WritingStep::Write(root)];
         while let Some(step) = steps.pop() {
             let node = match step {
-                Step::Write(Term::Leaf(node)) => pattern.push(node),
-                Step::Write(Term::Turn(operation, angle)) => {
+                WritingStep::Write(EnumeratedTerm::Leaf(node)) => pattern.push(node),
+                WritingStep::Write(EnumeratedTerm::Turn(operation, angle)) => {
                     let angle = pattern.push(PatternNode::Variable(angle));
                     pattern.operation(operation, &[angle])
                 }
-                Step::Write(Term::Operation(operation, [a, b])) => {
-                    steps.push(Step::Apply(operation));
-                    steps.push(Step::Write(self.terms[b as usize]));
-                    steps.push(Step::Write(self.terms[a as usize]));
+                WritingStep::Write(EnumeratedTerm::Operation(operation, [a, b])) => {
+                    steps.push(WritingStep::Apply(operation));
+                    steps.push(WritingStep::Write(self.terms[b as usize]));
+                    steps.push(WritingStep::Write(self.terms[a as usize]));
                     continue;
                 }
-                Step::Apply(operation) => {
+                WritingStep::Apply(operation) => {
                     let from = operands.len() - 2;
                     let taken = operands.split_off(from);
                     pattern.operation(operation, &taken)

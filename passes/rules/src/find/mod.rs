@@ -14,16 +14,16 @@ mod rank;
 #[cfg(test)]
 mod tests;
 
-pub use enumerate::Space;
-pub use rank::Gain;
+pub use enumerate::TermSpace;
+pub use rank::RuleGain;
 
 use super::RuleSet;
 use super::check::{self, Finding};
-use super::graph::{Budget, Term, grow, rewrites, term};
+use super::graph::{GraphBudget, GraphTerm, grow, rewrites, term};
 use super::pattern::Pattern;
 use super::rule::{Rule, RulePlaces};
 use egg::Rewrite;
-use enumerate::{Candidate, enumerate};
+use enumerate::{RuleCandidate, enumerate};
 use hashbrown::HashSet;
 use rank::Timed;
 use robovec_analysis::class::NumericClass;
@@ -31,13 +31,13 @@ use robovec_analysis::critical_path::Weights;
 use robovec_ir::{Function, Machine};
 
 /// What a derivation may cost.
-const DERIVATION: Budget = Budget {
+const DERIVATION: GraphBudget = GraphBudget {
     nodes: 300,
     iterations: 3,
 };
 
 /// Candidates examined at most, the smallest ones.
-const MOST_CANDIDATES: usize = 4_000;
+const MAX_CANDIDATES: usize = 4_000;
 
 /// Random trials in floating point to find the class of a rule.
 const TRIALS: usize = 2_000;
@@ -48,12 +48,12 @@ pub struct Found {
     /// The rule, in the direction that gains more.
     pub rule: Rule,
     /// What it gains.
-    pub gain: Gain,
+    pub gain: RuleGain,
 }
 
 /// The outcome of a search.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Search {
+pub struct RuleSearch {
     /// Terms tried.
     pub tried: usize,
     /// Terms of different value among them.
@@ -73,16 +73,16 @@ pub struct Search {
 /// ranks them by their gain on functions at the atomic level. `progress` is
 /// told of candidates done and of all.
 pub fn find(
-    space: &Space,
+    space: &TermSpace,
     known: &RuleSet,
     functions: &[&Function],
     machine: &Machine,
     progress: &mut dyn FnMut(usize, usize),
-) -> Search {
+) -> RuleSearch {
     let enumeration = enumerate(space);
     let mut candidates = distinct(enumeration.candidates, space);
-    let complete = enumeration.complete && candidates.len() <= MOST_CANDIDATES;
-    candidates.truncate(MOST_CANDIDATES);
+    let complete = enumeration.complete && candidates.len() <= MAX_CANDIDATES;
+    candidates.truncate(MAX_CANDIDATES);
     let weights = Weights::cycles(machine);
     let timed: Vec<Timed<'_>> = functions
         .iter()
@@ -90,7 +90,7 @@ pub fn find(
         .collect();
     // A rule with a condition does not hold of every value.
     let free = known.rules.iter().filter(|rule| rule.conditions.is_empty());
-    let mut rewrites: Vec<Rewrite<Term, ()>> = free.flat_map(rewrites).collect();
+    let mut rewrites: Vec<Rewrite<GraphTerm, ()>> = free.flat_map(rewrites).collect();
     let (mut found, mut derived) = (Vec::new(), 0);
     let count = candidates.len();
     for (index, candidate) in candidates.into_iter().enumerate() {
@@ -110,7 +110,7 @@ pub fn find(
     for (index, found) in found.iter_mut().enumerate() {
         found.rule.name = format!("found-{}", index + 1);
     }
-    Search {
+    RuleSearch {
         tried: enumeration.tried,
         different: enumeration.different,
         complete,
@@ -122,10 +122,10 @@ pub fn find(
 
 /// One candidate of those that differ by order, grouping and names only, and
 /// none whose sides do; small ones first.
-fn distinct(candidates: Vec<Candidate>, space: &Space) -> Vec<Candidate> {
+fn distinct(candidates: Vec<RuleCandidate>, space: &TermSpace) -> Vec<RuleCandidate> {
     let same: Vec<u32> = (0..=space.variables).collect();
     let mut names = HashSet::new();
-    let mut distinct: Vec<Candidate> = candidates
+    let mut distinct: Vec<RuleCandidate> = candidates
         .into_iter()
         .filter(|candidate| {
             let (left, right) = (&candidate.left, &candidate.right);
@@ -144,7 +144,7 @@ fn distinct(candidates: Vec<Candidate>, space: &Space) -> Vec<Candidate> {
 }
 
 /// Whether known rules make the sides equal.
-fn derives(rewrites: &[Rewrite<Term, ()>], candidate: &Candidate) -> bool {
+fn derives(rewrites: &[Rewrite<GraphTerm, ()>], candidate: &RuleCandidate) -> bool {
     let terms = [term(&candidate.left), term(&candidate.right)];
     let grown = grow(&terms, rewrites, DERIVATION);
     let [left, right] = grown.roots[..] else {
@@ -155,7 +155,7 @@ fn derives(rewrites: &[Rewrite<Term, ()>], candidate: &Candidate) -> bool {
 
 /// A candidate as a rule, if it is sound: it always is but for an accident of
 /// the field.
-fn rule(candidate: &Candidate, number: usize, space: &Space) -> Option<Rule> {
+fn rule(candidate: &RuleCandidate, number: usize, space: &TermSpace) -> Option<Rule> {
     let names = (0..space.variables).map(|index| {
         // Letters are enough for the number of variables that can be tried.
         char::from(b'a' + (index % 20) as u8).to_string()
@@ -205,6 +205,6 @@ fn best(rule: Rule, functions: &[Timed<'_>], machine: &Machine) -> Found {
     let best = gains.reduce(|best, other| if better(&other, &best) { other } else { best });
     best.unwrap_or(Found {
         rule,
-        gain: Gain::default(),
+        gain: RuleGain::default(),
     })
 }

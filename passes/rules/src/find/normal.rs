@@ -6,18 +6,18 @@ use super::super::pattern::{Pattern, PatternNode};
 use robovec_ir::Operation;
 
 /// A flat sum or product, or anything else.
-enum Form {
+enum FlatForm {
     Other(String),
     /// Terms with their signs: true is minus.
     Sum(Vec<(String, bool)>),
     Product(Vec<String>),
 }
 
-impl Form {
+impl FlatForm {
     fn text(&self) -> String {
         match self {
-            Form::Other(text) => text.clone(),
-            Form::Sum(terms) => {
+            FlatForm::Other(text) => text.clone(),
+            FlatForm::Sum(terms) => {
                 let mut terms: Vec<String> = terms
                     .iter()
                     .map(|(term, minus)| format!("{}{term}", if *minus { '-' } else { '+' }))
@@ -25,7 +25,7 @@ impl Form {
                 terms.sort_unstable();
                 format!("({})", terms.concat())
             }
-            Form::Product(factors) => {
+            FlatForm::Product(factors) => {
                 let mut factors = factors.clone();
                 factors.sort_unstable();
                 format!("({})", factors.join("*"))
@@ -35,14 +35,14 @@ impl Form {
 
     fn terms(self) -> Vec<(String, bool)> {
         match self {
-            Form::Sum(terms) => terms,
+            FlatForm::Sum(terms) => terms,
             other => vec![(other.text(), false)],
         }
     }
 
     fn factors(self) -> Vec<String> {
         match self {
-            Form::Product(factors) => factors,
+            FlatForm::Product(factors) => factors,
             other => vec![other.text()],
         }
     }
@@ -59,17 +59,17 @@ fn negated(mut terms: Vec<(String, bool)>) -> Vec<(String, bool)> {
 /// sums and products, with its variables renumbered.
 pub(super) fn normal(pattern: &Pattern, number: &[u32]) -> String {
     // Every node of a pattern is used once, so that it can be taken.
-    let mut forms: Vec<Option<Form>> = Vec::with_capacity(pattern.nodes.len());
+    let mut forms: Vec<Option<FlatForm>> = Vec::with_capacity(pattern.nodes.len());
     for node in &pattern.nodes {
         let form = match *node {
             PatternNode::Variable(variable) => {
-                Form::Other(format!("x{}", number[variable as usize]))
+                FlatForm::Other(format!("x{}", number[variable as usize]))
             }
-            PatternNode::Number(number) => Form::Other(number.to_string()),
+            PatternNode::Number(number) => FlatForm::Other(number.to_string()),
             PatternNode::Operation(operation, [a, b]) => {
                 let mut take = |index: u32| {
                     let form = forms[index as usize].take();
-                    form.unwrap_or(Form::Other(String::new()))
+                    form.unwrap_or(FlatForm::Other(String::new()))
                 };
                 let first = take(a);
                 match operation {
@@ -80,16 +80,18 @@ pub(super) fn normal(pattern: &Pattern, number: &[u32]) -> String {
                             Operation::Sub => negated(second),
                             _ => second,
                         });
-                        Form::Sum(terms)
+                        FlatForm::Sum(terms)
                     }
-                    Operation::Neg => Form::Sum(negated(first.terms())),
+                    Operation::Neg => FlatForm::Sum(negated(first.terms())),
                     Operation::Mul => {
                         let mut factors = first.factors();
                         factors.extend(take(b).factors());
-                        Form::Product(factors)
+                        FlatForm::Product(factors)
                     }
-                    Operation::Div => Form::Other(format!("({}/{})", first.text(), take(b).text())),
-                    other => Form::Other(format!("{}({})", other.name(), first.text())),
+                    Operation::Div => {
+                        FlatForm::Other(format!("({}/{})", first.text(), take(b).text()))
+                    }
+                    other => FlatForm::Other(format!("{}({})", other.name(), first.text())),
                 }
             }
         };

@@ -9,7 +9,7 @@ use robovec_ir::{Function, Machine, Operand, OperandKind, Value};
 /// What a rule gains on some functions, taken alone and at each place by
 /// itself: an indication, since gains at one place change the next.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
-pub struct Gain {
+pub struct RuleGain {
     /// Cycles by which values on a longest chain would be earlier, added up.
     pub cycles: u64,
     /// Operations saved, added up over the places where some are.
@@ -46,10 +46,10 @@ impl<'a> Timed<'a> {
 }
 
 /// The gain of a rule from left to right.
-pub(super) fn gain(rule: &Rule, functions: &[Timed<'_>], machine: &Machine) -> Gain {
+pub(super) fn gain(rule: &Rule, functions: &[Timed<'_>], machine: &Machine) -> RuleGain {
     let weights = Weights::cycles(machine);
     let new_operations = operations(&rule.right);
-    let mut gain = Gain::default();
+    let mut gain = RuleGain::default();
     for timed in functions {
         for (value, _) in timed.function.values() {
             let matches = matches(&rule.left, timed.function, value, rule.variables.len());
@@ -85,18 +85,23 @@ pub(super) fn gain(rule: &Rule, functions: &[Timed<'_>], machine: &Machine) -> G
 
 /// A place where a pattern matches.
 #[derive(Clone)]
-struct Match {
+struct PatternMatch {
     bound: Vec<Option<Operand>>,
     /// The values below the root that the pattern covers.
     inner: Vec<Value>,
 }
 
 /// Most matches at one place that are looked at.
-const MOST: usize = 64;
+const MAX_MATCHES: usize = 64;
 
 /// All ways in which a pattern matches a value, operands in either order.
-fn matches(pattern: &Pattern, function: &Function, root: Value, variables: usize) -> Vec<Match> {
-    let start = Match {
+fn matches(
+    pattern: &Pattern,
+    function: &Function,
+    root: Value,
+    variables: usize,
+) -> Vec<PatternMatch> {
+    let start = PatternMatch {
         bound: vec![None; variables],
         inner: Vec::new(),
     };
@@ -104,7 +109,7 @@ fn matches(pattern: &Pattern, function: &Function, root: Value, variables: usize
     // What is still to be matched, beside what was bound so far.
     let mut open = vec![(vec![(pattern.root() as u32, Operand::from(root))], start)];
     while let Some((mut goals, mut state)) = open.pop() {
-        if found.len() >= MOST {
+        if found.len() >= MAX_MATCHES {
             break;
         }
         let Some((index, operand)) = goals.pop() else {

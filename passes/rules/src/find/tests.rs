@@ -1,6 +1,6 @@
 use super::*;
 
-fn search(space: &Space, known: &RuleSet) -> Search {
+fn search(space: &TermSpace, known: &RuleSet) -> RuleSearch {
     find(space, known, &[], &machine(), &mut |_, _| {})
 }
 
@@ -19,7 +19,7 @@ fn order_and_grouping() -> RuleSet {
 
 #[test]
 fn distribution_is_found_and_not_what_it_derives() {
-    let space = Space {
+    let space = TermSpace {
         operations: 3,
         variables: 3,
         numbers: Vec::new(),
@@ -65,9 +65,9 @@ fn what_ships_leaves_little_to_find() {
     known
         .extend(RuleSet::named("associativity").expect("it ships"))
         .expect("unique");
-    let space = Space {
+    let space = TermSpace {
         operations: 3,
-        ..Space::default()
+        ..TermSpace::default()
     };
     let (all, rest) = (
         search(&space, &order_and_grouping()),
@@ -81,7 +81,7 @@ fn what_ships_leaves_little_to_find() {
 
 #[test]
 fn the_circle_is_found() {
-    let space = Space {
+    let space = TermSpace {
         operations: 3,
         variables: 1,
         numbers: vec![1.0],

@@ -8,7 +8,7 @@ use robovec_ir::{Machine, Operation};
 
 /// Changes from the left side to the right side; negative is better.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
-pub struct Change {
+pub struct CostChange {
     /// Operations, equal ones counted once; sines, cosines and copies do not
     /// count.
     pub operations: i64,
@@ -19,7 +19,7 @@ pub struct Change {
     pub late: Option<(String, i64)>,
 }
 
-pub(super) fn change(rule: &Rule, machine: &Machine) -> Change {
+pub(super) fn change(rule: &Rule, machine: &Machine) -> CostChange {
     let weights = Weights::cycles(machine);
     let all = |_: u32| Some(0);
     let path = |side: &Pattern, arrival: &dyn Fn(u32) -> Option<i64>| {
@@ -30,7 +30,7 @@ pub(super) fn change(rule: &Rule, machine: &Machine) -> Change {
         let gain = path(&rule.right, &only) - path(&rule.left, &only);
         (rule.variables[variable as usize].clone(), gain)
     });
-    Change {
+    CostChange {
         operations: operations(&rule.right) - operations(&rule.left),
         cycles: path(&rule.right, &all) - path(&rule.left, &all),
         // Of equals the first.

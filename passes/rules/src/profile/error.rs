@@ -1,13 +1,13 @@
 //! How a rule moves rounding errors.
 
-use super::super::random::Random;
+use super::super::random::RuleRandom;
 use super::super::rule::{Requirement, Rule};
 use robovec_num::arithmetic::{Arithmetic, Binary32};
 use robovec_num::double_double::{Double, DoubleDouble};
 
 /// Errors of one side, in units in the last place of binary32.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
-pub struct Spread {
+pub struct SideErrors {
     /// Half of the points have a smaller error.
     pub median: f64,
     /// All but one in a thousand have a smaller error.
@@ -18,9 +18,9 @@ pub struct Spread {
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct Transfer {
     /// Of the left side.
-    pub left: Spread,
+    pub left: SideErrors,
     /// Of the right side.
-    pub right: Spread,
+    pub right: SideErrors,
     /// Points where the exact value is a normal number, which were compared.
     pub points: usize,
 }
@@ -28,7 +28,7 @@ pub struct Transfer {
 /// Errors of both sides in binary32 against the left side in double-double
 /// arithmetic, at inputs of either sign, log-uniform from 1e-3 to 1e3.
 pub(super) fn transfer(rule: &Rule, points: usize) -> Transfer {
-    let mut random = Random::new(11);
+    let mut random = RuleRandom::new(11);
     let (mut left, mut right) = (Vec::new(), Vec::new());
     for _ in 0..points {
         let values = (0..rule.variables.len()).map(|variable| {
@@ -69,13 +69,13 @@ fn last_place(size: f64) -> f64 {
     2f64.powi(exponent - 23)
 }
 
-fn spread(mut errors: Vec<f64>) -> Spread {
+fn spread(mut errors: Vec<f64>) -> SideErrors {
     errors.sort_by(f64::total_cmp);
     let at = |part: f64| {
         let last = errors.len().checked_sub(1)?;
         errors.get((part * last as f64).round() as usize).copied()
     };
-    Spread {
+    SideErrors {
         median: at(0.5).unwrap_or(0.0),
         high: at(0.999).unwrap_or(0.0),
     }

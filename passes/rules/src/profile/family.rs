@@ -6,7 +6,7 @@ use robovec_ir::Operation::{self, Add, Cos, Div, Mul, Neg, Sin, Sub};
 
 /// Terms of growing size.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Family<'a> {
+pub(super) enum TermFamily<'a> {
     /// `x1 + x2 + … + xn`.
     Sum,
     /// `x1 - x2 - … - xn`.
@@ -30,48 +30,48 @@ pub(super) enum Family<'a> {
     Nested(&'a str),
 }
 
-impl<'a> Family<'a> {
-    pub(super) const FIXED: [Family<'static>; 9] = [
-        Family::Sum,
-        Family::Difference,
-        Family::Product,
-        Family::Horner,
-        Family::Common,
-        Family::Binomials,
-        Family::Quotient,
-        Family::Signs,
-        Family::Turns,
+impl<'a> TermFamily<'a> {
+    pub(super) const FIXED: [TermFamily<'static>; 9] = [
+        TermFamily::Sum,
+        TermFamily::Difference,
+        TermFamily::Product,
+        TermFamily::Horner,
+        TermFamily::Common,
+        TermFamily::Binomials,
+        TermFamily::Quotient,
+        TermFamily::Signs,
+        TermFamily::Turns,
     ];
 
     /// What the family is, for people.
     pub(super) fn name(self) -> String {
         match self {
-            Family::Sum => "a sum of n terms".to_owned(),
-            Family::Difference => "a difference of n terms".to_owned(),
-            Family::Product => "a product of n factors".to_owned(),
-            Family::Horner => "n levels x + y*(...)".to_owned(),
-            Family::Common => "n products with a common factor".to_owned(),
-            Family::Binomials => "a product of n binomials".to_owned(),
-            Family::Quotient => "a quotient of n values".to_owned(),
-            Family::Signs => "n signs".to_owned(),
-            Family::Turns => "n turns in the plane".to_owned(),
-            Family::Nested(name) => format!("{name}, n times nested"),
+            TermFamily::Sum => "a sum of n terms".to_owned(),
+            TermFamily::Difference => "a difference of n terms".to_owned(),
+            TermFamily::Product => "a product of n factors".to_owned(),
+            TermFamily::Horner => "n levels x + y*(...)".to_owned(),
+            TermFamily::Common => "n products with a common factor".to_owned(),
+            TermFamily::Binomials => "a product of n binomials".to_owned(),
+            TermFamily::Quotient => "a quotient of n values".to_owned(),
+            TermFamily::Signs => "n signs".to_owned(),
+            TermFamily::Turns => "n turns in the plane".to_owned(),
+            TermFamily::Nested(name) => format!("{name}, n times nested"),
         }
     }
 
     /// The term of a size from 1.
     pub(super) fn term(self, size: u32, rules: &[&Rule]) -> Pattern {
-        let mut maker = Maker::default();
+        let mut maker = FamilyBuilder::default();
         match self {
-            Family::Sum => maker.chain(Add, size, Maker::leaf),
-            Family::Difference => maker.chain(Sub, size, Maker::leaf),
-            Family::Product => maker.chain(Mul, size, Maker::leaf),
-            Family::Quotient => maker.chain(Div, size, Maker::leaf),
-            Family::Binomials => maker.chain(Mul, size, |maker| {
+            TermFamily::Sum => maker.chain(Add, size, FamilyBuilder::leaf),
+            TermFamily::Difference => maker.chain(Sub, size, FamilyBuilder::leaf),
+            TermFamily::Product => maker.chain(Mul, size, FamilyBuilder::leaf),
+            TermFamily::Quotient => maker.chain(Div, size, FamilyBuilder::leaf),
+            TermFamily::Binomials => maker.chain(Mul, size, |maker| {
                 let (x, y) = (maker.leaf(), maker.leaf());
                 maker.pattern.operation(Add, &[x, y])
             }),
-            Family::Common => {
+            TermFamily::Common => {
                 maker.leaves = 1;
                 maker.chain(Add, size, |maker| {
                     let a = maker.pattern.push(PatternNode::Variable(0));
@@ -79,10 +79,10 @@ impl<'a> Family<'a> {
                     maker.pattern.operation(Mul, &[a, x])
                 });
             }
-            Family::Horner => maker.horner(size),
-            Family::Signs => maker.signs(size),
-            Family::Turns => maker.turns(size),
-            Family::Nested(name) => {
+            TermFamily::Horner => maker.horner(size),
+            TermFamily::Signs => maker.signs(size),
+            TermFamily::Turns => maker.turns(size),
+            TermFamily::Nested(name) => {
                 if let Some(rule) = rules.iter().find(|rule| rule.name == name) {
                     maker.nested(&rule.left, size);
                 }
@@ -93,19 +93,19 @@ impl<'a> Family<'a> {
 }
 
 #[derive(Default)]
-struct Maker {
+struct FamilyBuilder {
     pattern: Pattern,
     leaves: u32,
 }
 
-impl Maker {
+impl FamilyBuilder {
     fn leaf(&mut self) -> u32 {
         self.leaves += 1;
         self.pattern.push(PatternNode::Variable(self.leaves - 1))
     }
 
     /// `part ∘ part ∘ …`, from the left.
-    fn chain(&mut self, operation: Operation, size: u32, part: fn(&mut Maker) -> u32) {
+    fn chain(&mut self, operation: Operation, size: u32, part: fn(&mut FamilyBuilder) -> u32) {
         let mut last = part(self);
         for _ in 1..size {
             let next = part(self);

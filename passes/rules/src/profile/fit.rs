@@ -26,7 +26,7 @@ pub enum Growth {
 pub(super) fn formula(points: &[(u32, u64)]) -> Option<(Growth, String)> {
     let last = points.len().checked_sub(1)?;
     for degree in 0..last.min(5) as u32 {
-        let basis: Vec<Term> = (0..=degree).rev().map(Term::Power).collect();
+        let basis: Vec<GrowthTerm> = (0..=degree).rev().map(GrowthTerm::Power).collect();
         if let Some(text) = through(points, &basis) {
             let growth = match degree {
                 0 => Growth::Constant,
@@ -37,11 +37,11 @@ pub(super) fn formula(points: &[(u32, u64)]) -> Option<(Growth, String)> {
     }
     for base in 2..=8i64 {
         for lower in 1..base {
-            let mut basis = vec![Term::Exponential(base)];
+            let mut basis = vec![GrowthTerm::Exponential(base)];
             if lower > 1 {
-                basis.push(Term::Exponential(lower));
+                basis.push(GrowthTerm::Exponential(lower));
             }
-            basis.extend([Term::Power(1), Term::Power(0)]);
+            basis.extend([GrowthTerm::Power(1), GrowthTerm::Power(0)]);
             if basis.len() < points.len()
                 && let Some(text) = through(points, &basis)
             {
@@ -76,31 +76,31 @@ pub(super) fn estimate(points: &[(u32, u64)]) -> Growth {
 
 /// A term of a formula.
 #[derive(Clone, Copy)]
-enum Term {
+enum GrowthTerm {
     Exponential(i64),
     Power(u32),
 }
 
-impl Term {
+impl GrowthTerm {
     fn at(self, n: u32) -> Option<i128> {
         match self {
-            Term::Exponential(base) => i128::from(base).checked_pow(n),
-            Term::Power(power) => i128::from(n).checked_pow(power),
+            GrowthTerm::Exponential(base) => i128::from(base).checked_pow(n),
+            GrowthTerm::Power(power) => i128::from(n).checked_pow(power),
         }
     }
 
     fn text(self) -> String {
         match self {
-            Term::Exponential(base) => format!("{base}^n"),
-            Term::Power(0) => String::new(),
-            Term::Power(1) => "n".to_owned(),
-            Term::Power(power) => format!("n^{power}"),
+            GrowthTerm::Exponential(base) => format!("{base}^n"),
+            GrowthTerm::Power(0) => String::new(),
+            GrowthTerm::Power(1) => "n".to_owned(),
+            GrowthTerm::Power(power) => format!("n^{power}"),
         }
     }
 }
 
 /// The combination of terms through all points, if there is one.
-fn through(points: &[(u32, u64)], basis: &[Term]) -> Option<String> {
+fn through(points: &[(u32, u64)], basis: &[GrowthTerm]) -> Option<String> {
     let size = basis.len();
     let row = |&(n, count): &(u32, u64)| -> Option<Vec<i128>> {
         let mut row = Vec::with_capacity(size + 1);
@@ -151,7 +151,7 @@ fn solve(mut rows: Vec<Vec<i128>>) -> Option<(Vec<i128>, i128)> {
     Some((values, previous))
 }
 
-fn text(values: &[i128], scale: i128, basis: &[Term]) -> String {
+fn text(values: &[i128], scale: i128, basis: &[GrowthTerm]) -> String {
     let mut text = String::new();
     let mut divisor = scale.abs();
     for value in values {

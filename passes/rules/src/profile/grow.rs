@@ -7,9 +7,9 @@
 //! in a program.
 
 use super::super::RuleSet;
-use super::super::graph::{Budget, Term, grow, rewrites, term};
+use super::super::graph::{GraphBudget, GraphTerm, grow, rewrites, term};
 use super::super::rule::Rule;
-use super::family::Family;
+use super::family::TermFamily;
 use super::fit::{Growth, estimate, formula};
 use egg::Rewrite;
 
@@ -39,7 +39,7 @@ pub struct PairGrowth {
 /// Sizes of the terms.
 const SIZES: std::ops::RangeInclusive<u32> = 1..=7;
 
-const ALONE: Budget = Budget {
+const ALONE: GraphBudget = GraphBudget {
     nodes: 6_000,
     iterations: 40,
 };
@@ -119,15 +119,15 @@ fn explodes(growth: Growth) -> bool {
 }
 
 /// The worst growth over all families, with some rules beside.
-fn worst(rules: &[&Rule], beside: &[Rule], budget: Budget) -> Growing {
+fn worst(rules: &[&Rule], beside: &[Rule], budget: GraphBudget) -> Growing {
     // A rule that is always on is compared with the others.
     let is_new = |rule: &&Rule| !rules.iter().any(|known| known.left == rule.left);
     let beside: Vec<&Rule> = beside.iter().filter(is_new).collect();
     let all = beside.iter().chain(rules).copied();
-    let rewrites: Vec<Rewrite<Term, ()>> = all.flat_map(rewrites).collect();
-    let base: Vec<Rewrite<Term, ()>> = beside.into_iter().flat_map(self::rewrites).collect();
-    let mut families = Family::FIXED.to_vec();
-    families.extend(rules.iter().map(|rule| Family::Nested(&rule.name)));
+    let rewrites: Vec<Rewrite<GraphTerm, ()>> = all.flat_map(rewrites).collect();
+    let base: Vec<Rewrite<GraphTerm, ()>> = beside.into_iter().flat_map(self::rewrites).collect();
+    let mut families = TermFamily::FIXED.to_vec();
+    families.extend(rules.iter().map(|rule| TermFamily::Nested(&rule.name)));
     let mut worst: Option<Growing> = None;
     for family in families {
         let found = on_family(family, rules, (&rewrites, &base), budget);
@@ -158,14 +158,14 @@ fn rank(growth: Growth) -> (u32, f64) {
 }
 
 /// Rules as the e-graph applies them.
-type Rewrites = [Rewrite<Term, ()>];
+type GraphRewrites = [Rewrite<GraphTerm, ()>];
 
 /// The growth on a family; `None` when the rules add nothing to it.
 fn on_family(
-    family: Family<'_>,
+    family: TermFamily<'_>,
     rules: &[&Rule],
-    (rewrites, base): (&Rewrites, &Rewrites),
-    budget: Budget,
+    (rewrites, base): (&GraphRewrites, &GraphRewrites),
+    budget: GraphBudget,
 ) -> Option<Growing> {
     let mut points: Vec<(u32, u64)> = Vec::new();
     let mut adds = false;
@@ -212,7 +212,7 @@ fn on_family(
     })
 }
 
-fn endless(family: Family<'_>, formula: &str) -> Growing {
+fn endless(family: TermFamily<'_>, formula: &str) -> Growing {
     Growing {
         growth: Growth::Endless,
         exact: true,

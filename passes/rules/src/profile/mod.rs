@@ -8,9 +8,9 @@ mod grow;
 #[cfg(test)]
 mod tests;
 
-pub use cost::Change;
+pub use cost::CostChange;
 pub(super) use cost::{arrival_of, operations};
-pub use error::{Spread, Transfer};
+pub use error::{SideErrors, Transfer};
 pub use fit::Growth;
 pub use grow::{Growing, PairGrowth, alone, pairs, partner};
 
@@ -22,11 +22,11 @@ pub const POINTS: usize = 20_000;
 
 /// The profile of a rule by itself.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Profile {
+pub struct RuleProfile {
     /// Rounding errors of both sides.
     pub transfer: Transfer,
     /// Operations and cycles.
-    pub change: Change,
+    pub change: CostChange,
     /// How a graph grows under the rule and those that are always on.
     pub growing: Growing,
     /// When it grows exponentially or without end: with which rule, itself or
@@ -35,10 +35,10 @@ pub struct Profile {
 }
 
 /// Profiles a rule for a machine.
-pub fn profile(rule: &Rule, machine: &Machine, points: usize) -> Profile {
+pub fn profile(rule: &Rule, machine: &Machine, points: usize) -> RuleProfile {
     let growing = alone(rule);
     let explodes = matches!(growing.growth, Growth::Exponential(_) | Growth::Endless);
-    Profile {
+    RuleProfile {
         partner: explodes.then(|| partner(rule)).flatten(),
         transfer: error::transfer(rule, points),
         change: cost::change(rule, machine),

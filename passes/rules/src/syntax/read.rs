@@ -3,14 +3,14 @@
 use super::super::rule::{Condition, Requirement, Rule, RulePlaces};
 use super::super::{RuleFile, RuleSet, group_of};
 use super::Syntax;
-use super::term::{Problem, Terms, number};
+use super::term::{PatternProblem, RuleSides, number};
 use super::tree::{Forest, error, read};
 use hashbrown::HashSet;
 use robovec_analysis::class::NumericClass;
 use robovec_ir::diagnostic::{Diagnostic, Report, Severity, clip};
 
 /// Most remarks on rules that were left out.
-const MOST_REMARKS: usize = 50;
+const MAX_REMARKS: usize = 50;
 
 /// Reads a text; rules that robovec cannot express are left out with a
 /// warning.
@@ -38,8 +38,8 @@ pub(super) fn import(
     if !importer.errors.is_empty() {
         return Err(fail(importer.errors));
     }
-    let left_out = importer.warnings.len().saturating_sub(MOST_REMARKS);
-    importer.warnings.truncate(MOST_REMARKS);
+    let left_out = importer.warnings.len().saturating_sub(MAX_REMARKS);
+    importer.warnings.truncate(MAX_REMARKS);
     if left_out > 0 {
         let message = format!("{left_out} more rules were left out");
         let diagnostic = Diagnostic::new(Severity::Warning).with_message(message);
@@ -96,7 +96,7 @@ impl Importer<'_> {
                 )
             }
         };
-        let mut terms = Terms::default();
+        let mut terms = RuleSides::default();
         let Some(mut rule) = self.rule((root, *left, *right), &mut terms) else {
             return;
         };
@@ -134,7 +134,7 @@ impl Importer<'_> {
     }
 
     /// `(!= a 0.0)` or `(> a 0.0)`.
-    fn condition(&self, tree: u32, terms: &mut Terms) -> Option<Condition> {
+    fn condition(&self, tree: u32, terms: &mut RuleSides) -> Option<Condition> {
         let forest = self.forest;
         let [relation, variable, zero] = forest.elements(tree) else {
             return None;
@@ -197,7 +197,7 @@ impl Importer<'_> {
                 .push(error(forest.get(*name).span.clone(), message));
             return;
         };
-        let mut terms = Terms::default();
+        let mut terms = RuleSides::default();
         let Some(mut rule) = self.rule((tree, *left, *right), &mut terms) else {
             return;
         };
@@ -212,17 +212,17 @@ impl Importer<'_> {
     }
 
     /// A rule from its sides; `None` when that was told to be impossible.
-    fn rule(&mut self, (all, left, right): (u32, u32, u32), terms: &mut Terms) -> Option<Rule> {
+    fn rule(&mut self, (all, left, right): (u32, u32, u32), terms: &mut RuleSides) -> Option<Rule> {
         let forest = self.forest;
         let mut sides = Vec::new();
         for side in [left, right] {
             match terms.pattern(forest, side) {
                 Ok(pattern) => sides.push(pattern),
-                Err(Problem::Unsupported(diagnostic)) => {
+                Err(PatternProblem::Unsupported(diagnostic)) => {
                     self.leave_out(diagnostic);
                     return None;
                 }
-                Err(Problem::Wrong(diagnostic)) => {
+                Err(PatternProblem::Wrong(diagnostic)) => {
                     self.errors.push(diagnostic);
                     return None;
                 }

@@ -6,7 +6,7 @@ use robovec_ir::Operation;
 use robovec_ir::diagnostic::{Diagnostic, clip};
 
 /// Why a tree is no pattern.
-pub(super) enum Problem {
+pub(super) enum PatternProblem {
     /// It is well formed, but robovec has no such operation.
     Unsupported(Diagnostic),
     /// It is wrong.
@@ -15,7 +15,7 @@ pub(super) enum Problem {
 
 /// What is read of the sides of one rule.
 #[derive(Default)]
-pub(super) struct Terms {
+pub(super) struct RuleSides {
     pub(super) variables: Vec<String>,
     /// Variables that stood as `(Num a)`: they are numbers.
     pub(super) constants: Vec<u32>,
@@ -23,12 +23,12 @@ pub(super) struct Terms {
 
 /// A step of reading: a tree still to be read, or an operation whose operands
 /// are.
-enum Step {
+enum ReadingStep {
     Read(u32),
     Apply(Operation, usize),
 }
 
-impl Terms {
+impl RuleSides {
     /// The number of a variable.
     pub(super) fn variable(&mut self, name: &str) -> u32 {
         // Egg marks its variables.
@@ -41,34 +41,38 @@ impl Terms {
     }
 
     /// The pattern of a tree.
-    pub(super) fn pattern(&mut self, forest: &Forest<'_>, root: u32) -> Result<Pattern, Problem> {
+    pub(super) fn pattern(
+        &mut self,
+        forest: &Forest<'_>,
+        root: u32,
+    ) -> Result<Pattern, PatternProblem> {
         let mut pattern = Pattern::default();
         let mut operands: Vec<u32> = Vec::new();
-        let mut steps = vec![Step::Read(root)];
+        let mut steps = vec![ReadingStep::Read(root)];
         while let Some(step) = steps.pop() {
             if pattern.nodes.len() >= Pattern::LARGEST {
                 let most = Pattern::LARGEST;
                 let message = format!("a side of a rule has at most {most} operations and values");
-                return Err(Problem::Wrong(error(
+                return Err(PatternProblem::Wrong(error(
                     forest.get(root).span.clone(),
                     message,
                 )));
             }
             match step {
-                Step::Apply(operation, arity) => {
+                ReadingStep::Apply(operation, arity) => {
                     let from = operands.len() - arity;
                     let taken = operands.split_off(from);
                     operands.push(pattern.operation(operation, &taken));
                 }
-                Step::Read(tree) => {
+                ReadingStep::Read(tree) => {
                     if let Some(node) = self.leaf(forest, tree)? {
                         operands.push(pattern.push(node));
                         continue;
                     }
                     let operation = operation(forest, tree)?;
                     let children = &forest.elements(tree)[1..];
-                    steps.push(Step::Apply(operation, children.len()));
-                    steps.extend(children.iter().rev().map(|&child| Step::Read(child)));
+                    steps.push(ReadingStep::Apply(operation, children.len()));
+                    steps.extend(children.iter().rev().map(|&child| ReadingStep::Read(child)));
                 }
             }
         }
@@ -76,7 +80,11 @@ impl Terms {
     }
 
     /// A variable or number: an atom, `(Num …)` or `(Var "…")`.
-    fn leaf(&mut self, forest: &Forest<'_>, tree: u32) -> Result<Option<PatternNode>, Problem> {
+    fn leaf(
+        &mut self,
+        forest: &Forest<'_>,
+        tree: u32,
+    ) -> Result<Option<PatternNode>, PatternProblem> {
         let wrapped = match forest.elements(tree) {
             [head, inner] => forest.atom(*head).zip(forest.atom(*inner)),
             _ => None,
@@ -90,7 +98,7 @@ impl Terms {
         if let Some(number) = number(atom) {
             if !number.is_finite() {
                 let message = format!("the number {} is too large", clip(atom));
-                return Err(Problem::Wrong(error(span, message)));
+                return Err(PatternProblem::Wrong(error(span, message)));
             }
             return Ok(Some(PatternNode::Number(number + 0.0)));
         }
@@ -101,7 +109,7 @@ impl Terms {
             && letters.all(|letter| letter.is_alphanumeric() || letter == '_');
         if !is_name || ["PI", "E", "INFINITY", "NAN"].contains(&atom) {
             let message = format!("'{}' is no variable or number of robovec", clip(atom));
-            return Err(Problem::Unsupported(error(span, message)));
+            return Err(PatternProblem::Unsupported(error(span, message)));
         }
         let variable = self.variable(atom);
         if is_number && !self.constants.contains(&variable) {
@@ -125,11 +133,11 @@ pub(super) fn number(atom: &str) -> Option<f64> {
 }
 
 /// The operation a list applies, with the right number of operands.
-fn operation(forest: &Forest<'_>, tree: u32) -> Result<Operation, Problem> {
+fn operation(forest: &Forest<'_>, tree: u32) -> Result<Operation, PatternProblem> {
     let span = forest.get(tree).span.clone();
     let Some(head) = forest.head(tree) else {
         let message = "here should stand an operation with its operands";
-        return Err(Problem::Wrong(error(span, message)));
+        return Err(PatternProblem::Wrong(error(span, message)));
     };
     let count = forest.elements(tree).len() - 1;
     let operation = match head.to_lowercase().as_str() {
@@ -144,7 +152,7 @@ fn operation(forest: &Forest<'_>, tree: u32) -> Result<Operation, Problem> {
         _ => {
             let head_span = forest.get(forest.elements(tree)[0]).span.clone();
             let message = format!("robovec has no operation '{}'", clip(head));
-            return Err(Problem::Unsupported(error(head_span, message)));
+            return Err(PatternProblem::Unsupported(error(head_span, message)));
         }
     };
     if operation.arity() != count {
@@ -153,7 +161,7 @@ fn operation(forest: &Forest<'_>, tree: u32) -> Result<Operation, Problem> {
             _ => "two operands",
         };
         let message = format!("'{}' takes {wanted}, not {count}", clip(head));
-        return Err(Problem::Wrong(error(span, message)));
+        return Err(PatternProblem::Wrong(error(span, message)));
     }
     Ok(operation)
 }

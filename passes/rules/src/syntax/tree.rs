@@ -11,7 +11,7 @@ use std::ops::Range;
 #[logos(skip r"[ \t\r\n\f]+")]
 #[logos(skip(r";[^\n]*", allow_greedy = true))]
 #[logos(skip(r"#\|([^|]|\|+[^|#])*\|+#"))]
-enum Token {
+enum TreeToken {
     #[token("(")]
     #[token("[")]
     Open,
@@ -26,7 +26,7 @@ enum Token {
 
 /// A node of a tree.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) enum Kind {
+pub(super) enum TreeKind {
     /// A word, a number or a text in quotes.
     Atom,
     /// What stands between parentheses.
@@ -34,35 +34,35 @@ pub(super) enum Kind {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Tree {
-    pub(super) kind: Kind,
+pub(super) struct RuleTree {
+    pub(super) kind: TreeKind,
     pub(super) span: Range<usize>,
 }
 
 /// The trees of a text.
 pub(super) struct Forest<'text> {
     pub(super) text: &'text str,
-    trees: Vec<Tree>,
+    trees: Vec<RuleTree>,
     pub(super) roots: Vec<u32>,
 }
 
 impl<'text> Forest<'text> {
-    pub(super) fn get(&self, index: u32) -> &Tree {
+    pub(super) fn get(&self, index: u32) -> &RuleTree {
         &self.trees[index as usize]
     }
 
     /// The elements of a list; none of an atom.
     pub(super) fn elements(&self, index: u32) -> &[u32] {
         match &self.get(index).kind {
-            Kind::List(elements) => elements,
-            Kind::Atom => &[],
+            TreeKind::List(elements) => elements,
+            TreeKind::Atom => &[],
         }
     }
 
     /// The text of an atom.
     pub(super) fn atom(&self, index: u32) -> Option<&'text str> {
         let tree = self.get(index);
-        (tree.kind == Kind::Atom).then(|| &self.text[tree.span.clone()])
+        (tree.kind == TreeKind::Atom).then(|| &self.text[tree.span.clone()])
     }
 
     /// The word a list starts with.
@@ -96,17 +96,17 @@ pub(super) fn read(text: &str) -> Result<Forest<'_>, Diagnostic> {
         roots: Vec::new(),
     };
     let mut open: Vec<(Range<usize>, Vec<u32>)> = Vec::new();
-    for (token, span) in Token::lexer(text).spanned() {
+    for (token, span) in TreeToken::lexer(text).spanned() {
         let tree = match token {
             Err(()) if text[span.clone()].starts_with('"') => {
                 return Err(error(span, "this text has no closing '\"'"));
             }
             Err(()) => return Err(error(span, "this character has no place here")),
-            Ok(Token::Open) => {
+            Ok(TreeToken::Open) => {
                 open.push((span, Vec::new()));
                 continue;
             }
-            Ok(Token::Close) => {
+            Ok(TreeToken::Close) => {
                 let Some((start, elements)) = open.pop() else {
                     return Err(error(span, "no parenthesis is open here"));
                 };
@@ -117,13 +117,13 @@ pub(super) fn read(text: &str) -> Result<Forest<'_>, Diagnostic> {
                     diagnostic.labels.push(label);
                     return Err(diagnostic);
                 }
-                Tree {
-                    kind: Kind::List(elements),
+                RuleTree {
+                    kind: TreeKind::List(elements),
                     span: start.start..span.end,
                 }
             }
-            Ok(Token::Text | Token::Atom) => Tree {
-                kind: Kind::Atom,
+            Ok(TreeToken::Text | TreeToken::Atom) => RuleTree {
+                kind: TreeKind::Atom,
                 span,
             },
         };

@@ -1,6 +1,6 @@
 //! Arithmetics whose sines and cosines are those of a unit.
 
-use super::Unit;
+use super::TrigonometricUnit;
 use crate::arithmetic::Arithmetic;
 
 /// An arithmetic that takes sines and cosines from a unit, rounded to its own
@@ -10,7 +10,7 @@ pub struct WithTrigonometry<'a, A> {
     /// Computes everything else.
     pub arithmetic: A,
     /// Computes sines and cosines.
-    pub unit: &'a Unit,
+    pub unit: &'a TrigonometricUnit,
 }
 
 impl<A> Arithmetic for WithTrigonometry<'_, A>

@@ -26,7 +26,7 @@ pub(super) fn half_unit(bits: u32) -> f64 {
 
 /// Polynomials for sine and cosine of small angles.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) struct Kernel {
+pub(super) struct HostKernel {
     polynomials: [Polynomial; 2],
     coefficients: [Vec<i64>; 2],
     bits: u32,
@@ -34,9 +34,9 @@ pub(super) struct Kernel {
     range: f64,
 }
 
-impl Kernel {
+impl HostKernel {
     /// The best polynomials of an order for angles of at most `range`.
-    pub(super) fn new(order: u32, range: f64, bits: u32) -> Kernel {
+    pub(super) fn new(order: u32, range: f64, bits: u32) -> HostKernel {
         let format = Format::Fixed(FixedFormat {
             integer: 1,
             fraction: bits,
@@ -48,7 +48,7 @@ impl Kernel {
             let fixed = numbers.map(|&number| fixed(Double::from(number), bits));
             fixed.collect()
         });
-        Kernel {
+        HostKernel {
             polynomials,
             coefficients,
             bits,

@@ -6,7 +6,7 @@
 //! polynomial, with a table and a polynomial, or with CORDIC. All of it is
 //! integer arithmetic, so that the same angle gives the same bits on every
 //! platform, and hardware can do the same; results are multiples of `2^-bits`
-//! with a *proved* absolute error ([`Unit::proved_error`]).
+//! with a *proved* absolute error ([`TrigonometricUnit::proved_error`]).
 //!
 //! Which implementation a function's sines and cosines have is recorded under
 //! the key [`KEY`] of its metadata; a function without the entry has those of
@@ -21,7 +21,7 @@ mod unit;
 
 pub use arithmetic::WithTrigonometry;
 pub use name::ImplementationError;
-pub use unit::{Cost, Unit};
+pub use unit::{TrigonometricCost, TrigonometricUnit};
 
 /// The key of the metadata entry that names an implementation.
 pub const KEY: &str = "trigonometry";
@@ -61,7 +61,7 @@ impl Implementation {
     /// binary64 number.
     pub const BITS: std::ops::RangeInclusive<u32> = 8..=50;
     /// The largest table.
-    pub const MOST_ENTRIES: u32 = 1 << 16;
+    pub const MAX_ENTRIES: u32 = 1 << 16;
 
     /// Bits behind the point.
     pub fn bits(self) -> u32 {

@@ -1,7 +1,7 @@
 //! Names of implementations: `cordic(iterations=24 bits=32)`.
 
 use super::Implementation;
-use crate::trigonometry::MOST_ORDER;
+use crate::trigonometry::MAX_ORDER;
 use std::fmt;
 use std::str::FromStr;
 
@@ -17,7 +17,7 @@ pub enum ImplementationError {
     /// A number that cannot be.
     #[error(
         "there are 8 to 50 bits, 1 to 65536 entries, a power of two, degrees and orders from 1 \
-         to {MOST_ORDER}, and 1 to 60 iterations"
+         to {MAX_ORDER}, and 1 to 60 iterations"
     )]
     Number,
 }
@@ -83,12 +83,12 @@ impl Implementation {
     /// [`ImplementationError::Number`] when a number is out of its range.
     pub fn checked(self) -> Result<Implementation, ImplementationError> {
         let possible = match self {
-            Implementation::Polynomial { order, .. } => (1..=MOST_ORDER).contains(&order),
+            Implementation::Polynomial { order, .. } => (1..=MAX_ORDER).contains(&order),
             Implementation::Table {
                 entries, degree, ..
             } => {
-                let fits = (1..=Implementation::MOST_ENTRIES).contains(&entries);
-                fits && entries.is_power_of_two() && (1..=MOST_ORDER).contains(&degree)
+                let fits = (1..=Implementation::MAX_ENTRIES).contains(&entries);
+                fits && entries.is_power_of_two() && (1..=MAX_ORDER).contains(&degree)
             }
             Implementation::Cordic { iterations, .. } => (1..=60).contains(&iterations),
         };

@@ -1,7 +1,7 @@
 //! The part of a host, or the unit in hardware, that computes sines.
 
 use super::cordic::Cordic;
-use super::kernel::{Kernel, fixed, half_unit, product};
+use super::kernel::{HostKernel, fixed, half_unit, product};
 use super::reduction::{self, FRACTION, reduce};
 use super::{Implementation, ImplementationError, WithTrigonometry};
 use crate::arithmetic::Arithmetic;
@@ -10,22 +10,22 @@ use std::f64::consts::FRAC_PI_4;
 
 /// An implementation with its constants.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Unit {
+pub struct TrigonometricUnit {
     implementation: Implementation,
-    core: Core,
+    core: TrigonometricCore,
 }
 
 #[derive(Clone, PartialEq, Debug)]
-enum Core {
-    Polynomial(Kernel),
+enum TrigonometricCore {
+    Polynomial(HostKernel),
     /// Sine and cosine in the middle of every part of the octant.
-    Table(Vec<[i64; 2]>, Kernel),
+    Table(Vec<[i64; 2]>, HostKernel),
     Cordic(Cordic),
 }
 
 /// What an implementation takes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Cost {
+pub struct TrigonometricCost {
     /// Cycles from the angle to sine and cosine, when a multiplication takes
     /// 3 and an addition, a shift or a look-up 1; with the reduction's two
     /// multiplications.
@@ -34,19 +34,19 @@ pub struct Cost {
     pub table_bits: u64,
 }
 
-/// Cycles of an integer multiplication in the estimate of [`Cost`].
+/// Cycles of an integer multiplication in the estimate of [`TrigonometricCost`].
 const MULTIPLICATION: u32 = 3;
 
-impl Unit {
+impl TrigonometricUnit {
     /// Computes the constants.
     ///
     /// # Errors
     ///
     /// [`ImplementationError::Number`] for numbers out of their ranges.
-    pub fn new(implementation: Implementation) -> Result<Unit, ImplementationError> {
+    pub fn new(implementation: Implementation) -> Result<TrigonometricUnit, ImplementationError> {
         let core = match implementation.checked()? {
             Implementation::Polynomial { order, bits } => {
-                Core::Polynomial(Kernel::new(order, reach(FRAC_PI_4, bits), bits))
+                TrigonometricCore::Polynomial(HostKernel::new(order, reach(FRAC_PI_4, bits), bits))
             }
             Implementation::Table {
                 entries,
@@ -54,14 +54,14 @@ impl Unit {
                 bits,
             } => {
                 let half = FRAC_PI_4 / f64::from(2 * entries);
-                let kernel = Kernel::new(degree, reach(half, bits), bits);
-                Core::Table(middles(entries, bits), kernel)
+                let kernel = HostKernel::new(degree, reach(half, bits), bits);
+                TrigonometricCore::Table(middles(entries, bits), kernel)
             }
             Implementation::Cordic { iterations, bits } => {
-                Core::Cordic(Cordic::new(iterations, bits))
+                TrigonometricCore::Cordic(Cordic::new(iterations, bits))
             }
         };
-        Ok(Unit {
+        Ok(TrigonometricUnit {
             implementation,
             core,
         })
@@ -72,8 +72,8 @@ impl Unit {
     /// # Errors
     ///
     /// When the name is that of no implementation.
-    pub fn named(name: &str) -> Result<Unit, ImplementationError> {
-        name.parse().and_then(Unit::new)
+    pub fn named(name: &str) -> Result<TrigonometricUnit, ImplementationError> {
+        name.parse().and_then(TrigonometricUnit::new)
     }
 
     /// What it implements.
@@ -92,9 +92,9 @@ impl Unit {
         // At most 2^62.
         let fraction = reduced.fraction as i64;
         let found = match &self.core {
-            Core::Polynomial(kernel) => kernel.at(reduction::radians(fraction, bits)),
-            Core::Cordic(cordic) => cordic.at(reduction::radians(fraction, bits)),
-            Core::Table(middles, kernel) => {
+            TrigonometricCore::Polynomial(kernel) => kernel.at(reduction::radians(fraction, bits)),
+            TrigonometricCore::Cordic(cordic) => cordic.at(reduction::radians(fraction, bits)),
+            TrigonometricCore::Table(middles, kernel) => {
                 let width = FRACTION - middles.len().trailing_zeros();
                 let place = ((fraction >> width) as usize).min(middles.len() - 1);
                 let middle = ((place as i64) << width) + (1 << (width - 1));
@@ -119,12 +119,12 @@ impl Unit {
         let bits = self.implementation.bits();
         let half = half_unit(bits);
         let found = match &self.core {
-            Core::Polynomial(kernel) => {
+            TrigonometricCore::Polynomial(kernel) => {
                 let [sine, cosine] = kernel.errors();
                 sine.max(cosine)
             }
-            Core::Cordic(cordic) => cordic.error(),
-            Core::Table(_, kernel) => {
+            TrigonometricCore::Cordic(cordic) => cordic.error(),
+            TrigonometricCore::Table(_, kernel) => {
                 // s cos h + c sin h: the errors of cos h and sin h lie along
                 // directions of which s and c are the cosines; those of the
                 // entries count fully, and both products are rounded.
@@ -137,23 +137,23 @@ impl Unit {
     }
 
     /// What it takes, estimated.
-    pub fn cost(&self) -> Cost {
+    pub fn cost(&self) -> TrigonometricCost {
         let bits = u64::from(self.implementation.bits());
         let reduction = 2 * MULTIPLICATION + 1;
         match &self.core {
-            Core::Polynomial(kernel) => Cost {
+            TrigonometricCore::Polynomial(kernel) => TrigonometricCost {
                 latency: reduction + kernel.depth() * (MULTIPLICATION + 1),
                 table_bits: 0,
             },
-            Core::Table(middles, kernel) => Cost {
+            TrigonometricCore::Table(middles, kernel) => TrigonometricCost {
                 latency: reduction + 1 + (kernel.depth() + 1) * (MULTIPLICATION + 1),
                 table_bits: middles.len() as u64 * 2 * bits,
             },
-            Core::Cordic(_) => {
+            TrigonometricCore::Cordic(_) => {
                 let Implementation::Cordic { iterations, .. } = self.implementation else {
                     unreachable!("the core is that of the implementation")
                 };
-                Cost {
+                TrigonometricCost {
                     latency: reduction + iterations,
                     table_bits: u64::from(iterations + 1) * bits,
                 }
@@ -208,8 +208,8 @@ mod tests {
         "cordic(iterations=40 bits=48)",
     ];
 
-    fn unit(name: &str) -> Unit {
-        Unit::new(name.parse().expect(name)).expect(name)
+    fn unit(name: &str) -> TrigonometricUnit {
+        TrigonometricUnit::new(name.parse().expect(name)).expect(name)
     }
 
     #[test]

@@ -22,19 +22,19 @@ use robovec_ir::{Function, Operand, Value};
 
 /// A step of straight-line code.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Step {
+pub enum CodeStep {
     /// Computes a value.
     Define(Value),
     /// Sets an output element: the place among the assignments.
     Assign(u32),
 }
 
-impl Step {
+impl CodeStep {
     /// What the step reads.
     pub fn reads(self, function: &Function) -> &[Operand] {
         match self {
-            Step::Define(value) => function.node(value).operands(),
-            Step::Assign(index) => {
+            CodeStep::Define(value) => function.node(value).operands(),
+            CodeStep::Assign(index) => {
                 std::slice::from_ref(&function.assignments[index as usize].operand)
             }
         }
@@ -43,12 +43,12 @@ impl Step {
 
 /// The values that are marked in `computed`, in the function's order, and then
 /// all assignments.
-pub fn program(function: &Function, computed: &[bool]) -> Vec<Step> {
+pub fn program(function: &Function, computed: &[bool]) -> Vec<CodeStep> {
     let values = function.values().map(|(value, _)| value);
     let values = values.filter(|value| computed[value.index()]);
     let outputs = 0..function.assignments.len() as u32;
-    let definitions = values.map(Step::Define);
-    definitions.chain(outputs.map(Step::Assign)).collect()
+    let definitions = values.map(CodeStep::Define);
+    definitions.chain(outputs.map(CodeStep::Assign)).collect()
 }
 
 /// The values that are marked in `computed`, each once and behind what it
@@ -58,7 +58,7 @@ pub fn program(function: &Function, computed: &[bool]) -> Vec<Step> {
 /// Outputs are taken from the last to the first: those of the last bodies come
 /// first in a recursion from the leaves of a tree to its root, which is what
 /// most of the operations are.
-pub fn depth_first(function: &Function, computed: &[bool], outputs_last: bool) -> Vec<Step> {
+pub fn depth_first(function: &Function, computed: &[bool], outputs_last: bool) -> Vec<CodeStep> {
     let needs = needs(function);
     let mut walk = DepthWalk::new(function, &needs, Ties::LeftFirst);
     let mut steps = Vec::with_capacity(computed.len());
@@ -69,13 +69,13 @@ pub fn depth_first(function: &Function, computed: &[bool], outputs_last: bool) -
         found.clear();
         walk.reach(root, &mut found);
         let defined = found.iter().filter(|value| computed[value.index()]);
-        steps.extend(defined.copied().map(Step::Define));
+        steps.extend(defined.copied().map(CodeStep::Define));
         if !outputs_last {
-            steps.push(Step::Assign(output));
+            steps.push(CodeStep::Assign(output));
         }
     }
     if outputs_last {
-        steps.extend(outputs.map(Step::Assign));
+        steps.extend(outputs.map(CodeStep::Assign));
     }
     steps
 }
@@ -142,7 +142,7 @@ fn needs(function: &Function) -> Vec<u32> {
     let mut needs: Vec<u32> = Vec::with_capacity(function.nodes().len());
     for node in function.nodes() {
         let values = node.operands().iter().filter_map(|operand| operand.value());
-        let mut own = [0; Operand::MOST];
+        let mut own = [0; Operand::MAX_COUNT];
         for (need, value) in own.iter_mut().zip(values) {
             *need = needs[value.index()];
         }

@@ -9,7 +9,7 @@
 //! once more with a model of the registers, and does next whatever is ready,
 //! reads what lies in registers, and ends the lives of values there.
 
-use super::{DepthWalk, Step, Ties};
+use super::{CodeStep, DepthWalk, Ties};
 use robovec_ir::{Function, Operand, OperandKind, Value};
 use std::collections::BTreeSet;
 
@@ -31,7 +31,7 @@ const ENABLE: i64 = 10;
 /// All values that are marked in `computed`, each once and behind its
 /// operands, and all assignments, each right behind its value. Operands that
 /// are not marked are in memory from the start.
-pub fn by_registers(function: &Function, computed: &[bool], registers: usize) -> Vec<Step> {
+pub fn by_registers(function: &Function, computed: &[bool], registers: usize) -> Vec<CodeStep> {
     let walked = walk(function, computed);
     let values = RegisterSchedule::new(function, computed, &walked, registers).run();
     let mut setters: Vec<Vec<u32>> = vec![Vec::new(); function.nodes().len()];
@@ -39,12 +39,12 @@ pub fn by_registers(function: &Function, computed: &[bool], registers: usize) ->
     for (index, assignment) in (0u32..).zip(&function.assignments) {
         match assignment.operand.value() {
             Some(value) if computed[value.index()] => setters[value.index()].push(index),
-            _ => steps.push(Step::Assign(index)),
+            _ => steps.push(CodeStep::Assign(index)),
         }
     }
     for value in values {
-        steps.push(Step::Define(value));
-        steps.extend(setters[value.index()].iter().copied().map(Step::Assign));
+        steps.push(CodeStep::Define(value));
+        steps.extend(setters[value.index()].iter().copied().map(CodeStep::Assign));
     }
     steps
 }

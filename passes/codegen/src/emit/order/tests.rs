@@ -33,11 +33,11 @@ fn waves(length: usize) -> String {
 }
 
 /// The most values that wait to be read.
-fn waiting(function: &Function, steps: &[Step]) -> usize {
+fn waiting(function: &Function, steps: &[CodeStep]) -> usize {
     let mut last = vec![0; function.nodes().len()];
-    let reads = |step: &Step| match *step {
-        Step::Define(value) => function.node(value).operands().to_vec(),
-        Step::Assign(index) => vec![function.assignments[index as usize].operand],
+    let reads = |step: &CodeStep| match *step {
+        CodeStep::Define(value) => function.node(value).operands().to_vec(),
+        CodeStep::Assign(index) => vec![function.assignments[index as usize].operand],
     };
     for (time, step) in steps.iter().enumerate() {
         for value in reads(step).iter().filter_map(|operand| operand.value()) {
@@ -47,7 +47,7 @@ fn waiting(function: &Function, steps: &[Step]) -> usize {
     let mut live: Vec<usize> = Vec::new();
     let mut most = 0;
     for (time, step) in steps.iter().enumerate() {
-        if let Step::Define(value) = step {
+        if let CodeStep::Define(value) = step {
             live.push(last[value.index()]);
         }
         most = most.max(live.len());
@@ -66,12 +66,12 @@ fn every_value_stands_once_and_behind_its_operands() {
     let mut assigned = 0;
     for step in &steps {
         match *step {
-            Step::Define(value) => {
+            CodeStep::Define(value) => {
                 let operands = function.node(value).operands().iter();
                 assert!(operands.filter_map(|o| o.value()).all(|v| done[v.index()]));
                 assert!(!std::mem::replace(&mut done[value.index()], true));
             }
-            Step::Assign(index) => {
+            CodeStep::Assign(index) => {
                 let operand = function.assignments[index as usize].operand;
                 assert!(operand.value().is_some_and(|value| done[value.index()]));
                 assigned += 1;
@@ -87,8 +87,8 @@ fn chains_are_done_one_after_the_other() {
     let module = module(&waves(100));
     let function = &module.functions[0];
     let computed = vec![true; function.nodes().len()];
-    let program: Vec<Step> = (function.values().map(|(value, _)| Step::Define(value)))
-        .chain([Step::Assign(0), Step::Assign(1)])
+    let program: Vec<CodeStep> = (function.values().map(|(value, _)| CodeStep::Define(value)))
+        .chain([CodeStep::Assign(0), CodeStep::Assign(1)])
         .collect();
     let steps = by_registers(function, &computed, 8);
     assert!(waiting(function, &program) >= 200);
@@ -107,5 +107,5 @@ fn what_is_in_memory_is_not_computed() {
     computed[0] = false;
     let steps = by_registers(function, &computed, 4);
     assert_eq!(steps.len(), function.nodes().len() - 1 + 2);
-    assert!(!steps.contains(&Step::Define(Value(0))));
+    assert!(!steps.contains(&CodeStep::Define(Value(0))));
 }

@@ -1,16 +1,16 @@
 //! How accesses are addressed, once every value has its word: arrays,
 //! constants, affine addresses and tables.
 
-use super::super::fit::{Fit, exact, fit};
-use super::super::program::{Copy, Index, Place, Space};
-use super::super::resolve::Access;
-use super::super::statements::Target;
-use super::{INTERLEAVED, JUNK, Layout, MARGIN};
+use super::super::fit::{AffineFit, exact, fit};
+use super::super::program::{Copy, Index, SpaceElement, StorageSpace};
+use super::super::resolve::MemoryRead;
+use super::super::statements::StatementTarget;
+use super::{INTERLEAVED, JUNK, MARGIN, RolledLayout};
 use robovec_ir::{Array, Operand, OperandKind, Shape};
 
-impl Layout<'_> {
+impl RolledLayout<'_> {
     /// The output array that holds all that a copy reads.
-    pub(super) fn output_of(&self, access: &Access) -> Option<usize> {
+    pub(super) fn output_of(&self, access: &MemoryRead) -> Option<usize> {
         if !access.copies {
             return None;
         }
@@ -23,7 +23,7 @@ impl Layout<'_> {
     }
 
     /// Where an access reads.
-    pub(super) fn place(&mut self, number: usize, access: &Access) -> Place {
+    pub(super) fn place(&mut self, number: usize, access: &MemoryRead) -> SpaceElement {
         if let Some(array) = self.output_of(access) {
             let element = |operand: &Operand| {
                 let element = operand
@@ -32,15 +32,15 @@ impl Layout<'_> {
                 element.map_or([0, 0], |(_, indices)| indices)
             };
             let elements: Vec<[i64; 2]> = access.operands.iter().map(element).collect();
-            return self.elements(Space::Output(array), access.owner, &elements);
+            return self.elements(StorageSpace::Output(array), access.owner, &elements);
         }
         if let Some((array, elements)) = self.inputs(access) {
-            return self.elements(Space::Input(array), access.owner, &elements);
+            return self.elements(StorageSpace::Input(array), access.owner, &elements);
         }
         if let Some(numbers) = self.numbers(access) {
             let start = self.constants(&numbers) as i64;
             let words: Vec<i64> = (start..).take(numbers.len()).collect();
-            return self.words(Space::Constants, access.owner, &words);
+            return self.words(StorageSpace::Constants, access.owner, &words);
         }
         let words: Vec<i64> = access
             .operands
@@ -60,11 +60,11 @@ impl Layout<'_> {
                 i64::from(word)
             })
             .collect();
-        self.words(Space::Work, access.owner, &words)
+        self.words(StorageSpace::Work, access.owner, &words)
     }
 
     /// The input array that an access reads alone, and the elements.
-    pub(super) fn inputs(&self, access: &Access) -> Option<(usize, Vec<[i64; 2]>)> {
+    pub(super) fn inputs(&self, access: &MemoryRead) -> Option<(usize, Vec<[i64; 2]>)> {
         let elements = access.operands.iter().map(|operand| {
             let input = operand.input()?;
             let (array, indices, _) = self.function.input_element(input);
@@ -79,7 +79,7 @@ impl Layout<'_> {
         same.then(|| (array, elements.into_iter().map(|(_, at)| at).collect()))
     }
 
-    fn numbers(&self, access: &Access) -> Option<Vec<f64>> {
+    fn numbers(&self, access: &MemoryRead) -> Option<Vec<f64>> {
         let numbers = access.operands.iter();
         numbers
             .map(|&operand| self.function.number(operand))
@@ -97,18 +97,23 @@ impl Layout<'_> {
         start
     }
 
-    fn words(&mut self, space: Space, owner: Option<usize>, words: &[i64]) -> Place {
-        Place {
+    fn words(&mut self, space: StorageSpace, owner: Option<usize>, words: &[i64]) -> SpaceElement {
+        SpaceElement {
             space,
             row: Index::fixed(0),
             column: self.index(owner, words),
         }
     }
 
-    fn elements(&mut self, space: Space, owner: Option<usize>, elements: &[[i64; 2]]) -> Place {
+    fn elements(
+        &mut self,
+        space: StorageSpace,
+        owner: Option<usize>,
+        elements: &[[i64; 2]],
+    ) -> SpaceElement {
         let rows: Vec<i64> = elements.iter().map(|element| element[0]).collect();
         let columns: Vec<i64> = elements.iter().map(|element| element[1]).collect();
-        Place {
+        SpaceElement {
             space,
             row: self.index(owner, &rows),
             column: self.index(owner, &columns),
@@ -169,19 +174,19 @@ impl Layout<'_> {
     }
 
     /// Where a position stores its results.
-    pub(in super::super) fn stores(&mut self, position: usize) -> Vec<Place> {
+    pub(in super::super) fn stores(&mut self, position: usize) -> Vec<SpaceElement> {
         let owner = self.nest.positions[position].owner;
         let statements = &self.nest.positions[position].statements;
         let mut stores = Vec::new();
-        let targets: Vec<Target> = statements
+        let targets: Vec<StatementTarget> = statements
             .iter()
             .map(|&statement| self.statements.list[statement as usize].target)
             .collect();
         let elements: Option<Vec<(usize, [i64; 2])>> = targets
             .iter()
             .map(|target| match *target {
-                Target::Value(value) => self.outputs.element(value),
-                Target::Output(output) => {
+                StatementTarget::Value(value) => self.outputs.element(value),
+                StatementTarget::Output(output) => {
                     Some(super::super::demote::element(self.function, output))
                 }
             })
@@ -190,7 +195,7 @@ impl Layout<'_> {
             && let Some(&(array, _)) = elements.first()
         {
             let elements: Vec<[i64; 2]> = elements.into_iter().map(|(_, at)| at).collect();
-            stores.push(self.elements(Space::Output(array), owner, &elements));
+            stores.push(self.elements(StorageSpace::Output(array), owner, &elements));
         }
         let values = self.values(position);
         let known: Vec<Option<i64>> = values
@@ -199,7 +204,7 @@ impl Layout<'_> {
             .collect();
         if known.iter().any(|word| word.is_some()) {
             let words = self.complete(owner, &known);
-            stores.push(self.words(Space::Work, owner, &words));
+            stores.push(self.words(StorageSpace::Work, owner, &words));
         }
         stores
     }
@@ -254,23 +259,26 @@ impl Layout<'_> {
         copies
     }
 
-    fn origin(&mut self, operand: Operand) -> (Space, [i64; 2]) {
+    fn origin(&mut self, operand: Operand) -> (StorageSpace, [i64; 2]) {
         match operand.kind() {
             OperandKind::Input(input) => {
                 let (array, indices, _) = self.function.input_element(input);
                 let place = self.function.input_array(input);
-                (Space::Input(place), coordinates(array, indices))
+                (StorageSpace::Input(place), coordinates(array, indices))
             }
             OperandKind::Value(value) => {
                 let word = self.home[value.index()];
                 let word = word.expect("a value that is read from the work array has a word");
-                (Space::Work, [0, i64::from(word)])
+                (StorageSpace::Work, [0, i64::from(word)])
             }
             OperandKind::Constant(constant) => {
                 let number = self.function.constant_number(constant);
-                (Space::Constants, [0, self.constants(&[number]) as i64])
+                (
+                    StorageSpace::Constants,
+                    [0, self.constants(&[number]) as i64],
+                )
             }
-            OperandKind::None => (Space::Work, [0, i64::from(JUNK)]),
+            OperandKind::None => (StorageSpace::Work, [0, i64::from(JUNK)]),
         }
     }
 }
@@ -302,7 +310,7 @@ fn joins(run: &mut Copy, one: &Copy) -> bool {
     true
 }
 
-fn affine(around: &[usize], line: &Fit) -> Index {
+fn affine(around: &[usize], line: &AffineFit) -> Index {
     let factors = around.iter().copied().zip(line.factors.iter().copied());
     Index {
         base: line.base,

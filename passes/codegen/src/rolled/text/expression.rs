@@ -1,7 +1,7 @@
 //! Expressions: operations, and where what they read is.
 
-use super::super::program::{Index, Place, Source, Space};
-use super::super::statements::Step;
+use super::super::program::{Index, LeafSource, SpaceElement, StorageSpace};
+use super::super::statements::TemplateStep;
 use super::RolledWriter;
 use crate::emit::arrays::element;
 use crate::emit::expression::{BoundText, Operands, apply, literal};
@@ -14,10 +14,10 @@ impl RolledWriter<'_> {
         let mut stack: Vec<BoundText> = Vec::new();
         for step in &self.program.templates[code.template as usize].steps {
             let done = match *step {
-                Step::Leaf => leaves
+                TemplateStep::Leaf => leaves
                     .next()
                     .expect("a statement has a source for each leaf"),
-                Step::Apply(operation) => {
+                TemplateStep::Apply(operation) => {
                     let operands = stack.split_off(stack.len() - operation.arity());
                     apply(operation, &operands, self.real, Operands::Numbers)
                 }
@@ -27,16 +27,16 @@ impl RolledWriter<'_> {
         stack.pop().expect("a template leaves one value").text
     }
 
-    pub(super) fn source_text(&self, source: &Source) -> BoundText {
+    pub(super) fn source_text(&self, source: &LeafSource) -> BoundText {
         match source {
-            Source::Position(position) => BoundText::primary(&self.variables[*position]),
-            Source::Carried(carried) => BoundText::primary(&self.carried[*carried]),
-            Source::Place(place) => BoundText::primary(self.place(place)),
-            Source::Number(number) => literal(*number, self.real),
+            LeafSource::Position(position) => BoundText::primary(&self.variables[*position]),
+            LeafSource::Carried(carried) => BoundText::primary(&self.carried[*carried]),
+            LeafSource::Place(place) => BoundText::primary(self.place(place)),
+            LeafSource::Number(number) => literal(*number, self.real),
         }
     }
 
-    pub(super) fn place(&self, place: &Place) -> String {
+    pub(super) fn place(&self, place: &SpaceElement) -> String {
         self.at(
             place.space,
             &self.index(&place.row),
@@ -44,12 +44,16 @@ impl RolledWriter<'_> {
         )
     }
 
-    pub(super) fn at(&self, space: Space, row: &str, column: &str) -> String {
+    pub(super) fn at(&self, space: StorageSpace, row: &str, column: &str) -> String {
         let (array, name, is_output) = match space {
-            Space::Work => return format!("{}[{column}]", self.work),
-            Space::Constants => return format!("{}[{column}]", self.constants),
-            Space::Input(array) => (&self.function.inputs()[array], &self.inputs[array], false),
-            Space::Output(array) => (&self.function.outputs()[array], &self.outputs[array], true),
+            StorageSpace::Work => return format!("{}[{column}]", self.work),
+            StorageSpace::Constants => return format!("{}[{column}]", self.constants),
+            StorageSpace::Input(array) => {
+                (&self.function.inputs()[array], &self.inputs[array], false)
+            }
+            StorageSpace::Output(array) => {
+                (&self.function.outputs()[array], &self.outputs[array], true)
+            }
         };
         element(name, array.shape, is_output, row, column)
     }

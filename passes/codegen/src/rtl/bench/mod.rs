@@ -26,7 +26,7 @@
 mod names;
 mod script;
 
-use super::super::manifest::{Manifest, Window};
+use super::super::manifest::{AddressMap, Manifest};
 use robovec_ir::{Machine, View};
 use std::fmt::Write;
 
@@ -87,7 +87,7 @@ pub struct BusResult {
 
 /// One run of the program: what goes in, what must come out.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Run {
+pub struct BenchRun {
     /// Everything that is loaded.
     pub loads: Vec<Load>,
     /// Every result, in order of cycle and element.
@@ -98,7 +98,7 @@ pub struct Run {
 
 /// All that a bench is made from.
 #[derive(Clone, Copy, Debug)]
-pub struct Bench<'a> {
+pub struct TestBench<'a> {
     /// The placed function, for the names of operations.
     pub view: View<'a>,
     /// The machine it is placed for.
@@ -109,7 +109,7 @@ pub struct Bench<'a> {
     /// lowest first.
     pub instructions: &'a [Vec<Vec<u32>>],
     /// The runs, one after the other without a reset.
-    pub runs: &'a [Run],
+    pub runs: &'a [BenchRun],
 }
 
 /// Why there is no bench.
@@ -129,7 +129,7 @@ pub enum BenchError {
     TooLarge(String),
 }
 
-impl Bench<'_> {
+impl TestBench<'_> {
     /// The files of the folder `tb/`: name and text.
     ///
     /// # Errors
@@ -177,7 +177,8 @@ impl Bench<'_> {
             return fail("an element does not have one instruction per cycle");
         }
         for run in self.runs {
-            let places = |run: &Run| run.results.iter().map(|r| (r.cycle, r.element)).collect();
+            let places =
+                |run: &BenchRun| run.results.iter().map(|r| (r.cycle, r.element)).collect();
             let (one, other): (Vec<_>, Vec<_>) = (places(first), places(run));
             if one != other {
                 return fail("results stand in other places in other runs");
@@ -216,7 +217,7 @@ impl Bench<'_> {
     /// name, and the number.
     fn sizes(
         &self,
-        window: &Window,
+        window: &AddressMap,
         script: &script::Script,
         configured: &script::Script,
     ) -> Result<Vec<Size>, BenchError> {
@@ -235,7 +236,7 @@ impl Bench<'_> {
         let end = end.max().unwrap_or(0).max(8);
         let operations = self.operations() as u64;
         let runs = self.runs.len() as u64;
-        if operations * runs > MOST_RESULTS {
+        if operations * runs > MAX_RESULTS {
             return Err(BenchError::TooLarge(format!(
                 "{operations} results in {runs} runs"
             )));
@@ -276,12 +277,12 @@ impl Bench<'_> {
             (
                 "clocks after which a run has failed",
                 "MOST_WAIT",
-                most_wait.min(MOST_CLOCKS / 2),
+                most_wait.min(MAX_CLOCKS / 2),
             ),
             (
                 "clocks after which everything has failed",
                 "MOST_CLOCKS",
-                most_clocks.min(MOST_CLOCKS),
+                most_clocks.min(MAX_CLOCKS),
             ),
         ];
         Ok(numbers.to_vec())
@@ -289,9 +290,9 @@ impl Bench<'_> {
 }
 
 /// Results of all runs at most.
-const MOST_RESULTS: u64 = 1 << 26;
+const MAX_RESULTS: u64 = 1 << 26;
 /// Clocks at most: what a signed number of 32 bits counts.
-const MOST_CLOCKS: u64 = 2_000_000_000;
+const MAX_CLOCKS: u64 = 2_000_000_000;
 
 /// What a size is, its name, and the number.
 type Size = (&'static str, &'static str, u64);

@@ -1,20 +1,20 @@
 //! What operations are called, for messages about a wrong result.
 
-use super::Bench;
+use super::TestBench;
 use robovec_ir::Value;
 use robovec_ir::print::print_definition;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Places of an operation's equations that are told.
-const MOST_PLACES: usize = 4;
+const MAX_PLACES: usize = 4;
 /// Characters of a definition that are told; the bench in Verilog reads lines
 /// of 500.
-const MOST_CHARACTERS: usize = 280;
+const MAX_CHARACTERS: usize = 280;
 
 /// The text of `operations.txt`: for every result a line with its element,
 /// its cycles, the operation, and the places of its equations.
-pub(super) fn operations(bench: &Bench<'_>) -> String {
+pub(super) fn operations(bench: &TestBench<'_>) -> String {
     let issued = issues(bench);
     let mut text = String::new();
     for result in bench.runs.iter().take(1).flat_map(|run| &run.results) {
@@ -37,7 +37,7 @@ pub(super) fn operations(bench: &Bench<'_>) -> String {
 
 /// The operation and its cycle for every cycle and element in which the
 /// schedule has a result.
-fn issues(bench: &Bench<'_>) -> BTreeMap<(u32, u32), (Value, u32)> {
+fn issues(bench: &TestBench<'_>) -> BTreeMap<(u32, u32), (Value, u32)> {
     let function = bench.view.function;
     let Some(schedule) = &function.schedule else {
         return BTreeMap::new();
@@ -64,22 +64,22 @@ fn issues(bench: &Bench<'_>) -> BTreeMap<(u32, u32), (Value, u32)> {
         .collect()
 }
 
-fn describe(bench: &Bench<'_>, value: Value, text: &mut String) {
+fn describe(bench: &TestBench<'_>, value: Value, text: &mut String) {
     let view = bench.view;
     let definition = print_definition(view, value);
     // Placement and sources follow the definition; the former is known.
     let definition = definition.lines().next().unwrap_or_default();
-    text.extend(definition.chars().take(MOST_CHARACTERS));
+    text.extend(definition.chars().take(MAX_CHARACTERS));
     let sources = &view.tables.sources;
     let places = sources.places(view.function.node(value).sources);
     let count = places.len();
-    for (number, place) in places.take(MOST_PLACES).enumerate() {
+    for (number, place) in places.take(MAX_PLACES).enumerate() {
         let before = if number == 0 { "; from" } else { "," };
         let file = sources.files.get(place.file as usize);
         let file = file.map_or("?", String::as_str);
         let _ = write!(text, "{before} {file} line {}", place.line);
     }
-    if count > MOST_PLACES {
-        let _ = write!(text, " and {} more", count - MOST_PLACES);
+    if count > MAX_PLACES {
+        let _ = write!(text, " and {} more", count - MAX_PLACES);
     }
 }

@@ -14,8 +14,8 @@
 //! `configured.hex` is the same for a machine whose memories hold the images
 //! from configuration on: only inputs are loaded.
 
-use super::{Bench, BenchError, Run};
-use crate::manifest::{OutputValue, Unit, Window};
+use super::{BenchError, BenchRun, TestBench};
+use crate::manifest::{AddressMap, MappedMemory, OutputValue};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -31,7 +31,7 @@ const CONTROL_CLEAR: u32 = 2;
 const STATUS_DONE: u32 = 2;
 
 /// Notes at most, by the width of their field.
-const MOST_NOTES: usize = 1 << 24;
+const MAX_NOTES: usize = 1 << 24;
 
 /// The commands, and what they are about.
 pub(super) struct Script {
@@ -43,10 +43,10 @@ pub(super) struct Script {
     pub(super) reads: String,
 }
 
-struct Writer<'a> {
-    bench: &'a Bench<'a>,
-    window: &'a Window,
-    units: BTreeMap<&'a str, &'a Unit>,
+struct ScriptWriter<'a> {
+    bench: &'a TestBench<'a>,
+    window: &'a AddressMap,
+    units: BTreeMap<&'a str, &'a MappedMemory>,
     /// The memories hold the images already.
     configured: bool,
     script: Script,
@@ -56,12 +56,12 @@ struct Writer<'a> {
 /// Writes the commands of a bench, for a machine that holds the images from
 /// configuration on or for one that holds nothing.
 pub(super) fn write(
-    bench: &Bench<'_>,
-    window: &Window,
+    bench: &TestBench<'_>,
+    window: &AddressMap,
     configured: bool,
 ) -> Result<Script, BenchError> {
     let units = window.units.iter();
-    let mut writer = Writer {
+    let mut writer = ScriptWriter {
         bench,
         window,
         units: units.map(|unit| (unit.name.as_str(), unit)).collect(),
@@ -83,14 +83,14 @@ pub(super) fn write(
         writer.run(number, run, outputs)?;
     }
     writer.command(END, 0, 0, 0);
-    if writer.notes > MOST_NOTES {
+    if writer.notes > MAX_NOTES {
         let what = format!("{} words are read back", writer.notes);
         return Err(BenchError::TooLarge(what));
     }
     Ok(writer.script)
 }
 
-impl Writer<'_> {
+impl ScriptWriter<'_> {
     fn command(&mut self, kind: u8, note: usize, address: u32, data: u32) {
         self.script.count += 1;
         // Writing to a string cannot fail, here and below.
@@ -149,7 +149,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    fn unit(&self, name: &str, words: u32) -> Result<Unit, BenchError> {
+    fn unit(&self, name: &str, words: u32) -> Result<MappedMemory, BenchError> {
         let found = self.units.get(name).filter(|unit| words <= unit.words);
         let unit = found.map(|&unit| unit.clone());
         unit.ok_or_else(|| BenchError::NoUnit(name.to_owned()))
@@ -220,7 +220,7 @@ impl Writer<'_> {
         first
     }
 
-    fn run(&mut self, number: usize, run: &Run, notes: usize) -> Result<(), BenchError> {
+    fn run(&mut self, number: usize, run: &BenchRun, notes: usize) -> Result<(), BenchError> {
         if number > 0 {
             for load in run.loads.iter().filter(|load| !load.stays) {
                 let memory = self.memory(load.memory)?;

@@ -12,11 +12,11 @@ mod steps;
 
 use robovec_ir::Operation;
 use robovec_num::NumberFormat;
-pub use steps::Step;
+pub use steps::CoreStep;
 
 /// A floating-point operator in hardware.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Core {
+pub enum OperatorCore {
     /// Sum and difference: `fp_add`.
     Add,
     /// Product: `fp_mul`.
@@ -64,25 +64,25 @@ pub const SOURCES: [SourceFile; 12] = sources![
     "pipeline_delay.v",
 ];
 
-impl Core {
+impl OperatorCore {
     /// All operators.
-    pub const ALL: [Core; 5] = [
-        Core::Add,
-        Core::Multiply,
-        Core::Divide,
-        Core::Root,
-        Core::Fused,
+    pub const ALL: [OperatorCore; 5] = [
+        OperatorCore::Add,
+        OperatorCore::Multiply,
+        OperatorCore::Divide,
+        OperatorCore::Root,
+        OperatorCore::Fused,
     ];
 
     /// The operator that performs an operation, if hardware does: sine and
     /// cosine are the host's.
-    pub fn of(operation: Operation) -> Option<Core> {
+    pub fn of(operation: Operation) -> Option<OperatorCore> {
         match operation {
-            Operation::Add | Operation::Sub => Some(Core::Add),
-            Operation::Mul => Some(Core::Multiply),
-            Operation::Div => Some(Core::Divide),
-            Operation::Sqrt => Some(Core::Root),
-            Operation::Fma | Operation::Fms | Operation::Fnma => Some(Core::Fused),
+            Operation::Add | Operation::Sub => Some(OperatorCore::Add),
+            Operation::Mul => Some(OperatorCore::Multiply),
+            Operation::Div => Some(OperatorCore::Divide),
+            Operation::Sqrt => Some(OperatorCore::Root),
+            Operation::Fma | Operation::Fms | Operation::Fnma => Some(OperatorCore::Fused),
             Operation::Copy | Operation::Neg | Operation::Sin | Operation::Cos => None,
         }
     }
@@ -90,16 +90,16 @@ impl Core {
     /// The name of its Verilog module.
     pub fn module(self) -> &'static str {
         match self {
-            Core::Add => "fp_add",
-            Core::Multiply => "fp_mul",
-            Core::Divide => "fp_div",
-            Core::Root => "fp_sqrt",
-            Core::Fused => "fp_fma",
+            OperatorCore::Add => "fp_add",
+            OperatorCore::Multiply => "fp_mul",
+            OperatorCore::Divide => "fp_div",
+            OperatorCore::Root => "fp_sqrt",
+            OperatorCore::Fused => "fp_fma",
         }
     }
 
     /// Its steps, each with the cut at its end.
-    pub fn steps(self, format: NumberFormat) -> Vec<Step> {
+    pub fn steps(self, format: NumberFormat) -> Vec<CoreStep> {
         steps::of(self, format)
     }
 }
@@ -124,7 +124,7 @@ impl Cuts {
 /// slowest stage is as quick as possible, and among these choices the one
 /// with the fewest registers. Stages beyond the last cut are plain registers.
 /// No stages give no cut at all.
-pub fn cuts(core: Core, format: NumberFormat, stages: u32) -> Cuts {
+pub fn cuts(core: OperatorCore, format: NumberFormat, stages: u32) -> Cuts {
     let steps = core.steps(format);
     let places = steps.len() as u32;
     let count = stages.min(places) as usize;
@@ -140,12 +140,12 @@ pub fn cuts(core: Core, format: NumberFormat, stages: u32) -> Cuts {
 
 /// The delay of a stage that begins behind step `first - 1` and ends at the
 /// cut of step `last`, in picoseconds.
-fn delay(steps: &[Step], first: usize, last: usize) -> u32 {
+fn delay(steps: &[CoreStep], first: usize, last: usize) -> u32 {
     steps[first..=last].iter().map(|step| step.delay).sum()
 }
 
 /// The delay of the slowest stage at its best, with so many registers.
-fn slowest(steps: &[Step], count: usize) -> u32 {
+fn slowest(steps: &[CoreStep], count: usize) -> u32 {
     let least = steps.iter().map(|step| step.delay).max().unwrap_or(0);
     let (mut low, mut high) = (least, delay(steps, 0, steps.len() - 1));
     while low < high {
@@ -160,7 +160,7 @@ fn slowest(steps: &[Step], count: usize) -> u32 {
 }
 
 /// The fewest stages of at most a delay; no step alone exceeds it.
-fn stages_within(steps: &[Step], limit: u32) -> usize {
+fn stages_within(steps: &[CoreStep], limit: u32) -> usize {
     let (mut stages, mut stage) = (1, 0);
     for step in steps {
         if stage + step.delay > limit {
@@ -175,7 +175,7 @@ fn stages_within(steps: &[Step], limit: u32) -> usize {
 /// The mask with `count` registers, the last at the last cut, whose stages
 /// keep to a delay and whose registers hold the fewest bits. Such a mask
 /// exists: a stage can always be divided as long as there are cuts.
-fn best_mask(steps: &[Step], count: usize, limit: u32) -> u64 {
+fn best_mask(steps: &[CoreStep], count: usize, limit: u32) -> u64 {
     // best[k][i]: the fewest bits of k registers, the last at cut i, and the
     // cut of the register before.
     let mut best = vec![vec![None; steps.len()]; count + 1];
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn every_number_of_stages_is_reached() {
-        for (core, format) in Core::ALL
+        for (core, format) in OperatorCore::ALL
             .into_iter()
             .flat_map(|core| formats().map(move |format| (core, format)))
         {
@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn more_stages_are_never_slower() {
-        for core in Core::ALL {
+        for core in OperatorCore::ALL {
             let steps = core.steps(NumberFormat::BINARY32);
             let delays: Vec<u32> = (1..=steps.len())
                 .map(|count| slowest(&steps, count))
@@ -248,7 +248,7 @@ mod tests {
 
     #[test]
     fn a_mask_is_the_best_of_all() {
-        let steps = Core::Multiply.steps(NumberFormat::BINARY32);
+        let steps = OperatorCore::Multiply.steps(NumberFormat::BINARY32);
         let count = 4;
         let cost = |mask: u64| {
             let (mut worst, mut bits, mut first) = (0, 0, 0);
@@ -264,7 +264,7 @@ mod tests {
             .filter(|mask: &u64| mask.count_ones() == count)
             .map(cost)
             .min();
-        let chosen = cuts(Core::Multiply, NumberFormat::BINARY32, count);
+        let chosen = cuts(OperatorCore::Multiply, NumberFormat::BINARY32, count);
         assert_eq!(Some(cost(chosen.mask)), best);
     }
 

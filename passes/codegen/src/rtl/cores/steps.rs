@@ -9,12 +9,12 @@
 //! **Invariant.** A list has one step per cut of the Verilog module, in the
 //! same order; the tests of latency in simulation fail otherwise.
 
-use super::Core;
+use super::OperatorCore;
 use robovec_num::NumberFormat;
 
 /// A step of an operator: what stands between two neighbouring cuts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Step {
+pub struct CoreStep {
     /// The delay of its logic, in picoseconds.
     pub delay: u32,
     /// The bits of a register at its end.
@@ -72,23 +72,23 @@ fn clog2(number: u32) -> u32 {
     number.next_power_of_two().trailing_zeros()
 }
 
-pub(super) fn of(core: Core, format: NumberFormat) -> Vec<Step> {
-    let mut steps = Steps(Vec::new());
+pub(super) fn of(core: OperatorCore, format: NumberFormat) -> Vec<CoreStep> {
+    let mut steps = CoreSteps(Vec::new());
     match core {
-        Core::Add => steps.add(format),
-        Core::Multiply => steps.multiply(format),
-        Core::Divide => steps.divide(format),
-        Core::Root => steps.root(format),
-        Core::Fused => steps.fused(format),
+        OperatorCore::Add => steps.add(format),
+        OperatorCore::Multiply => steps.multiply(format),
+        OperatorCore::Divide => steps.divide(format),
+        OperatorCore::Root => steps.root(format),
+        OperatorCore::Fused => steps.fused(format),
     }
     steps.0
 }
 
-struct Steps(Vec<Step>);
+struct CoreSteps(Vec<CoreStep>);
 
-impl Steps {
+impl CoreSteps {
     fn step(&mut self, delay: u32, bits: u32) {
-        self.0.push(Step { delay, bits });
+        self.0.push(CoreStep { delay, bits });
     }
 
     fn add(&mut self, format: NumberFormat) {
@@ -252,15 +252,15 @@ mod tests {
     fn operators_of_binary32_have_enough_cuts_for_the_thesis() {
         // Tables 1.1 and 1.2 go up to 14 and 9 stages.
         let format = NumberFormat::BINARY32;
-        assert_eq!(of(Core::Add, format).len(), 16);
-        assert_eq!(of(Core::Multiply, format).len(), 11);
+        assert_eq!(of(OperatorCore::Add, format).len(), 16);
+        assert_eq!(of(OperatorCore::Multiply, format).len(), 11);
         let flushed = NumberFormat {
             subnormals: false,
             ..format
         };
-        assert_eq!(of(Core::Add, flushed).len(), 16);
-        assert_eq!(of(Core::Multiply, flushed).len(), 9);
-        assert_eq!(of(Core::Divide, flushed).len(), 32);
-        assert_eq!(of(Core::Root, flushed).len(), 30);
+        assert_eq!(of(OperatorCore::Add, flushed).len(), 16);
+        assert_eq!(of(OperatorCore::Multiply, flushed).len(), 9);
+        assert_eq!(of(OperatorCore::Divide, flushed).len(), 32);
+        assert_eq!(of(OperatorCore::Root, flushed).len(), 30);
     }
 }

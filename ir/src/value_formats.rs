@@ -9,16 +9,16 @@ use robovec_num::format::Format;
 /// The formats of a function's values. A value without one is computed in
 /// the format of the run: the machine's, or the one that is asked for.
 #[derive(Clone, Default, Debug)]
-pub struct Formats {
+pub struct ValueFormats {
     table: Vec<Format>,
     /// One for every node: a place in the table, counted from 1, or 0.
     values: Vec<u16>,
 }
 
-impl Formats {
+impl ValueFormats {
     /// No format yet for any of so many values.
-    pub fn new(values: usize) -> Formats {
-        Formats {
+    pub fn new(values: usize) -> ValueFormats {
+        ValueFormats {
             table: Vec::new(),
             values: vec![0; values],
         }
@@ -86,8 +86,8 @@ impl Formats {
 
 /// True when all values have the same formats; no table is as good as one
 /// without entries.
-pub(crate) fn same_formats(left: Option<&Formats>, right: Option<&Formats>) -> bool {
-    let plain = |formats: Option<&Formats>| {
+pub(crate) fn same_formats(left: Option<&ValueFormats>, right: Option<&ValueFormats>) -> bool {
+    let plain = |formats: Option<&ValueFormats>| {
         formats.is_none_or(|formats| formats.values.iter().all(|&index| index == 0))
     };
     match (left, right) {
@@ -103,13 +103,13 @@ mod tests {
     #[test]
     fn formats_are_compared_by_what_they_say() {
         let short: Format = "float(8,15)".parse().expect("a format");
-        let mut left = Formats::new(2);
+        let mut left = ValueFormats::new(2);
         assert!(same_formats(Some(&left), None));
         left.set(Value(0), Some(Format::BINARY64));
         left.set(Value(0), None);
         left.set(Value(1), Some(short));
         assert_eq!(left.get(Value(1)), Some(short));
-        let mut right = Formats::new(2);
+        let mut right = ValueFormats::new(2);
         assert!(!same_formats(Some(&left), Some(&right)) && !same_formats(None, Some(&left)));
         right.set(Value(1), Some(short));
         assert!(same_formats(Some(&left), Some(&right)));

@@ -14,18 +14,18 @@ use std::cell::{Cell, RefCell};
 
 /// The rewrites of one run of a pass.
 #[derive(Default, Debug)]
-pub struct Rewrites {
+pub struct RewriteLimit {
     limit: Option<u64>,
     asked: Cell<u64>,
     last: RefCell<Option<(Name, String)>>,
 }
 
-impl Rewrites {
+impl RewriteLimit {
     /// Any number of rewrites, or the first `limit` only.
-    pub fn new(limit: Option<u64>) -> Rewrites {
-        Rewrites {
+    pub fn new(limit: Option<u64>) -> RewriteLimit {
+        RewriteLimit {
             limit,
-            ..Rewrites::default()
+            ..RewriteLimit::default()
         }
     }
 
@@ -77,8 +77,8 @@ mod tests {
             base: robovec_ir::Symbol(0),
             suffix,
         };
-        let free = Rewrites::new(None);
-        let limited = Rewrites::new(Some(2));
+        let free = RewriteLimit::new(None);
+        let limited = RewriteLimit::new(Some(2));
         for number in 0..4 {
             assert!(free.allow(name(number), "rule"));
             assert_eq!(limited.allow(name(number), "rule"), number < 2);
@@ -87,6 +87,6 @@ mod tests {
         assert_eq!(limited.asked(), 4);
         assert!(limited.has_refused() && !free.has_refused());
         assert_eq!(limited.last(), Some((name(1), "rule".to_owned())));
-        assert!(!Rewrites::new(Some(0)).allow(name(0), "rule"));
+        assert!(!RewriteLimit::new(Some(0)).allow(name(0), "rule"));
     }
 }
