@@ -7,8 +7,7 @@ use crate::{
     zero_removal,
 };
 use robovec_codegen::Codegen;
-use robovec_framework::pass::PassInfo;
-use robovec_framework::registry::{Preset, Registry};
+use robovec_framework::pass::{PassInfo, Preset, Registry};
 use robovec_schedule::Place;
 
 /// All passes and presets of robovec.

@@ -8,7 +8,7 @@
 use crate::files::limited;
 use crate::model::{family, mbs};
 use crate::{evaluate_command, motion, robotran, scene, study};
-use robovec_framework::options;
+use robovec_framework::pipeline;
 use robovec_ir::parse;
 pub use robovec_num::limits::LimitRow;
 use robovec_num::limits::{self, NumberLimit};
@@ -38,7 +38,7 @@ pub fn sections() -> Vec<LimitSection> {
             "Options of passes",
             "Written in pipelines: `eqsat{window=20}`. Number formats have limits of their own \
              (docs/formats.md).",
-            options::rows(&REGISTRY),
+            pipeline::limits(&REGISTRY),
         ),
         section(
             "Flags of programs",

@@ -1,7 +1,7 @@
 //! What every pass stands on, and nothing of any pass.
 //!
-//! [`pass`] says what a pass is, [`options`] how it declares its options,
-//! [`pipeline`] reads what the user wants to run of a [`registry`], [`manager`]
+//! [`pass`] says what a pass and a registry of passes are, [`options`] what it
+//! can be told, [`pipeline`] reads what the user wants to run, [`manager`]
 //! runs it with its instruments, [`check`] compares functions, [`trail`] tells
 //! where values come from, [`reduce`] finds what a pass breaks. This crate
 //! reads and writes no files.
@@ -15,7 +15,6 @@ pub mod options;
 pub mod pass;
 pub mod pipeline;
 pub mod reduce;
-pub mod registry;
 pub mod rewrite;
 pub mod rewrite_limit;
 pub mod scene;

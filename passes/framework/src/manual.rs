@@ -1,7 +1,6 @@
 //! The manual of all passes, made from a registry.
 
-use crate::pass::{Gives, PassInfo, Property};
-use crate::registry::Registry;
+use crate::pass::{Gives, PassInfo, Property, Registry};
 use std::fmt::Write;
 
 /// The manual as Markdown; `docs/passes.md` is this text, and a test keeps it

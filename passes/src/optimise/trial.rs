@@ -3,9 +3,8 @@
 use super::variants::{FUSED, VARIANTS, Variant};
 use robovec_analysis::critical_path::critical_path;
 use robovec_framework::manager::apply;
-use robovec_framework::pass::{Aside, Context, PassError};
+use robovec_framework::pass::{Aside, Context, PassError, Registry};
 use robovec_framework::pipeline::Pipeline;
-use robovec_framework::registry::Registry;
 use robovec_framework::trail::Notes;
 use robovec_ir::count::Counts;
 use robovec_ir::{Function, Level, Machine, Operation};

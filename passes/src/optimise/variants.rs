@@ -4,8 +4,8 @@
 //! another variant, so that common work is done once. Variants stand in the
 //! order in which they are made: those most often best first among equals.
 
+use robovec_framework::pass::Registry;
 use robovec_framework::pipeline::Pipeline;
-use robovec_framework::registry::Registry;
 
 /// One way to write the function.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -23,9 +23,8 @@ pub use walk::apply;
 
 use crate::check::{self, CheckVerdict, Promise};
 use crate::instances::Instances;
-use crate::pass::{Artifact, Context, PassError, PassInfo};
+use crate::pass::{Artifact, Context, PassError, PassInfo, Registry};
 use crate::pipeline::{PassStep, Pipeline};
-use crate::registry::Registry;
 use crate::rewrite_limit::RewriteLimit;
 use crate::scene::Scene;
 use crate::trail::{self, Follower, Notes, Trail};

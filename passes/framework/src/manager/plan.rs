@@ -1,8 +1,7 @@
 //! Whether a pipeline makes sense, before any of it runs.
 
-use crate::pass::{Gives, PassInfo, Property};
+use crate::pass::{Gives, PassInfo, Property, Registry};
 use crate::pipeline::{PassStep, Pipeline, PipelineStep};
-use crate::registry::Registry;
 use robovec_ir::{Function, Level, Module};
 use std::ops::Range;
 

@@ -4,8 +4,7 @@
 use super::token::PipelineToken;
 use super::{DEEPEST, DEFAULT_ROUNDS, PassStep, Pipeline, PipelineStep, ROUNDS};
 use crate::options::OptionError;
-use crate::pass::PassInfo;
-use crate::registry::Registry;
+use crate::pass::{PassInfo, Registry};
 use lalrpop_util::{ParseError, lalrpop_mod};
 use logos::Logos;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
@@ -34,8 +33,19 @@ const TEXT_NAME: &str = "<-passes>";
 /// Longest pipeline text accepted, in bytes.
 const LONGEST: usize = 1 << 20;
 
-/// Reads a pipeline of the passes of a registry: [`Registry::pipeline`].
-pub(crate) fn parse(text: &str, registry: &'static Registry) -> Result<Pipeline, PipelineError> {
+impl Registry {
+    /// Reads a pipeline of these passes.
+    ///
+    /// # Errors
+    ///
+    /// When the text does not follow the grammar, names a pass, preset or
+    /// option that does not exist, or gives an option a value it cannot take.
+    pub fn pipeline(&'static self, text: &str) -> Result<Pipeline, PipelineError> {
+        parse(text, self)
+    }
+}
+
+fn parse(text: &str, registry: &'static Registry) -> Result<Pipeline, PipelineError> {
     let mut builder = PipelineBuilder::new(registry);
     if text.len() > LONGEST {
         builder.error(0..0, "a pipeline of more than a megabyte is a mistake");

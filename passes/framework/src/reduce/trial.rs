@@ -1,8 +1,8 @@
 //! Running steps on a function and saying what went wrong.
 
 use crate::manager::{self, Config, Executed, Limit, RunError};
+use crate::pass::Registry;
 use crate::pipeline::{PassStep, Pipeline, PipelineStep};
-use crate::registry::Registry;
 use crate::scene::Scene;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, Tables};

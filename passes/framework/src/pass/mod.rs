@@ -5,15 +5,20 @@
 //! dumps, timing and the semantic check are the business of the manager, not
 //! of the pass.
 
+mod declare;
+mod info;
+mod registry;
+
+pub use info::{BuildPass, Gives, PassInfo, Property};
+pub use registry::{Preset, Registry};
+
 use crate::check::Promise;
 use crate::instances::Instances;
-use crate::options::{OptionError, OptionInfo};
-use crate::registry::Registry;
 use crate::rewrite_limit::RewriteLimit;
 use crate::scene::Scene;
 use crate::trail::Notes;
 use robovec_analysis::class::NumericClass;
-use robovec_ir::{Function, Level, Machine, Name, SourceSet, Tables};
+use robovec_ir::{Function, Machine, Name, SourceSet, Tables};
 use robovec_rules::RuleSet;
 
 /// A transformation (or analysis) of one function.
@@ -138,77 +143,6 @@ pub struct Artifact {
     pub name: String,
     /// Content.
     pub text: String,
-}
-
-/// A fact about a function that a pass can establish or destroy and another
-/// can ask for.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Property {
-    /// Every node carries its earliest and latest times.
-    Timed,
-    /// No `0 - x` is left that no output forces.
-    ZeroFree,
-    /// No two nodes compute the same.
-    Shared,
-    /// Every node is needed by an output.
-    Live,
-}
-
-impl Property {
-    /// The property's name in the manual and in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Property::Timed => "timed",
-            Property::ZeroFree => "zero-free",
-            Property::Shared => "shared",
-            Property::Live => "live",
-        }
-    }
-}
-
-/// The level a pass leaves its function at.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Gives {
-    /// The level it found.
-    Same,
-    /// This level.
-    Level(Level),
-}
-
-/// Makes a pass from options: names and values as text.
-pub type BuildPass = fn(&[(String, String)]) -> Result<Box<dyn Pass>, OptionError>;
-
-/// A pass's entry in the registry; [`declare_pass!`](crate::declare_pass)
-/// makes it.
-#[derive(Clone, Copy, Debug)]
-pub struct PassInfo {
-    /// Name in pipelines.
-    pub name: &'static str,
-    /// Page in the manual; its first line is the one-line description.
-    pub documentation: &'static str,
-    /// Options.
-    pub options: &'static [OptionInfo],
-    /// Levels it takes.
-    pub takes: &'static [Level],
-    /// Level it gives.
-    pub gives: Gives,
-    /// What it may do to the numbers.
-    pub class: NumericClass,
-    /// Properties it needs.
-    pub requires: &'static [Property],
-    /// Properties it establishes.
-    pub sets: &'static [Property],
-    /// Properties it may destroy.
-    pub destroys: &'static [Property],
-    /// Makes the pass from the options of a pipeline.
-    pub build: BuildPass,
-}
-
-impl PassInfo {
-    /// The one-line description.
-    pub fn summary(&self) -> &'static str {
-        self.documentation.lines().next().unwrap_or("").trim()
-    }
 }
 
 /// Why a pass gave up on a function.

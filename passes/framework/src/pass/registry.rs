@@ -3,8 +3,7 @@
 //! The framework knows passes by their entries only; which there are is said
 //! above all of them, in one place.
 
-use crate::pass::PassInfo;
-use crate::pipeline::{Pipeline, PipelineError, parse};
+use super::PassInfo;
 
 /// A named pipeline, written `$name` in another.
 #[derive(Clone, Copy, Debug)]
@@ -41,15 +40,5 @@ impl Registry {
     /// The preset of a name.
     pub fn preset(&self, name: &str) -> Option<&'static Preset> {
         self.presets.iter().find(|preset| preset.name == name)
-    }
-
-    /// Reads a pipeline of these passes.
-    ///
-    /// # Errors
-    ///
-    /// When the text does not follow the grammar, names a pass, preset or
-    /// option that does not exist, or gives an option a value it cannot take.
-    pub fn pipeline(&'static self, text: &str) -> Result<Pipeline, PipelineError> {
-        parse(text, self)
     }
 }
