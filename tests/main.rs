@@ -34,6 +34,7 @@ mod provenance;
 mod quartus;
 mod reader;
 mod reduce;
+mod rooms;
 mod rtl;
 mod rtl_fits;
 mod rtl_host;

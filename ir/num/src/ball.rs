@@ -99,17 +99,24 @@ impl<const LANES: usize> Ball<LANES> {
     }
 }
 
-/// What the end of the range can have cost a product or quotient of numbers
-/// that may be other than zero, and its radius, which sinks to zero as well.
-/// By one or minus one nothing is lost.
+/// What the end of the range can have cost a product or quotient that may be
+/// other than zero, and its radius, which sinks to zero as well.
 #[inline]
-fn sunk(result: f64, (a, a_radius): (f64, f64), (b, b_radius): (f64, f64)) -> f64 {
-    let may_sink = |number: f64, radius: f64| (number != 0.0) | (radius != 0.0);
-    let is_unit = |number: f64, radius: f64| (number.abs() == 1.0) & (radius == 0.0);
-    let lost = result.abs() < SMALLEST_WHOLE
-        && may_sink(a, a_radius) & may_sink(b, b_radius)
-        && !(is_unit(a, a_radius) | is_unit(b, b_radius));
+fn sunk(result: f64, may_be_other: bool) -> f64 {
+    let lost = result.abs() < SMALLEST_WHOLE && may_be_other;
     if lost { SUNK } else { 0.0 }
+}
+
+/// Whether a number with a radius may be other than zero.
+#[inline]
+fn may_be_other((number, radius): (f64, f64)) -> bool {
+    (number != 0.0) | (radius != 0.0)
+}
+
+/// Whether it is one or minus one, by which nothing sinks.
+#[inline]
+fn is_unit((number, radius): (f64, f64)) -> bool {
+    (number.abs() == 1.0) & (radius == 0.0)
 }
 
 /// The radius of a product of numbers with radii.
@@ -193,7 +200,8 @@ impl<const LANES: usize> Arithmetic for Balls<LANES> {
         Ball::with(value, |lane| {
             let x = (a.value.high[lane], a.radius[lane]);
             let y = (b.value.high[lane], b.radius[lane]);
-            product(x, y) + value.high[lane].abs() * PRODUCT_UNIT + sunk(value.high[lane], x, y)
+            let can_sink = may_be_other(x) & may_be_other(y) & !is_unit(x) & !is_unit(y);
+            product(x, y) + value.high[lane].abs() * PRODUCT_UNIT + sunk(value.high[lane], can_sink)
         })
     }
 
@@ -204,7 +212,7 @@ impl<const LANES: usize> Arithmetic for Balls<LANES> {
             let y = (b.value.high[lane], b.radius[lane]);
             quotient(value.high[lane], x.1, y)
                 + value.high[lane].abs() * UNIT
-                + sunk(value.high[lane], x, y)
+                + sunk(value.high[lane], may_be_other(x) & !is_unit(y))
         })
     }
 
@@ -233,5 +241,25 @@ impl<const LANES: usize> Arithmetic for Balls<LANES> {
     #[inline]
     fn fma(&self, a: Ball<LANES>, b: Ball<LANES>, c: Ball<LANES>) -> Ball<LANES> {
         self.add(self.mul(a, b), c)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_sinks_below_the_range_is_in_the_radius() {
+        let [one, large, tiny] = [1.0, 1e300, 1e-300].map(|number| Balls.literal(number));
+        let radius = |ball: Ball<1>| ball.radius[0];
+        // The second half of 1/1e300 is below the range, and of a product.
+        assert!(radius(Balls.div(one, large)) >= 1e-324 + f64::MIN_POSITIVE);
+        let tenth = Balls.literal(0.1);
+        assert!(radius(Balls.mul(tiny, tenth)) >= f64::MIN_POSITIVE);
+        assert!(radius(Balls.mul(tiny, one)) < 1e-320);
+        assert!(radius(Balls.div(tiny, one)) < 1e-320);
+        let zero = Balls.literal(0.0);
+        assert_eq!(radius(Balls.mul(tiny, zero)), 0.0);
+        assert_eq!(radius(Balls.div(zero, large)), 0.0);
     }
 }
