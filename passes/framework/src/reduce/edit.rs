@@ -30,6 +30,8 @@ pub(super) struct Edit {
     pub(super) fates: Vec<Fate>,
     /// Whether each assignment stays.
     pub(super) outputs: Vec<bool>,
+    /// What the outputs that stay are instead of what they were.
+    pub(super) root: Option<Value>,
     /// Numbers written for others.
     pub(super) numbers: Vec<(f64, f64)>,
     /// Arrays become single numbers.
@@ -42,6 +44,7 @@ impl Edit {
         Edit {
             fates: vec![Fate::Keep; function.nodes().len()],
             outputs: vec![true; function.assignments.len()],
+            root: None,
             numbers: Vec::new(),
             scalars: false,
         }
@@ -122,9 +125,15 @@ impl EditWriter<'_> {
         }
     }
 
-    fn kept_outputs(&self) -> impl Iterator<Item = &Assignment> {
+    fn kept_outputs(&self) -> impl Iterator<Item = Assignment> {
         let outputs = self.old.assignments.iter().zip(&self.edit.outputs);
-        outputs.filter(|(_, kept)| **kept).map(|(output, _)| output)
+        let root = self.edit.root.map(Operand::from);
+        outputs
+            .filter(|(_, kept)| **kept)
+            .map(move |(output, _)| Assignment {
+                operand: root.unwrap_or(output.operand),
+                ..*output
+            })
     }
 
     /// Marks values, inputs and cuts that the kept outputs need.
@@ -230,7 +239,7 @@ impl EditWriter<'_> {
     }
 
     fn declare_outputs(&mut self, tables: &mut Tables) {
-        let kept: Vec<Assignment> = self.kept_outputs().copied().collect();
+        let kept: Vec<Assignment> = self.kept_outputs().collect();
         let mut taken = HashSet::new();
         let mut last: Option<(u32, Array)> = None;
         for assignment in kept {

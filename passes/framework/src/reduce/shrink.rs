@@ -2,12 +2,12 @@
 //!
 //! Edits are tried in chunks that are halved down to single values (Zeller
 //! and Hildebrandt 2002), the coarsest kind first: outputs dropped, values
-//! made inputs, operations replaced by an operand, numbers simplified. All is
-//! repeated until nothing smaller goes wrong, or the work is used up.
+//! made inputs, operations replaced by an operand, single values kept with what
+//! they need, numbers simplified. All is repeated until nothing smaller goes wrong, or the work is used up.
 
 use super::edit::{Edit, Fate};
 use super::trial::{Case, PassProblem, TrialSetting};
-use robovec_ir::{Function, View, verify};
+use robovec_ir::{Function, Value, View, verify};
 
 /// How much was tried.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -61,6 +61,7 @@ impl Shrinker<'_> {
         self.values(Fate::Operand(0));
         self.values(Fate::Operand(1));
         self.values(Fate::Operand(2));
+        self.roots();
         self.numbers();
         self.size() < size
     }
@@ -112,6 +113,25 @@ impl Shrinker<'_> {
         );
     }
 
+    /// Keeps what one value alone needs, in small functions: dropping users
+    /// one by one does not lead there where two of them hide the problem.
+    fn roots(&mut self) {
+        let function = &self.case.function;
+        let small = function.nodes().len() <= MAX_ROOTS && !function.assignments.is_empty();
+        let values: Vec<Value> = function.values().map(|(value, _)| value).collect();
+        if !small || values.len() < 2 {
+            return;
+        }
+        for &root in &values[..values.len() - 1] {
+            let mut edit = Edit::nothing(&self.case.function);
+            edit.root = Some(root);
+            edit.outputs[1..].fill(false);
+            if self.effort.exhausted || self.attempt(&edit) {
+                return;
+            }
+        }
+    }
+
     /// Tries something on all places of a function, in chunks that get
     /// smaller.
     fn chunks(&mut self, count: fn(&Function) -> usize, change: impl Fn(&mut Edit, usize)) {
@@ -146,5 +166,8 @@ impl Shrinker<'_> {
         }
     }
 }
+
+/// So many values are tried as the only one that is needed.
+const MAX_ROOTS: usize = 64;
 
 const SIMPLE: [f64; 4] = [0.0, 1.0, -1.0, 2.0];
