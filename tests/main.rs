@@ -25,6 +25,7 @@ mod drop_in;
 mod exact_outputs;
 mod front;
 mod generate_cli;
+mod library;
 mod limits;
 mod models;
 mod operations;
