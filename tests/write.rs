@@ -3,8 +3,9 @@
 
 use crate::compiled::{Outcome, Subject, compare, has_gcc};
 use crate::support::files::{compare_with_record, each};
-use robovec::generate::{FunctionKind, GenerationRequest, generate};
+use robovec::generate::{GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
+use robovec::robotran::FunctionKind;
 use robovec::robotran::write::{WriteOptions, write};
 use robovec::robotran::{Language, read};
 use robovec_codegen::c::{Options, Real, Signature as CSignature, Sines, files as c_files};
