@@ -122,10 +122,12 @@ impl EvaluatedOutputs<'_> {
     }
 
     /// Takes over the entries of an array of one number for each joint that
-    /// the function sets; `None` when it has no such array.
-    pub fn take_joints(&self, name: &str, numbers: &mut [f64]) -> Option<()> {
+    /// the function sets; false when it has no such array.
+    pub fn take_joints(&self, name: &str, numbers: &mut [f64]) -> bool {
         let mut outputs = self.compiled.outputs.iter();
-        let &(_, first, shape) = outputs.find(|array| array.0 == name)?;
+        let Some(&(_, first, shape)) = outputs.find(|array| array.0 == name) else {
+            return false;
+        };
         for assignment in &self.compiled.function.assignments {
             let place = assignment.output.index();
             let joint = place.checked_sub(first);
@@ -133,7 +135,7 @@ impl EvaluatedOutputs<'_> {
                 numbers[joint] = self.flat[place];
             }
         }
-        Some(())
+        true
     }
 
     /// Takes over the columns of `frc` and `trq` that the function sets.

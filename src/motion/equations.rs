@@ -119,8 +119,8 @@ impl MotionEquations {
     pub fn accelerations(&self, state: &MotionState) -> Option<Vec<f64>> {
         let outputs = self.solved.as_ref()?.evaluate(state);
         let mut accelerations = state.qdd.clone();
-        outputs.take_joints("qdd", &mut accelerations)?;
-        Some(accelerations)
+        let given = outputs.take_joints("qdd", &mut accelerations);
+        given.then_some(accelerations)
     }
 
     /// `Jdqd`: the second derivative of the constraints without

@@ -3,8 +3,7 @@
 use super::{PIPELINE, SUSPENSION, example, opt, run};
 use crate::support::programs::stderr;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
 #[test]
 fn instruments_write_where_they_should() {

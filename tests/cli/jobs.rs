@@ -3,8 +3,8 @@
 use super::{PIPELINE, SUSPENSION, example, opt, run};
 use crate::support::programs::stderr;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Command;
 
 #[test]
 fn the_main_job_prints_a_placed_program_and_a_report() {

@@ -1,10 +1,7 @@
 //! Wrong inputs: what is said, and that nothing is written.
 
-use super::{PIPELINE, SUSPENSION, example, opt, refused, run};
-use crate::support::programs::stderr;
+use super::{SUSPENSION, example, refused};
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 #[test]
 fn bad_text_is_refused_with_a_caret() {

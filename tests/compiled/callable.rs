@@ -1,13 +1,6 @@
 //! Files that can be called as MBsysC calls them.
 
-use robovec::robotran::{Language, read};
-use robovec_ir::evaluate::evaluate;
-use robovec_ir::{Boundary, Function, Input, Module, View};
-use robovec_num::arithmetic::Binary64;
-use std::collections::BTreeMap;
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use robovec_ir::{Function, Module, View};
 
 /// A read file that can be called.
 pub(super) struct Callable {

@@ -2,14 +2,9 @@
 
 use super::number;
 use super::program::Changes;
-use robovec::robotran::{Language, read};
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::{Boundary, Function, Input, Module, View};
+use robovec_ir::{Boundary, Input, View};
 use robovec_num::arithmetic::Binary64;
-use std::collections::BTreeMap;
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 /// Compares the evaluation with what a call changed: the number of equal
 /// elements, or the first that differs.

@@ -18,13 +18,9 @@ use self::program::Program;
 pub(crate) use self::python::compare_python;
 
 use robovec::robotran::{Language, read};
-use robovec_ir::evaluate::evaluate;
-use robovec_ir::{Boundary, Function, Input, Module, View};
-use robovec_num::arithmetic::Binary64;
-use std::collections::BTreeMap;
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use robovec_ir::View;
+use std::path::PathBuf;
+use std::process::Command;
 
 /// Arrays of the compiled program have this many elements in each direction,
 /// element 0 included, unless a test wants more.

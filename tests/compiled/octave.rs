@@ -1,17 +1,11 @@
-//! The same for files of Matlab, by Octave.
+//! Files of Matlab, called by Octave at the same states.
 
-use super::callable::{callable, case_of, kind_of};
 use super::differences::differences;
 use super::program::{Changes, parse_changes};
-use super::{EXTENT, Outcome, STATES, Subject, number};
+use super::{Outcome, STATES, Subject};
 use robovec::robotran::{Language, read};
-use robovec_ir::evaluate::evaluate;
-use robovec_ir::{Boundary, Function, Input, Module, View};
-use robovec_num::arithmetic::Binary64;
-use std::collections::BTreeMap;
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use robovec_ir::View;
+use std::process::Command;
 
 /// Runs functions `invdyna` of Matlab in Octave at the same states.
 pub(crate) fn compare_octave(subjects: &[Subject]) -> Vec<Outcome> {

@@ -2,10 +2,6 @@
 
 use super::callable::{Callable, call_of, case_of};
 use super::{STATES, Subject};
-use robovec::robotran::{Language, read};
-use robovec_ir::evaluate::evaluate;
-use robovec_ir::{Boundary, Function, Input, Module, View};
-use robovec_num::arithmetic::Binary64;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -1,17 +1,13 @@
-//! The same for files of Python.
+//! Files of Python, called at the same states.
 
 use super::callable::{callable, case_of, kind_of};
 use super::differences::differences;
-use super::program::{Changes, parse_changes};
-use super::{EXTENT, Outcome, STATES, Subject, number};
+use super::program::parse_changes;
+use super::{EXTENT, Outcome, STATES, Subject};
 use robovec::robotran::{Language, read};
-use robovec_ir::evaluate::evaluate;
-use robovec_ir::{Boundary, Function, Input, Module, View};
-use robovec_num::arithmetic::Binary64;
-use std::collections::BTreeMap;
+use robovec_ir::View;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
 /// Runs files of Python at the same states and compares; what Python refuses
 /// is [`Outcome::OnlyRead`].

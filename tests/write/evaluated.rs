@@ -1,29 +1,18 @@
 //! What is written computes the same numbers.
 
-use super::same::assert_same;
 use super::{around, equation_files, read_file};
 use crate::compiled::{Outcome, Subject, compare, has_gcc};
-use crate::support::files::{compare_with_record, each};
-use robovec::generate::{GenerationRequest, generate};
-use robovec::model::mbs::read_mbs;
+use robovec::robotran::Language;
 use robovec::robotran::write::{WriteOptions, write};
-use robovec::robotran::{FunctionKind, Language, read};
-use robovec_codegen::c::{Options, Real, Signature as CSignature, Sines, files as c_files};
 use robovec_framework::manager::{self, Config};
-use robovec_framework::rewrite::lay_out;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::parse::parse_module;
-use robovec_ir::print::{print_module, print_output};
-use robovec_ir::verify::verify;
-use robovec_ir::{
-    Array, Assignment, Function, Input, Machine, Module, Name, Node, Operand, OperandKind, Output,
-    Symbol, View, same_equations,
-};
+use robovec_ir::print::print_output;
+use robovec_ir::{Input, Machine, View};
 use robovec_num::arithmetic::Binary64;
 use robovec_passes::registry::REGISTRY;
-use std::collections::{BTreeMap, HashMap};
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::Command;
 
 /// Matlab and Python, written as C and compiled, give the evaluator's numbers

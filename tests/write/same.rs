@@ -1,28 +1,13 @@
 //! When two modules say the same, whatever a language changes.
 
-use crate::compiled::{Outcome, Subject, compare, has_gcc};
-use crate::support::files::{compare_with_record, each};
-use robovec::generate::{GenerationRequest, generate};
-use robovec::model::mbs::read_mbs;
-use robovec::robotran::write::{WriteOptions, write};
-use robovec::robotran::{FunctionKind, Language, read};
-use robovec_codegen::c::{Options, Real, Signature as CSignature, Sines, files as c_files};
-use robovec_framework::manager::{self, Config};
 use robovec_framework::rewrite::lay_out;
-use robovec_ir::count::Counts;
-use robovec_ir::evaluate::evaluate;
-use robovec_ir::parse::parse_module;
-use robovec_ir::print::{print_module, print_output};
+use robovec_ir::print::print_module;
 use robovec_ir::verify::verify;
 use robovec_ir::{
-    Array, Assignment, Function, Input, Machine, Module, Name, Node, Operand, OperandKind, Output,
-    Symbol, View, same_equations,
+    Array, Assignment, Function, Input, Module, Name, Node, Operand, OperandKind, Output, Symbol,
+    View, same_equations,
 };
-use robovec_num::arithmetic::Binary64;
-use robovec_passes::registry::REGISTRY;
-use std::collections::{BTreeMap, HashMap};
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::collections::HashMap;
 
 /// What a language changes: what user functions are called, which of Python's
 /// sensor files a function comes from, and names that no language accepts.
