@@ -12,6 +12,7 @@ pub mod fit;
 pub mod front;
 pub mod generate;
 pub mod hexadecimal;
+pub mod kinematics;
 pub mod model;
 pub mod motion;
 pub mod present;

@@ -6,8 +6,9 @@
 //! more than 2 % and by more than 3.5 times the noise of that comparison.
 
 use robovec::accuracy::{FunctionAccuracy, Options, measure};
-use robovec::generate::{FunctionKind, GenerationRequest, generate};
+use robovec::generate::{GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
+use robovec::robotran::FunctionKind;
 use robovec_analysis::rounding::Trend;
 use robovec_framework::pass::Gives;
 use robovec_framework::pipeline::{Pipeline, PipelineStep};

@@ -1,8 +1,9 @@
 //! C that takes the place of Robotran's: compiled without a warning, called
 //! as MBsysC calls it, against the evaluator.
 
-use robovec::generate::{FunctionKind, GenerationRequest, generate};
+use robovec::generate::{GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
+use robovec::robotran::FunctionKind;
 use robovec_codegen::c::{
     Options, Real, Signature, Sines, StatementOrder, TrialState, files, function_name,
     minimal_data, trial_main,

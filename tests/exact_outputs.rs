@@ -6,8 +6,9 @@
 //!     cargo test --features mpfr --test all exact_outputs::
 
 use astro_float::{BigFloat, Consts, RoundingMode};
-use robovec::generate::{FunctionKind, GenerationRequest, generate};
+use robovec::generate::{GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
+use robovec::robotran::FunctionKind;
 use robovec_analysis::reference::{
     ExactEvidence, ExactOutput, ReferenceEffort, ReferenceEvaluator,
 };

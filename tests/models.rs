@@ -4,7 +4,8 @@
 use crate::support::files::{compare_with_record, each, list, name};
 use crate::support::programs::robovec;
 use robovec::model::family::ModelFamily;
-use robovec::model::mbs::{JOINT_LIMIT, read_mbs, write_mbs};
+use robovec::model::mbs::{read_mbs, write_mbs};
+use robovec::robotran::conventions::JOINT_LIMIT;
 use std::fs;
 use std::path::Path;
 use std::process::Command;

@@ -3,7 +3,8 @@
 
 use crate::support::files::{compare_with_record, each, stem, tree};
 use crate::support::programs::{robovec, stderr};
-use robovec::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
+use robovec::generate::{Formulation, GenerationRequest, Options, generate};
+use robovec::robotran::FunctionKind;
 use robovec::scene::{PIPELINE, SceneFile, SceneSubject, USUAL, read};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pass::{Aside, Context, Pass};

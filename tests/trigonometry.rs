@@ -1,9 +1,10 @@
 //! What series for sines and cosines do to models, and that programs with
 //! them run.
 
-use robovec::generate::{FunctionKind, GenerationRequest, generate};
+use robovec::generate::{GenerationRequest, generate};
 use robovec::model::Model;
 use robovec::model::mbs::read_mbs;
+use robovec::robotran::FunctionKind;
 use robovec::simulate::LoadedProgram;
 use robovec::simulate::mif::Image;
 use robovec::trigonometry::{

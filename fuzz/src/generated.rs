@@ -4,11 +4,11 @@
 use arbitrary::{Result, Unstructured};
 use robovec::align::align;
 use robovec::generate::{
-    Formulation, FunctionKind, GenerateError, GenerationRequest, Options, ParameterBinding,
-    TermOrder, generate,
+    Formulation, GenerateError, GenerationRequest, Options, ParameterBinding, TermOrder, generate,
 };
 use robovec::model::family::random_tree;
 use robovec::model::{Anchor, Asks, Cut, CutKind, Link, Model, Nature, Sensor};
+use robovec::robotran::FunctionKind;
 use robovec::robotran::write::{WriteOptions, write};
 use robovec::robotran::{Language, read};
 use robovec_analysis::class::NumericClass;

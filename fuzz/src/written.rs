@@ -101,6 +101,35 @@ fn with_body(mut signature: Function, body: &Function) -> Function {
 /// the time, no empty arrays, one shape for what is both given and given back;
 /// perhaps with a call.
 fn dressed(raw: &Function, tables: &mut Tables, calls: bool) -> Function {
+    let (mut function, input_places, output_places) = declared(raw, tables, calls);
+    if calls {
+        let boundary = external_force(&function, tables);
+        function.boundaries.push(boundary);
+    }
+    let mut moved = |operand: Operand| match operand.kind() {
+        OperandKind::Input(input) => Input(input_places[input.index()]).into(),
+        OperandKind::Constant(constant) => function.constant(raw.constant_number(constant)).into(),
+        OperandKind::Value(_) | OperandKind::None => operand,
+    };
+    let mut nodes = raw.nodes().to_vec();
+    for node in &mut nodes {
+        node.operands = node.operands.map(&mut moved);
+    }
+    let mut assignments = raw.assignments.clone();
+    for assignment in &mut assignments {
+        assignment.operand = moved(assignment.operand);
+        assignment.output.0 = output_places[assignment.output.index()];
+    }
+    for node in nodes {
+        function.push(node);
+    }
+    function.assignments = assignments;
+    function
+}
+
+/// A function with the arrays of another as [`dressed`] wants them, and where
+/// its inputs and outputs begin by those of the other.
+fn declared(raw: &Function, tables: &mut Tables, calls: bool) -> (Function, Vec<u32>, Vec<u32>) {
     let mut function = Function::new(&raw.name, raw.level);
     let shape = |shape: Shape| match shape {
         Shape::Scalar => Shape::Vector(1),
@@ -145,42 +174,27 @@ fn dressed(raw: &Function, tables: &mut Tables, calls: bool) -> Function {
         let new = function.add_output(name, shape);
         map(&mut output_places, array, new);
     }
-    if calls {
-        let given = |arrays: &[Array], name: &str| {
-            let mut arrays = arrays.iter();
-            arrays.any(|array| tables.symbols.text(array.name) == name)
-        };
-        let mut arguments = vec!["s".to_owned(), "tsim".to_owned(), "1".to_owned()];
-        if given(function.outputs(), "PxF1") {
-            arguments.insert(0, "PxF1".to_owned());
-        }
-        let result = given(function.inputs(), "SWr1").then(|| "SWr1".to_owned());
-        function.boundaries.push(Boundary {
-            callee: "user_ExtForces".to_owned(),
-            arguments,
-            result,
-            sources: SourceSet::EMPTY,
-        });
-    }
-    let mut moved = |operand: Operand| match operand.kind() {
-        OperandKind::Input(input) => Input(input_places[input.index()]).into(),
-        OperandKind::Constant(constant) => function.constant(raw.constant_number(constant)).into(),
-        OperandKind::Value(_) | OperandKind::None => operand,
+    (function, input_places, output_places)
+}
+
+/// The call of the user's function of external forces, with what the function
+/// gives and takes of it.
+fn external_force(function: &Function, tables: &Tables) -> Boundary {
+    let given = |arrays: &[Array], name: &str| {
+        let mut arrays = arrays.iter();
+        arrays.any(|array| tables.symbols.text(array.name) == name)
     };
-    let mut nodes = raw.nodes().to_vec();
-    for node in &mut nodes {
-        node.operands = node.operands.map(&mut moved);
+    let mut arguments = vec!["s".to_owned(), "tsim".to_owned(), "1".to_owned()];
+    if given(function.outputs(), "PxF1") {
+        arguments.insert(0, "PxF1".to_owned());
     }
-    let mut assignments = raw.assignments.clone();
-    for assignment in &mut assignments {
-        assignment.operand = moved(assignment.operand);
-        assignment.output.0 = output_places[assignment.output.index()];
+    let result = given(function.inputs(), "SWr1").then(|| "SWr1".to_owned());
+    Boundary {
+        callee: "user_ExtForces".to_owned(),
+        arguments,
+        result,
+        sources: SourceSet::EMPTY,
     }
-    for node in nodes {
-        function.push(node);
-    }
-    function.assignments = assignments;
-    function
 }
 
 /// The function, without a body, with another shape for an input.

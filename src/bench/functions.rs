@@ -51,7 +51,7 @@ pub(super) fn inputs(
         if !is_varying(name) {
             *number = parameters[index];
             let known =
-                model.and_then(|model| crate::motion::parameter(model, name, &indices[..rank]));
+                model.and_then(|model| crate::kinematics::parameter(model, name, &indices[..rank]));
             *number = known.unwrap_or(*number);
             // Peers know no forces on bodies.
             if model.is_some() && matches!(name, "frc" | "trq") {

@@ -9,8 +9,8 @@
 use super::flags::{SEED, real, whole};
 use super::{CommandFailure, input};
 use crate::align;
+use crate::kinematics::parameter;
 use crate::model::Model;
-use crate::motion::parameter;
 use crate::stale::zero;
 use clap::Args;
 use robovec_analysis::class::NumericClass;

@@ -4,10 +4,10 @@ use super::write::{OutputLanguage, write_files};
 use super::{CommandFailure, input, names, output};
 use crate::files::Replace;
 use crate::generate::{
-    Formulation, FunctionKind, GenerationRequest, Options, ParameterBinding, TermOrder,
-    generate_into,
+    Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, generate_into,
 };
 use crate::model::Model;
+use crate::robotran::FunctionKind;
 use crate::robotran::write::WriteOptions;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};

@@ -6,8 +6,9 @@
 use super::CommandFailure;
 use super::arguments::InputLanguage;
 use crate::files::limited::{self, FileLimit};
-use crate::generate::{FunctionKind, GenerationRequest, generate};
+use crate::generate::{GenerationRequest, generate};
 use crate::model::mbs::ReadModel;
+use crate::robotran::FunctionKind;
 use crate::robotran::Language;
 use crate::scene::SceneFile;
 use crate::sources::{self, EquationLanguage, display_name};

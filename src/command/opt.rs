@@ -81,11 +81,19 @@ fn reproduced(
     })
 }
 
-fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
-    if let Some(text) = information(arguments)? {
-        return output::write_stdout(|stdout| stdout.write_all(text.as_bytes()));
-    }
-    // Everything the user wrote is read before any work is done.
+/// What the user gave, read.
+struct GivenInputs {
+    pipeline: Pipeline,
+    rules: RuleSet,
+    scene: Option<Scene>,
+    machine: Machine,
+    input: InputModule,
+    /// The reading of equations, scene and machine.
+    stage: MeasuredStage,
+}
+
+/// Reads everything the user wrote, before any work is done.
+fn read_inputs(arguments: &OptimiserArguments) -> Result<GivenInputs, CommandFailure> {
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     if let Some(path) = &arguments.output
         && !pipeline.passes().any(|pass| pass.info.name == "codegen")
@@ -103,21 +111,47 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
         let _ = writeln!(io::stderr(), "-passes={pipeline}");
     }
     let start = usage().0;
-    let (scene, mut input) = scene_and_input(arguments, path)?;
-    let scene = scene.as_ref();
+    let (scene, input) = scene_and_input(arguments, path)?;
     let machine = match asked {
         Some(machine) => machine,
         None => {
-            let wished = scene.and_then(|scene| scene.machine.as_deref());
+            let wished = scene.as_ref().and_then(|scene| scene.machine.as_deref());
             input::machine(wished.unwrap_or(USUAL_MACHINE))?
         }
     };
+    Ok(GivenInputs {
+        pipeline,
+        rules,
+        scene,
+        machine,
+        input,
+        stage: stage_since("(read)", start),
+    })
+}
+
+/// The stage that began at a processor time, in seconds, and ends now.
+fn stage_since(name: &'static str, start: f64) -> MeasuredStage {
     let (now, peak_mb) = usage();
-    let mut stages = vec![MeasuredStage {
-        name: "(read)",
+    MeasuredStage {
+        name,
         cpu_s: now - start,
         peak_mb,
-    }];
+    }
+}
+
+fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
+    if let Some(text) = information(arguments)? {
+        return output::write_stdout(|stdout| stdout.write_all(text.as_bytes()));
+    }
+    let GivenInputs {
+        pipeline,
+        rules,
+        scene,
+        machine,
+        mut input,
+        stage,
+    } = read_inputs(arguments)?;
+    let scene = scene.as_ref();
     if let Some(name) = &arguments.function {
         select(&mut input.module, name)?;
     }
@@ -132,23 +166,7 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
     let outcome = outcome.map_err(|failure| {
         reduction::follow_up(failure, kept.as_ref(), &pipeline, target, arguments)
     })?;
-    let simulated = match arguments.simulate {
-        Some(count) => {
-            simulation::simulate(&input.module, &machine, count, &states(arguments, scene))?
-        }
-        None => String::new(),
-    };
-    let report = match &arguments.report {
-        Some(path) => {
-            let results = (&input.module, &outcome);
-            let options = report::ReportOptions {
-                states: states(arguments, scene),
-                ..report::ReportOptions::default()
-            };
-            write_report(path, results, &read, &machine, &options)?
-        }
-        None => String::new(),
-    };
+    let told = measured(arguments, scene, &machine, (&input.module, &outcome), &read)?;
     let start = usage().0;
     if let (Some(asked), Some(trail)) = (&arguments.explain, &trail) {
         let account =
@@ -159,22 +177,42 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
         let path = arguments.output.as_deref();
         write_result(path, arguments.force, &input.module, &outcome)?;
     }
-    let (now, peak_mb) = usage();
-    stages.push(MeasuredStage {
-        name: "(write)",
-        cpu_s: now - start,
-        peak_mb,
-    });
-    let mut text = report + &simulated;
+    let stages = [stage, stage_since("(write)", start)];
+    let mut text = told;
     if let Some(format) = arguments.stats {
         text += &tables::statistics(&outcome.records, format);
     }
     if let Some(format) = arguments.time_passes {
         text += &tables::times(&outcome.records, &stages, format);
     }
-    // As above: nobody is left to tell when the standard error is closed.
+    // Nobody is left to tell when the standard error is closed.
     let _ = io::stderr().write_all(text.as_bytes());
     Ok(())
+}
+
+/// What the report and the simulation that were asked for say.
+fn measured(
+    arguments: &OptimiserArguments,
+    scene: Option<&Scene>,
+    machine: &Machine,
+    results: (&Module, &RunOutcome),
+    read: &[ReadCounts],
+) -> Result<String, CommandFailure> {
+    let simulated = match arguments.simulate {
+        Some(count) => simulation::simulate(results.0, machine, count, &states(arguments, scene))?,
+        None => String::new(),
+    };
+    let report = match &arguments.report {
+        Some(path) => {
+            let options = report::ReportOptions {
+                states: states(arguments, scene),
+                ..report::ReportOptions::default()
+            };
+            write_report(path, results, read, machine, &options)?
+        }
+        None => String::new(),
+    };
+    Ok(report + &simulated)
 }
 
 /// The scene, if there is one, and the equations: those that the scene is

@@ -2,9 +2,10 @@
 //! models.
 
 use super::{CommandFailure, generation, input};
-use crate::generate::{Formulation, FunctionKind, Options, TermOrder};
+use crate::generate::{Formulation, Options, TermOrder};
 use crate::model::Model;
 use crate::model::family::{JOINTS, ModelFamily};
+use crate::robotran::FunctionKind;
 use crate::study::plan::StudySubject;
 use crate::study::program::ProgramSources;
 use robovec_ir::Module;

@@ -1,8 +1,9 @@
 //! Bounds, predictions and sampled deviations against the errors of all
 //! models that ship.
 
-use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
+use crate::generate::{Formulation, GenerationRequest, Options, generate};
 use crate::model::mbs::read_mbs;
+use crate::robotran::FunctionKind;
 use robovec_analysis::adjoint::{AdjointRun, OutputError, Tape};
 use robovec_analysis::stochastic::stochastic;
 use robovec_ir::states::States;

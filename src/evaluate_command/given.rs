@@ -2,8 +2,8 @@
 
 use super::input_name;
 use crate::hexadecimal;
+use crate::kinematics::parameter;
 use crate::model::Model;
-use crate::motion::parameter;
 use hashbrown::HashMap;
 use robovec_ir::diagnostic::{Diagnostic, Label, clip};
 use robovec_ir::{Function, Input, Tables, View};

@@ -12,8 +12,8 @@ mod number;
 pub use format::ResultFormat;
 pub use number::{BITS, NumberSystem};
 
+use crate::kinematics::{element_name, parameter};
 use crate::model::Model;
-use crate::motion::{element_name, parameter};
 use format::ResultWriter;
 use given::{missing, read_states};
 use number::{BigFloatArithmetic, Show};

@@ -1,15 +1,11 @@
-//! Accelerations against `M qdd + c = Qq`, and against loops.
+//! Accelerations against `M qdd + c = Qq`, and what is not given.
 
 use super::formulation_tests::{at_point, make, point_field, tree};
 use super::tests::serial;
 use super::*;
 use crate::model::{JointKind, Nature, systems};
-use crate::motion::linear::{DenseMatrix, solve_square};
-use crate::motion::{self, EquationSetting, InputSources, MotionState};
-use robovec_ir::View;
 use robovec_ir::count::Counts;
-use robovec_ir::evaluate::evaluate;
-use robovec_num::arithmetic::{Arithmetic, Binary64};
+use robovec_num::arithmetic::Arithmetic;
 
 /// A random tree without what makes a mass matrix singular: bodies without
 /// mass, and joints of one kind in a row.
@@ -74,79 +70,6 @@ fn accelerations_solve_the_equations_of_motion_exactly() {
                     forces[joint],
                     "{}, tree {seed}, joint {joint}",
                     formulation.name()
-                );
-            }
-        }
-    }
-}
-
-/// `qdd` and `Lambda` in a state, in binary64.
-fn accelerations(model: &Model, formulation: Formulation, state: &MotionState) -> Vec<f64> {
-    let mut request = GenerationRequest::new(FunctionKind::Accelred);
-    request.formulation = formulation;
-    request.options.multipliers = true;
-    let module = generate(model, &request).expect("the loops close");
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
-    let inputs = InputSources::new(model, view).expect("the function belongs to the model");
-    evaluate(view.function, &Binary64, &inputs.gather(state))
-}
-
-/// The state after closing the loops, with joint forces and velocities that
-/// are nothing special: no velocity needs to satisfy the loops for the
-/// equations between `M`, `c`, `Jac` and `Jdqd` to hold.
-fn some_state(model: &Model) -> MotionState {
-    let setting = EquationSetting::default();
-    let laws = motion::Laws::none(model);
-    let (_, mut state) = motion::MultibodySystem::new(model, laws, &setting).expect("loops close");
-    for joint in 0..model.joints.len() {
-        state.qd[joint] = 0.3 + joint as f64;
-        state.joint_forces[joint] = 2.0 - 3.0 * joint as f64;
-    }
-    state
-}
-
-#[test]
-fn accelerations_satisfy_loops() {
-    for model in [systems::four_bar(), systems::slider_crank()] {
-        let state = some_state(&model);
-        let equations = motion::MotionEquations::new(&model, &EquationSetting::default())
-            .expect("it generates");
-        let (mass, bias) = equations.dynamics(&state);
-        let (_, jacobian) = equations.constraints(&state);
-        let (n, rows) = (model.joints.len(), jacobian.rows());
-        assert!(rows > 0);
-        let mut matrix = DenseMatrix::zeros(n + rows, n + rows);
-        let mut right = DenseMatrix::zeros(n + rows, 1);
-        for i in 0..n {
-            for j in 0..n {
-                matrix[(i, j)] = mass[(i, j)];
-            }
-            for row in 0..rows {
-                matrix[(i, n + row)] = -jacobian[(row, i)];
-                matrix[(n + row, i)] = jacobian[(row, i)];
-            }
-            right[(i, 0)] = state.joint_forces[i] - bias[i];
-        }
-        for (row, value) in equations.quadratic(&state).into_iter().enumerate() {
-            right[(n + row, 0)] = -value;
-        }
-        let expected = solve_square(matrix, right).expect("no row is redundant");
-        for formulation in Formulation::ALL {
-            if !formulation.closes_loops() {
-                continue;
-            }
-            let found = accelerations(&model, formulation, &state);
-            assert_eq!(found.len(), n + rows);
-            for (joint, &value) in found.iter().enumerate() {
-                let error = (value - expected[(joint, 0)]).abs();
-                assert!(
-                    error <= 1e-10 * (1.0 + value.abs()),
-                    "{} of {}, element {joint}: {error:e}",
-                    formulation.name(),
-                    model.name
                 );
             }
         }

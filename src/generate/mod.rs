@@ -32,6 +32,7 @@ mod parameters;
 mod prefix;
 mod recursive;
 mod reduced;
+mod roles;
 mod sensor;
 mod turned_body;
 mod vector;
@@ -41,107 +42,11 @@ use self::equations::{EquationStyle, Equations};
 pub use self::formulation::{Formulation, MomentOrigin, PrefixNetwork, Requirements};
 use self::lower::Extents;
 use self::parameters::ModelParameters;
+pub use self::roles::cuts_of_rows;
 use crate::model::Model;
+use crate::robotran::FunctionKind;
 use robovec_ir::{Function, Level, Module};
 use thiserror::Error;
-
-/// What is generated: Robotran's functions.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
-pub enum FunctionKind {
-    /// `M` and `c` of `M qdd + c = Qq` (F1).
-    Dirdyna,
-    /// `Qq` for given accelerations (F2).
-    Invdyna,
-    /// The constraints `h` of loops and their Jacobian `Jac` (F8).
-    ConsHJ,
-    /// What remains of the constraints' second derivative, `Jdqd` (F18).
-    ConsJdqd,
-    /// Forces of links, added to `frc` and `trq` (F7).
-    Link,
-    /// External forces, added to `frc` and `trq` (F19).
-    Extforces,
-    /// Sensors, one function each (F6).
-    Sensor,
-    /// Everything about the frame of every joint, one function each (F6).
-    Gensensor,
-    /// Accelerations `qdd` for given joint forces (F10).
-    Accelred,
-}
-
-impl FunctionKind {
-    /// All functions.
-    pub const ALL: [FunctionKind; 9] = [
-        FunctionKind::Dirdyna,
-        FunctionKind::Invdyna,
-        FunctionKind::ConsHJ,
-        FunctionKind::ConsJdqd,
-        FunctionKind::Link,
-        FunctionKind::Extforces,
-        FunctionKind::Sensor,
-        FunctionKind::Gensensor,
-        FunctionKind::Accelred,
-    ];
-
-    /// Robotran's name, without `mbs_`.
-    pub fn name(self) -> &'static str {
-        match self {
-            FunctionKind::Dirdyna => "dirdyna",
-            FunctionKind::Invdyna => "invdyna",
-            FunctionKind::ConsHJ => "cons_hJ",
-            FunctionKind::ConsJdqd => "cons_jdqd",
-            FunctionKind::Link => "link",
-            FunctionKind::Extforces => "extforces",
-            FunctionKind::Sensor => "sensor",
-            FunctionKind::Gensensor => "gensensor",
-            FunctionKind::Accelred => "accelred",
-        }
-    }
-
-    /// True when the result contains the forces of links, or takes them as
-    /// given: what a model's links leave out is missing there.
-    pub fn depends_on_link_forces(self) -> bool {
-        match self {
-            FunctionKind::Dirdyna
-            | FunctionKind::Invdyna
-            | FunctionKind::Link
-            | FunctionKind::Accelred => true,
-            FunctionKind::ConsHJ
-            | FunctionKind::ConsJdqd
-            | FunctionKind::Extforces
-            | FunctionKind::Sensor
-            | FunctionKind::Gensensor => false,
-        }
-    }
-
-    /// Robotran's number.
-    pub fn number(self) -> &'static str {
-        match self {
-            FunctionKind::Dirdyna => "F1",
-            FunctionKind::Invdyna => "F2",
-            FunctionKind::ConsHJ => "F8",
-            FunctionKind::ConsJdqd => "F18",
-            FunctionKind::Link => "F7",
-            FunctionKind::Extforces => "F19",
-            FunctionKind::Sensor | FunctionKind::Gensensor => "F6",
-            FunctionKind::Accelred => "F10",
-        }
-    }
-
-    /// The function with this name.
-    pub fn from_name(name: &str) -> Option<FunctionKind> {
-        FunctionKind::ALL
-            .into_iter()
-            .find(|kind| kind.name() == name)
-    }
-
-    /// The function that gives what has this name: as [`FunctionKind::from_name`],
-    /// and `sensor_3` is what `sensor` gives third.
-    pub fn with_name(name: &str) -> Option<FunctionKind> {
-        let bare = name.trim_end_matches(|c: char| c.is_ascii_digit());
-        FunctionKind::from_name(name)
-            .or_else(|| FunctionKind::from_name(bare.trim_end_matches('_')))
-    }
-}
 
 /// In which order the terms of a backward sum are written. It decides the
 /// critical path of the equations as printed, and nothing else.

@@ -42,39 +42,10 @@ impl<'m> ModelParameters<'m> {
         let joints = 0..model.joints.len();
         let mut source = ParameterSource { options, equations };
         let gravity = [0, 1, 2].map(|i| source.parameter("g", &[i + 1], model.gravity[i]));
-        let real = |joint: usize| Properties::of(model, joint, options.all_parameters);
-        let masses = joints
-            .clone()
-            .map(|i| {
-                real(i).map_or(Scalar::ZERO, |body| {
-                    source.parameter("m", &[i + 1], body.mass)
-                })
-            })
-            .collect();
-        let centers = joints
-            .clone()
-            .map(|i| {
-                real(i).map_or(ZERO, |body| {
-                    [0, 1, 2].map(|k| source.parameter("l", &[k + 1, i + 1], body.center[k]))
-                })
-            })
-            .collect();
-        let inertias = joints
-            .clone()
-            .map(|i| match real(i) {
-                None => [ZERO; 3],
-                Some(body) => {
-                    let values = body.inertia;
-                    [0, 1, 2].map(|row| {
-                        // The matrix is symmetric: one symbol for each pair.
-                        [0, 1, 2].map(|column| {
-                            let entry = 3 * row.min(column) + row.max(column);
-                            source.parameter("In", &[entry + 1, i + 1], values[entry])
-                        })
-                    })
-                }
-            })
-            .collect();
+        // Symbols are numbered as they are named: one array after the other.
+        let masses = joints.clone().map(|i| source.mass(model, i)).collect();
+        let centers = joints.clone().map(|i| source.center(model, i)).collect();
+        let inertias = joints.clone().map(|i| source.inertia(model, i)).collect();
         let attachments = joints
             .clone()
             .map(|i| match model.joints[i].point {
@@ -82,44 +53,23 @@ impl<'m> ModelParameters<'m> {
                 Some(point) => source.point(model, point),
             })
             .collect();
-        let load = |equations: &mut Equations, name: &str, joint: usize| {
-            if options.external_forces && real(joint).is_some() {
-                [1, 2, 3].map(|k| equations.input(name, &[k, joint + 1]))
-            } else {
-                ZERO
-            }
+        let mut loads = |name: &str| -> Vec<Vector> {
+            let each = joints.clone();
+            each.map(|i| source.load(model, name, i)).collect()
         };
-        let forces = joints.clone().map(|i| load(equations, "frc", i)).collect();
-        let torques = joints.clone().map(|i| load(equations, "trq", i)).collect();
+        let (forces, torques) = (loads("frc"), loads("trq"));
         let q: Vec<Scalar> = joints
             .clone()
             .map(|i| equations.input("q", &[i + 1]))
             .collect();
         let qd = joints
             .clone()
-            .map(|i| {
-                if model.joints[i].has_velocity {
-                    equations.input("qd", &[i + 1])
-                } else {
-                    Scalar::ZERO
-                }
+            .map(|i| match model.joints[i].has_velocity {
+                true => equations.input("qd", &[i + 1]),
+                false => Scalar::ZERO,
             })
             .collect();
-        let turns = joints
-            .clone()
-            .map(|i| {
-                let kind = model.joints[i].kind;
-                if kind.is_revolute() {
-                    AxisRotation {
-                        axis: kind.axis().index(),
-                        cos: equations.cos(QuantityLabel::new("C", 0, i + 1), q[i]),
-                        sin: equations.sin(QuantityLabel::new("S", 0, i + 1), q[i]),
-                    }
-                } else {
-                    AxisRotation::NONE
-                }
-            })
-            .collect();
+        let turns = joints.map(|i| turn(model, equations, i, q[i])).collect();
         ModelParameters {
             model,
             gravity,
@@ -259,5 +209,61 @@ impl ParameterSource<'_> {
             let value = model.points[point].coordinates[k];
             self.parameter("dpt", &[k + 1, point + 1], value)
         })
+    }
+
+    /// What a joint moves; `None` for a fictitious body without symbols.
+    fn moved(&self, model: &Model, joint: usize) -> Option<Properties> {
+        Properties::of(model, joint, self.options.all_parameters)
+    }
+
+    /// The mass that a joint moves.
+    fn mass(&mut self, model: &Model, joint: usize) -> Scalar {
+        self.moved(model, joint).map_or(Scalar::ZERO, |body| {
+            self.parameter("m", &[joint + 1], body.mass)
+        })
+    }
+
+    /// Its centre in the body's frame.
+    fn center(&mut self, model: &Model, joint: usize) -> Vector {
+        self.moved(model, joint).map_or(ZERO, |body| {
+            [0, 1, 2].map(|k| self.parameter("l", &[k + 1, joint + 1], body.center[k]))
+        })
+    }
+
+    /// Its moments of inertia about the centre.
+    fn inertia(&mut self, model: &Model, joint: usize) -> Matrix {
+        let Some(body) = self.moved(model, joint) else {
+            return [ZERO; 3];
+        };
+        [0, 1, 2].map(|row| {
+            // The matrix is symmetric: one symbol for each pair.
+            [0, 1, 2].map(|column| {
+                let entry = 3 * row.min(column) + row.max(column);
+                self.parameter("In", &[entry + 1, joint + 1], body.inertia[entry])
+            })
+        })
+    }
+
+    /// The external force or torque, by the name of its array, on what a
+    /// joint moves.
+    fn load(&mut self, model: &Model, name: &str, joint: usize) -> Vector {
+        if self.options.external_forces && self.moved(model, joint).is_some() {
+            [1, 2, 3].map(|k| self.equations.input(name, &[k, joint + 1]))
+        } else {
+            ZERO
+        }
+    }
+}
+
+/// The rotation of a joint by its position; the sine and the cosine get names.
+fn turn(model: &Model, equations: &mut Equations, joint: usize, position: Scalar) -> AxisRotation {
+    let kind = model.joints[joint].kind;
+    if !kind.is_revolute() {
+        return AxisRotation::NONE;
+    }
+    AxisRotation {
+        axis: kind.axis().index(),
+        cos: equations.cos(QuantityLabel::new("C", 0, joint + 1), position),
+        sin: equations.sin(QuantityLabel::new("S", 0, joint + 1), position),
     }
 }

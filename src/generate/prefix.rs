@@ -353,24 +353,13 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
             .collect();
         let steps: Vec<Vector> = (0..count)
             .map(|joint| {
+                let before = before(self, joint, &velocities, |motion| motion.velocity);
                 let tilde = match parameters.parent(joint) {
                     Some(parent) => motions[parent].tilde,
                     None => base.tilde,
                 };
-                let mut step = sums();
-                add_matrix_product(&mut step, &tilde, &levers[joint]);
-                if !revolute(joint) {
-                    self.accelerate(joint, &directions[joint], &mut step);
-                    let two = self.equations.number(2.0);
-                    let mut cross = sums();
-                    let velocity = before(self, joint, &velocities, |motion| motion.velocity);
-                    add_cross(&mut cross, &velocity, &spins[joint], false);
-                    for (component, cross) in step.iter_mut().zip(cross) {
-                        let group = self.equations.group(cross);
-                        component.add_term(group.and_then(|group| group.times(&[two])));
-                    }
-                }
-                define(self.equations, "AX", joint, 0, step)
+                let axes = [&spins[joint], &directions[joint]];
+                self.step(joint, &levers[joint], (&before, &tilde), axes)
             })
             .collect();
         let linears = self.path_sums("AO", forest, &steps, |joint| references[joint].linear);
@@ -380,6 +369,30 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
             }
         }
         motions
+    }
+
+    /// The acceleration that the lever of a joint, and its translation, add to
+    /// that of its parent, which moves with `velocity` and `tilde`.
+    fn step(
+        &mut self,
+        joint: usize,
+        lever: &Vector,
+        (velocity, tilde): (&Vector, &Matrix),
+        [spin, direction]: [&Vector; 2],
+    ) -> Vector {
+        let mut step = sums();
+        add_matrix_product(&mut step, tilde, lever);
+        if !self.parameters.is_revolute(joint) {
+            self.accelerate(joint, direction, &mut step);
+            let two = self.equations.number(2.0);
+            let mut cross = sums();
+            add_cross(&mut cross, velocity, spin, false);
+            for (component, cross) in step.iter_mut().zip(cross) {
+                let group = self.equations.group(cross);
+                component.add_term(group.and_then(|group| group.times(&[two])));
+            }
+        }
+        define(self.equations, "AX", joint, 0, step)
     }
 
     /// What a joint's own body gives, about the reference's origin.

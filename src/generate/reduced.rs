@@ -22,9 +22,9 @@ use super::constraints::{self, ConstraintPart};
 use super::equations::{Equations, QuantityLabel};
 use super::factor::{LIMIT, SparseRow, Stop, entry, solve_square, solve_symmetric};
 use super::parameters::ModelParameters;
+use super::roles::JointRoles;
 use super::{GenerateError, Options};
 use crate::model::{Model, Nature};
-use crate::motion;
 
 /// `Qq - c` of a joint, less what given accelerations take.
 pub(super) fn residual_input(
@@ -98,47 +98,6 @@ fn sorted(row: &[(usize, Scalar)]) -> SparseRow {
     row.retain(|(_, value)| !value.is_zero());
     row.sort_unstable_by_key(|&(column, _)| column);
     row
-}
-
-/// The roles of joints and rows.
-struct JointRoles {
-    independent: Vec<usize>,
-    /// Dependent joints in the order of their pivots.
-    dependent: Vec<usize>,
-    /// The row of each dependent joint.
-    rows: Vec<usize>,
-}
-
-impl JointRoles {
-    /// Decides the roles at the closed initial state.
-    fn new(model: &Model) -> Result<JointRoles, GenerateError> {
-        let free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
-        if model.cuts.is_empty() {
-            return Ok(JointRoles {
-                independent: (0..model.joints.len()).filter(free).collect(),
-                dependent: Vec::new(),
-                rows: Vec::new(),
-            });
-        }
-        let failed = |error: motion::MotionError| GenerateError::Loops(error.to_string());
-        let setting = motion::EquationSetting::default();
-        let laws = motion::Laws::none(model);
-        let (system, state) =
-            motion::MultibodySystem::new(model, laws, &setting).map_err(failed)?;
-        let roles = system.partition();
-        let equations = motion::MotionEquations::new(model, &setting).map_err(failed)?;
-        let jacobian = equations.constraints(&state).1;
-        let square = jacobian.select(&roles.rows, &roles.dependent);
-        let pivots = motion::linear::eliminate(square, &vec![1.0; roles.dependent.len()], 0.0);
-        Ok(JointRoles {
-            independent: roles.independent.clone(),
-            dependent: pivots
-                .iter()
-                .map(|pivot| roles.dependent[pivot.column])
-                .collect(),
-            rows: pivots.iter().map(|pivot| roles.rows[pivot.row]).collect(),
-        })
-    }
 }
 
 /// Dependent accelerations: `B` by rows (columns count independent joints) and

@@ -15,11 +15,12 @@ use robovec_num::limits::NumberLimit;
 use super::build::{BASE, BodyPlace, BodyRef, ModelBuilder};
 use super::random::{SplitMix, four_digits};
 use super::{Axis, JointKind, Model, systems};
+use crate::robotran::conventions::JOINT_LIMIT;
 
 /// The joints a family is made with.
 pub const JOINTS: NumberLimit = NumberLimit::whole(
     1,
-    super::mbs::JOINT_LIMIT as u64,
+    JOINT_LIMIT as u64,
     "a mass matrix has as many rows and columns",
 );
 

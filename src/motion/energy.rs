@@ -1,7 +1,7 @@
 //! Energies, reckoned from the model by plain kinematics in the base frame
 //! and not from its equations.
 
-use super::MotionState;
+use crate::kinematics::MotionState;
 use crate::model::{Anchor, Axis, Model};
 use std::array::from_fn;
 

@@ -1,6 +1,7 @@
 //! Why a simulation cannot start or go on.
 
 use crate::generate::GenerateError;
+use crate::kinematics::StateError;
 use thiserror::Error;
 
 /// Why a simulation cannot start or go on.
@@ -12,14 +13,9 @@ pub enum MotionError {
     /// A pass over the equations failed.
     #[error("the passes failed: {0}")]
     Passes(String),
-    /// The equations read something that the model does not have.
-    #[error("the function '{function}' reads {element}, which the model does not have")]
-    Element {
-        /// The function.
-        function: String,
-        /// The input element.
-        element: String,
-    },
+    /// A state cannot be reached, or the equations say nothing there.
+    #[error(transparent)]
+    State(#[from] StateError),
     /// Forces cannot move a joint in a determined way.
     #[error(
         "at {time:?} s the mass matrix is singular at the joint '{joint}': \
@@ -28,24 +24,6 @@ pub enum MotionError {
     Singular {
         /// Name of the joint.
         joint: String,
-        /// Time, s.
-        time: f64,
-    },
-    /// A loop does not close.
-    #[error("at {time:?} s the cut '{cut}' cannot be closed: its ends stay {gap:.3e} apart")]
-    OpenLoop {
-        /// Name of the cut.
-        cut: String,
-        /// The largest residual of its rows.
-        gap: f64,
-        /// Time, s.
-        time: f64,
-    },
-    /// Something became infinite or undefined.
-    #[error("at {time:?} s {what} is no finite number")]
-    NotFinite {
-        /// What.
-        what: String,
         /// Time, s.
         time: f64,
     },
@@ -70,18 +48,12 @@ impl MotionError {
                 "give the bodies behind it mass and inertia, or make one of two \
                  joints that do the same driven",
             ),
-            MotionError::OpenLoop { .. } => Some(
-                "correct the initial positions or the points of the cut; a loop that is \
-                 lost on the way has reached a dead point",
-            ),
-            MotionError::NotFinite { .. } => {
-                Some("take a smaller step, or the adaptive integrator; laws may be too stiff")
-            }
+            MotionError::State(error) => error.advice(),
             MotionError::StepTooSmall { .. } => {
                 Some("loosen the tolerance, or soften the laws of forces")
             }
             MotionError::TooManySteps(_) => Some("take a larger step or a shorter time"),
-            MotionError::Generate(_) | MotionError::Passes(_) | MotionError::Element { .. } => None,
+            MotionError::Generate(_) | MotionError::Passes(_) => None,
         }
     }
 }

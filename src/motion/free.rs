@@ -7,10 +7,12 @@
 //! shorter the steps, the more of them, and the more is lost. This is the way
 //! to see it.
 
+use super::MotionError;
 use super::energy::{self, Momenta};
-use super::{InputSources, MotionError, MotionState};
-use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
+use crate::generate::{Formulation, GenerationRequest, Options, generate};
+use crate::kinematics::{InputSources, MotionState, StateError};
 use crate::model::Model;
+use crate::robotran::FunctionKind;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Function, Input, Module, View};
 use robovec_num::arithmetic::Arithmetic;
@@ -67,7 +69,7 @@ impl<'m> FreeMotion<'m> {
     ///
     /// # Errors
     ///
-    /// [`MotionError::Generate`]; [`MotionError::Element`] when the equations
+    /// [`MotionError::Generate`]; [`StateError::Element`] when the equations
     /// read what the model does not have.
     pub fn new(model: &'m Model, formulation: Formulation) -> Result<FreeMotion<'m>, MotionError> {
         let request = GenerationRequest {
@@ -88,7 +90,7 @@ impl<'m> FreeMotion<'m> {
             tables: &tables,
             function: &function,
         };
-        let inputs = InputSources::new(model, view).map_err(|element| MotionError::Element {
+        let inputs = InputSources::new(model, view).map_err(|element| StateError::Element {
             function: FunctionKind::Accelred.name().to_owned(),
             element,
         })?;

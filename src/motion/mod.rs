@@ -9,12 +9,8 @@ mod energy;
 mod equations;
 mod error;
 mod free;
-mod inputs;
 pub mod integrate;
 pub mod laws;
-pub mod linear;
-mod loops;
-mod partition;
 pub mod plot;
 mod simulation;
 mod system;
@@ -22,8 +18,9 @@ mod system;
 pub use equations::{EquationSetting, MotionEquations};
 pub use error::MotionError;
 pub use free::{Calculus, Drift, FreeMotion, Stepping};
-pub use inputs::{InputSources, MotionState, element_name, parameter};
 pub use laws::{Drive, Laws, Spring, Support};
-pub use partition::Partition;
 pub use simulation::{IntegrationMethod, MotionSample, SimulationPlan, SimulationRun, simulate};
 pub use system::{Energy, MultibodySystem};
+
+#[cfg(test)]
+mod tests;

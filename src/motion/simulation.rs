@@ -1,8 +1,9 @@
 //! A run in time: steps, samples and what they say of the whole.
 
+use super::MotionError;
 use super::integrate::{dormand_prince, growth, runge_kutta};
 use super::system::{Energy, MultibodySystem};
-use super::{MotionError, MotionState};
+use crate::kinematics::MotionState;
 
 /// How a step is made.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -6,9 +6,9 @@
 //! predicts for them only serves as a start.
 
 use super::equations::EquationSetting;
-use super::linear::{DenseMatrix, dot, solve_positive, solve_square};
-use super::loops::{column, largest};
-use super::{Laws, MotionEquations, MotionError, MotionState, Partition, Spring, Support, energy};
+use super::{Laws, MotionEquations, MotionError, Spring, Support, energy};
+use crate::kinematics::linear::{DenseMatrix, column, dot, largest, solve_positive, solve_square};
+use crate::kinematics::{LoopClosure, MotionState, Partition, StateError};
 use crate::model::{Model, Nature};
 
 /// A model with its equations and the laws of its forces.
@@ -75,18 +75,7 @@ impl<'m> MultibodySystem<'m> {
             partition: Partition::default(),
         };
         system.drive(&mut state);
-        if system.equations.rows() > 0 {
-            // Where the joints that the model calls dependent cannot close the
-            // loops, all move.
-            let start = state.clone();
-            if system.assemble(&mut state, &[Nature::Dependent]).is_err() {
-                state = start;
-                system.assemble(&mut state, &[Nature::Dependent, Nature::Independent])?;
-            }
-        }
-        // Only at a closed position do rows that say the same look the same.
-        system.divide(&state);
-        system.close(&mut state, &system.partition)?;
+        system.partition = system.loops().start(&mut state)?;
         system.initial.clone_from(&state.q);
         system.places = energy::force_points(model, &state);
         let lengths = system.equations.link_lengths(&state);
@@ -99,10 +88,12 @@ impl<'m> MultibodySystem<'m> {
         &self.partition
     }
 
-    /// Divides the joints into independent and dependent ones anew.
-    fn divide(&mut self, state: &MotionState) {
-        let jacobian = self.equations.constraints(state).1;
-        self.partition = Partition::new(self.model, &jacobian, self.rank_threshold());
+    /// The loops of the model.
+    fn loops(&self) -> LoopClosure<'_> {
+        LoopClosure {
+            model: self.model,
+            constraints: self.equations.constraints(),
+        }
     }
 
     /// Puts driven joints where they are at the state's time.
@@ -224,7 +215,7 @@ impl<'m> MultibodySystem<'m> {
         let (slopes, offset) = if rows.is_empty() {
             (DenseMatrix::zeros(0, u.len()), Vec::new())
         } else {
-            let jacobian = self.equations.constraints(state).1;
+            let jacobian = self.equations.constraints().evaluate(state).1;
             let quadratic = self.equations.quadratic(state);
             self.dependence(state, &jacobian, &quadratic, &given)?
         };
@@ -300,7 +291,7 @@ impl<'m> MultibodySystem<'m> {
             .collect();
         let mut of_loops = vec![0.0; bias.len()];
         if !rows.is_empty() {
-            let jacobian = self.equations.constraints(state).1;
+            let jacobian = self.equations.constraints().evaluate(state).1;
             let all: Vec<usize> = (0..bias.len()).collect();
             let right: Vec<f64> = v.iter().map(|&joint| needed[joint]).collect();
             let square = jacobian.select(rows, v).transposed();
@@ -340,7 +331,7 @@ impl<'m> MultibodySystem<'m> {
         state.q.copy_from_slice(&packed[..joints]);
         state.qd.copy_from_slice(&packed[joints..2 * joints]);
         self.drive(&mut state);
-        self.close(&mut state, &self.partition)?;
+        self.loops().close(&mut state, &self.partition)?;
         Ok(state)
     }
 
@@ -357,10 +348,10 @@ impl<'m> MultibodySystem<'m> {
     /// Chooses other dependent joints when those in use have come near a dead
     /// point.
     pub(super) fn renew(&mut self, state: &MotionState) {
-        if self.equations.rows() > 0 {
-            let jacobian = self.equations.constraints(state).1;
+        if self.equations.constraints().rows() > 0 {
+            let jacobian = self.equations.constraints().evaluate(state).1;
             if !self.partition.holds(&jacobian) {
-                self.divide(state);
+                self.partition = self.loops().divide(state);
             }
         }
     }
@@ -395,7 +386,7 @@ impl<'m> MultibodySystem<'m> {
 
     /// The largest residual of the constraints.
     pub fn gap(&self, state: &MotionState) -> f64 {
-        largest(&self.equations.constraints(state).0)
+        largest(&self.equations.constraints().evaluate(state).0)
     }
 }
 
@@ -414,8 +405,8 @@ fn stack(u: &[usize], v: &[usize], slopes: &DenseMatrix, joints: usize) -> Dense
 }
 
 fn not_finite(what: &str, time: f64) -> MotionError {
-    MotionError::NotFinite {
+    MotionError::State(StateError::NotFinite {
         what: what.to_owned(),
         time,
-    }
+    })
 }

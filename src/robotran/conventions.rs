@@ -1,7 +1,20 @@
-//! What Robotran's arrays are: their extents and their order.
+//! What Robotran's models and arrays are: their extents and their order.
 //!
 //! Reader, writer and generator share these tables, because a function must
 //! have the same arrays whichever of them it comes from.
+
+use robovec_num::limits::NumberLimit;
+
+/// The largest number of joints of a model. The largest public models have
+/// about a hundred, and the equations of a chain grow with the square.
+pub const JOINT_LIMIT: usize = 2000;
+
+/// Joints of a model.
+pub const JOINTS: NumberLimit = NumberLimit::whole(
+    0,
+    JOINT_LIMIT as u64,
+    "a mass matrix has as many rows and columns",
+);
 
 /// The inputs in the order in which Robotran's structure lists them.
 pub(crate) const INPUT_ORDER: [&str; 11] = [

@@ -1,19 +1,12 @@
 //! What the comments at the head and foot of a file say.
 
 use super::Language;
-use crate::model::mbs::JOINT_LIMIT;
+use super::conventions::JOINTS;
 use robovec_num::limits::NumberLimit;
 use std::ops::Range;
 
 /// How many lines a header has at most.
 const HEADER_LINES: usize = 120;
-
-/// Joints that a header may state: matrices get as many rows and columns.
-pub(super) const JOINTS: NumberLimit = NumberLimit::whole(
-    0,
-    JOINT_LIMIT as u64,
-    "a mass matrix has as many rows and columns",
-);
 
 /// Rows and columns that a header may state.
 pub(super) const EXTENT: NumberLimit = NumberLimit::whole(

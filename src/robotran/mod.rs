@@ -8,10 +8,11 @@
 //! a module at the equations level whose evaluation in 64-bit floats equals
 //! the compiled C file bit for bit.
 
-pub(crate) mod conventions;
+pub mod conventions;
 mod decode;
 pub mod drop_in;
 mod explain;
+mod function_kind;
 mod header;
 mod literal;
 mod lower;
@@ -40,6 +41,7 @@ lalrpop_util::lalrpop_mod!(
 
 pub(crate) use self::decode::decode_text;
 use self::explain::{explain, refusal};
+pub use self::function_kind::FunctionKind;
 use self::header::Header;
 use self::literal::IntegerArithmetic;
 use self::lower::Lowering;
@@ -59,7 +61,7 @@ const ERROR_LIMIT: usize = 20;
 /// The limits of sizes in these files: name, limit, and what it is when the
 /// file does not say.
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
-    ("Number of joints (comment)", header::JOINTS, "as used"),
+    ("Number of joints (comment)", conventions::JOINTS, "as used"),
     ("Array extents (comment)", header::EXTENT, "as used"),
     ("index", header::EXTENT, ""),
 ];

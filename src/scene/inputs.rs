@@ -8,8 +8,8 @@ use super::document::{
     strings, table,
 };
 use super::known::{ElementKnowledge, ElementStatements, Rank};
+use crate::kinematics;
 use crate::model::Model;
-use crate::motion;
 use robovec_framework::scene::{ElementPattern, HeldJoint, Hold, IndexPattern};
 use robovec_ir::Shape;
 use toml::de::DeValue;
@@ -84,7 +84,7 @@ impl InputReader<'_> {
         for known in &self.arrays.list {
             for offset in 0..known.shape.len() as u32 {
                 let (indices, count) = known.shape.indices(offset);
-                let number = motion::parameter(model, &known.name, &indices[..count]);
+                let number = kinematics::parameter(model, &known.name, &indices[..count]);
                 let Some(number) = number else { continue };
                 let (rank, bound) = (Rank::Model, ElementKnowledge::Bound(number));
                 let name = &known.name;

@@ -154,5 +154,5 @@ impl ElementStatements {
 
 fn name(array: &str, indices: [u32; 2]) -> String {
     let present = indices.iter().take_while(|&&index| index > 0).count();
-    crate::motion::element_name(array, &indices[..present])
+    crate::kinematics::element_name(array, &indices[..present])
 }

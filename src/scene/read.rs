@@ -8,7 +8,8 @@ use super::document::{
 use super::inputs::InputReader;
 use super::known::ElementStatements;
 use super::{DEADLINE, ERROR, ModelSubject, SceneFile, SceneSubject};
-use crate::generate::{Formulation, FunctionKind, Options};
+use crate::generate::{Formulation, Options};
+use crate::robotran::FunctionKind;
 use crate::sources;
 use robovec_framework::scene::{Hold, Measure, NeededOutputs, OutputTolerance, Scene};
 use robovec_ir::diagnostic::{Report, clip};

@@ -1,11 +1,10 @@
 //! What a scene is about: a model whose equations are made, or equations.
 
 use super::known::{ElementKnowledge, ElementStatements};
-use crate::generate::{
-    Formulation, FunctionKind, GenerateError, GenerationRequest, Options, generate,
-};
+use crate::generate::{Formulation, GenerateError, GenerationRequest, Options, generate};
+use crate::kinematics;
 use crate::model::{Model, Nature};
-use crate::motion;
+use crate::robotran::FunctionKind;
 use robovec_framework::scene::{HeldJoint, Hold};
 use robovec_ir::Module;
 
@@ -92,7 +91,7 @@ impl ModelSubject {
     pub(super) fn keep_needed_symbols(&mut self, words: &ElementStatements) {
         self.options.all_parameters = words.said().any(|(array, indices, known)| {
             let present = indices.iter().take_while(|&&index| index > 0).count();
-            motion::parameter(&self.general, array, &indices[..present]) == Some(0.0)
+            kinematics::parameter(&self.general, array, &indices[..present]) == Some(0.0)
                 && known != ElementKnowledge::Bound(0.0)
         });
     }

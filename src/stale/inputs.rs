@@ -2,8 +2,8 @@
 
 use super::{ArrayElement, element};
 use crate::align::replace;
+use crate::kinematics::parameter;
 use crate::model::{Joint, Model};
-use crate::motion::parameter;
 use robovec_ir::{Function, Input, Operand, Tables};
 
 /// True when an input is a constant zero for the model.

@@ -1,7 +1,7 @@
 //! Small dense linear algebra in any arithmetic, and condition numbers.
 
 use super::numbers::Wide;
-use crate::motion::linear::DenseMatrix;
+use crate::kinematics::linear::DenseMatrix;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 

@@ -8,10 +8,12 @@ use super::program::{ModelProgram, ProgramRecipe};
 use super::treatment::BALANCED;
 use super::units::Units;
 use super::{ProgramTreatment, StressError};
-use crate::generate::{Formulation, FunctionKind};
+use crate::generate::Formulation;
+use crate::kinematics::MotionState;
+use crate::kinematics::linear::{DenseMatrix, dot};
 use crate::model::Model;
-use crate::motion::linear::{DenseMatrix, dot};
-use crate::motion::{EquationSetting, MotionEquations, MotionState};
+use crate::motion::{EquationSetting, MotionEquations};
+use crate::robotran::FunctionKind;
 use robovec_ir::Format;
 use robovec_num::double_double::Double;
 
@@ -159,7 +161,7 @@ impl<'a> PreparedLoop<'a> {
     fn condition(&self) -> f64 {
         let joints = self.subject.model.joints.len();
         let (mass, _) = self.equations.dynamics(&self.subject.state);
-        let (_, jacobian) = self.equations.constraints(&self.subject.state);
+        let (_, jacobian) = self.equations.constraints().evaluate(&self.subject.state);
         let size = joints + jacobian.rows();
         let mut matrix = DenseMatrix::zeros(size, size);
         for i in 0..joints {
@@ -200,7 +202,7 @@ impl<'a> PreparedLoop<'a> {
         let error = normwise(&found, &self.exact);
         // All rows, those that were left out as redundant included.
         let accelerations: Vec<f64> = found.iter().map(|number| number.high).collect();
-        let (_, jacobian) = self.equations.constraints(state);
+        let (_, jacobian) = self.equations.constraints().evaluate(state);
         let quadratic = self.equations.quadratic(state);
         let residuals = (0..jacobian.rows())
             .map(|row| (dot(jacobian.row(row), &accelerations) + quadratic[row]).abs());

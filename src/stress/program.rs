@@ -3,9 +3,10 @@
 use super::StressError;
 use super::numbers::{Evaluation, WorkingPrecision, rounded};
 use super::units::{Dimension, Units};
-use crate::generate::{Formulation, FunctionKind, GenerationRequest, Options, generate};
+use crate::generate::{Formulation, GenerationRequest, Options, generate};
+use crate::kinematics::{InputSources, MotionState};
 use crate::model::Model;
-use crate::motion::{InputSources, MotionState};
+use crate::robotran::FunctionKind;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;

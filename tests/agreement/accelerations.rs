@@ -5,10 +5,11 @@ use super::{Case, Outputs, PLAIN, each};
 use crate::reference::dynamics::{bias, mass_matrix};
 use crate::reference::loops::constraints;
 use crate::reference::random::Recipe;
-use robovec::generate::{Formulation, FunctionKind, GenerationRequest};
+use robovec::generate::{Formulation, GenerationRequest};
+use robovec::kinematics::linear::{DenseMatrix, solve_square};
 use robovec::model::{Model, Nature, mbs::read_mbs};
-use robovec::motion::linear::{DenseMatrix, solve_square};
 use robovec::motion::{EquationSetting, Laws, MultibodySystem};
+use robovec::robotran::FunctionKind;
 use robovec_num::double_double::Double;
 use std::path::Path;
 

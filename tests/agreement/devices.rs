@@ -5,8 +5,8 @@ use crate::reference::forces::{add_external, add_links, link_lengths};
 use crate::reference::kinematics::{Point, anchor, frames, point};
 use crate::reference::random::Recipe;
 use crate::reference::spatial::zeros;
-use robovec::generate::FunctionKind;
 use robovec::model::{Anchor, Model};
+use robovec::robotran::FunctionKind;
 use robovec_num::double_double::Double;
 
 const DEVICES: Recipe = Recipe {

@@ -3,7 +3,7 @@
 use super::{Case, Outputs, PLAIN, each, requests};
 use crate::reference::loops::constraints;
 use crate::reference::random::{self, Random, Recipe};
-use robovec::generate::FunctionKind;
+use robovec::robotran::FunctionKind;
 use robovec_num::double_double::Double;
 
 /// The rows that some joint changes. The equations may leave the others out,

@@ -12,10 +12,11 @@ mod loops;
 use crate::reference::random::{self, Random, Recipe};
 use crate::reference::{State, Tree};
 use robovec::generate::{
-    Formulation, FunctionKind, GenerationRequest, Options, ParameterBinding, TermOrder, generate,
+    Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, generate,
 };
+use robovec::kinematics;
 use robovec::model::Model;
-use robovec::motion;
+use robovec::robotran::FunctionKind;
 use robovec_ir::Module;
 use robovec_ir::evaluate::evaluate;
 use robovec_num::arithmetic::Binary64;
@@ -40,8 +41,8 @@ impl Case {
     }
 
     /// The state as the equations' inputs are gathered from it.
-    pub(crate) fn inputs(&self) -> motion::MotionState {
-        let mut inputs = motion::MotionState::initial(&self.model);
+    pub(crate) fn inputs(&self) -> kinematics::MotionState {
+        let mut inputs = kinematics::MotionState::initial(&self.model);
         inputs.q.clone_from(&self.state.q);
         inputs.qd.clone_from(&self.state.qd);
         inputs.qdd.clone_from(&self.state.qdd);
@@ -167,7 +168,7 @@ impl Outputs {
         case: &Case,
         module: &Module,
         name: &str,
-        inputs: &motion::MotionState,
+        inputs: &kinematics::MotionState,
     ) -> Outputs {
         let function = module
             .function(name)
@@ -176,7 +177,7 @@ impl Outputs {
             tables: &module.tables,
             function,
         };
-        let sources = motion::InputSources::new(&case.model, view)
+        let sources = kinematics::InputSources::new(&case.model, view)
             .unwrap_or_else(|name| panic!("seed {}: no input {name}", case.seed));
         let numbers = evaluate(function, &Binary64, &sources.gather(inputs));
         let mut flat = vec![0.0; function.output_len()];

@@ -1,10 +1,11 @@
 //! Models that cannot move, and laws that are none: clear errors.
 
 use super::models::{Builder, Solid, double_pendulum, four_bar, runge_kutta};
+use robovec::kinematics::{Partition, StateError};
 use robovec::model::{CutKind, Model, Nature};
 use robovec::motion::{
-    EquationSetting, IntegrationMethod, Laws, MotionError, MultibodySystem, Partition,
-    SimulationPlan, simulate,
+    EquationSetting, IntegrationMethod, Laws, MotionError, MultibodySystem, SimulationPlan,
+    simulate,
 };
 
 fn error(model: &Model, text: &str, method: IntegrationMethod, limit: u64) -> MotionError {
@@ -62,7 +63,7 @@ fn a_loop_that_cannot_close_is_named() {
     // The right-hand bearing is out of reach.
     model.points[1].coordinates[0] = 5.0;
     let error = fixed(&model);
-    let MotionError::OpenLoop { cut, gap, .. } = &error else {
+    let MotionError::State(StateError::OpenLoop { cut, gap, .. }) = &error else {
         panic!("{error}");
     };
     assert_eq!(cut, "cut1");
@@ -78,7 +79,7 @@ fn a_loop_that_reaches_a_dead_point_says_when() {
     let text = "[[driven]]\nname = 'R2_1'\namplitude = 3.0\nfrequency = 3.0\n";
     let error = error(&model, text, runge_kutta(0.01), 10_000);
     assert!(
-        matches!(error, MotionError::OpenLoop { time, .. } if time > 0.0 && time < 1.0),
+        matches!(error, MotionError::State(StateError::OpenLoop { time, .. }) if time > 0.0 && time < 1.0),
         "{error}"
     );
 }
@@ -137,7 +138,10 @@ fn laws_that_are_too_stiff_end_the_run() {
     let model = double_pendulum();
     let stiff = "[[joint]]\nname = '*'\nstiffness = 1e9\nneutral = 0.0\n";
     let error = error(&model, stiff, runge_kutta(0.01), 10_000);
-    assert!(matches!(error, MotionError::NotFinite { .. }), "{error}");
+    assert!(
+        matches!(error, MotionError::State(StateError::NotFinite { .. })),
+        "{error}"
+    );
     let adaptive = IntegrationMethod::DormandPrince {
         relative: 1e-8,
         absolute: 1e-8,

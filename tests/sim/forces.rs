@@ -3,10 +3,9 @@
 use super::models::{
     Builder, Solid, double_pendulum, four_bar, run_with, runge_kutta, spring_mechanism,
 };
+use robovec::kinematics::MotionState;
 use robovec::model::{Model, Nature};
-use robovec::motion::{
-    EquationSetting, IntegrationMethod, Laws, MotionEquations, MotionState, SimulationRun,
-};
+use robovec::motion::{EquationSetting, IntegrationMethod, Laws, MotionEquations, SimulationRun};
 
 const FINE: IntegrationMethod = IntegrationMethod::DormandPrince {
     relative: 1e-11,

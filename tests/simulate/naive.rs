@@ -59,31 +59,7 @@ pub(crate) fn random_function(random: &mut Random, operations: usize, machine: &
     known.push(function.constant(0.1).into());
     known.push(function.constant(-1.0).into());
     for count in 0..operations {
-        let operation = [
-            Operation::Add,
-            Operation::Sub,
-            Operation::Mul,
-            Operation::Fma,
-            Operation::Fms,
-            Operation::Fnma,
-        ][random.below(if fused { 6 } else { 3 })];
-        let mut pick = || {
-            let recent = random.below(3) > 0 && known.len() > 12;
-            let from = if recent { known.len() - 12 } else { 0 };
-            known[from + random.below(known.len() - from)]
-        };
-        // Factors below 1 keep long chains finite, so that bits say something.
-        let operands = match operation {
-            Operation::Add | Operation::Sub => Operand::list([pick(), pick()]),
-            _ => {
-                let (wide, addend) = (pick(), pick());
-                let small = known[[7, 7, 5, 6][random.below(4)]];
-                match operation {
-                    Operation::Mul => Operand::list([wide, small]),
-                    _ => [wide, small, addend],
-                }
-            }
-        };
+        let (operation, operands) = random_operation(random, fused, &known);
         let value = function.push(Node {
             name: Name {
                 base: other,
@@ -117,6 +93,41 @@ pub(crate) fn random_function(random: &mut Random, operations: usize, machine: &
         .collect();
     module.functions.push(function);
     module
+}
+
+/// An operation of [`random_function`] on operands that are known by then:
+/// inputs, sines and cosines, two constants, and what was computed before.
+fn random_operation(
+    random: &mut Random,
+    fused: bool,
+    known: &[Operand],
+) -> (Operation, [Operand; 3]) {
+    let operation = [
+        Operation::Add,
+        Operation::Sub,
+        Operation::Mul,
+        Operation::Fma,
+        Operation::Fms,
+        Operation::Fnma,
+    ][random.below(if fused { 6 } else { 3 })];
+    let mut pick = || {
+        let recent = random.below(3) > 0 && known.len() > 12;
+        let from = if recent { known.len() - 12 } else { 0 };
+        known[from + random.below(known.len() - from)]
+    };
+    // Factors below 1 keep long chains finite, so that bits say something.
+    let operands = match operation {
+        Operation::Add | Operation::Sub => Operand::list([pick(), pick()]),
+        _ => {
+            let (wide, addend) = (pick(), pick());
+            let small = known[[7, 7, 5, 6][random.below(4)]];
+            match operation {
+                Operation::Mul => Operand::list([wide, small]),
+                _ => [wide, small, addend],
+            }
+        }
+    };
+    (operation, operands)
 }
 
 /// Places a function of [`random_function`].

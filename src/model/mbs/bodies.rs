@@ -6,8 +6,8 @@ use super::number::{coordinates, number, numbers};
 use super::points::read_point;
 use super::scope::{BASE, ModelScope, body_title};
 use super::tree::hang;
-use super::{JOINT_LIMIT, JOINTS};
 use crate::model::{Body, Model};
+use crate::robotran::conventions::{JOINT_LIMIT, JOINTS};
 use robovec_ir::diagnostic::clip;
 use roxmltree::Node;
 

@@ -26,23 +26,13 @@ mod user;
 mod write;
 
 use super::Model;
-use crate::generate::FunctionKind;
+use crate::robotran::FunctionKind;
+use crate::robotran::conventions::JOINTS;
 use robovec_ir::diagnostic::Report;
 use robovec_num::limits::NumberLimit;
 use std::fmt;
 
 pub use write::write_mbs;
-
-/// The largest number of joints of a model. The largest public models have
-/// about a hundred, and the equations of a chain grow with the square.
-pub const JOINT_LIMIT: usize = 2000;
-
-/// Joints of a model.
-pub const JOINTS: NumberLimit = NumberLimit::whole(
-    0,
-    JOINT_LIMIT as u64,
-    "a mass matrix has as many rows and columns",
-);
 
 /// The numbers of a model, in SI units.
 pub const NUMBER: NumberLimit = NumberLimit::real(
@@ -112,8 +102,8 @@ impl std::error::Error for ModelError {}
 /// the body, joint and point it is about: text that is not XML or is cut
 /// short, document types and entities, unknown or repeated names, a parent
 /// that is declared later or on a cycle, numbers that are none, a body without
-/// joint or without the mass its inertia needs, more than [`JOINT_LIMIT`]
-/// joints.
+/// joint or without the mass its inertia needs, more than
+/// [`JOINT_LIMIT`](crate::robotran::conventions::JOINT_LIMIT) joints.
 pub fn read_mbs(name: &str, bytes: &[u8]) -> Result<ReadModel, ModelError> {
     let text = document::decode(bytes).map_err(|mut error| {
         // There is no text to point into, so the message names the file.

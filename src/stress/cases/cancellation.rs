@@ -6,9 +6,9 @@ use super::super::dynamics::{DynamicsSubject, Metric};
 use super::super::equations::EquationsSubject;
 use super::super::verdict::StressVerdict;
 use super::models::{HINGE, sphere};
+use crate::kinematics::MotionState;
 use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model};
-use crate::motion::MotionState;
 use robovec_num::double_double::Double;
 
 pub(super) fn cases() -> Vec<StressCase> {

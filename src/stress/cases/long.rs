@@ -4,9 +4,9 @@ use super::super::case::{CaseClass, StressCase};
 use super::super::long::{Kept, Long};
 use super::super::verdict::StressVerdict;
 use super::models::{random, sphere};
+use crate::kinematics::MotionState;
 use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model, systems};
-use crate::motion::MotionState;
 
 pub(super) fn cases() -> Vec<StressCase> {
     let mut cases = Vec::new();

@@ -1,9 +1,9 @@
 //! Models and states that several cases start from.
 
 use super::super::draw::Draw;
+use crate::kinematics::MotionState;
 use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model};
-use crate::motion::MotionState;
 
 /// A hinge about the second axis.
 pub(super) const HINGE: [JointKind; 1] = [JointKind::Revolute(Axis::Y)];

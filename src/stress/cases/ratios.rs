@@ -5,9 +5,9 @@ use super::super::case::{CaseClass, StressCase};
 use super::super::dynamics::{DynamicsSubject, Metric};
 use super::super::verdict::StressVerdict;
 use super::models::{HINGE, planar, random, sphere, straight};
+use crate::kinematics::MotionState;
 use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model, family};
-use crate::motion::MotionState;
 
 pub(super) fn cases() -> Vec<StressCase> {
     let mut cases = masses();

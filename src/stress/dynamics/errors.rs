@@ -7,9 +7,10 @@ use super::super::program::{ModelProgram, ProgramRecipe};
 use super::super::units::Units;
 use super::super::{ProgramTreatment, StressError};
 use super::{DynamicsBench, ExactDynamics, JACOBI, Metric, Solution};
-use crate::generate::{Formulation, FunctionKind};
-use crate::motion::MotionState;
-use crate::motion::linear::DenseMatrix;
+use crate::generate::Formulation;
+use crate::kinematics::MotionState;
+use crate::kinematics::linear::DenseMatrix;
+use crate::robotran::FunctionKind;
 use robovec_ir::Format;
 use robovec_num::double_double::Double;
 

@@ -104,6 +104,26 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// The largest magnitude; infinite where a number is undefined.
+pub fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |most, x| {
+        if x.is_nan() {
+            f64::INFINITY
+        } else {
+            x.abs().max(most)
+        }
+    })
+}
+
+/// A matrix of one column.
+pub fn column(numbers: &[f64]) -> DenseMatrix {
+    let mut matrix = DenseMatrix::zeros(numbers.len(), 1);
+    for (row, &number) in numbers.iter().enumerate() {
+        matrix[(row, 0)] = number;
+    }
+    matrix
+}
+
 /// Solves a symmetric positive definite system; a pivot must keep more than
 /// `threshold` of its entry on the diagonal.
 ///

@@ -1,40 +1,63 @@
 //! Closing loops: positions and velocities of dependent joints.
 
-use super::linear::{DenseMatrix, dot, solve_positive, solve_square};
-use super::system::MultibodySystem;
-use super::{MotionError, MotionState, Partition};
-use crate::model::Nature;
+use super::linear::{DenseMatrix, column, dot, largest, solve_positive, solve_square};
+use super::{LoopConstraints, MotionState, Partition, StateError};
+use crate::model::{Model, Nature};
 
 /// Newton steps before giving up; from a predicted position three suffice.
 const NEWTON_STEPS: usize = 25;
 /// Steps of the search for a closed position.
 const ASSEMBLY_STEPS: usize = 200;
 
-/// The largest magnitude.
-pub(super) fn largest(numbers: &[f64]) -> f64 {
-    numbers.iter().fold(0.0, |most, x| {
-        if x.is_nan() {
-            f64::INFINITY
-        } else {
-            x.abs().max(most)
-        }
-    })
+/// A model and the constraints that its loops put on it.
+pub struct LoopClosure<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// The constraints of its loops.
+    pub constraints: &'a LoopConstraints,
 }
 
-impl MultibodySystem<'_> {
+impl LoopClosure<'_> {
+    /// Closes the loops of an initial state, and divides the joints there.
+    ///
+    /// # Errors
+    ///
+    /// [`StateError::OpenLoop`] and [`StateError::NotFinite`].
+    pub fn start(&self, state: &mut MotionState) -> Result<Partition, StateError> {
+        if self.constraints.rows() > 0 {
+            // Where the joints that the model calls dependent cannot close the
+            // loops, all move.
+            let start = state.clone();
+            if self.assemble(state, &[Nature::Dependent]).is_err() {
+                *state = start;
+                self.assemble(state, &[Nature::Dependent, Nature::Independent])?;
+            }
+        }
+        // Only at a closed position do rows that say the same look the same.
+        let partition = self.divide(state);
+        self.close(state, &partition)?;
+        Ok(partition)
+    }
+
+    /// Divides the joints into independent and dependent ones.
+    pub fn divide(&self, state: &MotionState) -> Partition {
+        let jacobian = self.constraints.evaluate(state).1;
+        Partition::new(self.model, &jacobian, self.rank_threshold())
+    }
+
     /// A residual that the arithmetic cannot make smaller.
     fn tight(&self) -> f64 {
-        8.0 * self.equations.epsilon()
+        8.0 * self.constraints.epsilon()
     }
 
     /// A residual that still counts as closed.
     fn loose(&self) -> f64 {
-        1e4 * self.equations.epsilon()
+        1e4 * self.constraints.epsilon()
     }
 
     /// The fraction of the largest pivot that counts as zero in the Jacobian.
-    pub(super) fn rank_threshold(&self) -> f64 {
-        self.equations.epsilon().sqrt()
+    fn rank_threshold(&self) -> f64 {
+        self.constraints.epsilon().sqrt()
     }
 
     /// Moves the dependent joints until the loops are closed, and gives them
@@ -42,13 +65,9 @@ impl MultibodySystem<'_> {
     ///
     /// # Errors
     ///
-    /// [`MotionError::OpenLoop`] and [`MotionError::NotFinite`].
-    pub(super) fn close(
-        &self,
-        state: &mut MotionState,
-        partition: &Partition,
-    ) -> Result<(), MotionError> {
-        if self.equations.rows() == 0 {
+    /// [`StateError::OpenLoop`] and [`StateError::NotFinite`].
+    pub fn close(&self, state: &mut MotionState, partition: &Partition) -> Result<(), StateError> {
+        if self.constraints.rows() == 0 {
             return Ok(());
         }
         let jacobian = self.close_positions(state, partition)?;
@@ -63,7 +82,7 @@ impl MultibodySystem<'_> {
             .map(|&row| -dot(jacobian.row(row), &others))
             .collect();
         let Some(velocities) = solve_square(dependent, column(&right)) else {
-            return Err(self.open(state, &self.equations.constraints(state).0));
+            return Err(self.open(state, &self.constraints.evaluate(state).0));
         };
         for (place, &joint) in partition.dependent.iter().enumerate() {
             state.qd[joint] = velocities[(place, 0)];
@@ -76,10 +95,10 @@ impl MultibodySystem<'_> {
         &self,
         state: &mut MotionState,
         partition: &Partition,
-    ) -> Result<DenseMatrix, MotionError> {
+    ) -> Result<DenseMatrix, StateError> {
         let mut before = f64::INFINITY;
         for _ in 0..NEWTON_STEPS {
-            let (residual, jacobian) = self.equations.constraints(state);
+            let (residual, jacobian) = self.constraints.evaluate(state);
             let gap = largest(&residual);
             let stalled = gap >= 0.5 * before && gap <= self.loose();
             if gap <= self.tight() || stalled {
@@ -95,27 +114,19 @@ impl MultibodySystem<'_> {
                 state.q[joint] += step[(place, 0)];
             }
         }
-        Err(self.open(state, &self.equations.constraints(state).0))
+        Err(self.open(state, &self.constraints.evaluate(state).0))
     }
 
     /// Moves the joints of some natures, as little as possible, until the
     /// loops are closed: steps of least squares (Levenberg's method). Unlike
     /// Newton's it does not mind rows that say the same.
-    ///
-    /// # Errors
-    ///
-    /// [`MotionError::OpenLoop`].
-    pub(super) fn assemble(
-        &self,
-        state: &mut MotionState,
-        natures: &[Nature],
-    ) -> Result<(), MotionError> {
+    fn assemble(&self, state: &mut MotionState, natures: &[Nature]) -> Result<(), StateError> {
         let movable: Vec<usize> = (0..self.model.joints.len())
             .filter(|&joint| natures.contains(&self.model.joints[joint].nature))
             .collect();
-        let all_rows: Vec<usize> = (0..self.equations.rows()).collect();
+        let all_rows: Vec<usize> = (0..self.constraints.rows()).collect();
         let mut damping = 1e-3;
-        let (mut residual, mut jacobian) = self.equations.constraints(state);
+        let (mut residual, mut jacobian) = self.constraints.evaluate(state);
         for _ in 0..ASSEMBLY_STEPS {
             if largest(&residual) <= self.loose() {
                 return Ok(());
@@ -134,7 +145,7 @@ impl MultibodySystem<'_> {
                     tried.q[joint] += step;
                 }
             }
-            let (next, next_jacobian) = self.equations.constraints(&tried);
+            let (next, next_jacobian) = self.constraints.evaluate(&tried);
             if dot(&next, &next) < dot(&residual, &residual) {
                 *state = tried;
                 (residual, jacobian) = (next, next_jacobian);
@@ -153,29 +164,20 @@ impl MultibodySystem<'_> {
     }
 
     /// The error of the cut with the largest residual.
-    fn open(&self, state: &MotionState, residual: &[f64]) -> MotionError {
+    fn open(&self, state: &MotionState, residual: &[f64]) -> StateError {
         let gaps = residual.iter().map(|h| h.abs()).enumerate();
         let worst = gaps.max_by(|a, b| a.1.total_cmp(&b.1));
         let (row, gap) = worst.unwrap_or((0, 0.0));
         if !gap.is_finite() {
-            return MotionError::NotFinite {
+            return StateError::NotFinite {
                 what: "the residual of a loop".to_owned(),
                 time: state.time,
             };
         }
-        MotionError::OpenLoop {
-            cut: self.model.cuts[self.equations.cut_of(row)].name.clone(),
+        StateError::OpenLoop {
+            cut: self.model.cuts[self.constraints.cut_of(row)].name.clone(),
             gap,
             time: state.time,
         }
     }
-}
-
-/// A matrix of one column.
-pub(super) fn column(numbers: &[f64]) -> DenseMatrix {
-    let mut matrix = DenseMatrix::zeros(numbers.len(), 1);
-    for (row, &number) in numbers.iter().enumerate() {
-        matrix[(row, 0)] = number;
-    }
-    matrix
 }

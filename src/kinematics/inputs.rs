@@ -1,7 +1,7 @@
 //! Where the inputs of equations come from: parameters from the model, the
 //! rest from a state.
 
-use crate::model::{CutKind, Model};
+use crate::model::{CutKind, Joint, Model};
 use robovec_ir::{Input, View};
 
 /// What a model's equations read besides its parameters. Joints, links and
@@ -34,7 +34,7 @@ impl MotionState {
     pub fn initial(model: &Model) -> MotionState {
         let joints = model.joints.len();
         let initial = |place: usize| {
-            let number = |joint: &crate::model::Joint| joint.initial[place];
+            let number = |joint: &Joint| joint.initial[place];
             model.joints.iter().map(number).collect()
         };
         MotionState {

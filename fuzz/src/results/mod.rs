@@ -1,0 +1,98 @@
+//! Random programs with hostile constants through random pipelines, pass by
+//! pass, judged by a referee of their own ([`crate::referee`]).
+//!
+//! What a pass gives is compared with what it took: over the real numbers for
+//! every class that promises them, with constants off by one rounding where a
+//! pass computes them, with sines off by what a series claims; and in binary64
+//! and binary32, bit by bit, for passes that promise that. The check of the
+//! compiler runs as well: it must refuse what the referee refuses, and nothing
+//! else.
+
+mod bits;
+mod case;
+mod finding;
+mod follow;
+mod pairing;
+mod promise;
+
+pub use self::finding::{Finding, Tally};
+
+use self::case::Case;
+use self::follow::follow;
+use arbitrary::{Result, Unstructured};
+use robovec_ir::print;
+
+/// Runs a random pipeline over a random program with hostile constants.
+///
+/// # Panics
+///
+/// When a pass changes a value beyond its class.
+pub fn results_stay_in_class(data: &[u8]) {
+    // Bytes that run out make a smaller case, never a failure.
+    if let Ok(Err(finding)) = examine(&mut Unstructured::new(data), &[]) {
+        panic!("{finding}");
+    }
+}
+
+/// As [`results_stay_in_class`], without some passes; gives what was found.
+///
+/// # Errors
+///
+/// When the bytes run out; and the finding, if there is one.
+pub fn examine(
+    bytes: &mut Unstructured<'_>,
+    without: &[String],
+) -> Result<std::result::Result<Tally, Box<Finding>>> {
+    let Case {
+        steps,
+        machine,
+        seed,
+        mut module,
+    } = Case::draw(bytes, without)?;
+    let mut tally = Tally {
+        programs: 1,
+        ..Tally::default()
+    };
+    for step in &steps {
+        match follow(&mut module, step, &machine, seed, &mut tally) {
+            Ok(true) => {}
+            Ok(false) => break,
+            Err(finding) => return Ok(Err(finding)),
+        }
+    }
+    Ok(Ok(tally))
+}
+
+/// The pipeline and the program of some bytes, as text: what to look at when
+/// a case ends the process.
+///
+/// # Errors
+///
+/// When the bytes run out.
+pub fn describe_case(bytes: &mut Unstructured<'_>) -> Result<String> {
+    let case = Case::draw(bytes, &[])?;
+    let program = print::print_module(&case.module);
+    Ok(format!("// RUN: {}\n{program}", case.steps.join(",")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hostile_constants_do_not_mislead_a_pass() {
+        let mut tally = Tally::default();
+        for case in 0..60u64 {
+            arbtest::arbtest(|bytes| {
+                match examine(bytes, &[])? {
+                    Ok(one) => tally.add(&one),
+                    Err(finding) => panic!("{finding}"),
+                }
+                Ok(())
+            })
+            .seed(case << 32 | 6000);
+        }
+        assert!(tally.programs > 40 && tally.same > 500, "{tally}");
+        assert!(tally.vague + tally.nothing < tally.same, "{tally}");
+    }
+}

@@ -1,0 +1,44 @@
+//! What the class of a pass promises of values.
+
+use crate::referee::Leniency;
+use robovec_analysis::class::NumericClass;
+use robovec_framework::instances::Instances;
+use robovec_framework::pipeline::PassStep;
+
+/// What a step promises.
+pub(super) struct Promise {
+    pub(super) class: NumericClass,
+    pub(super) instances: Option<Instances>,
+    pub(super) leniency: Leniency,
+    /// How large inputs may be.
+    pub(super) range: f64,
+}
+
+impl Promise {
+    pub(super) fn of(step: &PassStep) -> Promise {
+        let pass = (step.info.build)(&step.options).expect("its options are its own");
+        let option = |name: &str| {
+            let mut options = step.options.iter();
+            let found = options.find(|(option, _)| option == name);
+            found.and_then(|(_, value)| value.parse::<f64>().ok())
+        };
+        // Series say how far they are off for angles within their range.
+        let series = step.info.name == "trigonometry";
+        Promise {
+            class: pass.class(step.info.class),
+            instances: pass.instances(),
+            leniency: Leniency {
+                // It replaces expressions of constants by their values.
+                rounded_literals: matches!(step.info.name, "specialise" | "trigonometry"),
+                circular: match series {
+                    true => option("error").unwrap_or(0.0),
+                    false => 0.0,
+                },
+            },
+            range: match series {
+                true => option("range").unwrap_or(f64::INFINITY),
+                false => f64::INFINITY,
+            },
+        }
+    }
+}

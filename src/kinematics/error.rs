@@ -1,0 +1,51 @@
+//! Why a model cannot be brought into a state.
+
+use thiserror::Error;
+
+/// Why a model cannot be brought into a state, or its equations say nothing
+/// there.
+#[derive(Clone, PartialEq, Debug, Error)]
+pub enum StateError {
+    /// The equations read something that the model does not have.
+    #[error("the function '{function}' reads {element}, which the model does not have")]
+    Element {
+        /// The function.
+        function: String,
+        /// The input element.
+        element: String,
+    },
+    /// A loop does not close.
+    #[error("at {time:?} s the cut '{cut}' cannot be closed: its ends stay {gap:.3e} apart")]
+    OpenLoop {
+        /// Name of the cut.
+        cut: String,
+        /// The largest residual of its rows.
+        gap: f64,
+        /// Time, s.
+        time: f64,
+    },
+    /// Something became infinite or undefined.
+    #[error("at {time:?} s {what} is no finite number")]
+    NotFinite {
+        /// What.
+        what: String,
+        /// Time, s.
+        time: f64,
+    },
+}
+
+impl StateError {
+    /// What the user can do.
+    pub fn advice(&self) -> Option<&'static str> {
+        match self {
+            StateError::OpenLoop { .. } => Some(
+                "correct the initial positions or the points of the cut; a loop that is \
+                 lost on the way has reached a dead point",
+            ),
+            StateError::NotFinite { .. } => {
+                Some("take a smaller step, or the adaptive integrator; laws may be too stiff")
+            }
+            StateError::Element { .. } => None,
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! Where a model stands: its state, the inputs its equations read there, and
+//! its loops closed.
+//!
+//! Equations are given to this room ready made, so that their generator can
+//! use it to choose dependent joints and pivots, and whoever moves a model in
+//! time uses the same Newton steps.
+
+mod closing;
+mod compiled;
+mod constraints;
+mod error;
+mod inputs;
+pub mod linear;
+mod partition;
+
+pub use closing::LoopClosure;
+pub use compiled::{CompiledFunction, EvaluatedOutputs};
+pub use constraints::LoopConstraints;
+pub use error::StateError;
+pub use inputs::{InputSources, MotionState, element_name, parameter};
+pub use partition::Partition;

@@ -1,0 +1,128 @@
+//! A file as the grammar sees it: a flat arena of expression nodes and a flat
+//! list of statements.
+//!
+//! Invariant: the nodes of an expression stand in one run of the arena, every
+//! operand before its user. Lowering is therefore one loop over the run.
+
+mod builder;
+mod leaf;
+
+pub(super) use self::builder::SyntaxBuilder;
+pub(super) use self::leaf::{CAPACITY, LeafKind, SyntaxLeaf};
+
+use super::literal::Literal;
+use super::token::{RobotranElement, RobotranName, SourceSpan};
+use robovec_ir::{Operation, Symbol};
+
+/// One operation of an expression.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SyntaxNode {
+    pub(super) operands: [SyntaxLeaf; 2],
+    pub(super) operation: Operation,
+    /// It stands in parentheses.
+    pub(super) grouped: bool,
+    /// In Python: how many bits it may have as a whole number; 0 for a float.
+    pub(super) whole_bits: u8,
+}
+
+impl SyntaxNode {
+    pub(super) fn operands(&self) -> &[SyntaxLeaf] {
+        &self.operands[..self.operation.arity()]
+    }
+}
+
+/// A statement and where it stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SyntaxStatement {
+    pub(super) kind: StatementKind,
+    pub(super) span: SourceSpan,
+    /// How many [`SyntaxTree::elements`] stand before it and in it.
+    pub(super) elements: u32,
+}
+
+/// What a statement says.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum StatementKind {
+    /// `target = root`, whose nodes are the run from `first` to `end`.
+    Equation {
+        target: SyntaxLeaf,
+        root: SyntaxLeaf,
+        first: u32,
+        end: u32,
+    },
+    /// An entry of [`SyntaxTree::calls`].
+    Call(u32),
+    /// An entry of [`SyntaxTree::extents`]: `M = zeros(6,6)` or `double P[4];`.
+    Extent(u32),
+    /// An integer variable of the solver: `int iter = 0;`.
+    Counter(RobotranName),
+    /// A pointer of C that is declared and points at nothing yet.
+    Pointer(RobotranName),
+    /// A whole-array assignment such as `q = s->q;`, already taken in.
+    Prologue,
+    /// An entry of [`SyntaxTree::heads`].
+    Head(u32),
+    BlockOpen,
+    BlockClose,
+    Switch(RobotranName),
+    Case(u32),
+    DefaultCase,
+    Break,
+    Return,
+    While,
+    If,
+    ElseIf,
+    Else,
+}
+
+/// A call of a function that is not one of the three known ones.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FunctionCall {
+    pub(super) target: Option<SyntaxLeaf>,
+    pub(super) callee: RobotranName,
+    /// First and last-but-one entry of [`SyntaxTree::arguments`].
+    pub(super) arguments: (u32, u32),
+}
+
+/// An argument of a call; [`SyntaxLeaf::NONE`] when it is no expression.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Argument {
+    pub(super) leaf: SyntaxLeaf,
+    pub(super) span: SourceSpan,
+}
+
+/// An array of known extent.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DeclaredArray {
+    pub(super) name: RobotranName,
+    pub(super) rows: u32,
+    pub(super) columns: u32,
+    /// True for `zeros`, which also gives values.
+    pub(super) zeroed: bool,
+}
+
+/// The head of a function.
+#[derive(Clone, Debug)]
+pub(super) struct FunctionHeader {
+    pub(super) name: Symbol,
+    pub(super) parameters: Vec<RobotranName>,
+    /// The parameters of C that are whole numbers.
+    pub(super) whole: Vec<RobotranName>,
+    /// What a Matlab function returns.
+    pub(super) outputs: Vec<RobotranName>,
+    /// The first entry of [`SyntaxTree::elements`] that belongs to the function.
+    pub(super) first_element: u32,
+}
+
+/// A file.
+#[derive(Default, Debug)]
+pub(super) struct SyntaxTree {
+    pub(super) nodes: Vec<SyntaxNode>,
+    pub(super) elements: Vec<RobotranElement>,
+    pub(super) numbers: Vec<Literal>,
+    pub(super) statements: Vec<SyntaxStatement>,
+    pub(super) calls: Vec<FunctionCall>,
+    pub(super) arguments: Vec<Argument>,
+    pub(super) extents: Vec<DeclaredArray>,
+    pub(super) heads: Vec<FunctionHeader>,
+}
