@@ -76,7 +76,7 @@ impl<'a> Loader<'a> {
                 other.to_owned(),
             ));
         }
-        let text = files.get(name).copied().unwrap_or("");
+        let text = files[name];
         let fail = |error: serde_json::Error| LoadError::Manifest {
             file: name.to_owned(),
             message: error.to_string(),

@@ -102,8 +102,8 @@ impl<'a> NonzeroWords<'a> {
         let mut codes = self.writer.operations(self.element).iter();
         let code = codes.position(|name| name == operation.name());
         self.set(ISSUE, 1);
-        // Traffic has checked that the element performs the operation.
-        self.set(OPERATION, code.unwrap_or(0) as u32);
+        let code = code.expect("traffic has checked that the element performs the operation");
+        self.set(OPERATION, code as u32);
         let reads = traffic.placement.reads[value as usize];
         for (field, &address) in (READ..).zip(&reads[..operation.arity()]) {
             self.set(field, address);

@@ -56,7 +56,7 @@ impl Pattern {
             };
             pieces.push(piece);
         }
-        pieces.pop().map_or(String::new(), |root| root.text)
+        pieces.pop().expect("a pattern has a root").text
     }
 }
 

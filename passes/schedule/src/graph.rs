@@ -103,9 +103,10 @@ impl DependenceGraph {
 
     /// The weight of a node; the host costs nothing.
     pub(super) fn weight(&self, node: usize) -> u32 {
-        self.kinds
-            .get(self.kind[node] as usize)
-            .map_or(0, |kind| kind.weight)
+        match self.kind[node] {
+            HOST => 0,
+            kind => self.kinds[kind as usize].weight,
+        }
     }
 
     /// The nodes that read a node.

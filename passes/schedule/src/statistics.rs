@@ -204,8 +204,8 @@ impl PlacedView<'_> {
         }
         let backs: Vec<(Value, u32)> = self.values().collect();
         let back_of = |value: Value| {
-            let found = backs.partition_point(|&(known, _)| known < value);
-            backs.get(found).map_or(0, |&(_, back)| back)
+            let found = backs.binary_search_by_key(&value, |&(known, _)| known);
+            backs[found.expect("a value that is written was computed by an element")].1
         };
         let mut ranks = [0; 9];
         for (node, _) in self.values() {
@@ -213,11 +213,9 @@ impl PlacedView<'_> {
             let status = |side: usize| match self.write_read(node, side) {
                 Some(write) if first_read[write] == cycle => {
                     let producer = self.function.node(node).operands[side].value();
-                    let back = producer.map_or(0, back_of);
-                    let departs = producer.map_or(0, |value| {
-                        self.departs(value, &self.placement.writes[write])
-                    });
-                    if departs == back { 1 } else { 2 }
+                    let producer = producer.expect("only values are written");
+                    let departs = self.departs(producer, &self.placement.writes[write]);
+                    if departs == back_of(producer) { 1 } else { 2 }
                 }
                 _ => 0,
             };

@@ -138,11 +138,7 @@ impl ChoiceWriter<'_> {
     }
 
     fn held(&self, class: Class) -> Held {
-        self.held[class.index()].unwrap_or(Held {
-            operand: Operand::NONE,
-            negative: false,
-            arrival: 0,
-        })
+        self.held[class.index()].expect("a class is written before those that use it")
     }
 
     fn class(&mut self, class: Class, form: ChoiceForm, name: Name) {

@@ -231,8 +231,7 @@ impl Hardware {
     pub(super) fn number(&self) -> NumberFormat {
         match self.machine.number {
             Format::Float(float) => float,
-            // Refused when the hardware was made.
-            Format::Fixed(_) => NumberFormat::BINARY32,
+            Format::Fixed(_) => unreachable!("validation refuses fixed-point machines"),
         }
     }
 
@@ -286,8 +285,7 @@ impl Hardware {
     pub(super) fn kind(&self, group: &ElementGroup) -> &ElementDescription {
         let mut kinds = self.machine.elements.iter();
         let found = kinds.find(|kind| kind.kind == group.kind);
-        // Validation has found every kind.
-        found.unwrap_or(&self.machine.elements[0])
+        found.expect("validation has found the kind of every group")
     }
 
     /// The names and kinds of all elements, in order.
@@ -306,7 +304,7 @@ impl Hardware {
     /// Bits of the widest instruction word.
     pub(super) fn instruction_width(&self) -> u32 {
         let widths = self.elements.iter().map(|group| self.layout(group).width());
-        widths.max().unwrap_or(1)
+        widths.max().expect("hardware has an element")
     }
 
     /// Address bits of the instruction memories. Smaller memories than 64

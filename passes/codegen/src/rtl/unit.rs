@@ -182,7 +182,7 @@ fn select_result(text: &mut String, parts: &[UnitCore], stages: u32, code_bits: 
         bits - code_bits,
     );
     let mut choice = String::new();
-    let (last, others) = parts.split_last().unwrap_or((&parts[0], &[]));
+    let (last, others) = parts.split_last().expect("a unit has a part");
     for part in others {
         let codes: Vec<String> = (part.operations.iter())
             .map(|(_, code)| format!("left_now == {code_bits}'d{code}"))

@@ -58,7 +58,7 @@ pub(super) fn first(pairs: &Pairs<'_>, source: &States, seed: u64) -> Option<Fai
     let mut fresh = found
         .into_iter()
         .map(|value| known.binary_search(&field.without_sign(value).0).is_err());
-    new.retain(|_| fresh.next().unwrap_or(false));
+    new.retain(|_| fresh.next().expect("every new divisor has a value"));
     new.truncate(MAX_DIVISORS);
     if new.is_empty() {
         return None;

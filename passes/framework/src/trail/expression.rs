@@ -94,7 +94,9 @@ impl<'a> ExpressionSketch<'a> {
             function: &self.function,
         };
         let printed = print_definition(view, top);
-        let expression = printed.split_once(" = ").map_or("", |(_, text)| text);
+        let (_, expression) = printed
+            .split_once(" = ")
+            .expect("a printed definition has an equals sign");
         WrittenExpression {
             text: format!("{head} = {expression}"),
             inside,

@@ -70,7 +70,8 @@ pub(super) fn divide(
         return (Vec::new(), rest);
     };
     let mut quotient = vec![0; extra];
-    let leading = modulus.invert(b.last().copied().unwrap_or(0));
+    let leading = *b.last().expect("a divisor is not zero");
+    let leading = modulus.invert(leading);
     for step in (0..extra).rev() {
         let factor = modulus.mul(rest[step + b.len() - 1], leading);
         quotient[step] = factor;

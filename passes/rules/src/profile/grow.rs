@@ -67,8 +67,8 @@ pub fn partner(rule: &Rule) -> Option<String> {
 
 /// The rules that are always on.
 fn always() -> Vec<Rule> {
-    let order = RuleSet::named("commutativity").unwrap_or_default();
-    let signs = RuleSet::named("signs").unwrap_or_default();
+    let order = RuleSet::named("commutativity").expect("commutativity ships");
+    let signs = RuleSet::named("signs").expect("the rules of signs ship");
     let shortens = |rule: &Rule| !rule.both_ways && rule.right.nodes.len() < rule.left.nodes.len();
     let signs = signs.rules.into_iter().filter(shortens);
     order.rules.into_iter().chain(signs).collect()
