@@ -77,6 +77,10 @@ impl EvaluationPlan {
                 continue;
             }
             let operands = node.operands.map(|operand| plan.place(&place, operand));
+            debug_assert!(
+                !operands.contains(&UNUSED),
+                "an operand has a place before it is read"
+            );
             for (position, operand) in node.operands().iter().enumerate() {
                 let Some(value) = operand.value() else {
                     continue;

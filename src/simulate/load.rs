@@ -262,7 +262,8 @@ impl<'a> Loader<'a> {
                 .elements
                 .iter()
                 .find(|k| k.kind == element.kind);
-            let stages = kind.map_or(1, |kind| kind.stages);
+            let kind = kind.expect("the machine was found to have the kind of every element");
+            let stages = kind.stages;
             let operations = element
                 .operations
                 .iter()

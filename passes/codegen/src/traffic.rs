@@ -135,6 +135,11 @@ impl<'a> Traffic<'a> {
         for (value, range) in (0u32..).zip(placement.write_starts.windows(2)) {
             owners.extend((range[0]..range[1]).map(|_| value));
         }
+        assert_eq!(
+            owners.len(),
+            placement.writes.len(),
+            "every write is that of a value"
+        );
         let mut traffic = Traffic {
             view,
             machine,

@@ -49,7 +49,11 @@ impl<'a> Rewriter<'a> {
     /// What an old operand has become. Values must have been recorded.
     pub fn translate(&mut self, operand: Operand) -> Operand {
         match operand.kind() {
-            OperandKind::Value(value) => self.map[value.index()],
+            OperandKind::Value(value) => {
+                let known = self.map[value.index()];
+                debug_assert!(!known.is_none(), "an operand that is read was recorded");
+                known
+            }
             OperandKind::Constant(constant) => {
                 let number = self.old.constant_number(constant);
                 self.new.constant(number).into()
@@ -66,6 +70,10 @@ impl<'a> Rewriter<'a> {
     /// Says what the next old value has become; called once per value, in
     /// order.
     pub fn record(&mut self, operand: Operand) {
+        debug_assert!(
+            self.map.len() < self.old.nodes().len(),
+            "every old value is recorded once"
+        );
         self.map.push(operand);
     }
 

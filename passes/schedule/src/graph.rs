@@ -165,7 +165,8 @@ impl DependenceGraph {
         let number = |operand: Operand| match operand.kind() {
             OperandKind::Value(value) => value.0,
             OperandKind::Input(_) | OperandKind::Constant(_) => {
-                let place = self.initial.partition_point(|&known| known < operand);
+                let place = self.initial.binary_search(&operand);
+                let place = place.expect("all operands that are no values were collected");
                 (self.kind.len() + place) as u32
             }
             OperandKind::None => NO_DATUM,
@@ -190,6 +191,7 @@ impl DependenceGraph {
         let mut next = self.user_starts.clone();
         for (index, node) in function.nodes().iter().enumerate() {
             for value in node.operands().iter().filter_map(|operand| operand.value()) {
+                debug_assert!(value.index() < index, "an operand is an earlier node");
                 let slot = &mut next[value.index()];
                 self.users[*slot as usize] = index as u32;
                 *slot += 1;
@@ -228,6 +230,10 @@ impl DependenceGraph {
                 .max()
                 .unwrap_or(0);
             self.tail[index] = after + self.weight(index);
+            debug_assert!(
+                self.head[index] + self.tail[index] <= self.path,
+                "no chain is longer than the longest"
+            );
         }
         Ok(())
     }

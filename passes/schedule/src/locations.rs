@@ -121,9 +121,14 @@ impl Locations {
 
     /// Takes back the entry that was added last, which is the datum's.
     pub(super) fn remove_last(&mut self, datum: u32) {
-        if let Some(entry) = self.entries.pop() {
-            self.data[datum as usize].first = entry.next;
-        }
+        let entry = self.entries.pop().expect("an entry was added");
+        let first = &mut self.data[datum as usize].first;
+        debug_assert_eq!(
+            *first as usize,
+            self.entries.len(),
+            "the entry that was added last is the datum's"
+        );
+        *first = entry.next;
     }
 
     /// Forgets one entry of a datum.

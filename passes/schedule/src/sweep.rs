@@ -297,6 +297,14 @@ impl<'a> Sweep<'a> {
 
     /// Issues a node as planned.
     pub(super) fn commit(&mut self, node: usize, cycle: u32, plan: IssuePlan) {
+        debug_assert_eq!(
+            self.waiting[node].operands, 0,
+            "an operation is issued after all its operands"
+        );
+        debug_assert!(
+            self.busy[plan.element] <= cycle,
+            "an element issues one operation in a cycle"
+        );
         let data = self.graph.data[node];
         let mut reads = [NO_ENTRY; Operand::MAX_COUNT];
         for operand in 0..Operand::MAX_COUNT {

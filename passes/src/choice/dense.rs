@@ -77,6 +77,7 @@ impl Dense {
     fn push(&mut self, network: &ChoiceNetwork, timing: &NetworkTiming, original: u32) {
         let form = network.form(original);
         let start = self.terms.len() as u32;
+        let own = self.starts.len() as u32 - 1;
         let (kind, cost) = match form {
             ChoiceForm::Input(..) | ChoiceForm::Constant(_) => (DenseKind::Leaf, 0),
             ChoiceForm::Opaque(index) => {
@@ -116,6 +117,12 @@ impl Dense {
             }
         };
         let end = self.terms.len() as u32;
+        debug_assert!(
+            self.terms[start as usize..]
+                .iter()
+                .all(|&(a, b)| [a, b].map(|used| used < own || used == Dense::NONE) == [true; 2]),
+            "a form uses only classes of earlier places"
+        );
         self.forms.push(DenseForm {
             kind,
             start,
@@ -132,7 +139,13 @@ impl Dense {
 
     /// Where a class has been put.
     pub(crate) fn place(&self, class: Class) -> u32 {
-        self.places[class.index()]
+        let place = self.places[class.index()];
+        debug_assert_ne!(
+            place,
+            Dense::NONE,
+            "only what an output can use has a place"
+        );
+        place
     }
 
     /// The class at a place.

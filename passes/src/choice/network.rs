@@ -258,9 +258,21 @@ impl ChoiceNetwork {
     }
 
     fn push_form(&mut self, class: Class, form: ChoiceForm) {
+        debug_assert!(
+            self.is_above_operands(class, form),
+            "a form uses only classes of smaller rank"
+        );
         let last = self.classes[class.index()].last;
         self.classes[class.index()].last = self.forms.len() as u32;
         self.forms.push((form, last));
+    }
+
+    /// True when a class has a greater rank than all that a form uses.
+    fn is_above_operands(&self, class: Class, form: ChoiceForm) -> bool {
+        let mut is_above = true;
+        let rank = self.rank(class);
+        self.operands(form, |operand| is_above &= self.rank(operand) < rank);
+        is_above
     }
 
     /// The class of an input.
@@ -285,8 +297,9 @@ impl ChoiceNetwork {
     /// Gives a class an operation as its form, unless it has one.
     pub(crate) fn add_opaque(&mut self, class: Class, opaque: Opaque) {
         if !self.is_defined(class) {
-            self.push_form(class, ChoiceForm::Opaque(self.opaques.len() as u32));
+            let index = self.opaques.len() as u32;
             self.opaques.push(opaque);
+            self.push_form(class, ChoiceForm::Opaque(index));
         }
     }
 

@@ -441,14 +441,8 @@ impl Extractor<'_> {
 /// The cheapest point that is in time, or the earliest.
 fn within(front: &[ArrivalPoint], limit: u32) -> ArrivalPoint {
     let after = front.partition_point(|point| point.arrival <= limit);
-    front
-        .get(after.saturating_sub(1))
-        .copied()
-        .unwrap_or(ArrivalPoint {
-            arrival: NEVER,
-            operations: NEVER,
-            choice: 0,
-        })
+    let point = front.get(after.saturating_sub(1));
+    *point.expect("a class that can be computed has a point")
 }
 
 /// The points no other is better than, earliest first; of too many, the ends

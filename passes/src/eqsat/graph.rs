@@ -14,6 +14,7 @@ use rustc_hash::FxBuildHasher;
 /// The widest sum or product that is made: signs lie in 64 bits, and wider
 /// ones are better left to balancing.
 pub(crate) const WIDEST: usize = 24;
+const _: () = assert!(WIDEST <= 64, "a word holds the signs of the widest sum");
 
 /// What made a form that did not enter with the window: an index into the
 /// rules, or into the structural steps after them.

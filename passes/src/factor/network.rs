@@ -287,6 +287,10 @@ impl FactorNetwork {
         kind: FactorKind,
         operands: Vec<Edge>,
     ) -> (FactorKind, Vec<Edge>) {
+        debug_assert!(
+            self.below(&operands, self.nodes[node].position),
+            "operands stand at lower positions"
+        );
         for &edge in &operands {
             self.acquire(edge);
         }

@@ -101,6 +101,11 @@ impl OperandGroups {
 
     fn read(function: &Function, absorbed: Vec<bool>, frozen: Vec<bool>) -> OperandGroups {
         let count = function.nodes().len();
+        assert_eq!(absorbed.len(), count, "every value is absorbed or not");
+        assert!(
+            frozen.is_empty() || frozen.len() == count,
+            "all values may be frozen or none is"
+        );
         let mut groups = OperandGroups {
             absorbed,
             frozen,
@@ -131,7 +136,7 @@ impl OperandGroups {
 
     /// True when the value must stay the operation it is.
     pub(super) fn is_frozen(&self, value: Value) -> bool {
-        self.frozen.get(value.index()).copied().unwrap_or(false)
+        !self.frozen.is_empty() && self.frozen[value.index()]
     }
 
     /// Terms or factors of the group of a value, left to right, without the

@@ -89,6 +89,10 @@ impl Polynomial {
 
     /// The largest power of the angle.
     pub fn degree(&self) -> u32 {
+        assert!(
+            !self.coefficients.is_empty(),
+            "a polynomial has a coefficient"
+        );
         2 * (self.coefficients.len() as u32 - 1) + self.of.first_power()
     }
 

@@ -139,6 +139,10 @@ impl Nest {
             .map(|&run| &repeats.runs[run as usize])
             .collect();
         let period = runs.first().map_or(1, |run| run.period);
+        assert!(
+            runs.iter().all(|run| run.period == period),
+            "all visits of a loop have the same period"
+        );
         let mut starts = vec![0];
         let mut visits = Vec::new();
         for (visit, run) in (0u32..).zip(&runs) {
