@@ -62,7 +62,7 @@ const INDEX_MASK: u32 = (1 << KIND_SHIFT) - 1;
 /// The largest number of values, inputs or constants a function can hold.
 pub const CAPACITY: usize = INDEX_MASK as usize;
 
-/// What a node reads: another value, an input element or a constant, packed
+/// An operand of a node: another value, an input element or a constant, packed
 /// into 32 bits. [`Operand::kind`] takes it apart.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Operand(u32);

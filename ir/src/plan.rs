@@ -118,7 +118,7 @@ impl EvaluationPlan {
         }
     }
 
-    /// How many operations it takes.
+    /// The number of operations.
     pub fn len(&self) -> usize {
         self.steps.len()
     }
@@ -128,7 +128,7 @@ impl EvaluationPlan {
         self.steps.is_empty()
     }
 
-    /// How many numbers are kept at a time, inputs and literals included.
+    /// The number of numbers kept at a time, inputs and literals included.
     pub fn places(&self) -> usize {
         self.places
     }

@@ -52,7 +52,7 @@ pub fn print_module(module: &Module) -> String {
 /// A vector takes everything that is written into it.
 const NEVER_FULL: &str = "a vector takes every byte";
 
-/// What was printed into a vector.
+/// The text that was printed into a vector.
 fn text_of(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).expect("what is printed is UTF-8")
 }
@@ -119,7 +119,7 @@ struct FunctionPrinter<'a> {
     steps: Vec<u32>,
 }
 
-/// What remains to be printed of an expression.
+/// A piece of an expression that remains to be printed.
 enum PendingPiece {
     Operand(Operand, u8),
     Text(&'static str),

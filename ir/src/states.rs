@@ -41,7 +41,7 @@ pub struct States {
     ranges: Arc<Ranges>,
 }
 
-/// What some input elements can be.
+/// The ranges of some input elements.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct Ranges {
     elements: BTreeMap<(String, [u32; 2]), [f64; 2]>,
@@ -56,7 +56,7 @@ impl Ranges {
         self.elements.insert(key, [low, high]);
     }
 
-    /// What is known of an element.
+    /// The range of an element, where one is known.
     pub fn get(&self, array: &str, indices: [u32; 2]) -> Option<[f64; 2]> {
         if self.elements.is_empty() {
             return None;
@@ -71,7 +71,7 @@ impl Ranges {
     }
 }
 
-/// How an array's elements are distributed.
+/// The distribution of an array's elements.
 #[derive(Clone, Copy)]
 enum Scale {
     Uniform(f64, f64),
@@ -116,7 +116,7 @@ impl States {
         self.seed
     }
 
-    /// What is known of the inputs.
+    /// The known ranges of the inputs.
     pub fn ranges(&self) -> &Ranges {
         &self.ranges
     }

@@ -72,7 +72,7 @@ impl Symbols {
         slice(&self.text, &self.ends, symbol.0)
     }
 
-    /// How many distinct strings there are.
+    /// The number of distinct strings.
     pub fn len(&self) -> usize {
         self.ends.len()
     }

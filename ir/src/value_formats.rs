@@ -24,7 +24,7 @@ impl ValueFormats {
         }
     }
 
-    /// How many values there is room for: the nodes of the function.
+    /// The number of values there is room for: the nodes of the function.
     pub fn len(&self) -> usize {
         self.values.len()
     }

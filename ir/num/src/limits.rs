@@ -75,7 +75,7 @@ impl NumberLimit {
         }
     }
 
-    /// Why not more.
+    /// The reason why no more is allowed.
     pub const fn reason(&self) -> &'static str {
         self.reason
     }
@@ -99,7 +99,7 @@ impl NumberLimit {
         }
     }
 
-    /// What to tell the user about a number that is not allowed, as written.
+    /// The message about a number that is not allowed, as written.
     pub fn refusal(&self, written: &str) -> String {
         let written = clip(written);
         format!(
@@ -193,13 +193,13 @@ impl fmt::Display for NumberLimit {
 /// A line of the table of limits.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LimitRow {
-    /// Where the number stands: a pass, a program, a kind of file.
+    /// The place of the number: a pass, a program, a kind of file.
     pub place: String,
     /// Its name there.
     pub name: String,
     /// What is allowed.
     pub limit: NumberLimit,
-    /// What it is when nobody says; empty when it must be given.
+    /// The default; empty when the number must be given.
     pub usual: String,
 }
 

@@ -11,7 +11,7 @@ use crate::source::SourceSet;
 use crate::symbol::Name;
 use robovec_num::operation::Operation;
 
-/// What is written as a function.
+/// The operations that are written as functions.
 const FUNCTIONS: [Operation; 6] = [
     Operation::Sin,
     Operation::Cos,

@@ -17,7 +17,7 @@ use robovec_num::trigonometry::host::KEY;
 use serde::Serialize;
 use std::io;
 
-/// Where generated files go.
+/// The receiver of generated files.
 pub trait Artifacts {
     /// Takes one file: its name, and a function that writes its content.
     ///
@@ -309,7 +309,7 @@ pub(super) struct ImageWriter<'a> {
     pub(super) sizes: Sizes,
     /// Bits of a data word.
     width: u32,
-    /// What the images are made for; absent when the machine file alone
+    /// The hardware the images are made for; absent when the machine file alone
     /// says it.
     hardware: Option<&'a Hardware>,
 }
@@ -351,8 +351,8 @@ impl ImageWriter<'_> {
         }
     }
 
-    /// What the select codes stand for: all results, then all buffers' first
-    /// read ports, then the second ones ….
+    /// The sources that the select codes stand for: all results, then all
+    /// buffers' first read ports, then the second ones ….
     fn sources(&self) -> Vec<String> {
         let elements = self.sizes.elements;
         (0..self.sizes.sources())

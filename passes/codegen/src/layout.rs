@@ -26,7 +26,7 @@ pub(super) struct Sizes {
 }
 
 impl Sizes {
-    /// What the machine declares, else what the program uses.
+    /// The sizes that the machine declares, else those that the program uses.
     pub(super) fn new(machine: &Machine, usage: &Usage) -> Sizes {
         let memory = &machine.memory;
         Sizes {
@@ -43,7 +43,7 @@ impl Sizes {
         }
     }
 
-    /// How many things a write port can select from.
+    /// The number of sources that a write port can select from.
     pub(super) fn sources(&self) -> u32 {
         self.elements * (1 + self.buffer.map_or(0, |(_, reads)| reads))
     }

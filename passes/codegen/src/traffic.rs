@@ -12,7 +12,7 @@ use robovec_ir::machine::Interconnect;
 use robovec_ir::placement::{Bank, Placement, Schedule, Slot, Word, Write};
 use robovec_ir::{Machine, Value, View};
 
-/// What the program uses of the machine.
+/// The parts of the machine that the program uses.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct Usage {
     /// Elements of all kinds.

@@ -46,7 +46,7 @@ impl<'a> Rewriter<'a> {
         rewriter
     }
 
-    /// What an old operand has become. Values must have been recorded.
+    /// The operand that an old one has become. Values must have been recorded.
     pub fn translate(&mut self, operand: Operand) -> Operand {
         match operand.kind() {
             OperandKind::Value(value) => {
@@ -82,7 +82,7 @@ impl<'a> Rewriter<'a> {
         self.map[value.index()] = operand;
     }
 
-    /// What an old value has become.
+    /// The translation of an old value.
     pub fn known(&self, value: Value) -> Operand {
         self.map[value.index()]
     }

@@ -16,7 +16,7 @@ const LONGEST: u64 = 1 << 30;
 pub(super) struct SchedulingKind {
     /// Cycles from an issue to the first issue that can read the result.
     pub(super) weight: u32,
-    /// How many elements there are.
+    /// The number of elements.
     pub(super) count: u32,
     /// The first of them, over all kinds.
     pub(super) first: u32,
@@ -34,7 +34,7 @@ pub(super) struct DependenceGraph {
     pub(super) user_starts: Vec<u32>,
     /// See [`DependenceGraph::user_starts`].
     pub(super) users: Vec<u32>,
-    /// How many operands of each node the machine computes.
+    /// The number of operands of each node that the machine computes.
     pub(super) computed_operands: Vec<u8>,
     /// The earliest issue of each node with elements without number.
     pub(super) head: Vec<u32>,
@@ -124,7 +124,7 @@ impl DependenceGraph {
         self.kind.iter().filter(|&&kind| kind != HOST).count()
     }
 
-    /// How many data there are: nodes, and inputs and constants that are read.
+    /// The number of data: nodes, and inputs and constants that are read.
     pub(super) fn data_len(&self) -> usize {
         self.kind.len() + self.initial.len()
     }

@@ -46,8 +46,8 @@ pub(super) struct StoredDatum {
 /// computed yet.
 pub(super) const NOT_COMPUTED: u32 = u32::MAX;
 
-/// What is known of a datum; all in one place, because operands come from
-/// anywhere in a large program and each look at one is a cache miss.
+/// The state of a datum; all in one place, because operands come from anywhere
+/// in a large program and each look at one is a cache miss.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Datum {
     /// The cycle in which it is on the crossbar, or [`NOT_COMPUTED`].

@@ -17,7 +17,7 @@ pub struct ElementSpread {
     pub max: u32,
 }
 
-/// What the elements of one kind do.
+/// The work of the elements of one kind.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct KindStatistics {
     /// Name of the kind.
@@ -34,14 +34,14 @@ pub struct KindStatistics {
     pub buffer: ElementSpread,
 }
 
-/// What a placement uses (thesis 2.3, figures 2.4 to 2.7, and 1.2.3).
+/// The resources a placement uses (thesis 2.3, figures 2.4 to 2.7, and 1.2.3).
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct PlacementStatistics {
     /// The kinds, in the machine's order.
     pub kinds: Vec<KindStatistics>,
     /// Operations per processing element and cycle.
     pub parallelisation_rate: f64,
-    /// How many operations have each rank of Table 2.1, from rank 1 on. The
+    /// The number of operations of each rank of Table 2.1, from rank 1 on. The
     /// first reader of a word accounts for its transfer; later readers find
     /// it in memory.
     pub ranks: [u32; 9],

@@ -8,7 +8,7 @@ use super::network::{ChoiceForm, ChoiceNetwork, Class, SignedClass};
 use super::timing::{NetworkTiming, earliest_first, levels};
 use smallvec::SmallVec;
 
-/// What a form does with its terms.
+/// The operation of a form on its terms.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum DenseKind {
     /// Nothing: an input or constant.
@@ -34,7 +34,7 @@ struct DenseForm {
 pub(crate) struct Dense {
     classes: Vec<Class>,
     places: Vec<u32>,
-    /// Where the forms of each place start, and behind the last one.
+    /// The start of the forms of each place, and the end of the last ones.
     starts: Vec<u32>,
     forms: Vec<DenseForm>,
     terms: Vec<(u32, u32)>,
@@ -137,7 +137,7 @@ impl Dense {
         self.classes.len()
     }
 
-    /// Where a class has been put.
+    /// The place of a class.
     pub(crate) fn place(&self, class: Class) -> u32 {
         let place = self.places[class.index()];
         debug_assert_ne!(

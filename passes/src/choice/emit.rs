@@ -103,7 +103,7 @@ fn sources(import: &Import, used: &[(Class, u32)], tables: &mut Tables) -> Vec<S
     sources
 }
 
-/// What the operations of one class are named and where they come from.
+/// The names and sources of the operations of one class.
 #[derive(Clone, Copy)]
 struct ClassNaming {
     last: Name,

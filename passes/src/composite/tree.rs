@@ -14,7 +14,7 @@ use super::model::ModelInputs;
 use super::search::CompositeSearch;
 use crate::factor::network::FactorNetwork;
 
-/// How a joint stands on its parent.
+/// The placement of a joint on its parent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct JointPlacement {
     /// The joint before it, counted from 0.

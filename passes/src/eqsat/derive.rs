@@ -18,7 +18,7 @@ pub struct DerivationStep {
     pub term: Pattern,
 }
 
-/// What came of looking for a derivation.
+/// The outcome of looking for a derivation.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Derivation {
     /// The steps from the left to the right term.
@@ -28,7 +28,7 @@ pub enum Derivation {
         /// Of the terms equal to the left one, that nearest to the right one:
         /// the fewest operations and values are different.
         term: Pattern,
-        /// How it was reached.
+        /// The steps that reached it.
         steps: Vec<DerivationStep>,
         /// Everything the rules lead to was reached; otherwise the budget
         /// ended first.
@@ -38,7 +38,7 @@ pub enum Derivation {
     },
 }
 
-/// What looking for a derivation may cost.
+/// The limits of the search for a derivation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DerivationEffort {
     /// Nodes in the graph of equal terms.

@@ -75,7 +75,7 @@ impl Negations {
     }
 }
 
-/// How a group gets its other sign earliest.
+/// The way in which a group gets its other sign earliest.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Turn {
     /// By a `0 - x` after it.

@@ -253,8 +253,8 @@ impl TreeBuilder<'_> {
         best.map(|(_, pair)| pair)
     }
 
-    /// How much sharing a pair is worth, and when it is ready; `None` when
-    /// nobody else wants it.
+    /// The worth of sharing a pair, and when it is ready; `None` when nobody
+    /// else wants it.
     fn worth(
         &self,
         family: GroupFamily,

@@ -5,7 +5,7 @@ use super::constants::{Known, KnownNumbers};
 use robovec_ir::{Name, Operand, Operation, SourceSet};
 use smallvec::SmallVec;
 
-/// What an old value has become.
+/// The translation of an old value.
 #[derive(Clone, Debug)]
 pub(super) enum Reading {
     /// A number.

@@ -20,7 +20,7 @@ pub(super) struct OperationCycles {
     pub(super) multiply: u32,
 }
 
-/// How a part is computed.
+/// The form in which a part is computed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum PartForm {
     /// It is one term.

@@ -8,7 +8,7 @@ use crate::format::{FixedFormat, Format};
 /// carries enough.
 const NARROW: u32 = 50;
 
-/// How numbers are rounded into a format.
+/// The rounding of numbers into a format.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Rounding {
     Float(FloatRounding),

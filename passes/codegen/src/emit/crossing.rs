@@ -7,7 +7,7 @@
 use robovec_ir::Value;
 use std::ops::Range;
 
-/// What a function defines and reads.
+/// The values that a function defines and reads.
 #[derive(Clone, Default, Debug)]
 pub(crate) struct PartValues {
     /// The values it defines.

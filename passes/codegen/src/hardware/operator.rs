@@ -14,7 +14,7 @@ use crate::rtl::cores::{self, OperatorCore};
 use robovec_ir::Format;
 use robovec_num::NumberFormat;
 
-/// What one operator takes with so many stages.
+/// The resources of one operator with so many stages.
 pub fn operator(core: OperatorCore, number: Format, stages: u32) -> ResourceUse {
     match number {
         Format::Float(format) => float(core, format, stages),

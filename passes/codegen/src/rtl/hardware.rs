@@ -28,7 +28,7 @@ const MAX_WORDS: u32 = 1 << 24;
 const MAX_ELEMENTS: usize = 1024;
 
 option_words! {
-    /// How much of the crossbar is built.
+    /// The extent to which the crossbar is built.
     #[derive(Default)]
     pub enum CrossbarChoice {
         /// Every source reaches every write port: any program fits.
@@ -57,7 +57,7 @@ pub enum Crossbar {
 pub struct ElementGroup {
     /// Their kind in the machine file.
     pub kind: String,
-    /// How many there are.
+    /// Their number.
     pub count: u32,
 }
 
@@ -240,7 +240,7 @@ impl Hardware {
         self.machine.number.width()
     }
 
-    /// How many elements there are.
+    /// The number of elements.
     pub fn element_count(&self) -> u32 {
         self.elements.iter().map(|group| group.count).sum()
     }
@@ -325,7 +325,7 @@ impl Hardware {
         bits(self.words).max(6)
     }
 
-    /// Where the host finds everything.
+    /// The addresses at which the host finds everything.
     pub(crate) fn window(&self) -> AddressBlocks {
         AddressBlocks::new(self)
     }
@@ -336,7 +336,7 @@ impl Hardware {
         super::crossbar::pairs(self)
     }
 
-    /// What the machine's hash register says: 64-bit FNV-1a, as sixteen
+    /// The content of the machine's hash register: 64-bit FNV-1a, as sixteen
     /// hexadecimal digits, of everything that decides which images run.
     pub fn hash(&self) -> String {
         let kinds: Vec<_> = (self.elements.iter())
@@ -359,7 +359,7 @@ impl Hardware {
     }
 }
 
-/// What hardware can be built for.
+/// Refuses machines that hardware cannot be built for.
 fn check_machine(machine: &Machine) -> Result<(), RtlError> {
     if let Format::Fixed(_) = machine.number {
         return Err(RtlError::Number(machine.number));

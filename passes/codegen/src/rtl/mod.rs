@@ -246,7 +246,7 @@ fn core_files(hardware: &Hardware) -> Vec<(&'static str, &'static str)> {
     files
 }
 
-/// What can be done about an error.
+/// The advice about an error.
 pub fn advice(error: &RtlError) -> Option<String> {
     let fixed = match error {
         RtlError::Images(ImageError::NotPlaced { .. }) => Some("run 'place' before"),

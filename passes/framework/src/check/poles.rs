@@ -262,7 +262,7 @@ fn bisect(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], at_low: f64) -
     high
 }
 
-/// Where a size is smallest between two places around one minimum.
+/// The place of the smallest size between two places around one minimum.
 fn smallest(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
     for _ in 0..NARROWINGS {
         let [left, right] = [1.0, 2.0].map(|third| low + (high - low) * third / 3.0);

@@ -28,7 +28,7 @@ pub(super) fn of_value(view: View<'_>, uses: &[u32], value: Value) -> WrittenExp
     ExpressionSketch::new(view, uses, node.name.base).write(&head, value.into())
 }
 
-/// What an output is set to; the value named after it is written out.
+/// The expression an output is set to; the value named after it is written out.
 pub(super) fn of_output(view: View<'_>, uses: &[u32], index: usize) -> WrittenExpression {
     let assignment = view.function.assignments[index];
     let head = print_output(view, assignment.output);

@@ -24,7 +24,7 @@ const SQUARES: u64 = 64;
 /// Nodes up to which each is compared with each.
 const MAX_COMPARED: usize = 160;
 
-/// What is known of all nodes.
+/// The known facts about all nodes.
 pub(super) struct NodeFacts<'a> {
     pub(super) joined: &'a Joined<'a>,
     pub(super) ranges: Vec<Range>,
@@ -181,7 +181,7 @@ impl<'a> NodeFacts<'a> {
         }
     }
 
-    /// What a node that is not zero says of its operands.
+    /// Notes what a node that is not zero says of its operands.
     fn factors(&mut self, node: usize) {
         if !self.ranges[node].nonzero {
             return;

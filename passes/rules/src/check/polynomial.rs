@@ -98,8 +98,8 @@ pub(super) fn common(
     a
 }
 
-/// What is left of a polynomial when all factors that it shares with another
-/// are taken out, as often as they occur.
+/// The rest of a polynomial when all factors that it shares with another are
+/// taken out, as often as they occur.
 pub(super) fn without(
     modulus: Modulus,
     a: &ModularPolynomial,

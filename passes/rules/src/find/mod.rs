@@ -30,7 +30,7 @@ use robovec_analysis::class::NumericClass;
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::{Function, Machine};
 
-/// What a derivation may cost.
+/// The limits of a derivation.
 const DERIVATION: GraphBudget = GraphBudget {
     nodes: 300,
     iterations: 3,
@@ -47,7 +47,7 @@ const TRIALS: usize = 2_000;
 pub struct Found {
     /// The rule, in the direction that gains more.
     pub rule: Rule,
-    /// What it gains.
+    /// Its gain.
     pub gain: RuleGain,
 }
 

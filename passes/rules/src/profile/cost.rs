@@ -59,7 +59,7 @@ pub(crate) fn arrival_of(
     times.pop().flatten()
 }
 
-/// How many different operations a pattern has.
+/// The number of different operations of a pattern.
 pub(crate) fn operations(pattern: &Pattern) -> i64 {
     let mut known: HashMap<(u8, u64, [u32; 2]), u32> = HashMap::new();
     let mut class: Vec<u32> = Vec::with_capacity(pattern.nodes.len());

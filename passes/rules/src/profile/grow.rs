@@ -32,7 +32,7 @@ pub struct Growing {
 pub struct PairGrowth {
     /// Their names.
     pub names: [String; 2],
-    /// What they do together.
+    /// The growth under both together.
     pub growing: Growing,
 }
 
@@ -44,8 +44,8 @@ const ALONE: GraphBudget = GraphBudget {
     iterations: 40,
 };
 
-/// How a graph grows under a rule and those that are always on: the order of
-/// operands, and the rules of zeros, ones and signs that shorten a term,
+/// The growth of a graph under a rule and those that are always on: the order
+/// of operands, and the rules of zeros, ones and signs that shorten a term,
 /// without which hardly any set of rules comes to an end.
 pub fn alone(rule: &Rule) -> Growing {
     worst(&[rule], &always(), ALONE)

@@ -120,10 +120,10 @@ impl Cuts {
     }
 }
 
-/// Where to cut an operator for so many pipeline stages: such that the
-/// slowest stage is as quick as possible, and among these choices the one
-/// with the fewest registers. Stages beyond the last cut are plain registers.
-/// No stages give no cut at all.
+/// The cuts of an operator for so many pipeline stages: such that the slowest
+/// stage is as quick as possible, and among these choices the one with the
+/// fewest registers. Stages beyond the last cut are plain registers. No stages
+/// give no cut at all.
 pub fn cuts(core: OperatorCore, format: NumberFormat, stages: u32) -> Cuts {
     let steps = core.steps(format);
     let places = steps.len() as u32;
