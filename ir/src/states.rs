@@ -52,6 +52,10 @@ impl Ranges {
     /// it does not have), lies between two numbers, in SI units; equal ones
     /// say what it is.
     pub fn set(&mut self, array: &str, indices: [u32; 2], low: f64, high: f64) {
+        debug_assert!(
+            low <= high,
+            "the low end of a range is not above the high one"
+        );
         let key = (array.to_owned(), indices);
         self.elements.insert(key, [low, high]);
     }

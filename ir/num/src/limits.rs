@@ -38,6 +38,7 @@ impl NumberLimit {
     /// Integers from `least` to `most`. The reason is a clause that says why
     /// not more: "every round reads the function again".
     pub const fn whole(least: u64, most: u64, reason: &'static str) -> NumberLimit {
+        assert!(least <= most, "a limit allows a number");
         NumberLimit {
             least: Amount::Whole(least),
             most: Amount::Whole(most),
@@ -47,6 +48,10 @@ impl NumberLimit {
 
     /// Numbers from `least` to `most`, both finite.
     pub const fn real(least: f64, most: f64, reason: &'static str) -> NumberLimit {
+        assert!(
+            least <= most && least.is_finite() && most.is_finite(),
+            "a limit allows a number, and its ends are finite"
+        );
         NumberLimit {
             least: Amount::Real(least),
             most: Amount::Real(most),

@@ -100,6 +100,11 @@ impl<'a> Rewriter<'a> {
 
     /// Translates the outputs and gives up the new function.
     pub fn finish(mut self) -> Function {
+        assert_eq!(
+            self.map.len(),
+            self.old.nodes().len(),
+            "every old value was recorded"
+        );
         let assignments: Vec<Assignment> = self
             .old
             .assignments

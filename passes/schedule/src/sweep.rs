@@ -418,9 +418,7 @@ pub(super) fn reserve_indirect(
     memory: usize,
     travel: Travel,
 ) {
-    let Some((back, producer)) = source.result else {
-        return;
-    };
+    let (back, producer) = source.result.expect("only results are written");
     draft.ports.write(travel.arrives, memory);
     let departs = travel.departs;
     let word = WordTransfer {

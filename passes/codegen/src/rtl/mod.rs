@@ -229,9 +229,8 @@ fn core_files(hardware: &Hardware) -> Vec<(&'static str, &'static str)> {
         .collect();
     let mut files = Vec::new();
     while let Some(module) = wanted.pop() {
-        let Some(file) = all.iter().find(|file| stem(file) == module) else {
-            continue;
-        };
+        let file = all.iter().find(|file| stem(file) == module);
+        let file = file.expect("every core has a file");
         if files.contains(&(file.name, file.text)) {
             continue;
         }

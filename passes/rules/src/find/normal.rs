@@ -122,12 +122,10 @@ fn next_permutation(order: &mut [u32]) -> bool {
     let Some(pivot) = (1..order.len()).rev().find(|&i| order[i - 1] < order[i]) else {
         return false;
     };
-    let Some(swap) = (pivot..order.len())
+    let swap = (pivot..order.len())
         .rev()
         .find(|&i| order[i] > order[pivot - 1])
-    else {
-        return false;
-    };
+        .expect("the number at the pivot is larger");
     order.swap(pivot - 1, swap);
     order[pivot..].reverse();
     true
