@@ -1,4 +1,4 @@
-//! How values came to be: the passes that made or changed them, and the rules
+//! The histories of values: the passes that made or changed them, and the rules
 //! these applied.
 //!
 //! Kept only when somebody asks, beside the nodes and not in them: a table of

@@ -1,4 +1,4 @@
-//! What the levels `scheduled` and `placed` add to a function.
+//! The parts of a function that the levels `scheduled` and `placed` add.
 //!
 //! Cycle conventions, fixed here for the placer, the text form and the memory
 //! images alike (facts of the pipeline, thesis 2.3 and Table 2.1): an

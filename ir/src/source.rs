@@ -1,4 +1,4 @@
-//! Where a value comes from: places in the files of the user.
+//! The origins of values: places in the files of the user.
 //!
 //! Every node carries a [`SourceSet`]: the equations it was made from. Passes
 //! that merge values take the union of their sets and never drop one, so any

@@ -1,4 +1,5 @@
-//! How results travel from element to element (thesis 1.1.3).
+//! The interconnect by which results travel from element to element (thesis
+//! 1.1.3).
 //!
 //! # Conventions
 //!

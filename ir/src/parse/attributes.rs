@@ -1,4 +1,4 @@
-//! What stands behind an expression: cycle, addresses, times, places.
+//! The attributes behind an expression: cycle, addresses, times, places.
 //!
 //! Attributes may stand in any order. They are collected here and given to
 //! the definition or assignment when its line ends.

@@ -1,4 +1,4 @@
-//! What cannot be turned into memory images.
+//! The reasons why a function cannot be turned into memory images.
 
 use robovec_ir::Format;
 use robovec_ir::machine::MachineMismatch;

@@ -1,4 +1,4 @@
-//! What every pass stands on, and nothing of any pass.
+//! The framework that every pass stands on, and nothing of any pass.
 //!
 //! [`pass`] says what a pass is, [`options`] how it declares its options,
 //! [`pipeline`] reads what the user wants to run of a [`registry`], [`manager`]

@@ -1,4 +1,4 @@
-//! Which element an operation goes to (thesis 2.3 and Table 2.1).
+//! The choice of the element of an operation (thesis 2.3 and Table 2.1).
 //!
 //! An element can take an operation when all operands are in its memory or
 //! can still get there: *directly*, through a write port that is free in the

@@ -1,4 +1,4 @@
-//! What can keep a function from being placed.
+//! The reasons that keep a function from being placed.
 
 use robovec_ir::{Level, Value};
 

@@ -1,4 +1,4 @@
-//! Which memories hold which data, from when to when.
+//! The places of the data: which memories hold them, from when to when.
 
 /// The index no entry has.
 pub(super) const NO_ENTRY: u32 = u32::MAX;

@@ -1,4 +1,4 @@
-//! What is taken in which cycle: write ports, buffer outputs, buffer words.
+//! The reservations of each cycle: write ports, buffer outputs, buffer words.
 //!
 //! A transfer is reserved when the operation that needs it is issued, and it
 //! may lie in the past: the crossbar could have written the word along with

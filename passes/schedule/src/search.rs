@@ -1,5 +1,5 @@
-//! Which placement is kept: orders and manners are tried while the work is
-//! in proportion, and the best result wins.
+//! The search for the placement that is kept: orders and manners are tried
+//! while the work is in proportion, and the best result wins.
 
 use super::choice::ElementChoice;
 use super::locations::NO_ENTRY;

@@ -1,4 +1,4 @@
-//! What a placement uses, computed from the placed function alone.
+//! The statistics of a placement, computed from the placed function alone.
 
 use super::choice::RANKS;
 use super::network::Wires;

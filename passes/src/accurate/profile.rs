@@ -1,5 +1,5 @@
-//! How large the values of a function are, and what a rounding of each does
-//! to the outputs.
+//! The sizes of the values of a function, and what a rounding of each does to
+//! the outputs.
 //!
 //! To first order a rounding `d` of a value moves output `o` by `g(o) d`,
 //! where `g(o)` is the derivative of the output with respect to the value

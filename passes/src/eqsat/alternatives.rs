@@ -1,4 +1,5 @@
-//! What extraction chooses from: classes of values, each with its forms.
+//! The alternatives that extraction chooses from: classes of values, each with
+//! its forms.
 //!
 //! The e-graph keeps a value and its negation apart, and signs outside of
 //! products. Here both become classes of their own where somebody needs them,

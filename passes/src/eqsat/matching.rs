@@ -1,4 +1,4 @@
-//! Where a pattern over bags occurs in the e-graph.
+//! The search for occurrences of a pattern over bags in the e-graph.
 //!
 //! A sum pattern takes as many terms of a sum as it has, whichever they are;
 //! at the root of a rule the terms that are left over stay beside the result.

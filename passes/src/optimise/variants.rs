@@ -1,4 +1,4 @@
-//! What is tried.
+//! The variants that are tried.
 //!
 //! A variant is what a pipeline makes of the function as it came, or of
 //! another variant, so that common work is done once. Variants stand in the

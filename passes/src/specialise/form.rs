@@ -1,4 +1,4 @@
-//! What is known of a value: a number, an operand, or a sum of operands times
+//! The known form of a value: a number, an operand, or a sum of operands times
 //! numbers that is not computed yet.
 
 use super::constants::{Known, KnownNumbers};

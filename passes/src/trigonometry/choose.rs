@@ -1,4 +1,4 @@
-//! Which polynomials a range gets.
+//! The choice of polynomials for a range.
 
 use super::options::CircularMethod;
 use robovec_ir::Format;

@@ -34,7 +34,7 @@ option_words! {
 }
 
 option_words! {
-    /// In which order a polynomial is evaluated.
+    /// The order in which a polynomial is evaluated.
     pub enum Scheme {
         /// The shortest path in cycles, then the fewest operations.
         Shortest = "shortest",

@@ -1,4 +1,4 @@
-//! How the sine and cosine of one angle are computed: a small function.
+//! The recipe for the sine and cosine of one angle: a small function.
 //!
 //! A recipe is a function of one input, the angle, at the atomic level and
 //! without names. What evaluates, times and bounds functions does so with

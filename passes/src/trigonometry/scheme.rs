@@ -1,4 +1,4 @@
-//! In which order a polynomial is evaluated.
+//! The order in which a polynomial is evaluated.
 //!
 //! A polynomial of `n` terms is a low part and a high part times a power of
 //! `t = x^2`; Horner's scheme always cuts behind the first term, Estrin's in

@@ -1,4 +1,5 @@
-//! How a C function is called, and how it reaches the elements of its arrays.
+//! The interface of a C function: how it is called, and how it reaches the
+//! elements of its arrays.
 
 use super::{Options, Real, Signature};
 use crate::emit::arrays::{self, Rows};

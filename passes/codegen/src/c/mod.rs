@@ -65,7 +65,7 @@ option_words! {
 }
 
 option_words! {
-    /// In which order statements stand.
+    /// The order of statements.
     pub enum StatementOrder {
         /// Each value shortly before it is read.
         Depth = "depth",
@@ -83,7 +83,7 @@ pub struct Options {
     pub real: Real,
     /// The place where sines and cosines are computed.
     pub sines: Sines,
-    /// In which order statements stand.
+    /// The order of statements.
     pub order: StatementOrder,
     /// Operations per part.
     pub part: u32,

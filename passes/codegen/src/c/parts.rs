@@ -1,5 +1,5 @@
-//! What becomes a statement, which statements form a part, and which values
-//! cross from part to part.
+//! The parts of the text: what becomes a statement, which statements form a
+//! part, and which values cross from part to part.
 
 use super::sines::Slots;
 use super::{Options, Sines, StatementOrder};

@@ -1,4 +1,4 @@
-//! How fast a machine can be clocked: an estimate without any tool.
+//! The clock of a machine: an estimate without any tool.
 //!
 //! The delays of the operators are those of the mapped cores, tabulated by
 //! latency; what stands between them is short and known: operands come from

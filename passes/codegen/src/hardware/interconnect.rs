@@ -1,4 +1,4 @@
-//! What an interconnect takes (thesis 1.1.3): choices among words, bit by
+//! The resources of an interconnect (thesis 1.1.3): choices among words, bit by
 //! bit, and registers behind links.
 //!
 //! A look-up table of six inputs chooses among four (thesis 1.3.1). Choices

@@ -1,4 +1,4 @@
-//! What an operator takes, for any format and latency.
+//! The resources of an operator, for any format and latency.
 //!
 //! Registers follow from the cuts: every cut of a core is so many bits wide
 //! ([`CoreStep::bits`](crate::rtl::cores::CoreStep)). Look-up tables hardly

@@ -1,4 +1,4 @@
-//! Where everything is kept: from resolved leaves to a program.
+//! The layout of all numbers: from resolved leaves to a program.
 //!
 //! Values that one part hands to another, or one pass to a later one, have a
 //! word of the work array. Which, is decided for those who read most: the

@@ -1,4 +1,4 @@
-//! Where the leaves of statements come from, before memory is laid out.
+//! The sources of the leaves of statements, before memory is laid out.
 //!
 //! A leaf that is in every pass the result of one position in that pass is
 //! that position's variable. One that is the result of the pass before is a

@@ -1,4 +1,4 @@
-//! Why there is no hardware for a machine or a program.
+//! The reasons why there is no hardware for a machine or a program.
 
 use crate::ImageError;
 use robovec_ir::Format;

@@ -1,4 +1,4 @@
-//! What hardware is built: the machine file with every size settled.
+//! The description of the hardware: the machine file with every size settled.
 //!
 //! A machine file may leave sizes open, a schedule says how many elements
 //! there are. Hardware is what both come to, and stays when the next program

@@ -1,4 +1,4 @@
-//! What broke a claim, and where to look first.
+//! The failure that broke a claim, and where to look first.
 
 use super::pairing::Pairs;
 use super::states::StatePlace;

@@ -1,4 +1,4 @@
-//! Which output of one version belongs to which of the other.
+//! The pairing of the inputs and outputs of two versions.
 
 use super::failure::{Failure, FailureKind};
 use super::states;

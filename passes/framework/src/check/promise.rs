@@ -1,4 +1,5 @@
-//! What approximating passes promise of the outputs, and whether it holds.
+//! The promises of approximating passes about the outputs, and whether they
+//! hold.
 
 use super::failure::{Failed, Values};
 use super::numbers::{self, LANES, Survey};

@@ -1,4 +1,4 @@
-//! Where versions are compared in numbers.
+//! The states at which versions are compared in numbers.
 
 use super::pairing::Pairs;
 use robovec_ir::states::States;

@@ -1,4 +1,4 @@
-//! What a value computes, as one expression.
+//! The computation of a value as one expression.
 //!
 //! From the atomic level on a definition is one operation, which says little.
 //! So the values that belong to the same equation by their names and are used

@@ -1,5 +1,5 @@
-//! What a rule does to bits: equality in floating point, and what happens to
-//! zeros, infinities and NaN.
+//! The effect of a rule on bits: equality in floating point, and what happens
+//! to zeros, infinities and NaN.
 //!
 //! By trials, not by proof: the values that have made rules of floating point
 //! fail before (zeros of both signs, the smallest and largest numbers,

@@ -1,4 +1,4 @@
-//! What is known of the numbers of a rule wherever its left side is defined:
+//! The facts about the numbers of a rule wherever its left side is defined:
 //! bounds, signs, and what cannot be zero.
 //!
 //! The left side divides by numbers that are not zero and takes roots of

@@ -1,4 +1,4 @@
-//! Where the number of a node lies: bounds, and whether it can be zero.
+//! The range of the number of a node: bounds, and whether it can be zero.
 
 /// Bounds of a real number, rounded outwards.
 #[derive(Clone, Copy, PartialEq, Debug)]

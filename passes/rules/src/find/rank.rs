@@ -1,4 +1,4 @@
-//! What rules would gain on the critical paths of real functions.
+//! The gain of rules on the critical paths of real functions.
 
 use super::super::pattern::{Pattern, PatternNode};
 use super::super::profile::{arrival_of, operations};

@@ -1,4 +1,4 @@
-//! What a rule does to operations and to the path.
+//! The effect of a rule on operations and on the path.
 
 use super::super::pattern::{Pattern, PatternNode};
 use super::super::rule::Rule;

@@ -1,4 +1,4 @@
-//! How graphs grow under rules.
+//! The growth of graphs under rules.
 //!
 //! Terms of growing size from several families are saturated; where the
 //! numbers of nodes follow a formula exactly, it is the growth of the rule.

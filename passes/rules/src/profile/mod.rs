@@ -1,4 +1,4 @@
-//! What a rule does to errors, cycles, operations and graphs.
+//! The effects of a rule on errors, cycles, operations and graphs.
 
 mod cost;
 mod error;

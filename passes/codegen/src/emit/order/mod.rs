@@ -1,4 +1,4 @@
-//! In which order statements stand.
+//! The order of statements.
 //!
 //! A processor has some thirty registers; a value that is read long after it
 //! was made has been to memory and back. Three orders:

@@ -1,5 +1,5 @@
-//! How accesses are addressed, once every value has its word: arrays,
-//! constants, affine addresses and tables.
+//! The addresses of accesses, once every value has its word: arrays, constants,
+//! affine addresses and tables.
 
 use super::super::fit::{AffineFit, exact, fit};
 use super::super::program::{Copy, Index, SpaceElement, StorageSpace};

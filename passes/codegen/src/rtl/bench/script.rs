@@ -1,4 +1,4 @@
-//! What the host does, command by command.
+//! The script of the host, command by command.
 //!
 //! A line of `host.hex` is a command of 96 bits: kind (8), note (24), address
 //! (32), data (32).
