@@ -118,16 +118,16 @@ pub struct Word {
 /// host.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Preload {
-    /// Where.
+    /// The word that is filled.
     pub word: Word,
-    /// What.
+    /// The operand that it is filled with.
     pub operand: crate::Operand,
 }
 
 /// One write of a result into a memory.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Write {
-    /// Where.
+    /// The word that is written.
     pub word: Word,
     /// The cycle at whose end it happens.
     pub cycle: u32,

@@ -318,6 +318,13 @@ impl FactorNetwork {
             .filter(|&node| self.nodes[node as usize].uses > 0)
             .collect();
         order.sort_by_key(|&node| (self.nodes[node as usize].position, node));
+        debug_assert!(
+            order.iter().all(|&node| {
+                let node = &self.nodes[node as usize];
+                self.below(&node.operands, node.position)
+            }),
+            "operands stand at lower positions than their users"
+        );
         order
     }
 

@@ -93,6 +93,10 @@ impl Choices {
     pub(super) fn new(search: &FormatSearch<'_>) -> Choices {
         let function = search.view.function;
         let formats = &search.formats;
+        assert!(
+            formats.len() <= 1 << u8::BITS,
+            "a byte tells the formats apart"
+        );
         let arithmetics: Vec<FormatArithmetic> = formats
             .iter()
             .map(|&format| FormatArithmetic::mixed(format))

@@ -97,7 +97,10 @@ impl Samples {
                 (true, false) => f64::INFINITY,
                 (true, true) => exact.distance(computed),
             };
-            let floor = floors.get(place).copied().unwrap_or(0.0);
+            let floor = match floors {
+                [] => 0.0,
+                floors => floors[place],
+            };
             samples.push(Sample {
                 size,
                 distance,
