@@ -139,8 +139,7 @@ fn places(old: &[Array], new: &[Array]) -> Vec<u32> {
                 let place = target.shape.offset(&indices[..rank])?;
                 Some(target.offset + place)
             });
-            // The union contains every array, so there always is a place.
-            places.push(place.unwrap_or(0));
+            places.push(place.expect("the union contains every element of both functions"));
         }
     }
     places

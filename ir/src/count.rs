@@ -1,4 +1,4 @@
-//! What a function costs, counted.
+//! Counts of a function: operations and longest chain.
 //!
 //! The tables of the thesis count an operation for every `+ - * /`, every
 //! square root and every minus sign before a term; sines and cosines come

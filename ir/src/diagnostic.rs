@@ -159,7 +159,7 @@ impl Report {
         self.error_count() > 0
     }
 
-    /// How many messages are errors (or worse).
+    /// The number of messages that are errors (or worse).
     pub fn error_count(&self) -> usize {
         let severities = self.diagnostics.iter().map(|message| message.severity);
         severities

@@ -62,7 +62,7 @@ const INDEX_MASK: u32 = (1 << KIND_SHIFT) - 1;
 /// The largest number of values, inputs or constants a function can hold.
 pub const CAPACITY: usize = INDEX_MASK as usize;
 
-/// What a node reads: another value, an input element or a constant, packed
+/// An operand of a node: another value, an input element or a constant, packed
 /// into 32 bits. [`Operand::kind`] takes it apart.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Operand(u32);
@@ -162,7 +162,7 @@ impl Operand {
 impl From<Value> for Operand {
     #[inline]
     fn from(value: Value) -> Operand {
-        debug_assert!(value.0 <= INDEX_MASK);
+        debug_assert!(value.0 <= INDEX_MASK, "a value's number fits an operand");
         Operand(value.0)
     }
 }
@@ -177,6 +177,10 @@ impl From<Input> for Operand {
 impl From<Constant> for Operand {
     #[inline]
     fn from(constant: Constant) -> Operand {
+        debug_assert!(
+            constant.0 <= INDEX_MASK,
+            "a constant's number fits an operand"
+        );
         Operand(2 << KIND_SHIFT | constant.0)
     }
 }

@@ -16,8 +16,8 @@ use robovec_num::operation::Operation;
 use rustc_hash::FxBuildHasher;
 use std::fmt;
 
-/// How far a function has been lowered; each level is a property that the
-/// verifier checks, not another data structure.
+/// The degree to which a function has been lowered; each level is a property
+/// that the verifier checks, not another data structure.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Level {
     /// A definition is an expression tree, as Robotran prints it.
@@ -65,7 +65,7 @@ pub struct Node {
     pub sources: SourceSet,
     /// The operands, filled up with [`Operand::NONE`]; see [`Operand::list`].
     pub operands: [Operand; Operand::MAX_COUNT],
-    /// What is computed.
+    /// The operation that is computed.
     pub operation: Operation,
 }
 
@@ -143,9 +143,9 @@ pub struct Array {
 /// The value of one output element.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Assignment {
-    /// Which element.
+    /// The element.
     pub output: Output,
-    /// What it is set to.
+    /// The operand it is set to.
     pub operand: Operand,
     /// The equation that sets it.
     pub sources: SourceSet,
@@ -164,7 +164,7 @@ pub struct Boundary {
     pub arguments: Vec<String>,
     /// The input array that holds the result; `None` for a call without one.
     pub result: Option<String>,
-    /// Where the call stands.
+    /// The source places of the call.
     pub sources: SourceSet,
 }
 
@@ -184,7 +184,7 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// How many cycles the operation can wait without lengthening the
+    /// The number of cycles the operation can wait without lengthening the
     /// longest path.
     pub fn mobility(self) -> u32 {
         self.alap_cycle - self.asap_cycle
@@ -196,9 +196,9 @@ impl Timing {
 pub struct Function {
     /// Its name (`dirdyna`; `sensor_3` for the third case of a sensor file).
     pub name: String,
-    /// How far it has been lowered.
+    /// The level it has been lowered to.
     pub level: Level,
-    /// What the header of the file says: `model`, `generator`, `joints` ….
+    /// The entries of the file's header: `model`, `generator`, `joints` ….
     pub metadata: Vec<(String, String)>,
     /// User calls, in program order.
     pub boundaries: Vec<Boundary>,
@@ -213,7 +213,7 @@ pub struct Function {
     /// Number formats of single values, from level `atomic`; `None` for a
     /// function whose values all have that of the run.
     pub formats: Option<ValueFormats>,
-    /// How every value came to be; kept only when somebody asks.
+    /// The histories of all values; kept only on request.
     pub histories: Option<Histories>,
     inputs: Vec<Array>,
     outputs: Vec<Array>,
@@ -297,12 +297,12 @@ impl Function {
         element(&self.outputs, output.0)
     }
 
-    /// Which of the input arrays holds an element.
+    /// The index of the input array that holds an element.
     pub fn input_array(&self, input: Input) -> usize {
         holder(&self.inputs, input.0)
     }
 
-    /// Which of the output arrays holds an element.
+    /// The index of the output array that holds an element.
     pub fn output_array(&self, output: Output) -> usize {
         holder(&self.outputs, output.0)
     }
@@ -377,7 +377,7 @@ impl Function {
             .map(|constant| self.constant_number(constant))
     }
 
-    /// How often each value is read, by nodes and by outputs together.
+    /// The number of reads of each value, by nodes and outputs together.
     pub fn use_counts(&self) -> Vec<u32> {
         let mut counts = vec![0; self.nodes.len()];
         let reads = self
@@ -426,8 +426,9 @@ fn flattened_len(arrays: &[Array]) -> usize {
         .map_or(0, |array| array.offset as usize + array.shape.len())
 }
 
-/// Which of the arrays holds an element. Empty arrays share their offset with
-/// the next one, so it is the last that starts at or before the element.
+/// The index of the array that holds an element. Empty arrays share their
+/// offset with the next one, so it is the last that starts at or before the
+/// element.
 fn holder(arrays: &[Array], index: u32) -> usize {
     arrays.partition_point(|array| array.offset <= index) - 1
 }

@@ -1,4 +1,4 @@
-//! How values came to be: the passes that made or changed them, and the rules
+//! The histories of values: the passes that made or changed them, and the rules
 //! these applied.
 //!
 //! Kept only when somebody asks, beside the nodes and not in them: a table of
@@ -62,7 +62,10 @@ impl Histories {
     /// The history that ends with this step; equal steps give equal
     /// histories. The step's own past must be of this table.
     pub fn add(&mut self, step: HistoryStep) -> History {
-        debug_assert!(step.before.0 as usize <= self.steps.len());
+        debug_assert!(
+            step.before.0 as usize <= self.steps.len(),
+            "a step comes after those before it"
+        );
         let next = self.steps.len() as u32 + 1;
         if let Some(&known) = self.index.get(&step) {
             return History(known);

@@ -41,13 +41,13 @@ pub struct Machine {
     /// The buffer of each element; without one every write is direct.
     #[serde(default)]
     pub buffer: Option<BufferDescription>,
-    /// How results travel.
+    /// The interconnect that results travel through.
     #[serde(default)]
     pub interconnect: Interconnect,
     /// The instruction memories, which only generated hardware bounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instructions: Option<InstructionDescription>,
-    /// What is known about the size of its parts.
+    /// The known sizes of its parts.
     #[serde(default)]
     pub resources: Option<DeviceResources>,
 }
@@ -58,10 +58,10 @@ pub struct Machine {
 pub struct ElementDescription {
     /// Its name: letters only, since the text form appends a number.
     pub kind: String,
-    /// What it computes: `add`, `sub`, `mul`, `div`, `sqrt`, and the fused
-    /// `fma` (a*b + c), `fms` (a*b - c) and `fnma` (c - a*b).
+    /// The operations it performs: `add`, `sub`, `mul`, `div`, `sqrt`, and the
+    /// fused `fma` (a*b + c), `fms` (a*b - c) and `fnma` (c - a*b).
     pub operations: Vec<String>,
-    /// How many there are, unless a pass is told otherwise.
+    /// Their number, unless a pass is told otherwise.
     #[serde(deserialize_with = "fields::count::deserialize")]
     pub count: u32,
     /// Pipeline stages of the operator.
@@ -93,7 +93,7 @@ impl ElementDescription {
     }
 }
 
-/// How operand memories are built.
+/// The construction of operand memories.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MemoryStyle {
@@ -127,7 +127,7 @@ impl MemoryStyle {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MemoryDescription {
-    /// How it is built.
+    /// Its construction.
     pub style: MemoryStyle,
     /// Words per memory (per side, when split); absent means unlimited.
     #[serde(default, deserialize_with = "fields::memory_words::deserialize")]
@@ -179,13 +179,13 @@ pub struct DeviceResources {
     pub multipliers: u32,
 }
 
-/// What is wrong with a machine file.
+/// An error of a machine file.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum MachineError {
     /// Not TOML, or not these fields.
     #[error("{message}")]
     Syntax {
-        /// What the TOML reader says.
+        /// The message of the TOML reader.
         message: String,
         /// Bytes of the offending text.
         span: Option<std::ops::Range<usize>>,
@@ -232,7 +232,7 @@ impl Machine {
     /// The shipped machine of a name.
     pub fn built_in(name: &str) -> Option<Machine> {
         let (_, text) = BUILT_IN.iter().find(|(known, _)| *known == name)?;
-        Machine::parse(text).ok()
+        Some(Machine::parse(text).expect("a machine that ships can be read"))
     }
 
     /// Reads a machine file.

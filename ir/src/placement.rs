@@ -1,4 +1,4 @@
-//! What the levels `scheduled` and `placed` add to a function.
+//! The parts of a function that the levels `scheduled` and `placed` add.
 //!
 //! Cycle conventions, fixed here for the placer, the text form and the memory
 //! images alike (facts of the pipeline, thesis 2.3 and Table 2.1): an
@@ -17,7 +17,7 @@ use robovec_num::fnv::Fnv;
 pub struct ElementKind {
     /// The kind's name in the machine file (`add`, `multi`).
     pub name: String,
-    /// How many there are.
+    /// Their number.
     pub count: u32,
 }
 
@@ -86,13 +86,13 @@ impl Schedule {
         None
     }
 
-    /// How many processing elements there are in all.
+    /// The number of processing elements of all kinds.
     pub fn element_count(&self) -> u32 {
         self.kinds.iter().map(|kind| kind.count).sum()
     }
 }
 
-/// Which memory of a processing element an address lies in.
+/// The memory of a processing element that an address lies in.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Bank {
     /// The one memory of a true dual-port element.
@@ -108,7 +108,7 @@ pub enum Bank {
 pub struct Word {
     /// The processing element, over all kinds.
     pub element: u32,
-    /// Which of its memories.
+    /// The memory of that element.
     pub bank: Bank,
     /// The address, from 0.
     pub address: u32,
@@ -118,16 +118,16 @@ pub struct Word {
 /// host.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Preload {
-    /// Where.
+    /// The word that is filled.
     pub word: Word,
-    /// What.
+    /// The operand that it is filled with.
     pub operand: crate::Operand,
 }
 
 /// One write of a result into a memory.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Write {
-    /// Where.
+    /// The word that is written.
     pub word: Word,
     /// The cycle at whose end it happens.
     pub cycle: u32,

@@ -77,6 +77,10 @@ impl EvaluationPlan {
                 continue;
             }
             let operands = node.operands.map(|operand| plan.place(&place, operand));
+            debug_assert!(
+                !operands.contains(&UNUSED),
+                "an operand has a place before it is read"
+            );
             for (position, operand) in node.operands().iter().enumerate() {
                 let Some(value) = operand.value() else {
                     continue;
@@ -114,7 +118,7 @@ impl EvaluationPlan {
         }
     }
 
-    /// How many operations it takes.
+    /// The number of operations.
     pub fn len(&self) -> usize {
         self.steps.len()
     }
@@ -124,7 +128,7 @@ impl EvaluationPlan {
         self.steps.is_empty()
     }
 
-    /// How many numbers are kept at a time, inputs and literals included.
+    /// The number of numbers kept at a time, inputs and literals included.
     pub fn places(&self) -> usize {
         self.places
     }

@@ -45,9 +45,16 @@ pub fn write_module(module: &Module, writer: &mut dyn io::Write) -> io::Result<(
 /// A module as a string, in the text form.
 pub fn print_module(module: &Module) -> String {
     let mut bytes = Vec::new();
-    // Writing to a vector cannot fail, and all that is written is UTF-8.
-    write_module(module, &mut bytes).unwrap_or_default();
-    String::from_utf8(bytes).unwrap_or_default()
+    write_module(module, &mut bytes).expect(NEVER_FULL);
+    text_of(bytes)
+}
+
+/// A vector takes everything that is written into it.
+const NEVER_FULL: &str = "a vector takes every byte";
+
+/// The text that was printed into a vector.
+fn text_of(bytes: Vec<u8>) -> String {
+    String::from_utf8(bytes).expect("what is printed is UTF-8")
 }
 
 /// One function as a whole text of its own.
@@ -56,24 +63,22 @@ pub fn print_file(view: View<'_>) -> String {
     let mut text = Text::new(&mut bytes);
     text.file_header(view.tables);
     text.push("\n");
-    // As above: a vector takes everything.
     FunctionPrinter::new(view)
         .print(&mut text)
         .and_then(|()| text.finish())
-        .unwrap_or_default();
-    String::from_utf8(bytes).unwrap_or_default()
+        .expect(NEVER_FULL);
+    text_of(bytes)
 }
 
 /// One function as a string, as it stands in the text of its module.
 pub fn print_function(view: View<'_>) -> String {
     let mut bytes = Vec::new();
     let mut text = Text::new(&mut bytes);
-    // As above: a vector takes everything.
     FunctionPrinter::new(view)
         .print(&mut text)
         .and_then(|()| text.finish())
-        .unwrap_or_default();
-    String::from_utf8(bytes).unwrap_or_default()
+        .expect(NEVER_FULL);
+    text_of(bytes)
 }
 
 /// The definition of one value as it stands in the text, without indentation
@@ -82,8 +87,8 @@ pub fn print_definition(view: View<'_>, value: Value) -> String {
     let mut bytes = Vec::new();
     let mut text = Text::new(&mut bytes);
     FunctionPrinter::new(view).definition(&mut text, value);
-    text.finish().unwrap_or_default();
-    String::from_utf8(bytes).unwrap_or_default()
+    text.finish().expect(NEVER_FULL);
+    text_of(bytes)
 }
 
 /// An output element as it stands in the text (`M[1,2]`).
@@ -92,8 +97,8 @@ pub fn print_output(view: View<'_>, output: crate::Output) -> String {
     let mut bytes = Vec::new();
     let mut text = Text::new(&mut bytes);
     text.element(view.tables, array, &indices[..rank]);
-    text.finish().unwrap_or_default();
-    String::from_utf8(bytes).unwrap_or_default()
+    text.finish().expect(NEVER_FULL);
+    text_of(bytes)
 }
 
 /// An operand as it stands in the text (`%OM16`, `q[3]`, `0.5`).
@@ -101,8 +106,8 @@ pub fn print_operand(view: View<'_>, operand: Operand) -> String {
     let mut bytes = Vec::new();
     let mut text = Text::new(&mut bytes);
     FunctionPrinter::new(view).operand(&mut text, operand);
-    text.finish().unwrap_or_default();
-    String::from_utf8(bytes).unwrap_or_default()
+    text.finish().expect(NEVER_FULL);
+    text_of(bytes)
 }
 
 struct FunctionPrinter<'a> {
@@ -114,7 +119,7 @@ struct FunctionPrinter<'a> {
     steps: Vec<u32>,
 }
 
-/// What remains to be printed of an expression.
+/// A piece of an expression that remains to be printed.
 enum PendingPiece {
     Operand(Operand, u8),
     Text(&'static str),

@@ -1,4 +1,4 @@
-//! Where a value comes from: places in the files of the user.
+//! The origins of values: places in the files of the user.
 //!
 //! Every node carries a [`SourceSet`]: the equations it was made from. Passes
 //! that merge values take the union of their sets and never drop one, so any
@@ -106,6 +106,10 @@ impl Sources {
         }
         members.sort_unstable_by_key(|&index| self.places[index as usize]);
         members.dedup();
+        debug_assert!(
+            members.is_sorted_by(|&a, &b| self.places[a as usize] < self.places[b as usize]),
+            "the places of a set are in order, each once"
+        );
         self.intern(members)
     }
 
@@ -124,6 +128,7 @@ impl Sources {
         if let [only] = members[..] {
             return SourceSet(only);
         }
+        debug_assert!(!members.is_empty(), "only the empty set has no places");
         let members = members.into_boxed_slice();
         if let Some(&found) = self.set_index.get(&members) {
             return SourceSet(found | SEVERAL);

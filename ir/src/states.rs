@@ -41,7 +41,7 @@ pub struct States {
     ranges: Arc<Ranges>,
 }
 
-/// What some input elements can be.
+/// The ranges of some input elements.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct Ranges {
     elements: BTreeMap<(String, [u32; 2]), [f64; 2]>,
@@ -52,11 +52,15 @@ impl Ranges {
     /// it does not have), lies between two numbers, in SI units; equal ones
     /// say what it is.
     pub fn set(&mut self, array: &str, indices: [u32; 2], low: f64, high: f64) {
+        debug_assert!(
+            low <= high,
+            "the low end of a range is not above the high one"
+        );
         let key = (array.to_owned(), indices);
         self.elements.insert(key, [low, high]);
     }
 
-    /// What is known of an element.
+    /// The range of an element, where one is known.
     pub fn get(&self, array: &str, indices: [u32; 2]) -> Option<[f64; 2]> {
         if self.elements.is_empty() {
             return None;
@@ -71,7 +75,7 @@ impl Ranges {
     }
 }
 
-/// How an array's elements are distributed.
+/// The distribution of an array's elements.
 #[derive(Clone, Copy)]
 enum Scale {
     Uniform(f64, f64),
@@ -116,7 +120,7 @@ impl States {
         self.seed
     }
 
-    /// What is known of the inputs.
+    /// The known ranges of the inputs.
     pub fn ranges(&self) -> &Ranges {
         &self.ranges
     }

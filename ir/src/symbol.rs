@@ -45,7 +45,9 @@ impl Symbols {
         }
         let symbol = self.ends.len() as u32;
         self.text.push_str(string);
-        self.ends.push(self.text.len() as u32);
+        let end = u32::try_from(self.text.len());
+        self.ends
+            .push(end.expect("all names together have less than 4 GiB"));
         self.table
             .insert_unique(spread(hash), (hash, symbol), |&(hash, _)| spread(hash));
         Symbol(symbol)
@@ -70,7 +72,7 @@ impl Symbols {
         slice(&self.text, &self.ends, symbol.0)
     }
 
-    /// How many distinct strings there are.
+    /// The number of distinct strings.
     pub fn len(&self) -> usize {
         self.ends.len()
     }

@@ -24,7 +24,7 @@ impl ValueFormats {
         }
     }
 
-    /// How many values there is room for: the nodes of the function.
+    /// The number of values there is room for: the nodes of the function.
     pub fn len(&self) -> usize {
         self.values.len()
     }
@@ -44,7 +44,7 @@ impl ValueFormats {
     #[inline]
     pub fn get(&self, value: Value) -> Option<Format> {
         let index = self.index(value).checked_sub(1)?;
-        self.table.get(index).copied()
+        Some(self.table[index])
     }
 
     /// Gives a value a format, or takes it away.
@@ -73,14 +73,15 @@ impl ValueFormats {
         (0..self.values.len() as u32).map(|index| self.get(Value(index)))
     }
 
-    /// There are fewer than 2,000 formats, so the numbers suffice.
+    /// The number of a format, counted from 1. There are fewer than 2,000
+    /// formats, so the numbers suffice.
     fn number(&mut self, format: Format) -> u16 {
         let known = self.table.iter().position(|known| *known == format);
         let index = known.unwrap_or_else(|| {
             self.table.push(format);
             self.table.len() - 1
         });
-        index as u16 + 1
+        u16::try_from(index + 1).expect("there are fewer formats than numbers for them")
     }
 }
 

@@ -92,10 +92,10 @@ use crate::print;
 use crate::source::SourcePlace;
 pub use placement::verify_placement;
 
-/// How many violations are described; the rest is counted.
+/// The number of violations that are described; the rest is counted.
 const MAX_DESCRIBED: usize = 100;
 
-/// What a violation is about.
+/// The subject of a violation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ViolationSubject {
     /// The function as a whole.
@@ -121,7 +121,7 @@ pub enum ViolationSubject {
 /// A broken invariant.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Violation {
-    /// What it is about.
+    /// The subject.
     pub subject: ViolationSubject,
     /// A sentence that names it.
     pub message: String,

@@ -39,6 +39,12 @@ impl Pass for AsapAlap {
                 alap_cycle: longest_cycle - tail_cycle[index],
             })
             .collect();
+        debug_assert!(
+            timing
+                .iter()
+                .all(|times| { times.asap <= times.alap && times.asap_cycle <= times.alap_cycle }),
+            "the latest time is never before the earliest"
+        );
         let critical = timing
             .iter()
             .filter(|timing| timing.mobility() == 0)

@@ -1,4 +1,4 @@
-//! What no output needs is not computed.
+//! The removal of operations that no output needs.
 
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};

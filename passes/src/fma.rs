@@ -106,7 +106,7 @@ const WHOLE: u32 = 64;
 /// gains.
 type Rating = (bool, (u32, u32));
 
-/// What a sum takes in.
+/// The product that a sum takes in.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum ContractionForm {
     /// Nothing.
@@ -121,7 +121,7 @@ const FORMS: [ContractionForm; 3] = [
     ContractionForm::Fused(1),
 ];
 
-/// What there is to gain from a form, the best first.
+/// The gain of a form, the best first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum ContractionGain {
     /// The product goes: nothing else reads it.
@@ -198,7 +198,7 @@ impl<'a> Contraction<'a> {
         forms
     }
 
-    /// Which part of the contractions that no path needs leaves the busiest
+    /// The part of the contractions that no path needs which leaves the busiest
     /// kind of element least to do, given those with none and with all.
     fn part(&self, machine: &Machine, none: &[ContractionForm], all: &[ContractionForm]) -> u32 {
         let [none, all] = [none, all].map(|forms| self.loads(machine, forms));
@@ -320,7 +320,7 @@ impl<'a> Contraction<'a> {
         ready.unwrap_or(0).saturating_add(weight)
     }
 
-    /// What a form gains; `None` when the node cannot have it.
+    /// The gain of a form; `None` when the node cannot have it.
     fn gain(&self, node: &Node, form: ContractionForm) -> Option<ContractionGain> {
         let ContractionForm::Fused(side) = form else {
             return Some(ContractionGain::Nothing);
@@ -377,7 +377,7 @@ fn fused(
     (operation, [a, b, node.operands[1 - side]])
 }
 
-/// How many readers take in each node.
+/// The number of readers that take in each node.
 fn taken(function: &Function, forms: &[ContractionForm]) -> Vec<u32> {
     let mut taken = vec![0; forms.len()];
     for (node, &form) in function.nodes().iter().zip(forms) {

@@ -49,14 +49,14 @@ impl Pass for Inline {
     }
 }
 
-/// How an expression prints: what it holds, and how deep.
+/// The extent of a printed expression: its size and depth.
 #[derive(Clone, Copy, Default)]
 struct ExpressionExtent {
     operations: u32,
     nesting: u32,
 }
 
-/// Which values lose their names.
+/// The choice of the values that lose their names.
 struct InliningChoice<'a> {
     function: &'a Function,
     rewrites: &'a RewriteLimit,
@@ -128,7 +128,7 @@ impl<'a> InliningChoice<'a> {
         extent
     }
 
-    /// What stands in the place of a value: skipped copies lead on.
+    /// The value that stands in the place of another: skipped copies lead on.
     fn target(&self, value: Value) -> Value {
         let mut value = value;
         while self.skipped[value.index()]
@@ -239,7 +239,8 @@ fn substitutable(function: &Function) -> Vec<bool> {
     free
 }
 
-/// What a node becomes: `0 - x` is a minus, unless `x` is a number.
+/// The operation and operands that a node becomes: `0 - x` is a minus, unless
+/// `x` is a number.
 fn shape(function: &Function, node: &Node) -> (Operation, [Operand; Operand::MAX_COUNT]) {
     let [left, right, _] = node.operands;
     let zero = function
@@ -251,8 +252,8 @@ fn shape(function: &Function, node: &Node) -> (Operation, [Operand; Operand::MAX
     (node.operation, node.operands)
 }
 
-/// How tightly an operation binds, as in Robotran's files: a minus takes in
-/// the product behind it.
+/// The binding strength of an operation, as in Robotran's files: a minus takes
+/// in the product behind it.
 fn binding(operation: Operation) -> u8 {
     match operation {
         Operation::Add | Operation::Sub | Operation::Neg => 1,
@@ -267,7 +268,7 @@ fn binding(operation: Operation) -> u8 {
     }
 }
 
-/// How tightly an operand must bind to stand without parentheses.
+/// The binding strength with which an operand stands without parentheses.
 fn needed(operation: Operation, place: usize) -> u8 {
     match (operation, place) {
         (Operation::Add | Operation::Sub, 0) | (Operation::Copy, _) => 1,

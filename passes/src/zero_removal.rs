@@ -23,7 +23,7 @@ declare_pass! {
     destroys: [Timed],
 }
 
-/// How many operations are a `0 - x`.
+/// The number of operations that are a `0 - x`.
 pub fn minuses(function: &Function) -> usize {
     function
         .nodes()

@@ -193,7 +193,7 @@ fn contestants(
         ..Options::default()
     };
     for name in ["composite", "composite-base"] {
-        let formulation = Formulation::from_name(name).unwrap_or_default();
+        let formulation = Formulation::from_name(name).expect("a formulation that there is");
         let kinds = [FunctionKind::Dirdyna];
         let program = BenchProgram {
             family: ContestantFamily::Model,

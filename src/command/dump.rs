@@ -58,7 +58,8 @@ impl Dump for DumpFolder {
             (text, _) => {
                 let name = format!("{number:04}.{}.{pass}.rvir", state.function);
                 write_file(&self.folder.join(&name), |writer| {
-                    writer.write_all(text.unwrap_or_default().as_bytes())
+                    let text = text.expect("only a state like the one before has no text");
+                    writer.write_all(text.as_bytes())
                 })
                 .map_err(|failure| io::Error::other(failure.0.render_plain()))?;
                 name

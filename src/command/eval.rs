@@ -5,7 +5,7 @@ use super::flags::{SEED, states};
 use super::{CommandFailure, generation, input};
 use crate::evaluate_command::{self, NumberSystem, ResultFormat, evaluate_at_states};
 use crate::files::limited;
-use crate::generate::{Formulation, Options};
+use crate::generate::Options;
 use crate::model::Model;
 use crate::robotran::FunctionKind;
 use clap::{Args, ValueEnum};
@@ -128,7 +128,7 @@ fn generated(arguments: &EvalArguments, model: &Model) -> Result<Module, Command
     if kinds.is_empty() {
         kinds.push(FunctionKind::Dirdyna);
     }
-    let formulation = Formulation::from_name(&arguments.formulation).unwrap_or_default();
+    let formulation = generation::formulation(&arguments.formulation);
     generation::functions(model, &kinds, formulation, &Options::default())
 }
 

@@ -114,6 +114,11 @@ pub(super) fn formulations() -> PossibleValuesParser {
     PossibleValuesParser::new(values)
 }
 
+/// The formulation of an option's value that [`formulations`] let through.
+pub(super) fn formulation(name: &str) -> Formulation {
+    Formulation::from_name(name).expect("the command line has checked the formulation")
+}
+
 /// Generates the functions of a model into one module.
 pub(super) fn functions(
     model: &Model,
@@ -143,7 +148,7 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     let kinds = kinds(&arguments.function);
     let forces = kinds.iter().find(|kind| kind.depends_on_link_forces());
     let read = input::model_for(&arguments.model, forces.copied())?;
-    let formulation = Formulation::from_name(&arguments.formulation).unwrap_or_default();
+    let formulation = formulation(&arguments.formulation);
     let mut module = functions(&read.model, &kinds, formulation, &arguments.options())?;
     transform(&mut module, &pipeline)?;
     if let (Some(language), Some(folder)) = (arguments.language, &arguments.output) {

@@ -3,7 +3,6 @@
 use super::flags::{real, whole};
 use super::{CommandFailure, input, output, progress};
 use crate::files::limited;
-use crate::generate::Formulation;
 use crate::model::mbs::ReadModel;
 use crate::model::{Model, Nature};
 use crate::motion::{
@@ -108,7 +107,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
         Some(path) => laws(model, path)?,
     };
     let setting = EquationSetting {
-        formulation: Formulation::from_name(&arguments.formulation).unwrap_or_default(),
+        formulation: super::generation::formulation(&arguments.formulation),
         passes: arguments.passes.is_some().then_some((&pipeline, &machine)),
         format: arguments.number,
         accelerations: arguments.accelred,

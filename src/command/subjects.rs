@@ -79,7 +79,7 @@ pub(super) fn for_processors(
         external_forces: false,
         ..Options::default()
     };
-    let formulation = Formulation::from_name(FOR_PROCESSORS).unwrap_or_default();
+    let formulation = Formulation::from_name(FOR_PROCESSORS).expect("a formulation that there is");
     let module = generation::functions(&model, &[FunctionKind::Dirdyna], formulation, &options)?;
     let mut shorter = module.clone();
     generation::transform(&mut shorter, &input::passes("$cpu")?)?;
@@ -126,7 +126,8 @@ fn equations(subject: &StudySubject) -> Result<Module, CommandFailure> {
         multipliers: false,
         ..Options::default()
     };
-    let formulation = Formulation::from_name(&style.formulation).unwrap_or_default();
+    let formulation = Formulation::from_name(&style.formulation)
+        .expect("the reader of plans has checked the formulation");
     generation::functions(&model, &[kind], formulation, &options)
 }
 

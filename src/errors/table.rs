@@ -2,7 +2,7 @@
 
 use super::heat::{Heat, blame_of};
 use robovec_analysis::adjoint::{AdjointRun, Tape};
-use robovec_analysis::interval::{Alarm, ConeWindow, Interval, Leaves, enclose, integer_bits};
+use robovec_analysis::interval::{Alarm, ConeWindow, Leaves, enclose, integer_bits};
 use robovec_analysis::stochastic::{Unsupported, stochastic_slots};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
@@ -177,8 +177,8 @@ fn row(view: View<'_>, run: &AdjointRun<'_>, output: usize) -> OutputRow {
 
 fn interval(tape: &Tape, window: &ConeWindow, format: Format, leaves: &Leaves<'_>) -> IntervalRow {
     let enclosure = enclose(tape, window, format, leaves);
-    // A window has a node or is a single leaf.
-    let range = enclosure.exact.last().copied().unwrap_or(Interval::WHOLE);
+    let range = enclosure.exact.last();
+    let range = *range.expect("a window has a node or is a single leaf");
     IntervalRow {
         low: range.low,
         high: range.high,

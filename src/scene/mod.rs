@@ -137,7 +137,10 @@ impl SceneFile {
 
     /// The formulation the scene wishes for, else the generator's default.
     pub fn formulation(&self) -> Formulation {
-        let wished = self.scene.formulation.as_deref();
-        wished.and_then(Formulation::from_name).unwrap_or_default()
+        match &self.scene.formulation {
+            None => Formulation::default(),
+            Some(wished) => Formulation::from_name(wished)
+                .expect("a scene wishes for a formulation that there is, its reader checks it"),
+        }
     }
 }

@@ -76,7 +76,7 @@ impl<'a> Loader<'a> {
                 other.to_owned(),
             ));
         }
-        let text = files.get(name).copied().unwrap_or("");
+        let text = files[name];
         let fail = |error: serde_json::Error| LoadError::Manifest {
             file: name.to_owned(),
             message: error.to_string(),
@@ -262,7 +262,8 @@ impl<'a> Loader<'a> {
                 .elements
                 .iter()
                 .find(|k| k.kind == element.kind);
-            let stages = kind.map_or(1, |kind| kind.stages);
+            let kind = kind.expect("the machine was found to have the kind of every element");
+            let stages = kind.stages;
             let operations = element
                 .operations
                 .iter()

@@ -25,14 +25,14 @@ const UNIT: f64 = 1.0 / (1u128 << 102) as f64;
 /// little reduction.
 const WAVE_UNIT: f64 = 1.0 / (1u128 << 98) as f64;
 
-/// What reducing an angle loses of it: π/2 is known to 212 bits and the
-/// remainder is formed in double-double.
+/// The error of reducing an angle: π/2 is known to 212 bits and the remainder
+/// is formed in double-double.
 const REDUCTION: f64 = WAVE_UNIT * (f64::EPSILON / 16.0);
 
 /// Nothing is claimed of the sine of a larger angle.
 const LARGEST_ANGLE: f64 = (1u64 << 40) as f64;
 
-/// What products and quotients below [`SMALLEST_WHOLE`] may have lost, at most.
+/// The largest error of products and quotients below [`SMALLEST_WHOLE`].
 const SUNK: f64 = f64::MIN_POSITIVE;
 
 /// Covers the rounding of the radii: each operation rounds a handful of times
@@ -44,7 +44,7 @@ pub const SLACK: f64 = 1.0 + 1.0 / (1u32 << 18) as f64;
 pub struct Ball<const LANES: usize> {
     /// The numbers.
     pub value: DoubleLanes<LANES>,
-    /// How far the exact ones can be; infinite where nothing is known.
+    /// The largest distance of the exact ones; infinite where nothing is known.
     pub radius: [f64; LANES],
 }
 
@@ -78,7 +78,7 @@ impl<const LANES: usize> Ball<LANES> {
         self.distance(other, lane) <= (self.radius[lane] + other.radius[lane]) * SLACK + rounding
     }
 
-    /// How far the middles of the balls of a lane are apart.
+    /// The distance between the middles of the balls of a lane.
     #[inline]
     pub fn distance(&self, other: &Ball<LANES>, lane: usize) -> f64 {
         let low = self.value.low[lane] - other.value.low[lane];
@@ -94,6 +94,10 @@ impl<const LANES: usize> Ball<LANES> {
         };
         for lane in 0..LANES {
             ball.radius[lane] = radius(lane);
+            debug_assert!(
+                ball.radius[lane].is_nan() || ball.radius[lane] >= 0.0,
+                "a radius is not negative"
+            );
         }
         ball
     }

@@ -32,7 +32,7 @@ pub struct DoubleDouble;
 pub struct Double {
     /// The number rounded to binary64.
     pub high: f64,
-    /// What the rounding left out; 0 when `high` is not finite.
+    /// The remainder of the rounding; 0 when `high` is not finite.
     pub low: f64,
 }
 

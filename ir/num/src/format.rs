@@ -197,7 +197,7 @@ impl fmt::Display for Format {
     }
 }
 
-/// Why a text is no format.
+/// The reason why a text is no format.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum FormatError {
     /// It does not read as one.

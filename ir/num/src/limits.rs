@@ -38,6 +38,7 @@ impl NumberLimit {
     /// Integers from `least` to `most`. The reason is a clause that says why
     /// not more: "every round reads the function again".
     pub const fn whole(least: u64, most: u64, reason: &'static str) -> NumberLimit {
+        assert!(least <= most, "a limit allows a number");
         NumberLimit {
             least: Amount::Whole(least),
             most: Amount::Whole(most),
@@ -47,6 +48,10 @@ impl NumberLimit {
 
     /// Numbers from `least` to `most`, both finite.
     pub const fn real(least: f64, most: f64, reason: &'static str) -> NumberLimit {
+        assert!(
+            least <= most && least.is_finite() && most.is_finite(),
+            "a limit allows a number, and its ends are finite"
+        );
         NumberLimit {
             least: Amount::Real(least),
             most: Amount::Real(most),
@@ -75,7 +80,7 @@ impl NumberLimit {
         }
     }
 
-    /// Why not more.
+    /// The reason why no more is allowed.
     pub const fn reason(&self) -> &'static str {
         self.reason
     }
@@ -99,7 +104,7 @@ impl NumberLimit {
         }
     }
 
-    /// What to tell the user about a number that is not allowed, as written.
+    /// The message about a number that is not allowed, as written.
     pub fn refusal(&self, written: &str) -> String {
         let written = clip(written);
         format!(
@@ -193,13 +198,13 @@ impl fmt::Display for NumberLimit {
 /// A line of the table of limits.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LimitRow {
-    /// Where the number stands: a pass, a program, a kind of file.
+    /// The place of the number: a pass, a program, a kind of file.
     pub place: String,
     /// Its name there.
     pub name: String,
     /// What is allowed.
     pub limit: NumberLimit,
-    /// What it is when nobody says; empty when it must be given.
+    /// The default; empty when the number must be given.
     pub usual: String,
 }
 

@@ -1,6 +1,6 @@
 //! The operations a node can perform.
 
-/// What a node computes from its operands.
+/// The operation that a node performs on its operands.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 #[repr(u8)]
 pub enum Operation {
@@ -47,7 +47,7 @@ impl Operation {
         Operation::Fnma,
     ];
 
-    /// How many operands the operation takes: one to three.
+    /// The number of operands of the operation: one to three.
     #[inline]
     pub fn arity(self) -> usize {
         match self {

@@ -39,7 +39,7 @@ struct ExcerptLine {
     window: Range<usize>,
     /// Characters of the line before the window.
     skipped: usize,
-    /// Where the line starts in the excerpt, its ellipsis included.
+    /// The start of the line in the excerpt, its ellipsis included.
     start: usize,
     /// Bytes of the ellipsis before the window: 0 or 3.
     lead: usize,

@@ -1,4 +1,4 @@
-//! What the numbers of a machine file may be.
+//! The limits of the numbers of a machine file.
 
 use robovec_num::limited_fields;
 use robovec_num::limits::{self, LimitRow};

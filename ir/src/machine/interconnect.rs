@@ -1,4 +1,5 @@
-//! How results travel from element to element (thesis 1.1.3).
+//! The interconnect by which results travel from element to element (thesis
+//! 1.1.3).
 //!
 //! # Conventions
 //!
@@ -24,7 +25,7 @@ use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
-/// How results travel from element to element.
+/// The interconnect by which results travel from element to element.
 ///
 /// In a machine file either a name (`"crossbar"`, `"bus"`, `"mesh"`,
 /// `"torus"`, `"omega"`, `"hypercube"`) or a table with the name as `kind`
@@ -117,7 +118,7 @@ impl LinkNetwork {
         self.columns.unwrap_or_else(square).max(1)
     }
 
-    /// What no network can be, or `None`.
+    /// The fault that makes the network impossible, or `None`.
     pub(super) fn fault(&self) -> Option<String> {
         let name = self.topology.name();
         let square = matches!(self.topology, Topology::Mesh | Topology::Torus);

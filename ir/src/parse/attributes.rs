@@ -1,4 +1,4 @@
-//! What stands behind an expression: cycle, addresses, times, places.
+//! The attributes behind an expression: cycle, addresses, times, places.
 //!
 //! Attributes may stand in any order. They are collected here and given to
 //! the definition or assignment when its line ends.
@@ -207,18 +207,27 @@ impl ModuleBuilder<'_> {
             return;
         }
         let entries = std::mem::take(&mut self.attributes.entries);
-        let mut missing = TIMING_KEYS[..4].iter().zip(&entries);
-        if let Some((key, _)) = missing.find(|(_, entry)| entry.is_none()) {
+        let [
+            Some(asap),
+            Some(alap),
+            Some(asap_cycle),
+            Some(alap_cycle),
+            mobility,
+        ] = entries
+        else {
+            let mut missing = TIMING_KEYS.iter().zip(&entries);
+            let (key, _) = missing
+                .find(|(_, entry)| entry.is_none())
+                .expect("one of the first four times is missing");
             self.error(span, format!("the time '{key}' is missing"));
             self.attributes.timing = Some((Timing::default(), span));
             return;
-        }
-        let [asap, alap, asap_cycle, alap_cycle, mobility] = entries;
+        };
         let timing = Timing {
-            asap: asap.unwrap_or(0),
-            alap: alap.unwrap_or(0),
-            asap_cycle: asap_cycle.unwrap_or(0),
-            alap_cycle: alap_cycle.unwrap_or(0),
+            asap,
+            alap,
+            asap_cycle,
+            alap_cycle,
         };
         let derived = timing.alap_cycle.checked_sub(timing.asap_cycle);
         match derived {

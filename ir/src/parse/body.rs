@@ -11,7 +11,7 @@ use crate::source::SourceSet;
 use crate::symbol::Name;
 use robovec_num::operation::Operation;
 
-/// What is written as a function.
+/// The operations that are written as functions.
 const FUNCTIONS: [Operation; 6] = [
     Operation::Sin,
     Operation::Cos,
@@ -154,8 +154,8 @@ impl ModuleBuilder<'_> {
 
     /// A number, with the minus before it.
     pub(super) fn literal(&mut self, span: Span, negative: bool) -> Operand {
-        // The form was checked by the lexer, so reading cannot fail.
-        let number: f64 = self.slice(span).parse().unwrap_or(f64::INFINITY);
+        let number = self.slice(span).parse();
+        let number: f64 = number.expect("the lexer passes only digits that can be read");
         if !number.is_finite() {
             self.advise(
                 span,
@@ -303,8 +303,8 @@ impl ModuleBuilder<'_> {
             Some(value) if value.0 >= self.start => value,
             Some(_) | None => {
                 let copy = self.unary(Operation::Copy, root, span);
-                // A node that was just pushed is a value.
-                copy.value().unwrap_or(Value(self.start))
+                copy.value()
+                    .expect("a node that was just pushed is a value")
             }
         };
         self.open.spans[root.index()] = Span::new(span.start, end);

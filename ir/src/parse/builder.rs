@@ -65,9 +65,9 @@ impl Span {
 pub(super) struct Indices {
     /// The first two.
     pub(super) values: [u32; 2],
-    /// How many there are.
+    /// Their number.
     pub(super) count: u32,
-    /// Where they stand, brackets included.
+    /// Their place, brackets included.
     pub(super) span: Span,
 }
 
@@ -127,7 +127,7 @@ pub(super) struct Open<'t> {
     pub(super) function: Function,
     /// The `function` line; `None` outside the braces.
     pub(super) head: Option<Span>,
-    /// How many errors there were before it.
+    /// The number of errors before it.
     pub(super) problems_before: usize,
     pub(super) inputs: FastMap<&'t str, usize>,
     pub(super) outputs: FastMap<&'t str, usize>,
@@ -137,13 +137,13 @@ pub(super) struct Open<'t> {
     pub(super) output_spans: Vec<Span>,
     pub(super) boundary_spans: Vec<Span>,
     pub(super) schedule_span: Span,
-    /// Where each node stands: an expression, or a definition from its name
+    /// The place of each node: an expression, or a definition from its name
     /// to the end of its expression.
     pub(super) spans: Vec<Span>,
     pub(super) sets: FastMap<u32, (SourceSet, Span)>,
     pub(super) histories: FastMap<u32, (History, Span)>,
     pub(super) assignments: Vec<PendingAssignment>,
-    /// Where each output element was first set.
+    /// The place where each output element was first set.
     pub(super) written: FastMap<u32, Span>,
     pub(super) preloads: Vec<PendingPreload>,
     pub(super) undefined: Undefined,
@@ -179,7 +179,7 @@ impl Open<'_> {
         self.function.nodes().len() as u32
     }
 
-    /// Where the name of a defined value stands.
+    /// The place of the name of a defined value.
     pub(super) fn name_span(&self, value: Value, text: &str) -> Span {
         let span = self.spans[value.index()];
         let length = text[span.range()]
@@ -207,7 +207,7 @@ pub(super) struct ModuleBuilder<'t> {
     pub(super) arguments: Vec<String>,
     pub(super) kinds: Vec<(Span, u32)>,
     pub(super) machine_hash: Option<Fnv>,
-    /// What placements are verified against.
+    /// The machine that placements are verified against.
     pub(super) target: Option<VerificationTarget<'t>>,
 }
 

@@ -49,8 +49,7 @@ impl<'t> ModuleBuilder<'t> {
         }
     }
 
-    /// What is wrong with a function, on the machine as well where there is
-    /// one.
+    /// The violations of a function, on the machine as well where there is one.
     fn violations(&self, view: View<'_>) -> Vec<Violation> {
         let found = verify(view);
         let (Some(target), Some(schedule), []) = (self.target, &view.function.schedule, &found[..])
@@ -216,7 +215,7 @@ impl<'t> ModuleBuilder<'t> {
     }
 }
 
-/// Where in the text a violation is.
+/// The place of a violation in the text.
 fn place(
     open: &Open<'_>,
     head: Span,

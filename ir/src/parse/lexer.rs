@@ -148,7 +148,7 @@ pub(super) struct Tokens<'t> {
     lexer: Lexer<'t, ModuleToken>,
     ahead: Option<Spanned>,
     previous: ModuleToken,
-    /// Where the statement of the last token starts.
+    /// The start of the statement of the last token.
     statement: u32,
     /// The last line end that did not end the statement.
     joined: Option<u32>,
@@ -170,7 +170,7 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// Where the statement of the last token starts.
+    /// The start of the statement of the last token.
     pub(super) fn statement(&self) -> u32 {
         self.statement
     }
@@ -198,7 +198,7 @@ impl<'t> Tokens<'t> {
         matches!(token, ModuleToken::Value | ModuleToken::Word) && rest.starts_with('=')
     }
 
-    /// What follows a line end: the line end itself, or, when the statement
+    /// The token after a line end: the line end itself, or, when the statement
     /// goes on, the token behind it.
     fn after_newline(&mut self, newline: Spanned) -> Option<Spanned> {
         let following = loop {

@@ -1,4 +1,4 @@
-//! Which value bears a name, for the function being read.
+//! The values by name, for the function being read.
 //!
 //! Names derived from one symbol are numbered almost without gaps, so their
 //! values stand in a vector per symbol; only numbers far beyond the rest go

@@ -3,7 +3,7 @@
 use super::builder::Span;
 use crate::diagnostic::{Diagnostic, Label};
 
-/// How many errors are shown.
+/// The largest number of errors that are shown.
 const MAX_SHOWN: usize = 20;
 
 /// The first errors of a text.
@@ -31,7 +31,7 @@ impl Problems {
         self.list.len() >= MAX_SHOWN
     }
 
-    /// How many there are.
+    /// Their number.
     pub(super) fn len(&self) -> usize {
         self.list.len()
     }

@@ -9,7 +9,7 @@ use lalrpop_util::ParseError;
 use logos::Logos;
 use robovec_num::operation::Operation;
 
-/// How many of the expected tokens are listed.
+/// The largest number of expected tokens that are listed.
 const MAX_EXPECTED: usize = 6;
 
 impl ModuleBuilder<'_> {

@@ -16,16 +16,16 @@ use std::collections::VecDeque;
 /// Uses beyond this number are not looked at.
 const MAX_USES: usize = 100_000;
 
-/// How many definitions of a circle are shown.
+/// The largest number of definitions of a circle that are shown.
 const MAX_SHOWN: usize = 6;
 
-/// How many names are compared with a misspelt one.
+/// The largest number of names compared with a misspelt one.
 const MAX_COMPARED: usize = 20_000;
 
 /// Uses of names that no value bore when they were read.
 #[derive(Default)]
 pub(super) struct Undefined {
-    /// Where the name stands, and the number of nodes before its statement's
+    /// The place of the name, and the number of nodes before its statement's
     /// root, at most.
     uses: Vec<(Span, u32)>,
 }

@@ -21,7 +21,7 @@ pub(super) fn check(collector: &mut ViolationCollector<'_>) -> bool {
     true
 }
 
-/// What can be an operand of a node.
+/// The limits of what can be an operand of a node.
 struct Bounds {
     inputs: usize,
     constants: usize,

@@ -95,7 +95,7 @@ pub(super) struct PlacementCheck<'a> {
     pub(super) schedule: &'a Schedule,
     pub(super) placement: &'a Placement,
     stages: Vec<u32>,
-    /// How words travel, unless there is a crossbar.
+    /// The routes of words, unless there is a crossbar.
     pub(super) routes: Option<Routes>,
 }
 

@@ -65,7 +65,7 @@ impl<Content: Copy + Default> WordStore<Content> {
     }
 }
 
-/// How much of a memory is used.
+/// The used extent of a memory.
 #[derive(Clone, Copy, Default)]
 struct MemoryExtent {
     /// The largest address and one.

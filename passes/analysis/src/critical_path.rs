@@ -11,7 +11,7 @@
 
 use robovec_ir::{Function, Machine, Operation};
 
-/// What each operation adds to a chain.
+/// The weights that operations add to a chain.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Weights([u32; Operation::ALL.len()]);
 

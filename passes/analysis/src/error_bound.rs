@@ -51,8 +51,8 @@ impl Bounded {
         }
     }
 
-    /// How far the number computed in binary32 can be from the exact one, for
-    /// a given magnitude.
+    /// The largest error of the number computed in binary32, for a given
+    /// magnitude.
     pub fn bound_for(self, magnitude: f64) -> f64 {
         let sum = self.roundings * UNIT;
         match sum < 0.5 {
@@ -62,7 +62,7 @@ impl Bounded {
         }
     }
 
-    /// How far the number computed in binary32 can be from the exact one.
+    /// The largest error of the number computed in binary32.
     pub fn bound(self) -> f64 {
         self.bound_for(self.magnitude)
     }

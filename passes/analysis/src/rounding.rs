@@ -59,9 +59,9 @@ pub struct Quantiles {
 /// The errors of all outputs of a function in all states.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct RoundingErrors {
-    /// How many states.
+    /// The number of states.
     pub states: u32,
-    /// Where they come from.
+    /// The seed they come from.
     pub seed: u64,
     /// Of every element, relative to its exact value.
     pub relative: Quantiles,
@@ -72,7 +72,7 @@ pub struct RoundingErrors {
     blocks: [Vec<f64>; 2],
 }
 
-/// What became of an error.
+/// The trend of an error.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Trend {
     /// It became smaller.
@@ -105,7 +105,7 @@ pub struct MedianChange {
     pub trend: Trend,
 }
 
-/// How many states are used for a function of so many operations: the more
+/// The number of states used for a function of so many operations: the more
 /// the smaller it is, so that small functions are not judged by a few numbers
 /// and large ones in reasonable time.
 pub fn usual_states(operations: usize) -> u32 {

@@ -95,7 +95,7 @@ impl<'a> PreloadBinding<'a> {
         Ok(())
     }
 
-    /// Where an operand stands in the manifest's lists.
+    /// The place of an operand in the manifest's lists.
     fn reference(&self, operand: Operand) -> Result<ValueReference, ImageError> {
         let place = |found: Result<usize, usize>| found.ok().map(|place| place as u32);
         let reference = match operand.kind() {

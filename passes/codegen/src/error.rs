@@ -1,10 +1,10 @@
-//! What cannot be turned into memory images.
+//! The reasons why a function cannot be turned into memory images.
 
 use robovec_ir::Format;
 use robovec_ir::machine::MachineMismatch;
 use std::io;
 
-/// Why a function has no memory images on a machine.
+/// The reason why a function has no memory images on a machine.
 ///
 /// Cycles, elements and addresses are those of the placed text.
 #[derive(Debug, thiserror::Error)]
@@ -22,7 +22,7 @@ pub enum ImageError {
     Malformed {
         /// The function.
         function: String,
-        /// Which of its parts does not fit.
+        /// The part that does not fit.
         what: String,
     },
     /// The function was scheduled for another machine.
@@ -158,9 +158,9 @@ pub enum ImageError {
     /// As many inputs as the function has elements are needed.
     #[error("the data images need {expected} input values, {given} are given")]
     InputCount {
-        /// What the function needs.
+        /// The number the function needs.
         expected: usize,
-        /// What is there.
+        /// The number that is there.
         given: usize,
     },
     /// The images could not be written.

@@ -33,7 +33,7 @@ impl<'w> HexWriter<'w> {
         for place in (0..self.digits).rev() {
             let limb = limbs.get(place / 16).copied().unwrap_or(0);
             let digit = (limb >> (4 * (place % 16))) as u32 & 15;
-            line.push(char::from_digit(digit, 16).unwrap_or('0'));
+            line.push(char::from_digit(digit, 16).expect("four bits are a digit"));
         }
         line.push('\n');
         self.target.write_all(line.as_bytes())

@@ -17,7 +17,7 @@ use robovec_num::trigonometry::host::KEY;
 use serde::Serialize;
 use std::io;
 
-/// Where generated files go.
+/// The receiver of generated files.
 pub trait Artifacts {
     /// Takes one file: its name, and a function that writes its content.
     ///
@@ -224,7 +224,8 @@ pub(super) fn foreign_format(view: View<'_>, own: Format) -> Option<(String, For
 
 /// The `.hex` file beside a `.mif` file.
 fn hex_name(mif: &str) -> String {
-    mif.strip_suffix("mif").unwrap_or(mif).to_owned() + "hex"
+    let stem = mif.strip_suffix("mif");
+    stem.expect("images of memories are .mif files").to_owned() + "hex"
 }
 
 /// One list element per line: readable, and short enough to compare.
@@ -293,8 +294,8 @@ fn write_window(target: &mut dyn io::Write, window: &manifest::AddressMap) -> io
         units: Vec::new(),
         ..window.clone()
     })?;
-    // The list of units is empty and comes last.
-    let head = head.strip_suffix("]}").unwrap_or(&head);
+    let head = head.strip_suffix("]}");
+    let head = head.expect("the list of units is empty and comes last");
     write!(target, "  \"window\": {head}")?;
     for (index, unit) in window.units.iter().enumerate() {
         let comma = if index == 0 { "" } else { "," };
@@ -308,7 +309,7 @@ pub(super) struct ImageWriter<'a> {
     pub(super) sizes: Sizes,
     /// Bits of a data word.
     width: u32,
-    /// What the images are made for; absent when the machine file alone
+    /// The hardware the images are made for; absent when the machine file alone
     /// says it.
     hardware: Option<&'a Hardware>,
 }
@@ -350,8 +351,8 @@ impl ImageWriter<'_> {
         }
     }
 
-    /// What the select codes stand for: all results, then all buffers' first
-    /// read ports, then the second ones ….
+    /// The sources that the select codes stand for: all results, then all
+    /// buffers' first read ports, then the second ones ….
     fn sources(&self) -> Vec<String> {
         let elements = self.sizes.elements;
         (0..self.sizes.sources())

@@ -6,14 +6,14 @@
 
 use robovec_ir::Function;
 
-/// What a file of equations is for.
+/// A kind of file of equations.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct EquationKind {
     /// Its name in file names, `dirdyna`.
     pub name: &'static str,
     /// Robotran's number of the function; 0 where it has none.
     pub number: u32,
-    /// What Robotran's header calls it, in our words.
+    /// Its title: the name in Robotran's header, in our words.
     pub title: &'static str,
     /// The arrays it fills, in the order of the signature, with the number of
     /// indices of each.

@@ -26,7 +26,7 @@ pub(super) struct Sizes {
 }
 
 impl Sizes {
-    /// What the machine declares, else what the program uses.
+    /// The sizes that the machine declares, else those that the program uses.
     pub(super) fn new(machine: &Machine, usage: &Usage) -> Sizes {
         let memory = &machine.memory;
         Sizes {
@@ -43,7 +43,7 @@ impl Sizes {
         }
     }
 
-    /// How many things a write port can select from.
+    /// The number of sources that a write port can select from.
     pub(super) fn sources(&self) -> u32 {
         self.elements * (1 + self.buffer.map_or(0, |(_, reads)| reads))
     }
@@ -142,6 +142,7 @@ impl WordLayout {
 
     /// Place of a write port's `enable`; `address` and `select` follow.
     pub(super) fn write(&self, memory: u32, port: u32) -> u32 {
+        debug_assert!(port < self.write_ports, "a memory has the write port");
         self.writes_from + 3 * (memory * self.write_ports + port)
     }
 

@@ -35,7 +35,8 @@ pub struct Manifest {
     pub files: Vec<FileHash>,
     /// The elements, in the order that the crossbar counts them.
     pub elements: Vec<ProcessingElement>,
-    /// What the crossbar's select codes stand for: code `i` is `sources[i]`.
+    /// The sources that the crossbar's select codes stand for: code `i` is
+    /// `sources[i]`.
     pub sources: Vec<String>,
     /// Every input element, in order.
     pub inputs: Vec<InputElement>,
@@ -43,15 +44,16 @@ pub struct Manifest {
     pub constants: Vec<ConstantElement>,
     /// The values the host computes before the run, each after its operands.
     pub host: Vec<HostElement>,
-    /// What computes the host's sines and cosines, as
+    /// The implementation of the host's sines and cosines, as
     /// [`robovec_num::trigonometry::host::Implementation`] names it; absent
     /// when they are those of binary64, rounded once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trigonometry: Option<String>,
     /// Every output element that is set, in order.
     pub outputs: Vec<OutputElement>,
-    /// Where the host finds the memories of the hardware the images were
-    /// made for; absent when they were made from the machine file alone.
+    /// The addresses at which the host finds the memories of the hardware the
+    /// images were made for; absent when they were made from the machine file
+    /// alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub window: Option<AddressMap>,
 }
@@ -67,7 +69,7 @@ pub struct AddressMap {
     pub version: u32,
     /// Bits of the host's address.
     pub address_bits: u32,
-    /// What the register `machine hash` says: the images fit hardware with
+    /// The content of the register `machine hash`: the images fit hardware with
     /// this hash.
     pub machine_hash: String,
     /// Address of the control register: bit 0 starts, bit 1 clears `done`.
@@ -113,7 +115,7 @@ pub struct FileHash {
     pub hash: String,
 }
 
-/// Which machine the images are for.
+/// The machine the images are for.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MachineIdentity {
@@ -222,7 +224,8 @@ pub enum ValueReference {
 pub struct InputElement {
     /// Array and indices, counted from 1: `q[3]`.
     pub name: String,
-    /// Where it must stand at the start; none for an input nothing reads.
+    /// The words it must stand in at the start; none for an input nothing
+    /// reads.
     pub words: Vec<WordAddress>,
 }
 
@@ -232,7 +235,7 @@ pub struct InputElement {
 pub struct ConstantElement {
     /// The shortest decimal number that reads back as the binary64 literal.
     pub value: String,
-    /// Where it stands in the data images.
+    /// The words it stands in, in the data images.
     pub words: Vec<WordAddress>,
 }
 
@@ -243,11 +246,11 @@ pub struct ConstantElement {
 pub struct HostElement {
     /// The value's name.
     pub name: String,
-    /// What is computed: `sin`, `cos` ….
+    /// The operation: `sin`, `cos` ….
     pub operation: String,
     /// From what: inputs, constants and earlier values of the host.
     pub operands: Vec<ValueReference>,
-    /// Where it must stand at the start.
+    /// The words it must stand in at the start.
     pub words: Vec<WordAddress>,
 }
 

@@ -214,7 +214,7 @@ fn explain_rtl(error: &RtlError) -> PassError {
 }
 
 impl Codegen {
-    /// How batch code is written.
+    /// The options of batch code.
     fn batch_options(&self) -> Result<batch::Options, PassError> {
         if !batch::LANES.contains(&self.lanes) {
             let message = format!("vectors of {} lanes do not exist", self.lanes);
@@ -234,7 +234,7 @@ impl Codegen {
 }
 
 impl Codegen {
-    /// How C is written.
+    /// The options of C code.
     fn options(&self) -> Options {
         Options {
             signature: self.signature,

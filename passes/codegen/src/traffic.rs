@@ -12,7 +12,7 @@ use robovec_ir::machine::Interconnect;
 use robovec_ir::placement::{Bank, Placement, Schedule, Slot, Word, Write};
 use robovec_ir::{Machine, Value, View};
 
-/// What the program uses of the machine.
+/// The parts of the machine that the program uses.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct Usage {
     /// Elements of all kinds.
@@ -135,6 +135,11 @@ impl<'a> Traffic<'a> {
         for (value, range) in (0u32..).zip(placement.write_starts.windows(2)) {
             owners.extend((range[0]..range[1]).map(|_| value));
         }
+        assert_eq!(
+            owners.len(),
+            placement.writes.len(),
+            "every write is that of a value"
+        );
         let mut traffic = Traffic {
             view,
             machine,

@@ -93,17 +93,16 @@ impl<'a> NonzeroWords<'a> {
     }
 
     fn issue(&mut self) {
-        let Some((&value, rest)) = self.issues.split_first() else {
-            return;
-        };
+        let issued = self.issues.split_first();
+        let (&value, rest) = issued.expect("a value is issued in this cycle");
         self.issues = rest;
         let traffic = self.writer.traffic;
         let operation = traffic.view.function.node(Value(value)).operation;
         let mut codes = self.writer.operations(self.element).iter();
         let code = codes.position(|name| name == operation.name());
         self.set(ISSUE, 1);
-        // Traffic has checked that the element performs the operation.
-        self.set(OPERATION, code.unwrap_or(0) as u32);
+        let code = code.expect("traffic has checked that the element performs the operation");
+        self.set(OPERATION, code as u32);
         let reads = traffic.placement.reads[value as usize];
         for (field, &address) in (READ..).zip(&reads[..operation.arity()]) {
             self.set(field, address);
@@ -111,9 +110,8 @@ impl<'a> NonzeroWords<'a> {
     }
 
     fn buffer_write(&mut self) {
-        let Some((&value, rest)) = self.buffered.split_first() else {
-            return;
-        };
+        let entering = self.buffered.split_first();
+        let (&value, rest) = entering.expect("a value enters the buffer in this cycle");
         self.buffered = rest;
         let word = self.writer.traffic.placement.buffers[value as usize];
         let field = self.layout.buffer_write();
@@ -142,6 +140,10 @@ impl<'a> NonzeroWords<'a> {
     /// Sets a field, whose bits are zero before.
     fn set(&mut self, field: u32, content: u32) {
         let InstructionField { low, width, .. } = self.layout.fields()[field as usize];
+        assert!(
+            u64::from(content) >> width == 0,
+            "the content of a field fits its bits"
+        );
         if width == 0 {
             return;
         }

@@ -26,8 +26,8 @@ use robovec_num::ball::{Ball, Balls};
 use robovec_num::field::{Field, PrimeField, mix};
 use std::hash::{Hash, Hasher};
 
-/// What a value is in the images. Equal when it is the same number in both
-/// fields and the real balls touch.
+/// The images of a value. Equal when it is the same number in both fields and
+/// the real balls touch.
 #[derive(Clone, Copy, Debug)]
 pub struct Fingerprint {
     residues: [u64; 2],

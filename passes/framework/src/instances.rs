@@ -13,10 +13,10 @@ pub const MAX_INSTANCES: u32 = 64;
 /// The key of the metadata that says how many instances a function holds.
 pub const KEY: &str = "instances";
 
-/// How many instances a program holds, and what they share.
+/// The number of instances a program holds, and the inputs they share.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Instances {
-    /// How many.
+    /// The number of them.
     pub count: u32,
     /// Names of the input arrays that are there once.
     pub shared: InstanceNames,
@@ -32,8 +32,8 @@ impl Instances {
     }
 }
 
-/// How many instances a function holds, by its metadata; 1 when it does not
-/// say.
+/// The number of instances a function holds, by its metadata; 1 when it does
+/// not say.
 pub fn count(function: &robovec_ir::Function) -> u32 {
     let text = function.metadata(KEY);
     text.and_then(|text| text.parse().ok()).unwrap_or(1)

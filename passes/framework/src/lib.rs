@@ -1,4 +1,4 @@
-//! What every pass stands on, and nothing of any pass.
+//! The framework that every pass stands on, and nothing of any pass.
 //!
 //! [`pass`] says what a pass and a registry of passes are, [`options`] what it
 //! can be told, [`pipeline`] reads what the user wants to run, [`manager`]

@@ -46,10 +46,14 @@ impl<'a> Rewriter<'a> {
         rewriter
     }
 
-    /// What an old operand has become. Values must have been recorded.
+    /// The operand that an old one has become. Values must have been recorded.
     pub fn translate(&mut self, operand: Operand) -> Operand {
         match operand.kind() {
-            OperandKind::Value(value) => self.map[value.index()],
+            OperandKind::Value(value) => {
+                let known = self.map[value.index()];
+                debug_assert!(!known.is_none(), "an operand that is read was recorded");
+                known
+            }
             OperandKind::Constant(constant) => {
                 let number = self.old.constant_number(constant);
                 self.new.constant(number).into()
@@ -66,6 +70,10 @@ impl<'a> Rewriter<'a> {
     /// Says what the next old value has become; called once per value, in
     /// order.
     pub fn record(&mut self, operand: Operand) {
+        debug_assert!(
+            self.map.len() < self.old.nodes().len(),
+            "every old value is recorded once"
+        );
         self.map.push(operand);
     }
 
@@ -74,7 +82,7 @@ impl<'a> Rewriter<'a> {
         self.map[value.index()] = operand;
     }
 
-    /// What an old value has become.
+    /// The translation of an old value.
     pub fn known(&self, value: Value) -> Operand {
         self.map[value.index()]
     }
@@ -92,6 +100,11 @@ impl<'a> Rewriter<'a> {
 
     /// Translates the outputs and gives up the new function.
     pub fn finish(mut self) -> Function {
+        assert_eq!(
+            self.map.len(),
+            self.old.nodes().len(),
+            "every old value was recorded"
+        );
         let assignments: Vec<Assignment> = self
             .old
             .assignments

@@ -55,7 +55,7 @@ impl RewriteLimit {
         self.limit.is_some_and(|limit| self.asked.get() > limit)
     }
 
-    /// How many rewrites were asked for, refused ones included.
+    /// The number of rewrites asked for, refused ones included.
     pub fn asked(&self) -> u64 {
         self.asked.get()
     }

@@ -39,19 +39,19 @@ const CLASSES: [NumericClass; 3] = [
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Told;
 
-/// What an action gives: a mistake ends the reading of its rule.
+/// The result of an action: a mistake ends the reading of its rule.
 type Action<'text, T = ()> = Result<T, ParseError<usize, RuleToken<'text>, Told>>;
 
-/// What was read of one side.
+/// One side of a rule as read.
 #[derive(Default)]
 struct Side {
     pattern: Pattern,
     span: Range<usize>,
-    /// Where each variable stands, in order of reading.
+    /// The places of the variables, in order of reading.
     occurrences: Vec<(u32, Range<usize>)>,
 }
 
-/// What was read of the rule at hand.
+/// The parts of the present rule that were read.
 #[derive(Default)]
 struct RuleDraft {
     name: Option<(String, Range<usize>)>,
@@ -365,7 +365,7 @@ impl<'text> RuleBuilder<'text> {
         Ok(())
     }
 
-    /// What the two sides must be for the rule to make sense.
+    /// Checks what the two sides must be for the rule to make sense.
     fn sides(
         &mut self,
         left: &Side,

@@ -111,7 +111,7 @@ pub(super) fn rewrites(rule: &Rule) -> Vec<Rewrite<GraphTerm, ()>> {
         .collect()
 }
 
-/// What growing a graph may cost.
+/// The limits on growing a graph.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GraphBudget {
     /// Nodes.

@@ -42,6 +42,13 @@ impl Pattern {
 
     /// Adds a node and returns its number.
     pub fn push(&mut self, node: PatternNode) -> u32 {
+        if let PatternNode::Operation(_, operands) = node {
+            let count = self.nodes.len();
+            assert!(
+                operands.iter().all(|&operand| (operand as usize) < count),
+                "operands stand before their operation"
+            );
+        }
         self.nodes.push(node);
         self.nodes.len() as u32 - 1
     }
@@ -53,7 +60,10 @@ impl Pattern {
 
     /// The number of the root.
     pub fn root(&self) -> usize {
-        self.nodes.len().saturating_sub(1)
+        self.nodes
+            .len()
+            .checked_sub(1)
+            .expect("a pattern has a root")
     }
 
     /// True for a pattern that is one variable, and so matches every value.

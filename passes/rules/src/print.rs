@@ -23,7 +23,7 @@ impl TermText {
     }
 }
 
-/// How strongly an operator between two operands binds.
+/// The binding strength of an operator between two operands.
 fn strength(operation: Operation) -> u32 {
     match operation {
         Operation::Add | Operation::Sub => 1,
@@ -56,7 +56,7 @@ impl Pattern {
             };
             pieces.push(piece);
         }
-        pieces.pop().map_or(String::new(), |root| root.text)
+        pieces.pop().expect("a pattern has a root").text
     }
 }
 

@@ -199,7 +199,7 @@ impl RuleReader<'_> {
         };
     }
 
-    /// What the grammar expects, in words.
+    /// The tokens that the grammar expects, in words.
     fn wanted(&self, expected: &[&str]) -> String {
         let expects = |name: &str| expected.contains(&name);
         let wanted = if expects("a number") {

@@ -4,7 +4,7 @@ use super::pattern::Pattern;
 use robovec_analysis::class::NumericClass;
 use std::ops::Range;
 
-/// What must hold of a value that a variable stands for.
+/// A condition on the value that a variable stands for.
 ///
 /// A pass may use the rule only where it *knows* that the condition holds:
 /// of a number in the equations it does, of a state it does not.
@@ -48,13 +48,13 @@ impl Requirement {
 /// A condition of a rule: a requirement on one of its variables.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Condition {
-    /// What is required.
+    /// The requirement.
     pub requirement: Requirement,
     /// Of which variable, by its number.
     pub variable: u32,
 }
 
-/// Where the parts of a rule stand in its file, in bytes.
+/// The places of the parts of a rule in its file, in bytes.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct RulePlaces {
     /// The number of the file in [`RuleSet::files`](super::RuleSet::files).
@@ -78,19 +78,20 @@ pub struct Rule {
     pub group: String,
     /// The names of the variables of both sides, by number.
     pub variables: Vec<String>,
-    /// What is looked for.
+    /// The pattern that is looked for.
     pub left: Pattern,
-    /// What may take its place. Its variables occur on the left side.
+    /// The pattern that may take its place. Its variables occur on the left
+    /// side.
     pub right: Pattern,
     /// True for a rule written with `<=>`: the sides may also be exchanged.
     pub both_ways: bool,
     /// All must hold where the rule is used.
     pub conditions: Vec<Condition>,
-    /// What the rule may do to the numbers, as its author declares it.
+    /// The numeric class, as the author of the rule declares it.
     pub class: NumericClass,
-    /// Why the rule is there, in one line; may be empty.
+    /// The reason for the rule, in one line; may be empty.
     pub reason: String,
-    /// Where it stands.
+    /// Its places in the text.
     pub places: RulePlaces,
 }
 
@@ -112,7 +113,7 @@ impl Rule {
         vec![forward, back]
     }
 
-    /// What is required of a variable.
+    /// The requirements on a variable.
     pub fn requirements(&self, variable: u32) -> impl Iterator<Item = Requirement> + '_ {
         let here = move |condition: &&Condition| condition.variable == variable;
         let conditions = self.conditions.iter().filter(here);

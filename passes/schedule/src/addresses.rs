@@ -33,6 +33,11 @@ impl Pool {
             self.used - 1
         })
     }
+
+    fn give_back(&mut self, address: u32) {
+        debug_assert!(address < self.used, "only what was taken is given back");
+        self.freed.push(address);
+    }
 }
 
 /// Addresses for all entries. A word may be rewritten in a cycle after the
@@ -57,7 +62,7 @@ pub(super) fn allocate(graph: &DependenceGraph, draft: &ScheduleDraft) -> Addres
             dying.next_if(|&dead| entries[dead as usize].last_read < entry.written)
         {
             let memory = entries[dead as usize].memory as usize;
-            pools[memory].freed.push(of_entry[dead as usize]);
+            pools[memory].give_back(of_entry[dead as usize]);
         }
         of_entry[index as usize] = pools[entry.memory as usize].take();
     }
@@ -143,7 +148,7 @@ pub(super) fn allocate_buffers(graph: &DependenceGraph, draft: &ScheduleDraft) -
     for (back, _, node) in stays {
         while let Some((_, gone)) = leaving.next_if(|&(until, _)| until < back) {
             let element = draft.locations.data[gone as usize].element as usize;
-            pools[element].freed.push(words[gone as usize]);
+            pools[element].give_back(words[gone as usize]);
         }
         words[node as usize] = pools[draft.locations.data[node as usize].element as usize].take();
     }

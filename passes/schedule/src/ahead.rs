@@ -56,10 +56,10 @@ struct WordNeed {
     arrives: u32,
 }
 
-/// What is needed for a seat, one word per operand at most.
+/// The words needed for a seat, one per operand at most.
 type Needs = [Option<WordNeed>; Operand::MAX_COUNT];
 
-/// What the issue of an operation entails for its readers.
+/// The bookings that the issue of an operation entails for its readers.
 #[derive(Default, Debug)]
 struct Booking {
     /// The words reserved by it, in this order.
@@ -79,7 +79,7 @@ impl Ahead {
         }
     }
 
-    /// Where a node is bound to.
+    /// The seat a node is bound to.
     fn seat(&self, node: usize) -> Option<Seat> {
         let bound = self.bound[node];
         (bound != UNBOUND).then_some(Seat {
@@ -179,7 +179,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// How a node can be issued without buffers: at its seat if that is free,
+    /// The plan to issue a node without buffers: at its seat if that is free,
     /// else wherever the operands can have been written; or again as a plan
     /// says.
     fn plan_ahead(
@@ -274,8 +274,8 @@ impl Sweep<'_> {
         })
     }
 
-    /// What must be written so that an operation has its issued operands at a
-    /// seat; `None` when a port or a link is taken.
+    /// The words that must be written so that an operation has its issued
+    /// operands at a seat; `None` when a port or a link is taken.
     fn needs(&self, user: usize, seat: Seat) -> Option<Needs> {
         let ahead = self.ahead.as_ref()?;
         let (ports, locations) = (&self.draft.ports, &self.draft.locations);

@@ -1,4 +1,4 @@
-//! Which element an operation goes to (thesis 2.3 and Table 2.1).
+//! The choice of the element of an operation (thesis 2.3 and Table 2.1).
 //!
 //! An element can take an operation when all operands are in its memory or
 //! can still get there: *directly*, through a write port that is free in the
@@ -31,27 +31,28 @@ option_words! {
 /// operand, each in the order memory, direct, indirect.
 pub(super) const RANKS: [[u8; 3]; 3] = [[1, 2, 5], [3, 4, 7], [6, 8, 9]];
 
-/// What the addend of a fused operation adds to the rank of its factors, by
-/// status. The thesis has no such operation; as in its table an operand in
+/// The rank that the addend of a fused operation adds to that of its factors,
+/// by status. The thesis has no such operation; as in its table an operand in
 /// memory is best, and one through a buffer is worse than anything without.
 pub(super) const ADDEND_RANKS: [u8; 3] = [0, 2, 9];
 
-/// How many cycles after its write-back an operand's indirect write is looked
-/// for, and how many before the issue. Between them lies what is busy anyway;
-/// the limit keeps the search from growing with the length of the program.
+/// The number of cycles after its write-back in which an operand's indirect
+/// write is looked for, and how many before the issue. Between them lies what
+/// is busy anyway; the limit keeps the search from growing with the length of
+/// the program.
 const EARLY_WINDOW: u32 = 96;
 const LATE_WINDOW: u32 = 24;
 
 /// An operand at the moment its reader is to be issued.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct OperandSource {
-    /// Which datum.
+    /// The datum.
     pub(super) datum: u32,
     /// Its write-back cycle and producer; `None` for initial data.
     pub(super) result: Option<(u32, usize)>,
 }
 
-/// How an operand gets into (or is in) a memory.
+/// The way in which an operand gets into (or is in) a memory.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Route {
     /// It is there, by an earlier transfer: the entry.
@@ -183,7 +184,7 @@ impl Others {
     }
 }
 
-/// Where a datum is wanted, and when.
+/// The memory in which a datum is wanted, and when.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
     /// The memory.
@@ -272,7 +273,7 @@ pub(super) fn indirect_route(
     None
 }
 
-/// How long the producer's buffer can keep the word.
+/// The time for which the producer's buffer can keep the word.
 struct Room {
     /// The first cycle not yet known to have room.
     next: u32,

@@ -1,8 +1,8 @@
-//! What can keep a function from being placed.
+//! The reasons that keep a function from being placed.
 
 use robovec_ir::{Level, Value};
 
-/// Why a function cannot be placed on a machine.
+/// The reason why a function cannot be placed on a machine.
 ///
 /// Nodes are named by their [`Value`]; the caller has the tables that turn
 /// one into a name and a place in the user's file.

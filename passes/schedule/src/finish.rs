@@ -3,7 +3,7 @@
 use super::addresses::{Addresses, allocate};
 use super::error::PlaceError;
 use super::graph::{DependenceGraph, HOST};
-use super::locations::NO_ENTRY;
+use super::locations::{NO_ENTRY, NOT_COMPUTED};
 use super::ports::{Ports, banks};
 use super::sweep::ScheduleDraft;
 use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
@@ -80,10 +80,13 @@ fn slots(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<Slot> {
                 cycle: 0,
                 element: Slot::HOST,
             },
-            _ => Slot {
-                cycle: datum.back + 1 - graph.weight(node),
-                element: datum.element,
-            },
+            _ => {
+                assert_ne!(datum.back, NOT_COMPUTED, "every operation was issued");
+                Slot {
+                    cycle: datum.back + 1 - graph.weight(node),
+                    element: datum.element,
+                }
+            }
         })
         .collect()
 }

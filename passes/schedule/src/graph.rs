@@ -16,7 +16,7 @@ const LONGEST: u64 = 1 << 30;
 pub(super) struct SchedulingKind {
     /// Cycles from an issue to the first issue that can read the result.
     pub(super) weight: u32,
-    /// How many elements there are.
+    /// The number of elements.
     pub(super) count: u32,
     /// The first of them, over all kinds.
     pub(super) first: u32,
@@ -34,7 +34,7 @@ pub(super) struct DependenceGraph {
     pub(super) user_starts: Vec<u32>,
     /// See [`DependenceGraph::user_starts`].
     pub(super) users: Vec<u32>,
-    /// How many operands of each node the machine computes.
+    /// The number of operands of each node that the machine computes.
     pub(super) computed_operands: Vec<u8>,
     /// The earliest issue of each node with elements without number.
     pub(super) head: Vec<u32>,
@@ -103,9 +103,10 @@ impl DependenceGraph {
 
     /// The weight of a node; the host costs nothing.
     pub(super) fn weight(&self, node: usize) -> u32 {
-        self.kinds
-            .get(self.kind[node] as usize)
-            .map_or(0, |kind| kind.weight)
+        match self.kind[node] {
+            HOST => 0,
+            kind => self.kinds[kind as usize].weight,
+        }
     }
 
     /// The nodes that read a node.
@@ -123,7 +124,7 @@ impl DependenceGraph {
         self.kind.iter().filter(|&&kind| kind != HOST).count()
     }
 
-    /// How many data there are: nodes, and inputs and constants that are read.
+    /// The number of data: nodes, and inputs and constants that are read.
     pub(super) fn data_len(&self) -> usize {
         self.kind.len() + self.initial.len()
     }
@@ -164,7 +165,8 @@ impl DependenceGraph {
         let number = |operand: Operand| match operand.kind() {
             OperandKind::Value(value) => value.0,
             OperandKind::Input(_) | OperandKind::Constant(_) => {
-                let place = self.initial.partition_point(|&known| known < operand);
+                let place = self.initial.binary_search(&operand);
+                let place = place.expect("all operands that are no values were collected");
                 (self.kind.len() + place) as u32
             }
             OperandKind::None => NO_DATUM,
@@ -189,6 +191,7 @@ impl DependenceGraph {
         let mut next = self.user_starts.clone();
         for (index, node) in function.nodes().iter().enumerate() {
             for value in node.operands().iter().filter_map(|operand| operand.value()) {
+                debug_assert!(value.index() < index, "an operand is an earlier node");
                 let slot = &mut next[value.index()];
                 self.users[*slot as usize] = index as u32;
                 *slot += 1;
@@ -227,6 +230,10 @@ impl DependenceGraph {
                 .max()
                 .unwrap_or(0);
             self.tail[index] = after + self.weight(index);
+            debug_assert!(
+                self.head[index] + self.tail[index] <= self.path,
+                "no chain is longer than the longest"
+            );
         }
         Ok(())
     }

@@ -61,16 +61,16 @@ use sweep::Task;
 /// cycle, in bytes.
 const LARGEST_TABLE: u64 = 1 << 30;
 
-/// How a function is placed.
+/// The choices with which a function is placed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct PlaceOptions {
-    /// Which operation goes first.
+    /// The rule for which operation goes first.
     pub priority: Priority,
-    /// Which element it goes to.
+    /// The rule for which element it goes to.
     pub choice: ElementChoice,
 }
 
-/// What placement reached.
+/// The result of a placement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct PlaceSummary {
     /// Length of the schedule, in cycles.

@@ -139,6 +139,11 @@ impl<'a> ListScheduler<'a> {
             }
             cycle += 1;
         }
+        debug_assert!(
+            (graph.kind.iter().zip(&self.waits_for))
+                .all(|(&kind, &waits_for)| kind == HOST || waits_for == 0),
+            "every operation was issued"
+        );
         ListSchedule {
             issue: self.issue,
             cycles: self.cycles,

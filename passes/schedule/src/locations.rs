@@ -1,4 +1,4 @@
-//! Which memories hold which data, from when to when.
+//! The places of the data: which memories hold them, from when to when.
 
 /// The index no entry has.
 pub(super) const NO_ENTRY: u32 = u32::MAX;
@@ -46,8 +46,8 @@ pub(super) struct StoredDatum {
 /// computed yet.
 pub(super) const NOT_COMPUTED: u32 = u32::MAX;
 
-/// What is known of a datum; all in one place, because operands come from
-/// anywhere in a large program and each look at one is a cache miss.
+/// The state of a datum; all in one place, because operands come from anywhere
+/// in a large program and each look at one is a cache miss.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Datum {
     /// The cycle in which it is on the crossbar, or [`NOT_COMPUTED`].
@@ -121,9 +121,14 @@ impl Locations {
 
     /// Takes back the entry that was added last, which is the datum's.
     pub(super) fn remove_last(&mut self, datum: u32) {
-        if let Some(entry) = self.entries.pop() {
-            self.data[datum as usize].first = entry.next;
-        }
+        let entry = self.entries.pop().expect("an entry was added");
+        let first = &mut self.data[datum as usize].first;
+        debug_assert_eq!(
+            *first as usize,
+            self.entries.len(),
+            "the entry that was added last is the datum's"
+        );
+        *first = entry.next;
     }
 
     /// Forgets one entry of a datum.

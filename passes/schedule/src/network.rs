@@ -37,7 +37,7 @@ impl Wires {
         })
     }
 
-    /// How many links there are.
+    /// The number of links.
     pub(super) fn links(&self) -> usize {
         let rectangle = (self.columns * self.rows) as usize;
         let square = 1_usize << self.bits;

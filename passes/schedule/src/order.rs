@@ -48,7 +48,10 @@ impl SchedulingOrder {
             }
             nodes.push(keyed.into_iter().map(|(_, node)| node).collect());
         }
-        debug_assert!(graph.kinds.len() < HOST as usize);
+        assert!(
+            graph.kinds.len() <= HOST as usize,
+            "the host is none of the kinds"
+        );
         SchedulingOrder { rank, nodes }
     }
 

@@ -20,7 +20,7 @@ const MARGIN: u32 = 4;
 /// asked for what the longest chain allows, are searched in part.
 const MAX_COMPARED: usize = 128;
 
-/// How one operation is carried out.
+/// The plan of one operation: element, memories, routes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IssuePlan {
     /// The element.
@@ -29,7 +29,7 @@ pub(super) struct IssuePlan {
     pub(super) swapped: bool,
     /// The memory each operand, as written in the program, is read from.
     pub(super) memories: [usize; Operand::MAX_COUNT],
-    /// How it gets there; `None` for no operand or not planned yet.
+    /// The route of each operand; `None` for no operand or not planned yet.
     pub(super) routes: [Option<Route>; Operand::MAX_COUNT],
 }
 
@@ -62,12 +62,12 @@ fn planned(ports: &Ports, sources: &OperandSources, plan: &IssuePlan, operand: u
     others
 }
 
-/// What [`ElementChoice::Preferential`] minimises: the rank, the cycles results stay
-/// in buffers, the way through the network, new words of initial data, live
-/// words.
+/// The cost that [`ElementChoice::Preferential`] minimises: the rank, the
+/// cycles results stay in buffers, the way through the network, new words of
+/// initial data, live words.
 type IssueCost = (u8, u32, u32, u8, u32);
 
-/// What can be done with an operation in a cycle.
+/// The decision about an operation in a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum IssueDecision {
     /// Issue it so.

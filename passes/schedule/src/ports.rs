@@ -1,4 +1,4 @@
-//! What is taken in which cycle: write ports, buffer outputs, buffer words.
+//! The reservations of each cycle: write ports, buffer outputs, buffer words.
 //!
 //! A transfer is reserved when the operation that needs it is issued, and it
 //! may lie in the past: the crossbar could have written the word along with
@@ -214,6 +214,10 @@ impl Ports {
 
     /// Takes a write port.
     pub(super) fn write(&mut self, cycle: u32, memory: usize) {
+        debug_assert!(
+            self.can_write(cycle, memory, 1),
+            "a memory that is written has a free port"
+        );
         self.writes[cycle as usize * self.memories + memory] += 1;
     }
 
@@ -225,6 +229,10 @@ impl Ports {
 
     /// Takes a buffer output.
     pub(super) fn read_buffer(&mut self, cycle: u32, element: usize) {
+        debug_assert!(
+            self.can_read_buffer(cycle, element, 1),
+            "a buffer that is read has a free port"
+        );
         self.buffer_reads[cycle as usize * self.elements + element] += 1;
     }
 

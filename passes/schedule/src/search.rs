@@ -1,5 +1,5 @@
-//! Which placement is kept: orders and manners are tried while the work is
-//! in proportion, and the best result wins.
+//! The search for the placement that is kept: orders and manners are tried
+//! while the work is in proportion, and the best result wins.
 
 use super::choice::ElementChoice;
 use super::locations::NO_ENTRY;
@@ -8,12 +8,13 @@ use super::sweep::{Manner, ScheduleDraft, Stuck, Task, sweep};
 use super::{addresses, homes, list};
 use robovec_ir::machine::Interconnect;
 
-/// How many visits of an operation [`Priority::Best`] may spend beyond its
-/// first sweep: a few more tries for a model of 30,000 operations, none for
-/// one of 600,000, whose first schedule is within a fraction of a per cent.
+/// The number of visits of an operation that [`Priority::Best`] may spend
+/// beyond its first sweep: a few more tries for a model of 30,000 operations,
+/// none for one of 600,000, whose first schedule is within a fraction of a per
+/// cent.
 const WORK_BUDGET: usize = 300_000;
 
-/// How many operations may be placed beyond that on a machine without
+/// The number of operations that may be placed beyond that on a machine without
 /// buffers.
 const BUFFERLESS_BUDGET: usize = 150_000;
 
@@ -23,12 +24,12 @@ const MAX_TRIES: usize = 40;
 /// A buffer of this many words is not worth another try.
 const SHALLOW: u32 = 2;
 
-/// What a sweep visits an operation for, in units of a list schedule.
+/// The cost of a visit of an operation in a sweep, in units of a list schedule.
 const SWEEP_COST: usize = 4;
 
 /// Tries orders and keeps the best placement.
 pub(super) struct PlacementSearch<'a> {
-    /// What is to be placed.
+    /// The placement task.
     pub(super) task: Task<'a>,
     /// The best placement so far.
     pub(super) best: Option<PlacementCandidate>,

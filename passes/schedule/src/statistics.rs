@@ -1,4 +1,4 @@
-//! What a placement uses, computed from the placed function alone.
+//! The statistics of a placement, computed from the placed function alone.
 
 use super::choice::RANKS;
 use super::network::Wires;
@@ -17,7 +17,7 @@ pub struct ElementSpread {
     pub max: u32,
 }
 
-/// What the elements of one kind do.
+/// The work of the elements of one kind.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct KindStatistics {
     /// Name of the kind.
@@ -34,14 +34,14 @@ pub struct KindStatistics {
     pub buffer: ElementSpread,
 }
 
-/// What a placement uses (thesis 2.3, figures 2.4 to 2.7, and 1.2.3).
+/// The resources a placement uses (thesis 2.3, figures 2.4 to 2.7, and 1.2.3).
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct PlacementStatistics {
     /// The kinds, in the machine's order.
     pub kinds: Vec<KindStatistics>,
     /// Operations per processing element and cycle.
     pub parallelisation_rate: f64,
-    /// How many operations have each rank of Table 2.1, from rank 1 on. The
+    /// The number of operations of each rank of Table 2.1, from rank 1 on. The
     /// first reader of a word accounts for its transfer; later readers find
     /// it in memory.
     pub ranks: [u32; 9],
@@ -204,8 +204,8 @@ impl PlacedView<'_> {
         }
         let backs: Vec<(Value, u32)> = self.values().collect();
         let back_of = |value: Value| {
-            let found = backs.partition_point(|&(known, _)| known < value);
-            backs.get(found).map_or(0, |&(_, back)| back)
+            let found = backs.binary_search_by_key(&value, |&(known, _)| known);
+            backs[found.expect("a value that is written was computed by an element")].1
         };
         let mut ranks = [0; 9];
         for (node, _) in self.values() {
@@ -213,11 +213,9 @@ impl PlacedView<'_> {
             let status = |side: usize| match self.write_read(node, side) {
                 Some(write) if first_read[write] == cycle => {
                     let producer = self.function.node(node).operands[side].value();
-                    let back = producer.map_or(0, back_of);
-                    let departs = producer.map_or(0, |value| {
-                        self.departs(value, &self.placement.writes[write])
-                    });
-                    if departs == back { 1 } else { 2 }
+                    let producer = producer.expect("only values are written");
+                    let departs = self.departs(producer, &self.placement.writes[write]);
+                    if departs == back_of(producer) { 1 } else { 2 }
                 }
                 _ => 0,
             };

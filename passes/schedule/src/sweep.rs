@@ -27,9 +27,9 @@ pub(super) struct ScheduleDraft {
     pub(super) reads: Vec<[u32; Operand::MAX_COUNT]>,
     /// The nodes whose operands change sides.
     pub(super) swapped: Vec<bool>,
-    /// Where the data are.
+    /// The places of the data.
     pub(super) locations: Locations,
-    /// What is taken when.
+    /// The reserved ports and links.
     pub(super) ports: Ports,
     /// Live words per memory at the end.
     pub(super) live: Vec<u32>,
@@ -42,7 +42,7 @@ pub(super) struct ScheduleDraft {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Stuck;
 
-/// What came of trying to issue an operation.
+/// The outcome of trying to issue an operation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum IssueOutcome {
     /// It is issued.
@@ -53,7 +53,7 @@ pub(super) enum IssueOutcome {
     Failed,
 }
 
-/// What is to be placed, where and how.
+/// The placement task: function, machine and manner.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task<'a> {
     /// The function.
@@ -62,7 +62,7 @@ pub(super) struct Task<'a> {
     pub(super) graph: &'a DependenceGraph,
     /// The machine.
     pub(super) machine: &'a Machine,
-    /// Which element an operation goes to.
+    /// The rule for which element an operation goes to.
     pub(super) choice: ElementChoice,
     /// The length aimed at: the bound.
     pub(super) target: u32,
@@ -98,7 +98,7 @@ pub(super) fn sweep(
     Ok(sweep.draft)
 }
 
-/// What a node that is not issued waits for.
+/// The state of a node that is not issued.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Waiting {
     /// When the operands issued so far can all be read.
@@ -119,7 +119,7 @@ pub(super) struct Sweep<'a> {
     pub(super) draft: ScheduleDraft,
     pub(super) calendar: Calendar,
     pub(super) ready: Vec<RankSet>,
-    /// What each node waits for.
+    /// The state of each node that is not issued.
     pub(super) waiting: Vec<Waiting>,
     /// The last cycle each element issued in, plus one.
     pub(super) busy: Vec<u32>,
@@ -134,7 +134,7 @@ pub(super) struct Sweep<'a> {
     pub(super) manner: Manner,
     /// The bookings, unless elements are decided at issue.
     pub(super) ahead: Option<Ahead>,
-    /// Which nodes are outputs.
+    /// For each node whether it is an output.
     pub(super) is_output: Vec<bool>,
 }
 
@@ -297,6 +297,14 @@ impl<'a> Sweep<'a> {
 
     /// Issues a node as planned.
     pub(super) fn commit(&mut self, node: usize, cycle: u32, plan: IssuePlan) {
+        debug_assert_eq!(
+            self.waiting[node].operands, 0,
+            "an operation is issued after all its operands"
+        );
+        debug_assert!(
+            self.busy[plan.element] <= cycle,
+            "an element issues one operation in a cycle"
+        );
         let data = self.graph.data[node];
         let mut reads = [NO_ENTRY; Operand::MAX_COUNT];
         for operand in 0..Operand::MAX_COUNT {
@@ -410,9 +418,7 @@ pub(super) fn reserve_indirect(
     memory: usize,
     travel: Travel,
 ) {
-    let Some((back, producer)) = source.result else {
-        return;
-    };
+    let (back, producer) = source.result.expect("only results are written");
     draft.ports.write(travel.arrives, memory);
     let departs = travel.departs;
     let word = WordTransfer {
@@ -443,7 +449,7 @@ fn outputs(function: &Function) -> Vec<bool> {
     is_output
 }
 
-/// How often each datum is read; an output counts once more, so that its
+/// The number of reads of each datum; an output counts once more, so that its
 /// words are never taken for dead.
 fn count_readers(function: &Function, graph: &DependenceGraph) -> Vec<u32> {
     let mut readers = vec![0; graph.data_len()];

@@ -26,7 +26,7 @@ use robovec_ir::{
 /// Attempts to keep within the allowed operations, each with fewer values.
 const ATTEMPTS: usize = 10;
 
-/// What compensation may use.
+/// The limits of compensation.
 pub(super) struct CompensationBudget {
     /// The longest path, in cycles.
     pub(super) limit: u32,
@@ -39,7 +39,7 @@ pub(super) struct CompensationBudget {
 /// A compensated version of a function.
 pub(super) struct Compensated {
     pub(super) function: Function,
-    /// How many values are tracked.
+    /// The number of values that are tracked.
     pub(super) tracked: usize,
     /// The squared error of all outputs that is to be expected, in units of
     /// the squared roundoff.
@@ -113,7 +113,7 @@ struct Correction {
     negative: bool,
 }
 
-/// What an old value has become.
+/// The translation of an old value.
 #[derive(Clone, Copy)]
 struct CompensatedValue {
     /// The value as it is rounded.
@@ -121,7 +121,7 @@ struct CompensatedValue {
     correction: Option<Correction>,
     /// For whoever does not take corrections.
     absorbed: Operand,
-    /// Which parts of the correction that has: its own, and those that come
+    /// The parts of the correction that exist: its own, and those that come
     /// with the operands.
     kept: [bool; 3],
 }
@@ -198,7 +198,8 @@ fn write(
     }
 }
 
-/// Which values are tracked or read a tracked one and carry its correction.
+/// For each value whether it is tracked, or reads a tracked one and carries its
+/// correction.
 fn raised(function: &Function, tracked: &[bool]) -> Vec<bool> {
     let mut raised = tracked.to_vec();
     for (value, node) in function.values() {

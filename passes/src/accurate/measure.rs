@@ -134,7 +134,7 @@ fn run<A: Arithmetic>(function: &Function, arithmetic: &A, state: &[f64]) -> Vec
     evaluate(function, arithmetic, &inputs)
 }
 
-/// How far a number is from the exact one; NaN where that is not finite.
+/// The distance of a number from the exact one; NaN where that is not finite.
 fn distance(exact: Double, computed: f64) -> f64 {
     match (exact.high.is_finite(), computed.is_finite()) {
         (false, _) => f64::NAN,

@@ -124,7 +124,7 @@ const FIRST_CHECKED: u32 = 1_000_000;
 /// From how many profiles sums are ordered, to be measured each.
 const PROFILES: u32 = 3;
 
-/// How many compensated versions are measured.
+/// The number of compensated versions that are measured.
 const MEASURED: usize = 3;
 
 impl Pass for Accurate {

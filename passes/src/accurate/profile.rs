@@ -1,5 +1,5 @@
-//! How large the values of a function are, and what a rounding of each does
-//! to the outputs.
+//! The sizes of the values of a function, and what a rounding of each does to
+//! the outputs.
 //!
 //! To first order a rounding `d` of a value moves output `o` by `g(o) d`,
 //! where `g(o)` is the derivative of the output with respect to the value
@@ -39,7 +39,7 @@ pub(crate) type StateLanes = [f64; LANES];
 pub(crate) struct SensitivityProfile {
     /// The inputs, element by element.
     inputs: Vec<StateLanes>,
-    /// What each node is.
+    /// The values of each node.
     values: Vec<StateLanes>,
     /// The derivative of the weighted outputs, each with a random sign, with
     /// respect to each node.
@@ -88,12 +88,12 @@ impl SensitivityProfile {
         profile
     }
 
-    /// What a node is.
+    /// The values of a node.
     pub(crate) fn value(&self, index: usize) -> &StateLanes {
         &self.values[index]
     }
 
-    /// What an operand is.
+    /// The values of an operand.
     pub(crate) fn operand(&self, function: &Function, operand: Operand) -> StateLanes {
         match operand.kind() {
             OperandKind::Value(value) => self.values[value.index()],
@@ -113,8 +113,8 @@ impl SensitivityProfile {
         &self.seeds[assignment]
     }
 
-    /// What the rounding of a node adds to the squared error of the outputs,
-    /// in units of the squared roundoff.
+    /// The part of the squared error of the outputs that the rounding of a node
+    /// adds, in units of the squared roundoff.
     pub(crate) fn blame(&self, index: usize) -> f64 {
         squares(&self.adjoints[index], &self.values[index])
     }

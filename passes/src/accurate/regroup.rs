@@ -27,7 +27,7 @@ const WORTH_TIME: f64 = 1e-5;
 /// rounding noise of the estimate change nothing.
 const CLEARLY_LESS: f64 = 0.999;
 
-/// What was done.
+/// The result of regrouping.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct Regrouped {
     pub(super) reordered: u64,
@@ -195,7 +195,7 @@ impl RegroupingWriter<'_> {
         chosen.filter(|(plan, _)| plan.cost < CLEARLY_LESS * present.0)
     }
 
-    /// What the sum costs as it is, and when it would be there.
+    /// The cost of the sum as it is, and when it would be there.
     fn present(&self, root: Value, terms: &[SumTerm]) -> (f64, u32) {
         let adjoint = self.profile.adjoint(root.index());
         let products = terms.iter().filter(|term| term.factors.is_some());
@@ -360,7 +360,7 @@ fn needed(plan: &SumPlan) -> Vec<bool> {
     needed
 }
 
-/// What adding two numbers costs.
+/// The cost of adding two numbers.
 fn addition(adjoint: &StateLanes, a: &StateLanes, b: &StateLanes) -> f64 {
     let setting = SumSetting {
         adjoint: *adjoint,

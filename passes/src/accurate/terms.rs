@@ -29,7 +29,7 @@ const EXHAUSTIVE: usize = 6;
 /// Sums of more terms stay as they are.
 pub(super) const MAX_TERMS: usize = 64;
 
-/// What a step reads.
+/// An operand of a step.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum StepSource {
     /// An operand of the function that is written.
@@ -79,9 +79,9 @@ pub(super) struct SumPlan {
     pub(super) cost: f64,
 }
 
-/// What a plan is made for.
+/// The setting that a plan is made for.
 pub(super) struct SumSetting {
-    /// What the sum does to the outputs: its adjoint, lane by lane.
+    /// The adjoint of the sum, lane by lane: its effect on the outputs.
     pub(super) adjoint: StateLanes,
     /// When the result must be there.
     pub(super) deadline: u32,
@@ -442,7 +442,7 @@ struct SubsetTree {
     arrival: u32,
     /// The subset on the right, 0 for a single term.
     split: usize,
-    /// Which trees of the two subsets.
+    /// The trees of the two subsets.
     sides: [u8; 2],
 }
 
@@ -485,7 +485,7 @@ struct FactoredPair {
     /// The common factor; none for a difference of squares.
     common: Option<TermFactor>,
     pair: [TermFactor; 2],
-    /// Which of the two terms are negative.
+    /// For each of the two terms whether it is negative.
     signs: [bool; 2],
     lanes: StateLanes,
 }

@@ -25,15 +25,15 @@ use robovec_framework::pass::Context;
 use robovec_ir::Function;
 use std::rc::Rc;
 
-/// How far and how wide forms go.
+/// The limits on the reach and the width of forms.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CompositionLimits {
     /// Cycles from one frontier to the next.
     pub(crate) grid: u32,
-    /// How many frontiers a form looks back; of every distance.
+    /// The number of frontiers a form looks back; of every distance.
     pub(crate) frontiers: u32,
-    /// How often the distance between frontiers is doubled for looking
-    /// further back.
+    /// The number of times that the distance between frontiers is doubled for
+    /// looking further back.
     pub(crate) doublings: u32,
     /// A form has at most so many late terms.
     pub(crate) width: usize,

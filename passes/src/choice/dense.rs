@@ -8,7 +8,7 @@ use super::network::{ChoiceForm, ChoiceNetwork, Class, SignedClass};
 use super::timing::{NetworkTiming, earliest_first, levels};
 use smallvec::SmallVec;
 
-/// What a form does with its terms.
+/// The operation of a form on its terms.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum DenseKind {
     /// Nothing: an input or constant.
@@ -34,7 +34,7 @@ struct DenseForm {
 pub(crate) struct Dense {
     classes: Vec<Class>,
     places: Vec<u32>,
-    /// Where the forms of each place start, and behind the last one.
+    /// The start of the forms of each place, and the end of the last ones.
     starts: Vec<u32>,
     forms: Vec<DenseForm>,
     terms: Vec<(u32, u32)>,
@@ -77,6 +77,7 @@ impl Dense {
     fn push(&mut self, network: &ChoiceNetwork, timing: &NetworkTiming, original: u32) {
         let form = network.form(original);
         let start = self.terms.len() as u32;
+        let own = self.starts.len() as u32 - 1;
         let (kind, cost) = match form {
             ChoiceForm::Input(..) | ChoiceForm::Constant(_) => (DenseKind::Leaf, 0),
             ChoiceForm::Opaque(index) => {
@@ -116,6 +117,12 @@ impl Dense {
             }
         };
         let end = self.terms.len() as u32;
+        debug_assert!(
+            self.terms[start as usize..]
+                .iter()
+                .all(|&(a, b)| [a, b].map(|used| used < own || used == Dense::NONE) == [true; 2]),
+            "a form uses only classes of earlier places"
+        );
         self.forms.push(DenseForm {
             kind,
             start,
@@ -130,9 +137,15 @@ impl Dense {
         self.classes.len()
     }
 
-    /// Where a class has been put.
+    /// The place of a class.
     pub(crate) fn place(&self, class: Class) -> u32 {
-        self.places[class.index()]
+        let place = self.places[class.index()];
+        debug_assert_ne!(
+            place,
+            Dense::NONE,
+            "only what an output can use has a place"
+        );
+        place
     }
 
     /// The class at a place.

@@ -103,7 +103,7 @@ fn sources(import: &Import, used: &[(Class, u32)], tables: &mut Tables) -> Vec<S
     sources
 }
 
-/// What the operations of one class are named and where they come from.
+/// The names and sources of the operations of one class.
 #[derive(Clone, Copy)]
 struct ClassNaming {
     last: Name,
@@ -138,11 +138,7 @@ impl ChoiceWriter<'_> {
     }
 
     fn held(&self, class: Class) -> Held {
-        self.held[class.index()].unwrap_or(Held {
-            operand: Operand::NONE,
-            negative: false,
-            arrival: 0,
-        })
+        self.held[class.index()].expect("a class is written before those that use it")
     }
 
     fn class(&mut self, class: Class, form: ChoiceForm, name: Name) {

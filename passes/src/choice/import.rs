@@ -11,7 +11,7 @@ use robovec_ir::{Function, Name, Operand, OperandKind, SourceSet, Tables, Value}
 /// A function read into a network.
 pub(crate) struct Import {
     pub(crate) network: ChoiceNetwork,
-    /// What each assignment is set to; `None` for zero.
+    /// The class that each assignment is set to; `None` for zero.
     pub(crate) outputs: Vec<Option<SignedClass>>,
     /// The classes of sums and products of the function, in program order,
     /// each once.
@@ -90,7 +90,7 @@ struct ChoiceImporter<'a> {
     inlined: Vec<bool>,
     values: Vec<Fingerprint>,
     timing: NetworkTiming,
-    /// What old values have become; `None` for zero.
+    /// The classes that old values have become; `None` for zero.
     map: Vec<Option<SignedClass>>,
     /// Products that became terms of the sum being read.
     products: Vec<Value>,
@@ -295,7 +295,7 @@ impl ChoiceImporter<'_> {
     }
 }
 
-/// Which products only one sum uses.
+/// For each value whether it is a product that only one sum uses.
 fn inlined(function: &Function, groups: &OperandGroups) -> Vec<bool> {
     let uses = function.use_counts();
     let mut inlined = vec![false; function.nodes().len()];

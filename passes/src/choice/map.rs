@@ -11,7 +11,7 @@ pub(crate) struct Mapping {
     /// The form chosen: index into the dense copy's forms.
     chosen: Vec<u32>,
     arrivals: Vec<u32>,
-    /// How many chosen forms and outputs use a class.
+    /// The number of chosen forms and outputs that use each class.
     uses: Vec<u32>,
     /// Latest arrivals that keep the outputs in time.
     required: Vec<u32>,

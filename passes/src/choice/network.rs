@@ -42,8 +42,8 @@ impl ProductTerm {
     }
 }
 
-/// How a class can be computed. Sums and products give the class's value or
-/// its negation.
+/// A form in which a class can be computed. Sums and products give the class's
+/// value or its negation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum ChoiceForm {
     /// An input, or its negation.
@@ -69,7 +69,7 @@ pub(crate) struct Opaque {
     pub(crate) negative: bool,
 }
 
-/// What is known of a class besides its value.
+/// A class: its value and what is known of it.
 #[derive(Clone, Copy, Debug)]
 struct Record {
     value: Fingerprint,
@@ -87,7 +87,7 @@ pub(crate) const RANK_STEP: u64 = 1 << 32;
 
 /// Classes and forms.
 pub(crate) struct ChoiceNetwork {
-    /// What values are identified in.
+    /// The images in which values are identified.
     pub(crate) images: Images,
     classes: Vec<Record>,
     /// Classes by the hash of their value.
@@ -97,7 +97,7 @@ pub(crate) struct ChoiceNetwork {
     known: HashSet<(Class, u64), FxBuildHasher>,
     terms: Vec<ProductTerm>,
     pub(crate) opaques: Vec<Opaque>,
-    /// What new classes are named after and come from.
+    /// The symbol that new classes are named after, and their sources.
     pub(crate) origin: (Symbol, SourceSet),
 }
 
@@ -195,7 +195,7 @@ impl ChoiceNetwork {
         self.classes[class.index()].rank
     }
 
-    /// What a class is named after, and the equations it comes from.
+    /// The symbol a class is named after, and the equations it comes from.
     pub(crate) fn origin_of(&self, class: Class) -> (Symbol, SourceSet) {
         let record = &self.classes[class.index()];
         (record.owner, record.sources)
@@ -258,9 +258,21 @@ impl ChoiceNetwork {
     }
 
     fn push_form(&mut self, class: Class, form: ChoiceForm) {
+        debug_assert!(
+            self.is_above_operands(class, form),
+            "a form uses only classes of smaller rank"
+        );
         let last = self.classes[class.index()].last;
         self.classes[class.index()].last = self.forms.len() as u32;
         self.forms.push((form, last));
+    }
+
+    /// True when a class has a greater rank than all that a form uses.
+    fn is_above_operands(&self, class: Class, form: ChoiceForm) -> bool {
+        let mut is_above = true;
+        let rank = self.rank(class);
+        self.operands(form, |operand| is_above &= self.rank(operand) < rank);
+        is_above
     }
 
     /// The class of an input.
@@ -285,8 +297,9 @@ impl ChoiceNetwork {
     /// Gives a class an operation as its form, unless it has one.
     pub(crate) fn add_opaque(&mut self, class: Class, opaque: Opaque) {
         if !self.is_defined(class) {
-            self.push_form(class, ChoiceForm::Opaque(self.opaques.len() as u32));
+            let index = self.opaques.len() as u32;
             self.opaques.push(opaque);
+            self.push_form(class, ChoiceForm::Opaque(index));
         }
     }
 

@@ -8,7 +8,7 @@ use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
 use smallvec::SmallVec;
 
-/// What operations weigh.
+/// The weights of operations.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NetworkTiming {
     pub(crate) weights: Weights,

@@ -77,8 +77,8 @@ impl<N> RigidBody<Option<N>> {
     }
 }
 
-/// How a frame stands on its parent: offset in the parent's axes, the joint's
-/// coordinate, and its cosine and sine.
+/// The position of a frame on its parent: offset in the parent's axes, the
+/// joint's coordinate, and its cosine and sine.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stand<N> {
     pub(super) joint: JointAxis,
@@ -96,7 +96,7 @@ pub(super) struct CompositeInertia<N> {
     pub(super) d: RingMatrix<N>,
 }
 
-/// What a unit acceleration needs.
+/// The wrench that a unit acceleration needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UnitWrench<N> {
     pub(super) force: RingVector<N>,

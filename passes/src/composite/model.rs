@@ -1,4 +1,4 @@
-//! What a function says about the system whose mass matrix it computes.
+//! The mass matrix that a function computes, and the inputs of its system.
 
 use crate::factor::network::{Edge, FactorKind, FactorNetwork};
 use hashbrown::{HashMap, HashSet};

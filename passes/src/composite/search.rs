@@ -7,11 +7,12 @@ use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_ir::{Input, Operation};
 use robovec_num::arithmetic::Arithmetic;
 
-/// How often a joint behind another may be explained anew to explain that one.
+/// The number of times that joints behind another may be explained anew to
+/// explain that one.
 const EFFORT: usize = 500;
-/// How many explanations of one column are kept.
+/// The largest number of explanations of one column that are kept.
 const MAX_OPTIONS: usize = 64;
-/// How far behind a joint choices are taken back to explain it.
+/// The number of joints behind one whose choices are taken back to explain it.
 const DEEPEST: usize = 3;
 
 /// The numbers the search computes with.
@@ -44,7 +45,7 @@ struct JointChoice {
     points: Vec<Option<usize>>,
 }
 
-/// What is known of a joint and of all behind it.
+/// The facts about a joint and all behind it.
 struct JointState {
     /// Explanations, given what was chosen behind the joint.
     options: Vec<JointChoice>,
@@ -80,7 +81,7 @@ pub(super) struct CompositeSearch<'a> {
     children: Vec<Vec<usize>>,
     parents: Vec<Option<usize>>,
     states: Vec<JointState>,
-    /// How often a joint may still be explained anew.
+    /// The number of times that joints may still be explained anew.
     effort: usize,
 }
 
@@ -412,7 +413,7 @@ impl<'a> CompositeSearch<'a> {
         self.states[joint].wrenches = wrenches;
     }
 
-    /// What has been chosen.
+    /// The placements that have been chosen.
     pub(super) fn places(&self) -> Vec<JointPlacement> {
         let mut places: Vec<JointPlacement> = (0..self.model.len())
             .map(|joint| JointPlacement {

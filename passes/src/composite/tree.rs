@@ -1,4 +1,4 @@
-//! Which tree of bodies a mass matrix belongs to.
+//! The search for the tree of bodies that a mass matrix belongs to.
 //!
 //! The zeros of the matrix tell which joints stand behind which. What is not
 //! known of a joint is its kind, one of six, and the point of its parent it
@@ -14,7 +14,7 @@ use super::model::ModelInputs;
 use super::search::CompositeSearch;
 use crate::factor::network::FactorNetwork;
 
-/// How a joint stands on its parent.
+/// The placement of a joint on its parent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct JointPlacement {
     /// The joint before it, counted from 0.

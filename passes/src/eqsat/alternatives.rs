@@ -1,4 +1,5 @@
-//! What extraction chooses from: classes of values, each with its forms.
+//! The alternatives that extraction chooses from: classes of values, each with
+//! its forms.
 //!
 //! The e-graph keeps a value and its negation apart, and signs outside of
 //! products. Here both become classes of their own where somebody needs them,
@@ -13,7 +14,7 @@ use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
 use rustc_hash::FxBuildHasher;
 
-/// What an alternative computes from its children.
+/// The operation of an alternative on its children.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum AlternativeKind {
     /// A value of the surroundings, by its number.
@@ -37,7 +38,7 @@ pub(crate) struct Alternative {
 }
 
 impl Alternative {
-    /// How many operations the alternative adds to its children.
+    /// The number of operations that the alternative adds to its children.
     pub(crate) fn operations(&self) -> u32 {
         let count = self.children.len() as u32;
         match self.kind {
@@ -112,7 +113,7 @@ pub(crate) fn all_negative(signs: u64, count: u32) -> bool {
 /// The times of the surroundings.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurroundingTimes<'a> {
-    /// What operations weigh.
+    /// The weights of operations.
     pub(crate) weights: &'a Weights,
     /// When each leaf is ready.
     pub(crate) leaves: &'a [u32],

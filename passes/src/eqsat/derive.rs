@@ -18,7 +18,7 @@ pub struct DerivationStep {
     pub term: Pattern,
 }
 
-/// What came of looking for a derivation.
+/// The outcome of looking for a derivation.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Derivation {
     /// The steps from the left to the right term.
@@ -28,7 +28,7 @@ pub enum Derivation {
         /// Of the terms equal to the left one, that nearest to the right one:
         /// the fewest operations and values are different.
         term: Pattern,
-        /// How it was reached.
+        /// The steps that reached it.
         steps: Vec<DerivationStep>,
         /// Everything the rules lead to was reached; otherwise the budget
         /// ended first.
@@ -38,7 +38,7 @@ pub enum Derivation {
     },
 }
 
-/// What looking for a derivation may cost.
+/// The limits of the search for a derivation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DerivationEffort {
     /// Nodes in the graph of equal terms.
@@ -209,7 +209,7 @@ fn nearest(
 ) -> RecExpr<EquivalentForm> {
     let mut classes: Vec<Id> = egraph.classes().map(|class| class.id).collect();
     classes.sort_unstable();
-    let place = |id: Id| classes.binary_search(&egraph.find(id)).unwrap_or(0);
+    let place = |id: Id| place_of(egraph, &classes, id);
     let smallest = smallest(egraph, &classes);
     let parts = goal.as_ref();
     // Per part and class the distance, and the form that has it; without a
@@ -266,6 +266,12 @@ struct DerivationTables<'a> {
     parts: &'a [EquivalentForm],
 }
 
+/// The place of an id's class among the classes of its e-graph, in order.
+fn place_of(egraph: &EGraph<EquivalentForm, ClassAnalysis>, classes: &[Id], id: Id) -> usize {
+    let place = classes.binary_search(&egraph.find(id));
+    place.expect("the classes are all of the e-graph")
+}
+
 /// Writes the chosen term. Depth is bounded by that of the goal and of the
 /// smallest terms, and those by the size of a pattern.
 fn build(
@@ -274,10 +280,7 @@ fn build(
     part: Option<usize>,
     term: &mut RecExpr<EquivalentForm>,
 ) -> Id {
-    let place = tables
-        .classes
-        .binary_search(&tables.egraph.find(class))
-        .unwrap_or(0);
+    let place = place_of(tables.egraph, tables.classes, class);
     let chosen = part.and_then(|part| Some((part, tables.table[part][place].1.as_ref()?)));
     let (form, goals) = match chosen {
         Some((part, form)) => (form.clone(), Some(tables.parts[part].children())),

@@ -40,7 +40,7 @@ pub(crate) struct Cover {
 
 /// Points kept per class.
 const FRONT: usize = 6;
-/// How often, per needed class and alternative, a change may be tried.
+/// The number of changes that may be tried per needed class and alternative.
 const CHANGES: usize = 20_000;
 
 /// Steps of the search at the end, which small e-graphs do not use up.
@@ -304,8 +304,8 @@ impl Extractor<'_> {
         choice
     }
 
-    /// How late each child of a form may be so that the form is in time: one
-    /// after the other takes what is left.
+    /// The latest time of each child of a form with which the form is in time:
+    /// one after the other takes what is left.
     fn bounds(&mut self, class: u32, index: usize, limit: u32, bounds: &mut Vec<u32>) {
         let form = &self.alternatives.classes[class as usize][index];
         bounds.clear();
@@ -441,14 +441,8 @@ impl Extractor<'_> {
 /// The cheapest point that is in time, or the earliest.
 fn within(front: &[ArrivalPoint], limit: u32) -> ArrivalPoint {
     let after = front.partition_point(|point| point.arrival <= limit);
-    front
-        .get(after.saturating_sub(1))
-        .copied()
-        .unwrap_or(ArrivalPoint {
-            arrival: NEVER,
-            operations: NEVER,
-            choice: 0,
-        })
+    let point = front.get(after.saturating_sub(1));
+    *point.expect("a class that can be computed has a point")
 }
 
 /// The points no other is better than, earliest first; of too many, the ends

@@ -102,7 +102,7 @@ pub(crate) fn terms(signs: u64, children: &[Id]) -> impl Iterator<Item = ClassRe
         })
 }
 
-/// What normalisation must know of an e-class at once.
+/// The facts about an e-class that normalisation must know at once.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(crate) struct ClassFacts {
     /// The bits of the number the class is.

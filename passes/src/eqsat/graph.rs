@@ -14,17 +14,18 @@ use rustc_hash::FxBuildHasher;
 /// The widest sum or product that is made: signs lie in 64 bits, and wider
 /// ones are better left to balancing.
 pub(crate) const WIDEST: usize = 24;
+const _: () = assert!(WIDEST <= 64, "a word holds the signs of the widest sum");
 
-/// What made a form that did not enter with the window: an index into the
+/// The maker of a form that did not enter with the window: an index into the
 /// rules, or into the structural steps after them.
 pub(crate) type FormMaker = u32;
 
 /// An e-graph over sums and products.
 pub(crate) struct EquivalenceGraph {
     pub(crate) egraph: EGraph<EquivalentForm, ClassAnalysis>,
-    /// Who made each form first; forms of the window itself have no entry.
+    /// The first maker of each form; forms of the window itself have no entry.
     makers: HashMap<Id, FormMaker, FxBuildHasher>,
-    /// Who is making forms now.
+    /// The present maker of forms.
     pub(crate) maker: Option<FormMaker>,
 }
 
@@ -59,7 +60,7 @@ impl EquivalenceGraph {
         id
     }
 
-    /// Who made a form that is in the e-graph; `None` when it came with the
+    /// The maker of a form that is in the e-graph; `None` when it came with the
     /// window.
     pub(crate) fn maker_of(&self, form: &EquivalentForm) -> Option<FormMaker> {
         // The memo holds the node's own number, not that of its class; it is

@@ -1,4 +1,4 @@
-//! Where a pattern over bags occurs in the e-graph.
+//! The search for occurrences of a pattern over bags in the e-graph.
 //!
 //! A sum pattern takes as many terms of a sum as it has, whichever they are;
 //! at the root of a rule the terms that are left over stay beside the result.
@@ -14,7 +14,7 @@ use super::graph::EquivalenceGraph;
 use super::pattern::{Bag, SignedPattern};
 use egg::Id;
 
-/// What a variable stands for.
+/// The binding of a variable.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum VariableBinding {
     /// One term.
@@ -30,7 +30,7 @@ pub(crate) enum VariableBinding {
 pub(crate) struct RuleMatch {
     /// The class of which it says something.
     pub(crate) class: Id,
-    /// What the variables stand for.
+    /// The bindings of the variables.
     pub(crate) bindings: Vec<Option<VariableBinding>>,
     /// The terms beside the matched ones, or the factors.
     pub(crate) rest: Vec<ClassReference>,
@@ -46,7 +46,7 @@ pub(crate) struct Matcher<'g> {
     found: Vec<RuleMatch>,
 }
 
-/// What is to be done when a part has matched.
+/// The continuation after a part has matched.
 type Next<'n> = &'n mut dyn FnMut(&mut Matcher<'_>);
 /// The same, with what is left over.
 type NextTerms<'n> = &'n mut dyn FnMut(&mut Matcher<'_>, &[ClassReference]);

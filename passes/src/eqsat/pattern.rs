@@ -175,7 +175,7 @@ impl From<&Pattern> for SignedPattern {
                 }
             });
         }
-        parts.pop().unwrap_or_else(|| SignedPattern::number(0.0))
+        parts.pop().expect("a pattern has a root")
     }
 }
 
@@ -234,10 +234,7 @@ impl BagRule {
             let negative = left.negative;
             (left.turned(negative), right.turned(negative))
         });
-        // There is always the mask that turns nothing.
-        turned
-            .min()
-            .unwrap_or_else(|| (self.left.clone(), self.right.clone()))
+        turned.min().expect("one of the masks turns nothing")
     }
 
     fn is_useful(&self) -> bool {

@@ -11,7 +11,7 @@ use super::window::{RewriteWindow, Surroundings, is_one_bag};
 use robovec_analysis::critical_path::{Weights, arrivals, tails};
 use robovec_ir::{Function, Value};
 
-/// How a round is run.
+/// The settings of a round.
 pub(crate) struct Settings<'a> {
     pub(crate) rules: &'a [BagRule],
     /// Instead: associativity and commutativity by rule.
@@ -19,7 +19,7 @@ pub(crate) struct Settings<'a> {
     pub(crate) weights: &'a Weights,
     /// Operations per window.
     pub(crate) size: usize,
-    /// What one window may cost.
+    /// The limits of one window.
     pub(crate) limits: SaturationLimits,
     /// Sines and cosines lie on the circle.
     pub(crate) trig: bool,
@@ -27,7 +27,7 @@ pub(crate) struct Settings<'a> {
     pub(crate) trail: bool,
 }
 
-/// What may still be spent.
+/// The budget that is left.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct RoundBudget {
     /// Forms made in all windows together.
@@ -43,12 +43,12 @@ pub(crate) struct Rewriting {
     pub(crate) alternatives: Alternatives,
     pub(crate) class: u32,
     pub(crate) cover: Cover,
-    /// Who made the chosen form of each class of the cover, in its order;
+    /// The maker of the chosen form of each class of the cover, in its order;
     /// empty when nobody asked.
     pub(crate) makers: Vec<Option<FormMaker>>,
 }
 
-/// What a round found.
+/// The result of a round.
 #[derive(Default)]
 pub(crate) struct RewritingRound {
     /// In program order of their roots.
@@ -126,7 +126,7 @@ pub(crate) fn run(
 /// Forms below which a window is not worth looking at.
 const SMALLEST: usize = 60;
 
-/// How many windows there will be at most.
+/// The largest number of windows.
 fn late(
     function: &Function,
     tails: &[u32],

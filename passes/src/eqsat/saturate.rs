@@ -6,7 +6,7 @@ use super::matching::{Matcher, RuleMatch, VariableBinding};
 use super::pattern::{Bag, BagRule, SignedPattern};
 use egg::{Id, Language};
 
-/// What saturation may cost. Everything is counted in work, so that results
+/// The limits of saturation. Everything is counted in work, so that results
 /// do not depend on the speed of the machine.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct SaturationLimits {
@@ -381,7 +381,7 @@ fn normalise(graph: &mut EquivalenceGraph, form: &EquivalentForm) -> Option<Clas
     }
 }
 
-/// What two bags have in common, and what each has besides.
+/// The common part of two bags, and the rest of each.
 fn common<T: Copy + PartialEq>(factors: &[T], others: &[T]) -> (Vec<T>, Vec<T>, Vec<T>) {
     let mut other_rest = others.to_vec();
     let (mut part, mut rest) = (Vec::new(), Vec::new());

@@ -20,7 +20,7 @@ use std::collections::BinaryHeap;
 pub(crate) struct RewriteWindow {
     /// The operations rewritten, in program order; the last is the root.
     pub(crate) interior: Vec<Value>,
-    /// What the leaves of the e-graph stand for.
+    /// The operands that the leaves of the e-graph stand for.
     pub(crate) leaves: Vec<Operand>,
     /// When each leaf is ready.
     pub(crate) times: Vec<u32>,
@@ -28,12 +28,12 @@ pub(crate) struct RewriteWindow {
     pub(crate) own: u32,
 }
 
-/// What is known of the function while its windows are chosen.
+/// The facts about the function while its windows are chosen.
 pub(crate) struct Surroundings<'a> {
     pub(crate) function: &'a Function,
     /// When each value is ready, as far as it is known.
     pub(crate) times: &'a [u32],
-    /// How often each value is read.
+    /// The number of reads of each value.
     pub(crate) uses: &'a [u32],
     /// The arguments of sines and cosines are of interest.
     pub(crate) trig: bool,
@@ -113,7 +113,7 @@ struct WindowImporter<'a, 'g> {
     window: RewriteWindow,
     numbers: HashMap<Operand, u32, FxBuildHasher>,
     interior: &'a [Value],
-    /// How often each interior value is read inside.
+    /// The number of reads of each interior value inside.
     inside: Vec<u32>,
     known: Vec<ClassReference>,
     /// The terms or factors of each interior value.
@@ -183,8 +183,8 @@ impl WindowImporter<'_, '_> {
         }
     }
 
-    /// What an operand brings into a bag: itself, or what it is made of when
-    /// only this bag uses it.
+    /// The parts that an operand brings into a bag: itself, or its own parts
+    /// when only this bag uses it.
     fn parts(&mut self, operation: Operation, operand: Operand) -> Vec<ClassReference> {
         if let Some(place) = self.place(operand) {
             let inner = self.interior[place];

@@ -83,6 +83,10 @@ pub(crate) fn write(
         };
         writer.map.push(operand);
     }
+    assert!(
+        next.next().is_none(),
+        "rewritings come in the order of their roots"
+    );
     writer.finish(tables)
 }
 
@@ -152,6 +156,10 @@ impl RewritingWriter<'_> {
                 .iter()
                 .map(|&child| values[child as usize])
                 .collect();
+            debug_assert!(
+                !children.contains(&Operand::NONE),
+                "a class is written before those that use it"
+            );
             values[place] = match form.kind {
                 AlternativeKind::Leaf(number) => {
                     self.translate(rewriting.window.leaves[number as usize])

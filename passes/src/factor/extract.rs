@@ -23,7 +23,7 @@ use rustc_hash::FxBuildHasher;
 /// order of the operands are paired.
 const REACH: usize = 24;
 
-/// What is taken out of both terms of a pair.
+/// The part that is taken out of both terms of a pair.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Common {
     /// Nothing: the pair itself is the divisor.
@@ -51,7 +51,7 @@ struct Divisors {
     occurrences: Vec<DivisorOccurrence>,
 }
 
-/// What the trail calls it.
+/// The name of the rule in the trail.
 const RULE: &str = "common-part";
 
 /// Gains are estimated in these fractions of an operation.
@@ -135,7 +135,7 @@ impl Divisors {
 }
 
 impl DivisorOccurrence {
-    /// What the divisor would save here if it were there.
+    /// The operations that the divisor would save here if it were there.
     fn estimate(&self, network: &FactorNetwork) -> i64 {
         if self.common == Common::Nothing {
             return UNIT;
@@ -157,7 +157,7 @@ impl DivisorOccurrence {
         UNIT + freed - UNIT * common.len() as i64
     }
 
-    /// What making the divisor costs.
+    /// The operations that making the divisor costs.
     fn price(&self, network: &FactorNetwork) -> i64 {
         if self.common == Common::Nothing {
             return UNIT;
@@ -200,7 +200,7 @@ fn factors(network: &FactorNetwork, term: Edge) -> (bool, Vec<Edge>) {
     (term.negative() ^ odd, factors)
 }
 
-/// What two sorted lists have in common, and what not.
+/// The common part of two sorted lists, and the rest of each.
 fn divide(left: &[Edge], right: &[Edge]) -> (Vec<Edge>, [Vec<Edge>; 2]) {
     let (mut common, mut rest) = (Vec::new(), [Vec::new(), Vec::new()]);
     let (mut i, mut j) = (0, 0);
@@ -291,9 +291,9 @@ fn for_each_pair(
     }
 }
 
-/// How often each divisor occurs, without the divisors: a byte for each slot
-/// of a table. Divisors that share a slot look more frequent than they are,
-/// which costs a look and nothing else.
+/// The number of occurrences of each divisor, without the divisors: a byte for
+/// each slot of a table. Divisors that share a slot look more frequent than
+/// they are, which costs a look and nothing else.
 struct DivisorSketch {
     slots: Vec<u8>,
 }

@@ -36,7 +36,7 @@ impl Edge {
     }
 }
 
-/// What a node computes.
+/// The operation or leaf that a node is.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum FactorKind {
     /// An input element.
@@ -67,7 +67,7 @@ pub(crate) struct FactorNode {
     pub(crate) position: u64,
     /// [`Name::NONE`] for a value the pass made.
     pub(crate) name: Name,
-    /// What names derived for it start with.
+    /// The symbol that names derived for it start with.
     pub(crate) owner: Symbol,
     pub(crate) sources: SourceSet,
     /// The rule that made or rewrote it, for the trail.
@@ -94,10 +94,10 @@ impl NodeOrigin {
 /// The network.
 #[derive(Clone)]
 pub(crate) struct FactorNetwork {
-    /// What values are identified in.
+    /// The images in which values are identified.
     pub(crate) images: Images,
     pub(crate) nodes: Vec<FactorNode>,
-    /// What the outputs are set to.
+    /// The edges that the outputs are set to.
     pub(crate) outputs: Vec<Edge>,
     /// Operations that the outputs need.
     pub(crate) cost: i64,
@@ -245,7 +245,7 @@ impl FactorNetwork {
         }
     }
 
-    /// What a node costs while it is used.
+    /// The cost of a node while it is used.
     fn own_cost(&self, node: usize) -> i64 {
         match self.nodes[node].kind {
             FactorKind::Input(_) | FactorKind::Constant(_) | FactorKind::Part(_) => 0,
@@ -287,6 +287,10 @@ impl FactorNetwork {
         kind: FactorKind,
         operands: Vec<Edge>,
     ) -> (FactorKind, Vec<Edge>) {
+        debug_assert!(
+            self.below(&operands, self.nodes[node].position),
+            "operands stand at lower positions"
+        );
         for &edge in &operands {
             self.acquire(edge);
         }
@@ -314,6 +318,13 @@ impl FactorNetwork {
             .filter(|&node| self.nodes[node as usize].uses > 0)
             .collect();
         order.sort_by_key(|&node| (self.nodes[node as usize].position, node));
+        debug_assert!(
+            order.iter().all(|&node| {
+                let node = &self.nodes[node as usize];
+                self.below(&node.operands, node.position)
+            }),
+            "operands stand at lower positions than their users"
+        );
         order
     }
 

@@ -45,7 +45,7 @@ pub(crate) fn read(function: &Function, tables: &mut Tables, circle: bool) -> Fa
 
 struct FactorReader<'a> {
     network: FactorNetwork,
-    /// What the values read so far have become.
+    /// The edges that the values read so far have become.
     map: Vec<Edge>,
     inputs: HashMap<u32, Edge>,
     function: &'a Function,

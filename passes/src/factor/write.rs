@@ -48,7 +48,7 @@ pub(crate) fn write(
     writer.out
 }
 
-/// What is left of the values that became part of others.
+/// The names and sources of the values that became part of others.
 struct MergedParts {
     merged: Vec<(u32, NodeOrigin)>,
 }

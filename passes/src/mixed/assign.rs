@@ -16,7 +16,7 @@ const PROFILES: u32 = 2;
 /// that were seen.
 const MARGIN: f64 = 4.0;
 
-/// What there is to choose from.
+/// The formats there are to choose from.
 pub(super) struct Choices {
     /// By node and format: cost, and share in the squared error.
     options: Vec<(f64, f64)>,
@@ -48,7 +48,7 @@ impl FormatAssignment {
         all
     }
 
-    /// How many values have each format.
+    /// The number of values of each format.
     pub(super) fn counts(&self, formats: usize) -> Vec<u64> {
         let mut counts = vec![0; formats];
         for &chosen in &self.chosen {
@@ -76,7 +76,7 @@ pub(super) fn uniform_cost(function: &Function, format: Format) -> f64 {
     nodes.map(|node| cost(node.operation, format)).sum()
 }
 
-/// What an operation costs: a multiplier has as many cells as the square of
+/// The cost of an operation: a multiplier has as many cells as the square of
 /// the bits of its factors, an adder and a word as many as bits.
 fn cost(operation: Operation, format: Format) -> f64 {
     let bits = f64::from(format.significand());
@@ -93,6 +93,10 @@ impl Choices {
     pub(super) fn new(search: &FormatSearch<'_>) -> Choices {
         let function = search.view.function;
         let formats = &search.formats;
+        assert!(
+            formats.len() <= 1 << u8::BITS,
+            "a byte tells the formats apart"
+        );
         let arithmetics: Vec<FormatArithmetic> = formats
             .iter()
             .map(|&format| FormatArithmetic::mixed(format))

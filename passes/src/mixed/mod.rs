@@ -95,7 +95,7 @@ declare_pass! {
 const FIRST_CHOSEN: u32 = 2000;
 const FIRST_CHECKED: u32 = 1_000_000;
 
-/// How often outputs are weighted anew.
+/// The number of times that outputs are weighted anew.
 const ROUNDS: usize = 3;
 
 /// Functions of more operations have one round.
@@ -191,14 +191,14 @@ impl Mixed {
     }
 }
 
-/// What is known while formats are chosen.
+/// The state of the search for formats.
 struct FormatSearch<'a> {
     view: View<'a>,
     states: States,
     allowed: &'a Allowed,
     choosing: AccuracyCheck,
     formats: Vec<Format>,
-    /// How much each output counts.
+    /// The weight of each output.
     weights: Vec<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! What was tried, as lines of equal columns.
+//! The table of the variants that were tried, as lines of equal columns.
 
 use super::trial::VariantTrial;
 

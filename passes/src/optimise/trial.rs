@@ -10,7 +10,7 @@ use robovec_ir::count::Counts;
 use robovec_ir::{Function, Level, Machine, Operation};
 use robovec_schedule::{PlaceError, schedule_bound};
 
-/// What is known of a variant.
+/// A variant with its figures.
 pub(super) struct VariantTrial {
     /// Its name.
     pub(super) name: String,
@@ -26,7 +26,7 @@ pub(super) struct VariantTrial {
     pub(super) bound: Result<u32, PlaceError>,
     /// The schedule, where one was made.
     pub(super) cycles: Option<u32>,
-    /// Why it was not made or not placed.
+    /// The reason why it was not made or not placed.
     pub(super) remark: &'static str,
     /// No schedule is shorter for want of elements alone.
     shared: u32,
@@ -84,7 +84,7 @@ fn shared(function: &Function, machine: &Machine) -> u32 {
     of_kind.max().unwrap_or(0)
 }
 
-/// What variants are made from.
+/// The function and settings that variants are made from.
 struct Workshop<'a> {
     machine: &'a Machine,
     /// The function at the level atomic.

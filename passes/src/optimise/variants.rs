@@ -1,4 +1,4 @@
-//! What is tried.
+//! The variants that are tried.
 //!
 //! A variant is what a pipeline makes of the function as it came, or of
 //! another variant, so that common work is done once. Variants stand in the
@@ -14,7 +14,7 @@ pub(super) struct Variant {
     pub(super) name: &'static str,
     /// The variant it starts from; the function as it came, if none.
     pub(super) from: Option<&'static str>,
-    /// What is run.
+    /// The pipeline that is run.
     pub(super) pipeline: &'static str,
     /// The same with fewer operations allowed: where that one already has too
     /// many for the elements, this one is not tried.
@@ -92,8 +92,8 @@ pub(super) const VARIANTS: &[Variant] = &[
     ),
 ];
 
-/// What makes variants of products and sums in one, on machines that have
-/// elements for it: names and pipelines.
+/// The variants with products and sums in one, on machines that have elements
+/// for it: names and pipelines.
 pub(super) const FUSED: [(&str, &str); 2] =
     [("fused", "fma"), ("fused in part", "fma{share=true}")];
 

@@ -66,7 +66,7 @@ pub(crate) fn reassociate_asking(
         .finish(tables)
 }
 
-/// What is known of the function read before anything is written.
+/// The facts about the function read, collected before anything is written.
 struct ReassociationPlan<'a> {
     function: &'a Function,
     groups: OperandGroups,
@@ -106,7 +106,7 @@ impl<'a> ReassociationPlan<'a> {
     }
 }
 
-/// What an old value has become: an operand, perhaps with the wrong sign.
+/// The operand that an old value has become, perhaps with the wrong sign.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct SignedOperand {
     pub(super) operand: Operand,
@@ -124,7 +124,7 @@ pub(super) struct GroupTerm {
     pub(super) leaf: Option<GroupLeaf>,
 }
 
-/// How often a pair is wanted, and how early it is ready.
+/// The rank of a pair: how often it is wanted, and how early it is ready.
 pub(super) type Score = (u32, Reverse<u32>);
 
 /// Latest times of the groups' results, and the pairs worth sharing.
@@ -451,8 +451,8 @@ impl<'p> TreeBuilder<'p> {
         self.out.assignments = assignments;
     }
 
-    /// How late each old value may be without lengthening the longest path,
-    /// and which pairs occur more than once.
+    /// The latest time of each old value that does not lengthen the longest
+    /// path, and which pairs occur more than once.
     fn deadlines(self) -> Deadlines {
         let tails = tails(&self.out, &self.weights);
         let longest = self.arrivals.iter().copied().max().unwrap_or(0);

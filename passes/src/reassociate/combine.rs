@@ -7,6 +7,7 @@
 /// When the last operation of a group is done if the two earliest operands
 /// are combined first; `arrivals` must be sorted and is used up.
 pub(crate) fn finish(arrivals: &mut [u32], weight: u32) -> u32 {
+    debug_assert!(arrivals.is_sorted(), "arrivals are sorted");
     let mut first = 0;
     while first + 1 < arrivals.len() {
         let combined = arrivals[first + 1] + weight;

@@ -3,7 +3,7 @@
 use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{Function, Operand, Operation, Value};
 
-/// How far a group reaches into the values that only it uses.
+/// The reach of a group into the values that only it uses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum GroupReach {
     /// One operation is one group.
@@ -14,7 +14,7 @@ pub(crate) enum GroupReach {
     Maximal,
 }
 
-/// What a group computes.
+/// The operation of a group.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum GroupFamily {
     /// A signed sum: additions, subtractions and minuses.
@@ -101,6 +101,11 @@ impl OperandGroups {
 
     fn read(function: &Function, absorbed: Vec<bool>, frozen: Vec<bool>) -> OperandGroups {
         let count = function.nodes().len();
+        assert_eq!(absorbed.len(), count, "every value is absorbed or not");
+        assert!(
+            frozen.is_empty() || frozen.len() == count,
+            "all values may be frozen or none is"
+        );
         let mut groups = OperandGroups {
             absorbed,
             frozen,
@@ -131,7 +136,7 @@ impl OperandGroups {
 
     /// True when the value must stay the operation it is.
     pub(super) fn is_frozen(&self, value: Value) -> bool {
-        self.frozen.get(value.index()).copied().unwrap_or(false)
+        !self.frozen.is_empty() && self.frozen[value.index()]
     }
 
     /// Terms or factors of the group of a value, left to right, without the
@@ -184,7 +189,7 @@ impl OperandGroups {
     }
 }
 
-/// Which values are part of the group of their one user.
+/// For each value whether it is part of the group of its one user.
 fn absorbed(function: &Function, reach: GroupReach) -> Vec<bool> {
     let mut absorbed = vec![false; function.nodes().len()];
     if reach == GroupReach::Operation {

@@ -1,4 +1,5 @@
-//! Where a value is negated that an output needs with the other sign.
+//! The places where a value is negated that an output needs with the other
+//! sign.
 //!
 //! What [`super::signs`] cannot arrange for nothing costs one `0 - x`. After
 //! the result it comes latest of all; before it, on a leaf that is early
@@ -75,7 +76,7 @@ impl Negations {
     }
 }
 
-/// How a group gets its other sign earliest.
+/// The way in which a group gets its other sign earliest.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Turn {
     /// By a `0 - x` after it.

@@ -16,7 +16,7 @@ use std::hash::BuildHasher;
 /// The largest group whose pairs are considered.
 pub(super) const LARGEST_GROUP: usize = 16;
 
-/// How many pairs of a group are counted.
+/// The number of pairs of a group that are counted.
 pub(super) fn pairs_of(leaves: usize) -> usize {
     if leaves > LARGEST_GROUP {
         0

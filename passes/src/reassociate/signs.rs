@@ -1,4 +1,4 @@
-//! Which sign each value should be stored with.
+//! The signs with which values should be stored.
 //!
 //! A sum with terms of both signs can be stored either way for nothing, all
 //! other groups inherit their sign from their leaves. Going backwards from

@@ -160,9 +160,8 @@ impl TreeBuilder<'_> {
             heap.push(Reverse((term.arrival, term.order, index as u32)));
         }
         while heap.len() > 1 {
-            let (Some(Reverse(a)), Some(Reverse(b))) = (heap.pop(), heap.pop()) else {
-                break;
-            };
+            let mut earliest = || heap.pop().expect("the heap holds two terms or more").0;
+            let (a, b) = (earliest(), earliest());
             let last = heap.is_empty();
             let (a, b) = (terms[a.2 as usize], terms[b.2 as usize]);
             let (a, b) = if a.order <= b.order { (a, b) } else { (b, a) };
@@ -170,10 +169,8 @@ impl TreeBuilder<'_> {
             heap.push(Reverse((joined.arrival, joined.order, terms.len() as u32)));
             terms.push(joined);
         }
-        let last = heap
-            .pop()
-            .map_or(0, |Reverse((_, _, index))| index as usize);
-        terms[last].value
+        let Reverse((_, _, last)) = heap.pop().expect("a group that is not empty has a root");
+        terms[last as usize].value
     }
 
     /// The two earliest first, found by looking at all: for few terms faster
@@ -256,8 +253,8 @@ impl TreeBuilder<'_> {
         best.map(|(_, pair)| pair)
     }
 
-    /// How much sharing a pair is worth, and when it is ready; `None` when
-    /// nobody else wants it.
+    /// The worth of sharing a pair, and when it is ready; `None` when nobody
+    /// else wants it.
     fn worth(
         &self,
         family: GroupFamily,
@@ -294,5 +291,5 @@ fn earliest(terms: &[GroupTerm], other_than: Option<usize>) -> usize {
             best = Some(index);
         }
     }
-    best.unwrap_or(0)
+    best.expect("there is a term besides the one left out")
 }

@@ -32,7 +32,7 @@ impl Known {
     }
 }
 
-/// How a number was made.
+/// The expression that made a number.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum NumberExpression {
     /// It stands in the function or in the scene.
@@ -155,12 +155,12 @@ impl KnownNumbers {
         self.entries[known.index()].value.value.high[0]
     }
 
-    /// How a number was made; what it was made of has smaller indices.
+    /// The expression that made a number; its operands have smaller indices.
     pub(super) fn expression(&self, known: Known) -> NumberExpression {
         self.entries[known.index()].expression
     }
 
-    /// How many there are.
+    /// Their number.
     pub(super) fn len(&self) -> usize {
         self.entries.len()
     }

@@ -11,7 +11,7 @@ use robovec_ir::{
     SourceSet, Symbol, Tables, Value,
 };
 
-/// What happened to operations.
+/// The tally of what happened to operations.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct OperationTally {
     /// Their result is a number.

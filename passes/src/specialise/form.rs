@@ -1,11 +1,11 @@
-//! What is known of a value: a number, an operand, or a sum of operands times
+//! The known form of a value: a number, an operand, or a sum of operands times
 //! numbers that is not computed yet.
 
 use super::constants::{Known, KnownNumbers};
 use robovec_ir::{Name, Operand, Operation, SourceSet};
 use smallvec::SmallVec;
 
-/// What an old value has become.
+/// The translation of an old value.
 #[derive(Clone, Debug)]
 pub(super) enum Reading {
     /// A number.

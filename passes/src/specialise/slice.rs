@@ -1,4 +1,5 @@
-//! What a scene needs of a function: its outputs, and the arrays that are left.
+//! The part of a function that a scene needs: its outputs, and the arrays that
+//! are left.
 
 use robovec_framework::rewrite::remove_dead;
 use robovec_framework::scene::Scene;

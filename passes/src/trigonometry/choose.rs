@@ -1,10 +1,10 @@
-//! Which polynomials a range gets.
+//! The choice of polynomials for a range.
 
 use super::options::CircularMethod;
 use robovec_ir::Format;
 use robovec_num::trigonometry::{Circular, Halved, MAX_ORDER, Polynomial};
 
-/// What the user asked for.
+/// The user's wishes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wish {
     pub(super) method: CircularMethod,

@@ -10,7 +10,7 @@ use robovec_ir::{
 use robovec_num::trigonometry::Circular;
 use std::collections::BTreeMap;
 
-/// What becomes of one angle.
+/// The treatment of one angle.
 pub(super) enum Treatment {
     /// Nothing: its sines and cosines stay.
     Left,
@@ -24,11 +24,11 @@ pub(super) enum Treatment {
 struct AngleState {
     /// The angle's own operand, of the first sine or cosine met.
     operand: Operand,
-    /// What each node of the recipe has become.
+    /// The operand that each node of the recipe has become.
     written: Vec<Operand>,
     /// The equations of all its sines and cosines.
     sources: SourceSet,
-    /// How often its sine and its cosine are written.
+    /// The numbers of times that its sine and its cosine are written.
     copies: [u32; 2],
 }
 

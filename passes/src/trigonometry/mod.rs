@@ -156,8 +156,8 @@ impl Pass for Trigonometry {
     }
 }
 
-/// What is proved of the function: errors of sines and cosines, while the
-/// inputs that angles depend on lie within their bounds.
+/// The promise that is proved of the function: errors of sines and cosines,
+/// while the inputs that angles depend on lie within their bounds.
 fn promise(
     function: &Function,
     tables: &Tables,
@@ -200,7 +200,7 @@ struct CircularAngle {
     known: Option<f64>,
     /// Whether its sine and its cosine are there.
     wanted: [bool; 2],
-    /// Where it is first written.
+    /// The sources of the place where it is first written.
     sources: SourceSet,
 }
 
@@ -227,7 +227,7 @@ fn occurrences(
     found
 }
 
-/// What is done with every angle.
+/// The decisions for every angle.
 struct Decided {
     treatments: BTreeMap<u64, Treatment>,
     /// One per recipe: its range, what was chosen for it.

@@ -6,7 +6,7 @@ use robovec_num::limits::Amount;
 use std::f64::consts::PI;
 
 option_words! {
-    /// How sines and cosines are computed.
+    /// The method by which sines and cosines are computed.
     pub enum CircularMethod {
         /// Left as they are: true sines and cosines.
         True = "true",
@@ -34,7 +34,7 @@ option_words! {
 }
 
 option_words! {
-    /// In which order a polynomial is evaluated.
+    /// The order in which a polynomial is evaluated.
     pub enum Scheme {
         /// The shortest path in cycles, then the fewest operations.
         Shortest = "shortest",

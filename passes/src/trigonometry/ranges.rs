@@ -1,4 +1,4 @@
-//! Which angles are the same, and between which bounds they lie.
+//! The angles that are the same, and the bounds between which they lie.
 //!
 //! An angle is mostly a joint coordinate or a sum of several. Angles with the
 //! same expression share what is computed of them, however often the

@@ -1,4 +1,4 @@
-//! How the sine and cosine of one angle are computed: a small function.
+//! The recipe for the sine and cosine of one angle: a small function.
 //!
 //! A recipe is a function of one input, the angle, at the atomic level and
 //! without names. What evaluates, times and bounds functions does so with
@@ -13,16 +13,16 @@ use robovec_ir::{
 use robovec_num::format::Format;
 use robovec_num::trigonometry::{Circular, Halved, Polynomial};
 
-/// What is computed of an angle.
+/// The computation of an angle's sine and cosine.
 #[derive(Clone, Debug)]
 pub struct Recipe {
     /// The operations; input 0 is the angle.
     pub function: Function,
     /// The sine and the cosine, [`Operand::NONE`] where it is not wanted.
     pub results: [Operand; 2],
-    /// How often each node is read, by nodes and results.
+    /// The number of reads of each node, by nodes and results.
     pub uses: Vec<u32>,
-    /// How often the angle is.
+    /// The number of reads of the angle.
     pub angle_uses: u32,
 }
 
@@ -40,7 +40,7 @@ impl Recipe {
         builder.finish(results, wanted)
     }
 
-    /// How many operations it takes.
+    /// The number of operations.
     pub fn operations(&self) -> usize {
         self.function.nodes().len()
     }
@@ -211,7 +211,7 @@ fn is_normal(polynomial: &Polynomial, format: Format) -> bool {
     coefficients.all(|&number| number == 0.0 || number.abs() >= least)
 }
 
-/// Which of [`Recipe::results`] belongs to a function.
+/// The index in [`Recipe::results`] that belongs to a function.
 pub(super) fn place(of: Circular) -> usize {
     match of {
         Circular::Sine => 0,

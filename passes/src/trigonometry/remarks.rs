@@ -1,4 +1,4 @@
-//! What the pass tells: errors that were proved, operations and cycles.
+//! The remarks of the pass: errors that were proved, operations and cycles.
 
 use super::choose::PolynomialChoice;
 use super::recipe::Recipe;

@@ -1,4 +1,4 @@
-//! What rounding adds to the error of a recipe.
+//! The error that rounding adds to that of a recipe.
 //!
 //! The standard forward bound: every operation's result is bounded on a part
 //! of the range by interval arithmetic, and its error by those of its

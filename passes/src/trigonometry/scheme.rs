@@ -1,4 +1,4 @@
-//! In which order a polynomial is evaluated.
+//! The order in which a polynomial is evaluated.
 //!
 //! A polynomial of `n` terms is a low part and a high part times a power of
 //! `t = x^2`; Horner's scheme always cuts behind the first term, Estrin's in
@@ -20,7 +20,7 @@ pub(super) struct OperationCycles {
     pub(super) multiply: u32,
 }
 
-/// How a part is computed.
+/// The form in which a part is computed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum PartForm {
     /// It is one term.

@@ -14,7 +14,7 @@ use crate::arithmetic::Arithmetic;
 pub struct DoubleLanes<const LANES: usize> {
     /// The numbers rounded to binary64.
     pub high: [f64; LANES],
-    /// What the rounding left out.
+    /// The remainders of the rounding.
     pub low: [f64; LANES],
 }
 

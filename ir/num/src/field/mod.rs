@@ -36,7 +36,7 @@ pub use prime::{MAX_RADICANDS, Modulus, Prime, is_prime};
 
 use crate::arithmetic::Arithmetic;
 
-/// Where functions are evaluated: what the random elements are drawn from.
+/// The point at which functions are evaluated: the seed of the random elements.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct FieldPoint {
     /// Selects the random elements that stand for inputs, sines, cosines and
@@ -90,7 +90,7 @@ pub struct PrimeField {
     pub circle: bool,
 }
 
-/// What a random element stands for; it keeps the draws apart.
+/// The role of a random element; it keeps the draws apart.
 #[derive(Clone, Copy)]
 enum DrawRole {
     Input = 1,

@@ -217,6 +217,10 @@ impl Prime {
                     .iter()
                     .all(|&number| may_be_square(number, modulus));
             if is_wanted && is_prime(order) && is_prime(modulus) {
+                assert!(
+                    (1 << 60..1 << 61).contains(&modulus),
+                    "a prime lies between 2^60 and 2^61"
+                );
                 let field = Modulus::new(modulus);
                 let mut roots = [(0, 0); MAX_RADICANDS];
                 for (place, &number) in roots.iter_mut().zip(radicands) {

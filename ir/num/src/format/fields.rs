@@ -1,4 +1,4 @@
-//! What the numbers of a format that is written as a table may be.
+//! The limits of the numbers of a format that is written as a table.
 
 use crate::limited_fields;
 

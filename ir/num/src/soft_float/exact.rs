@@ -51,6 +51,10 @@ impl ExactNumber {
         let place = self.significand.ilog2();
         let (significand, shift) = if place > LEADING {
             let shift = place - LEADING;
+            debug_assert!(
+                self.significand.trailing_zeros() >= shift,
+                "only zeros are shifted out"
+            );
             (self.significand >> shift, shift as i32)
         } else {
             let shift = LEADING - place;
@@ -114,6 +118,10 @@ pub(super) fn quotient(a: f64, b: f64) -> Option<ExactNumber> {
     let (a, b) = (ExactNumber::new(a)?, ExactNumber::new(b)?);
     let dividend = a.significand << 63;
     let rest = dividend % b.significand;
+    debug_assert!(
+        dividend / b.significand >= 1 << 62,
+        "an inexact quotient has 62 bits before its last"
+    );
     Some(ExactNumber {
         negative: a.negative != b.negative,
         significand: (dividend / b.significand) | u128::from(rest != 0),
@@ -127,6 +135,10 @@ pub(super) fn root(a: f64) -> Option<ExactNumber> {
     let shift = 62 + (a.exponent & 1) as u32;
     let radicand = a.significand << shift;
     let root = radicand.isqrt();
+    debug_assert!(
+        root >= 1 << 62,
+        "an inexact root has 62 bits before its last"
+    );
     Some(ExactNumber {
         negative: false,
         significand: root | u128::from(root * root != radicand),

@@ -55,7 +55,7 @@ pub struct FormatArithmetic {
     rounding: Rounding,
 }
 
-/// How the one rounding is reached.
+/// The method that reaches the result with one rounding.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum RoundingMethod {
     /// The hardware's binary32.

@@ -8,7 +8,7 @@ use crate::format::{FixedFormat, Format};
 /// carries enough.
 const NARROW: u32 = 50;
 
-/// How numbers are rounded into a format.
+/// The rounding of numbers into a format.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Rounding {
     Float(FloatRounding),
@@ -223,6 +223,10 @@ impl FixedRounding {
 /// even; the result must fit into 64 bits.
 fn multiples(significand: u128, exponent: i32, unit: i32) -> u64 {
     let shift = unit - exponent;
+    debug_assert!(
+        (significand.checked_ilog2().unwrap_or(0) as i32) - shift < 64,
+        "the multiples fit into 64 bits"
+    );
     if shift <= 0 {
         return (significand << -shift) as u64;
     }
@@ -244,6 +248,10 @@ fn signed(size: f64, negative: bool) -> f64 {
 
 /// `2^exponent`, from -1074 to 1023.
 fn power(exponent: i32) -> f64 {
+    debug_assert!(
+        (-1074..=1023).contains(&exponent),
+        "binary64 has the power of two"
+    );
     if exponent >= -1022 {
         f64::from_bits(((exponent + 1023) as u64) << 52)
     } else {

@@ -1,4 +1,4 @@
-//! Where the error of a polynomial lies, on a part of its range.
+//! An enclosure of the error of a polynomial on a part of its range.
 //!
 //! With `t = x^2`, the polynomial less the function's own series is a power
 //! series in `t` whose first coefficients are known to some 100 bits; cut off

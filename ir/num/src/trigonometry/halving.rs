@@ -20,7 +20,7 @@ pub struct Halved {
     pub sine: Polynomial,
     /// Stands for the cosine of the small angle.
     pub cosine: Polynomial,
-    /// How often the angle is halved.
+    /// The number of times the angle is halved.
     pub halvings: u32,
 }
 
@@ -52,8 +52,8 @@ impl Halved {
         range * 2f64.powi(-(self.halvings.min(MAX_HALVINGS) as i32))
     }
 
-    /// What the errors of sine and cosine become when the angles between
-    /// `low` and `high` are doubled back.
+    /// The errors of sine and cosine after the angles between `low` and `high`
+    /// are doubled back.
     fn doubled(&self, errors: [ErrorInterval; 2], low: f64, high: f64) -> [ErrorInterval; 2] {
         let [mut sine, mut cosine] = errors;
         let two = ErrorInterval::point(2.0);

@@ -25,6 +25,7 @@ impl ErrorInterval {
 
     /// The numbers of at most this size.
     pub fn within(size: f64) -> ErrorInterval {
+        debug_assert!(size.is_nan() || size >= 0.0, "a size is not negative");
         ErrorInterval {
             low: -size,
             high: size,

@@ -25,7 +25,7 @@ impl Circular {
         }
     }
 
-    /// How many coefficients a polynomial of an order has: those of powers
+    /// The number of coefficients of a polynomial of an order: those of powers
     /// up to the order.
     pub fn terms(self, order: u32) -> usize {
         ((order.max(1) - self.first_power()) / 2 + 1) as usize
@@ -69,7 +69,7 @@ pub const LARGEST_RANGE: f64 = 32.0;
 /// Invariant: there is at least one coefficient.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Polynomial {
-    /// What it stands for.
+    /// The function that it stands for.
     pub of: Circular,
     /// Its coefficients, as they are used.
     pub coefficients: Vec<f64>,
@@ -89,6 +89,10 @@ impl Polynomial {
 
     /// The largest power of the angle.
     pub fn degree(&self) -> u32 {
+        assert!(
+            !self.coefficients.is_empty(),
+            "a polynomial has a coefficient"
+        );
         2 * (self.coefficients.len() as u32 - 1) + self.of.first_power()
     }
 

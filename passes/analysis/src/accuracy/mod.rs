@@ -53,7 +53,7 @@ use std::array;
 /// The error of one output element.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ElementError {
-    /// Which element.
+    /// The element.
     pub output: Output,
     /// The distance from the exact value, in its unit.
     pub absolute: StateSpread,
@@ -77,7 +77,7 @@ pub struct ElementError {
     /// In how many states the computed number is not finite where the exact
     /// one is.
     pub overflowed: u32,
-    /// How much of the largest relative error lies in the problem; `None`
+    /// The part of the largest relative error that lies in the problem; `None`
     /// where it was not asked for.
     pub conditioned: Option<Conditioned>,
 }
@@ -91,7 +91,7 @@ pub struct Conditioned {
     /// That error over the condition number and the unit roundoff of the
     /// format: how many roundings of the inputs would do as much.
     pub backward: f64,
-    /// What follows.
+    /// The judgement that follows.
     pub judgement: Judgement,
 }
 
@@ -111,7 +111,7 @@ pub struct ArrayError {
 /// The errors in one number format.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FormatAccuracy {
-    /// What was computed with.
+    /// The format that was computed with.
     pub format: Format,
     /// All outputs in all states as one population.
     pub relative: StateSpread,
@@ -137,7 +137,7 @@ pub struct MatrixCondition {
     pub condition: StateSpread,
 }
 
-/// What stands behind the exact values.
+/// The evidence for the exact values.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Certainty {
     /// Outputs, in all states, whose nearest binary64 number is proved by
@@ -154,13 +154,13 @@ pub struct Certainty {
 /// The errors of a function.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Accuracy {
-    /// How many states were drawn.
+    /// The number of states that were drawn.
     pub states: u32,
     /// From which seed.
     pub seed: u64,
-    /// What the outputs were compared with.
+    /// The reference that the outputs were compared with.
     pub effort: ReferenceEffort,
-    /// How certain that is.
+    /// The certainty of that reference.
     pub certainty: Certainty,
     /// One entry per format, in the order they were asked for.
     pub formats: Vec<FormatAccuracy>,
@@ -189,17 +189,17 @@ pub struct ErrorSummary {
     pub worst_output: Option<Output>,
 }
 
-/// What is measured, and with how much effort.
+/// The measurement, and the effort it may take.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Measurement {
-    /// What is done for the exact values.
+    /// The effort for the exact values.
     pub effort: ReferenceEffort,
     /// Whether mixed errors get their floor; without, they are the relative
     /// ones.
     pub sensitivities: bool,
-    /// How many steps of reverse sweeps (operations times outputs) may be
-    /// spent on condition numbers; the outputs with the largest errors come
-    /// first. About a nanosecond each.
+    /// The number of steps of reverse sweeps (operations times outputs) that
+    /// may be spent on condition numbers; the outputs with the largest errors
+    /// come first. About a nanosecond each.
     pub condition_work: u64,
 }
 
@@ -374,7 +374,7 @@ struct FormatEvaluator<'a> {
     memory: FormatMemory,
 }
 
-/// What a format computes with, and its values.
+/// The arithmetic of a format, and its values.
 enum FormatMemory {
     Binary32(Vec<[f32; LANES]>),
     Binary64(Vec<[f64; LANES]>),

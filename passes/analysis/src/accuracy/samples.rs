@@ -15,10 +15,10 @@ const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
 struct Sample {
     /// The size of the exact value.
     size: f64,
-    /// How far the computed number is from it; NaN where the exact value is
-    /// not finite, infinite where only the computed one is not.
+    /// The distance of the computed number from it; NaN where the exact value
+    /// is not finite, infinite where only the computed one is not.
     distance: f64,
-    /// What the mixed error adds to the size.
+    /// The floor that the mixed error adds to the size.
     floor: f64,
     /// It is zero but for rounding and was not computed as zero.
     vanished: bool,
@@ -97,7 +97,10 @@ impl Samples {
                 (true, false) => f64::INFINITY,
                 (true, true) => exact.distance(computed),
             };
-            let floor = floors.get(place).copied().unwrap_or(0.0);
+            let floor = match floors {
+                [] => 0.0,
+                floors => floors[place],
+            };
             samples.push(Sample {
                 size,
                 distance,

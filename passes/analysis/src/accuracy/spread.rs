@@ -1,6 +1,6 @@
 //! A few places in a distribution of errors.
 
-/// Where the errors of one thing lie over all states.
+/// The spread of the errors of one thing over all states.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct StateSpread {
     /// Half of the states are at or below it.

@@ -18,15 +18,15 @@ pub struct Blame {
 /// The part of an equation of the user in the error.
 #[derive(Clone, PartialEq, Debug)]
 pub struct EquationBlame {
-    /// Where it stands; `None` when the function does not say, and operations
-    /// are gathered by name.
+    /// Its place; `None` when the function does not say, and operations are
+    /// gathered by name.
     pub place: Option<SourcePlace>,
-    /// What it defines; `None` when nothing bears a name.
+    /// The symbol it defines; `None` when nothing bears a name.
     pub name: Option<Symbol>,
     /// Its part of all contributions, 0 to 1. An operation that stands for
     /// several equations counts for each with an equal part.
     pub share: f64,
-    /// How many operations of it lost something.
+    /// The number of its operations that lost something.
     pub operations: u32,
 }
 
@@ -74,7 +74,7 @@ impl Blame {
         }
     }
 
-    /// How many runs were refused.
+    /// The number of runs that were refused.
     pub fn refused(&self) -> u32 {
         self.refused
     }

@@ -6,9 +6,9 @@ use robovec_ir::{Format, Operation};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 
-/// How far the sine and cosine of the host's library can be from the true
-/// ones, relative to them, before they are rounded to the format: one unit in
-/// the last place of binary64.
+/// The largest distance of the sine and cosine of the host's library from the
+/// true ones, relative to them, before they are rounded to the format: one unit
+/// in the last place of binary64.
 const HOST: f64 = f64::EPSILON;
 
 /// The largest error of rounding to a format when the result is `value`: half

@@ -31,7 +31,7 @@ pub(super) fn tangent(operation: Operation, [a, b, _]: [f64; 3], result: f64) ->
     }
 }
 
-/// What an operand or a result is in both evaluations.
+/// An operand or a result in both evaluations.
 #[derive(Clone, Copy)]
 pub(super) struct EvaluationPair {
     /// In exact arithmetic, to binary64.

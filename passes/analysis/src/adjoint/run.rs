@@ -7,9 +7,9 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 use robovec_num::soft_float::FormatArithmetic;
 
-/// What a function computes in a format at one state, what it should have
-/// computed, and what every operation lost. All vectors count slots, as the
-/// [`Tape`] does.
+/// A run of a function in a format at one state: what it computes, what it
+/// should have computed, and what every operation lost. All vectors count
+/// slots, as the [`Tape`] does.
 #[derive(Clone, Debug)]
 pub struct AdjointRun<'a> {
     tape: &'a Tape,
@@ -20,7 +20,7 @@ pub struct AdjointRun<'a> {
     bounds: Vec<f64>,
 }
 
-/// What sweeps say of one output.
+/// The findings of sweeps about one output.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct OutputError {
     /// The exact value, to binary64.
@@ -123,7 +123,7 @@ impl<'a> AdjointRun<'a> {
         &self.errors
     }
 
-    /// What the operation of every slot lost: its result less the exact one
+    /// The local error of every slot's operation: its result less the exact one
     /// on the same operands; for inputs and literals what the conversion
     /// lost.
     pub fn local_errors(&self) -> &[f64] {

@@ -18,7 +18,7 @@ pub struct Tape {
     inputs: usize,
 }
 
-/// What lies in a slot.
+/// The content of a slot.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TapeSlot {
     /// The result of a node.
@@ -71,23 +71,23 @@ impl Tape {
         tape
     }
 
-    /// How many nodes the function has: their slots come first.
+    /// The number of nodes of the function: their slots come first.
     #[inline]
     pub fn nodes(&self) -> usize {
         self.operations.len()
     }
 
-    /// How many input elements it has.
+    /// The number of input elements.
     pub fn inputs(&self) -> usize {
         self.inputs
     }
 
-    /// How many assignments it has.
+    /// The number of assignments.
     pub fn outputs(&self) -> usize {
         self.outputs.len()
     }
 
-    /// How many slots there are: nodes, inputs, constants, and one for absent
+    /// The number of slots: nodes, inputs, constants, and one for absent
     /// operands, which always holds 0.
     #[inline]
     pub fn slots(&self) -> usize {
@@ -111,7 +111,7 @@ impl Tape {
         self.outputs[assignment] as usize
     }
 
-    /// What lies in a slot.
+    /// The content of a slot.
     pub fn slot(&self, slot: usize) -> TapeSlot {
         let nodes = self.nodes();
         if slot < nodes {

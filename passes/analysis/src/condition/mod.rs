@@ -62,7 +62,7 @@ pub fn conditions(tape: &Tape, inputs: &[f64], places: &[usize]) -> Vec<f64> {
 /// dozens of terms has in any case.
 pub const ORDINARY: f64 = 64.0;
 
-/// Where an error comes from.
+/// The origin of an error.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Judgement {
     /// It is ordinary: at most [`ORDINARY`] roundings.

@@ -4,7 +4,7 @@ use robovec_ir::Function;
 use robovec_ir::plan::EvaluationPlan;
 use robovec_num::arithmetic::Arithmetic;
 
-/// How many directions are taken at a time: the estimate of one output in one
+/// The number of directions taken at a time: the estimate of one output in one
 /// state is off by about a quarter, and that of its median over some states by
 /// a few hundredths.
 pub const DIRECTIONS: usize = 8;

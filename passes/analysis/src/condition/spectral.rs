@@ -97,7 +97,7 @@ impl Tridiagonal {
         }
     }
 
-    /// How many eigenvalues are below a number (Sylvester's law of inertia).
+    /// The number of eigenvalues below a number (Sylvester's law of inertia).
     fn below(&self, number: f64) -> usize {
         let mut count = 0;
         let mut pivot = 1.0;

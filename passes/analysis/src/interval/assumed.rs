@@ -6,11 +6,11 @@ use robovec_ir::View;
 use robovec_ir::states::States;
 use robovec_num::arithmetic::Binary64;
 
-/// How much wider than the hull of its samples a value is assumed to range:
-/// twice, about the same middle.
+/// The factor by which a value is assumed to range wider than the hull of its
+/// samples: twice, about the same middle.
 pub const MARGIN: f64 = 2.0;
 
-/// What a range rests on, the best first.
+/// The basis of a range, the best first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum RangeBasis {
     /// It is that of a literal, or was given for the input.
@@ -35,7 +35,7 @@ impl RangeBasis {
 /// The range of a leaf.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct LeafRange {
-    /// What it can be.
+    /// The range it can have.
     pub range: Interval,
     /// Why.
     pub knowledge: RangeBasis,

@@ -36,23 +36,23 @@ use robovec_num::soft_float::FormatArithmetic;
 /// enclosures widen faster than they tell.
 pub const USUAL: usize = 1000;
 
-/// What is enclosed in a window.
+/// The enclosures of a window.
 #[derive(Clone, PartialEq, Debug)]
 pub struct WindowEnclosure {
     /// The exact value of every leaf, then of every node.
     pub exact: Vec<Interval>,
     /// The same as the format computes it.
     pub computed: Vec<Interval>,
-    /// What each of them loses at most by its own rounding.
+    /// The largest loss of each of them by its own rounding.
     pub local: Vec<f64>,
     /// The error of the window's value at most, if the leaves that are values
     /// have none; infinite where nothing can be said.
     pub error: f64,
-    /// What the weakest range of a leaf rests on.
+    /// The basis of the weakest range of a leaf.
     pub knowledge: RangeBasis,
 }
 
-/// What a range says about a format.
+/// An alarm that a range raises about a format.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Alarm {
     /// Results may be larger than the format's largest number.
@@ -160,7 +160,7 @@ fn operate(operation: Operation, places: &[usize; 3], values: &[Interval]) -> In
     Enclosing.apply(operation, places.map(|place| values[place]))
 }
 
-/// What rounding makes of a range, and how far it moves a number at most.
+/// The range after rounding, and the largest distance it moves a number.
 fn rounded(operation: Operation, range: Interval, format: Format) -> (Interval, f64) {
     let ends = half_ulp(format, range.low).max(half_ulp(format, range.high));
     if ends.is_infinite() {

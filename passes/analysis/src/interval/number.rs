@@ -92,6 +92,7 @@ impl Interval {
         if low.is_nan() || high.is_nan() {
             return Interval::WHOLE;
         }
+        debug_assert!(low <= high, "the lower end is never above the upper one");
         Interval {
             low: low.next_down(),
             high: high.next_up(),

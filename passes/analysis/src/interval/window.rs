@@ -47,12 +47,18 @@ impl ConeWindow {
             }
         }
         nodes.reverse();
+        debug_assert!(
+            nodes.is_sorted_by(|one, next| one < next),
+            "the nodes of a window are in program order, each once"
+        );
         leaves.sort_unstable();
         leaves.dedup();
         let place = |slot: usize| match leaves.binary_search(&slot) {
             Ok(leaf) => leaf,
-            // What is read inside and no leaf is computed inside.
-            Err(_) => leaves.len() + nodes.partition_point(|&node| node < slot),
+            Err(_) => {
+                let inside = nodes.binary_search(&slot);
+                leaves.len() + inside.expect("what is read inside is a leaf or computed inside")
+            }
         };
         let operands = nodes.iter().map(|&node| {
             let arity = tape.operation(node).arity();

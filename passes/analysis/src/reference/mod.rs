@@ -40,7 +40,7 @@ use std::str::FromStr;
 /// States evaluated at a time.
 pub const LANES: usize = 8;
 
-/// How much is done for the exact outputs.
+/// The effort for the exact outputs.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum ReferenceEffort {
     /// Double-double, without a proof.
@@ -53,7 +53,7 @@ pub enum ReferenceEffort {
     Audit,
 }
 
-/// What stands behind an exact value.
+/// The evidence for an exact value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ExactEvidence {
     /// Double-double without a proof.
@@ -75,10 +75,10 @@ pub struct ExactOutput {
     /// The value; its upper half is the nearest binary64 number, proved
     /// unless `kind` says otherwise.
     pub value: Double,
-    /// How far the real number can be from the value; infinite without a
-    /// proof.
+    /// The largest distance of the real number from the value; infinite without
+    /// a proof.
     pub bound: f64,
-    /// What stands behind it.
+    /// The evidence for it.
     pub kind: ExactEvidence,
 }
 
@@ -97,8 +97,8 @@ pub struct ReferenceEvaluator<'a> {
     function: &'a Function,
     effort: ReferenceEffort,
     plan: EvaluationPlan,
-    /// Which assignments are zero in the prime field; found when first
-    /// needed.
+    /// For each assignment whether it is zero in the prime field; found when
+    /// first needed.
     zeros: Option<Vec<bool>>,
     /// Digits of pi for arbitrary precision, made when first needed.
     constants: Option<Consts>,
@@ -242,7 +242,8 @@ fn gather<T>(batch: &[Vec<f64>], make: impl Fn([f64; LANES]) -> T) -> Vec<T> {
         .collect()
 }
 
-/// Which assignments are zero at a random point of two prime fields.
+/// For each assignment whether it is zero at a random point of two prime
+/// fields.
 fn zeros(function: &Function) -> Vec<bool> {
     let mut zeros = vec![true; function.assignments.len()];
     for prime in Prime::pair(1) {

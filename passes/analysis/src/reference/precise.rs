@@ -35,7 +35,8 @@ struct PreciseBall {
     /// An upper bound of its absolute value; infinite beyond the range of
     /// binary64.
     size: f64,
-    /// How far the exact value can be, in units of the precision's rounding.
+    /// The largest distance of the exact value, in units of the precision's
+    /// rounding.
     radius: f64,
 }
 

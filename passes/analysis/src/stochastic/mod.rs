@@ -40,8 +40,8 @@ use rounder::Rounder;
 /// Runs that roundings are sampled in.
 pub const SAMPLES: usize = 16;
 
-/// What makes three deviations of [`SAMPLES`] runs as wide as three of ever
-/// so many: 3.59 / 3, by Student's distribution.
+/// The factor that makes three deviations of [`SAMPLES`] runs as wide as three
+/// of ever so many: 3.59 / 3, by Student's distribution.
 const SMALL_SAMPLE: f64 = 1.196;
 
 /// Samples computed at a time: one cache line of binary64 numbers.
@@ -56,7 +56,7 @@ pub struct Unsupported {
     pub format: Format,
 }
 
-/// What the samples say of one output.
+/// The statistics of the samples of one output.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Sampled {
     /// The mean of the samples, an estimate of the exact value.

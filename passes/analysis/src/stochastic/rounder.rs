@@ -12,8 +12,8 @@ pub const MAX_BITS: u32 = 40;
 /// the likelier the nearer it is, so that the mean is the number itself.
 pub(super) struct Rounder {
     kind: RounderKind,
-    /// What is added to a number before cutting comes from 32 random bits,
-    /// moved left or right to below the last place.
+    /// The addend of a number before cutting comes from 32 random bits, moved
+    /// left or right to below the last place.
     left: u32,
     right: u32,
     /// Bits of binary64 below the last place of the format.

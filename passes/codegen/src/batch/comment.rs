@@ -1,4 +1,4 @@
-//! What generated files say about themselves.
+//! The comments of generated files about themselves.
 
 use super::text::BatchWriter;
 use crate::emit::frame;

@@ -92,7 +92,7 @@ struct Varying<'a> {
     extent: u64,
     /// First element and length of the stretches that are read or set.
     spans: Vec<(u64, u64)>,
-    /// Where its runs begin in the memory of a copied batch.
+    /// The start of its runs in the memory of a copied batch.
     offset: u64,
 }
 

@@ -35,10 +35,10 @@ use robovec_ir::View;
 /// points, centres of mass, masses, inertias and gravity.
 pub const PARAMETERS: [&str; 5] = ["dpt", "l", "m", "In", "g"];
 
-/// How many states a vector can hold.
+/// The numbers of states a vector can hold.
 pub const LANES: [u32; 4] = [1, 4, 8, 16];
 
-/// How batch code is written.
+/// The options of batch code.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Options {
     /// The type it computes in.

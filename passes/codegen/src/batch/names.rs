@@ -4,7 +4,7 @@ use super::plan::BatchPlan;
 use crate::emit::names::CNames;
 use robovec_ir::{Array, View};
 
-/// What generated text calls its own, and what compilers define.
+/// The names of generated text, and those that compilers define.
 const OWN: [&str; 26] = [
     "true", "false", "IN", "OUT", "work", "sines", "cosines", "angles", "prepared", "states",
     "lane", "lanes", "batch", "batches", "first", "rest", "gather", "scatter", "memory", "malloc",

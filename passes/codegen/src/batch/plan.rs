@@ -13,7 +13,7 @@ use rustc_hash::FxBuildHasher;
 /// 32 themselves.
 const REGISTERS: usize = 28;
 
-/// Where an operand is read.
+/// The place where an operand is read.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum OperandPlace {
     /// A variable of a part.
@@ -224,7 +224,7 @@ impl BatchPlan {
         }
     }
 
-    /// Where an operand is read by the code for lanes.
+    /// The place where the code for lanes reads an operand.
     pub(super) fn place(&self, function: &Function, operand: Operand) -> OperandPlace {
         if let Some(place) = self.prepared_place(operand) {
             return OperandPlace::Prepared(place);

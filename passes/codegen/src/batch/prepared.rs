@@ -1,4 +1,4 @@
-//! What all states share, computed once.
+//! The numbers that all states share, computed once.
 //!
 //! Of the operations of a real file a tenth combines parameters only. They
 //! are computed as plain numbers, in parts like the others; what a part reads

@@ -22,7 +22,7 @@ pub(super) struct BatchWriter<'a> {
     kernel: SineKernel,
 }
 
-/// How a list of arrays is written.
+/// The form of a list of arrays.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum List {
     /// With types, as parameters.

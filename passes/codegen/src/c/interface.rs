@@ -1,4 +1,5 @@
-//! How a C function is called, and how it reaches the elements of its arrays.
+//! The interface of a C function: how it is called, and how it reaches the
+//! elements of its arrays.
 
 use super::{Options, Real, Signature};
 use crate::emit::arrays::{self, Rows};
@@ -9,7 +10,7 @@ use robovec_ir::{Array, Function, Input, OperandKind, Output, Shape, View};
 use rustc_hash::FxBuildHasher;
 use std::collections::BTreeSet;
 
-/// Why a function cannot be called as Robotran's is.
+/// The reason why a function cannot be called as Robotran's is.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum SignatureError {
     /// The function is of no kind that Robotran writes.
@@ -61,7 +62,7 @@ pub(super) struct Pointer {
     pub(super) declaration: String,
 }
 
-/// How an array is reached.
+/// The way in which an array is reached.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum ArrayReach {
     /// A parameter with indices, or a number given by value.
@@ -85,7 +86,7 @@ struct ArrayAccess {
 pub(super) struct ProjectStructure {
     pub(super) name: &'static str,
     pub(super) header: &'static str,
-    /// What stands before the names of functions.
+    /// The prefix of the names of functions.
     prefix: &'static str,
 }
 
@@ -332,7 +333,7 @@ impl<'a> Interface<'a> {
         (number, indices, rank)
     }
 
-    /// How an input (or output) element is written.
+    /// The text of an input (or output) element.
     pub(super) fn element(&self, is_output: bool, element: u32) -> ElementExpression {
         let (number, indices, rank) = self.place(is_output, element);
         let access = if is_output {
@@ -367,7 +368,7 @@ impl<'a> Interface<'a> {
         self.kind.is_some()
     }
 
-    /// What the function gives back.
+    /// The result type of the function.
     pub(super) fn result(&self) -> &'static str {
         match self.kind {
             Some(kind) if kind.has_status() => "int",

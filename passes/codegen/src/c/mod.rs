@@ -44,7 +44,7 @@ use std::borrow::Cow;
 use text::PlainWriter;
 
 option_words! {
-    /// How a C function is called.
+    /// The signature of a C function.
     pub enum Signature {
         /// As Robotran's function of the same name.
         Robotran = "robotran",
@@ -54,7 +54,7 @@ option_words! {
 }
 
 option_words! {
-    /// Who computes sines and cosines.
+    /// The place where sines and cosines are computed.
     pub enum Sines {
         /// A loop in the generated file, for all angles at once; errors stay
         /// below 1.1 units in the last place.
@@ -65,7 +65,7 @@ option_words! {
 }
 
 option_words! {
-    /// In which order statements stand.
+    /// The order of statements.
     pub enum StatementOrder {
         /// Each value shortly before it is read.
         Depth = "depth",
@@ -74,16 +74,16 @@ option_words! {
     }
 }
 
-/// How C is written.
+/// The options of C code.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Options {
-    /// How the function is called.
+    /// The signature of the function.
     pub signature: Signature,
     /// The type it computes in; Robotran's arrays are `double` in any case.
     pub real: Real,
-    /// Who computes sines and cosines.
+    /// The place where sines and cosines are computed.
     pub sines: Sines,
-    /// In which order statements stand.
+    /// The order of statements.
     pub order: StatementOrder,
     /// Operations per part.
     pub part: u32,
@@ -167,7 +167,7 @@ fn kept(function: &Function) -> Cow<'_, Function> {
     Cow::Owned(kept)
 }
 
-/// What the C function is called.
+/// The name of the C function.
 pub fn function_name(view: View<'_>, options: &Options) -> String {
     match Interface::new(view, options) {
         Ok(interface) => interface.name().to_owned(),

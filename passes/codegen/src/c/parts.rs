@@ -1,5 +1,5 @@
-//! What becomes a statement, which statements form a part, and which values
-//! cross from part to part.
+//! The parts of the text: what becomes a statement, which statements form a
+//! part, and which values cross from part to part.
 
 use super::sines::Slots;
 use super::{Options, Sines, StatementOrder};
@@ -30,7 +30,7 @@ pub(super) struct CodePlan {
     /// its only user.
     inlined: Vec<bool>,
     pub(super) parts: Vec<CodePart>,
-    /// How many parts stand before the sines are computed.
+    /// The number of parts before the sines are computed.
     pub(super) head: usize,
     /// True when all parts stand in one function.
     pub(super) is_flat: bool,
@@ -149,7 +149,7 @@ impl CodePlan {
     }
 }
 
-/// What stands before the sines, angles last, and what stands behind them.
+/// The operations before the sines, angles last, and those behind them.
 fn apart(
     function: &Function,
     ordered: Vec<CodeStep>,

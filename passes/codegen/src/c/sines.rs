@@ -18,7 +18,7 @@ use hashbrown::HashMap;
 use robovec_ir::{Function, Operand, Operation, Value};
 use rustc_hash::FxBuildHasher;
 
-/// Where each sine stands in the work array: sines first, then cosines, then
+/// The place of each sine in the work array: sines first, then cosines, then
 /// angles.
 pub(super) struct Slots {
     angles: Vec<Operand>,
@@ -80,7 +80,7 @@ impl Slots {
         angles.next_multiple_of(if angles > 4 { 8 } else { 4 })
     }
 
-    /// How many words of the work array are taken.
+    /// The number of words taken of the work array.
     pub(super) fn words(&self) -> u32 {
         3 * self.padded()
     }

@@ -84,7 +84,7 @@ impl<'a> PlainWriter<'a> {
         frame::header(&self.comment(), self.interface.file(), data, &declared)
     }
 
-    /// What is returned, the name and the parameters.
+    /// The declaration: result type, name and parameters.
     fn declared(&self) -> String {
         let parameters = self.interface.parameters().iter();
         let parameters = frame::parameters(parameters.map(|(text, _)| text));
@@ -157,7 +157,7 @@ impl<'a> PlainWriter<'a> {
         text.push_str("}\n");
     }
 
-    /// What the function itself does: everything, or calls of its parts.
+    /// The function itself: everything, or calls of its parts.
     fn main(&self, text: &mut String) {
         let has_sines = !self.plan.slots.angles().is_empty();
         if self.plan.work() > 0 || !self.plan.is_flat {
@@ -205,7 +205,8 @@ impl<'a> PlainWriter<'a> {
         }
     }
 
-    /// What the arrays are, and what the user must do about user calls.
+    /// The comment about the arrays, and what the user must do about user
+    /// calls.
     fn comment(&self) -> String {
         let mut text = format!(
             "/* {} by robovec. Arrays count from 1; element 0 is not used.\n",

@@ -421,7 +421,7 @@ fn literal(number: f64) -> String {
     format!("{number:e}")
 }
 
-/// What does not depend on the function.
+/// The part that does not depend on the function.
 const DRIVER: &str = r#"
 static void fill(void)
 {

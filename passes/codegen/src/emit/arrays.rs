@@ -13,7 +13,7 @@ pub(crate) fn dimensions(shape: Shape) -> [u64; 2] {
     }
 }
 
-/// How many numbers are kept of an array.
+/// The number of numbers that are kept of an array.
 pub(crate) fn extent(array: &Array) -> u64 {
     let [rows, columns] = dimensions(array.shape);
     rows * columns
@@ -31,7 +31,7 @@ pub(crate) fn place(array: &Array, offset: u32) -> u64 {
     }
 }
 
-/// How many indices an array has.
+/// The number of indices of an array.
 pub(crate) fn rank(shape: Shape) -> usize {
     match shape {
         Shape::Scalar => 0,
@@ -61,7 +61,7 @@ pub(crate) fn parameter(
     }
 }
 
-/// How a matrix is declared as a parameter; C makes no difference.
+/// The declaration of a matrix as a parameter; C makes no difference.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Rows {
     /// `double a[][4]`.

@@ -1,4 +1,4 @@
-//! How values travel from one function of the generated text to the next.
+//! The crossing of values from one function of the generated text to the next.
 //!
 //! A body is cut into functions of bounded length. What one defines and a
 //! later one reads lies in a work array in between, in a word that is free
@@ -7,7 +7,7 @@
 use robovec_ir::Value;
 use std::ops::Range;
 
-/// What a function defines and reads.
+/// The values that a function defines and reads.
 #[derive(Clone, Default, Debug)]
 pub(crate) struct PartValues {
     /// The values it defines.

@@ -3,8 +3,8 @@
 use super::Real;
 use robovec_ir::Operation;
 
-/// How tightly a text binds; what binds less tightly than its place asks for
-/// stands in parentheses.
+/// The binding strength of a text; what binds less tightly than its place asks
+/// for stands in parentheses.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Tightness {
     /// Less than anything: only parentheses hold it.
@@ -20,8 +20,8 @@ pub(crate) enum Tightness {
 }
 
 impl Tightness {
-    /// What the right operand of an operator needs, since operators of one
-    /// tightness associate to the left.
+    /// The tightness that the right operand of an operator needs, since
+    /// operators of one tightness associate to the left.
     fn next(self) -> Tightness {
         match self {
             Tightness::Open => Tightness::Sum,
@@ -63,7 +63,7 @@ impl BoundText {
     }
 }
 
-/// What is computed with.
+/// The type that is computed with.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Operands {
     /// Numbers: the library has `fma`, and a root for each type.

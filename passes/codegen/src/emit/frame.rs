@@ -1,4 +1,4 @@
-//! What stands around the statements: comments, headers, parameters.
+//! The frame around the statements: comments, headers, parameters.
 
 use super::names::is_word_letter;
 use robovec_ir::Function;

@@ -1,4 +1,4 @@
-//! Which operations stand inside the expression of the only one that reads
+//! The operations that stand inside the expression of the only one that reads
 //! them.
 
 use robovec_ir::{Function, Node, Value};

@@ -16,7 +16,7 @@ const RESERVED: [&str; 44] = [
 /// Further words of text that calls `sqrtf`.
 const ROOT: [&str; 1] = ["sqrtf"];
 
-/// What stands before the names of the library that generated files bring.
+/// The prefix of the names of the library that generated files bring.
 const OWN_PREFIX: &str = "robovec_";
 
 /// The names in use.

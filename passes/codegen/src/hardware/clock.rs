@@ -1,4 +1,4 @@
-//! How fast a machine can be clocked: an estimate without any tool.
+//! The clock of a machine: an estimate without any tool.
 //!
 //! The delays of the operators are those of the mapped cores, tabulated by
 //! latency; what stands between them is short and known: operands come from
@@ -16,7 +16,7 @@ use robovec_ir::{Format, Machine, Operation};
 use robovec_num::NumberFormat;
 use serde::Serialize;
 
-/// What a net takes, ps: the lower and the upper guess.
+/// The delay of a net, ps: the lower and the upper guess.
 const NETS: [u32; 2] = [500, 900];
 
 /// Clock to output of a register and of a block memory, and the set-up time
@@ -30,7 +30,7 @@ const MEMORY_ADDRESS: u32 = 125;
 const TABLE: u32 = 605;
 const LOGIC_MEMORY: u32 = 487;
 
-/// What a block memory can be clocked with, MHz (thesis 1.3).
+/// The highest clock of a block memory, MHz (thesis 1.3).
 const MEMORY_MHZ: f64 = 240.0;
 
 /// Adders of 1 stage and more: from an operand to a register and from register

@@ -1,4 +1,4 @@
-//! What an interconnect takes (thesis 1.1.3): choices among words, bit by
+//! The resources of an interconnect (thesis 1.1.3): choices among words, bit by
 //! bit, and registers behind links.
 //!
 //! A look-up table of six inputs chooses among four (thesis 1.3.1). Choices
@@ -10,7 +10,7 @@
 use super::ResourceUse;
 use robovec_ir::machine::{Interconnect, LinkNetwork, Topology};
 
-/// What a machine has to connect.
+/// The terminals that a machine has to connect.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Terminals {
     /// Elements.
@@ -29,7 +29,7 @@ fn choice(words: u32) -> u32 {
     words.saturating_sub(1).div_ceil(3)
 }
 
-/// What an interconnect takes.
+/// The resources of an interconnect.
 pub fn interconnect(interconnect: Interconnect, terminals: Terminals) -> ResourceUse {
     let Terminals {
         elements,

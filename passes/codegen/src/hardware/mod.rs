@@ -1,5 +1,5 @@
-//! What a machine takes of a device and how fast it can be clocked, by
-//! formulas: nothing is synthesised.
+//! The resources that a machine takes of a device and its clock, by formulas:
+//! nothing is synthesised.
 //!
 //! The device is a Cyclone V, as in the thesis. [`MachineShape`] settles every size
 //! of a machine, [`parts`] says what each part of it takes, in tables,

@@ -1,4 +1,4 @@
-//! What an operator takes, for any format and latency.
+//! The resources of an operator, for any format and latency.
 //!
 //! Registers follow from the cuts: every cut of a core is so many bits wide
 //! ([`CoreStep::bits`](crate::rtl::cores::CoreStep)). Look-up tables hardly
@@ -14,7 +14,7 @@ use crate::rtl::cores::{self, OperatorCore};
 use robovec_ir::Format;
 use robovec_num::NumberFormat;
 
-/// What one operator takes with so many stages.
+/// The resources of one operator with so many stages.
 pub fn operator(core: OperatorCore, number: Format, stages: u32) -> ResourceUse {
     match number {
         Format::Float(format) => float(core, format, stages),

@@ -15,7 +15,7 @@ use robovec_ir::Operation;
 use robovec_ir::machine::{Interconnect, MemoryStyle};
 use serde::Serialize;
 
-/// What a part is.
+/// The kind of a part.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PartKind {
@@ -53,13 +53,13 @@ impl PartKind {
 /// A part of a machine.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct MachinePart {
-    /// What it is.
+    /// The kind of the part.
     pub part: PartKind,
     /// The kind of the element it belongs to; none for what exists once.
     pub kind: Option<String>,
-    /// How many there are.
+    /// Their number.
     pub count: u32,
-    /// What one takes.
+    /// The resources of one.
     pub each: ResourceUse,
 }
 
@@ -96,7 +96,7 @@ pub fn parts(shape: &MachineShape) -> Vec<MachinePart> {
     parts
 }
 
-/// What a whole machine takes.
+/// The resources of a whole machine.
 pub fn resources(shape: &MachineShape) -> ResourceUse {
     let all = parts(shape).into_iter();
     all.map(|part| part.each * f64::from(part.count)).sum()
@@ -200,8 +200,8 @@ fn operands(shape: &MachineShape, kind: &ElementsOfKind) -> ResourceUse {
     }
 }
 
-/// How often an operand memory is there: an element of fused operations reads
-/// a third operand from a second one.
+/// The number of copies of an operand memory: an element of fused operations
+/// reads a third operand from a second one.
 fn copies_of(kind: &ElementsOfKind) -> u32 {
     if kind.element.is_fused() { 2 } else { 1 }
 }

@@ -15,9 +15,9 @@ const LEAST_ADDRESS: u32 = 6;
 /// Elements of one kind.
 #[derive(Clone, Debug)]
 pub struct ElementsOfKind {
-    /// What they are.
+    /// Their description.
     pub element: ElementDescription,
-    /// How many there are.
+    /// Their number.
     pub count: u32,
 }
 
@@ -28,7 +28,7 @@ pub struct MachineShape {
     pub number: Format,
     /// The kinds of elements.
     pub kinds: Vec<ElementsOfKind>,
-    /// How operand memories are built.
+    /// The construction of operand memories.
     pub style: MemoryStyle,
     /// Words of an operand memory (per side, when split).
     pub words: u32,
@@ -38,7 +38,7 @@ pub struct MachineShape {
     pub buffer: Option<(u32, u32)>,
     /// Words of an instruction memory.
     pub instruction_words: u32,
-    /// How results travel.
+    /// The interconnect that results travel through.
     pub interconnect: Interconnect,
     /// For each write port of a crossbar the sources that reach it; none for
     /// all of them.
@@ -126,7 +126,7 @@ impl MachineShape {
         }
     }
 
-    /// What a write port can select from.
+    /// The number of sources that a write port can select from.
     pub fn sources(&self) -> u32 {
         self.elements() * (1 + self.buffer.map_or(0, |(_, reads)| reads))
     }

@@ -26,7 +26,8 @@ pub(super) fn map(manifest: &Manifest) -> String {
                 .map(|memory| memory.file.as_str());
             instructions.into_iter().chain(memories)
         });
-        let file = files.next().unwrap_or("");
+        let file = files.next();
+        let file = file.expect("every unit of the window is a memory of the manifest");
         file.strip_suffix(".mif").unwrap_or(file).to_owned()
     };
     // Writing to a string cannot fail, here and below.
@@ -52,7 +53,8 @@ pub(super) fn map(manifest: &Manifest) -> String {
     text += "set robovec_inputs {\n";
     let address = |word: &WordAddress| {
         let unit = window.units.iter().find(|unit| unit.name == word.memory);
-        unit.map_or(0, |unit| unit.address + word.address * unit.stride)
+        let unit = unit.expect("every memory of the manifest is a unit of the window");
+        unit.address + word.address * unit.stride
     };
     let inputs = manifest
         .inputs

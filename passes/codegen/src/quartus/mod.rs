@@ -62,8 +62,8 @@ struct Clock {
     why: String,
 }
 
-/// What the clock of the project is: that of the machine file, unless even
-/// the lower end of the estimate is below it; then that.
+/// The clock of the project: that of the machine file, unless even the lower
+/// end of the estimate is below it; then that.
 fn clock(machine: &Machine, phases: u32) -> Clock {
     let phases = f64::from(phases);
     let estimate = estimated_clock_mhz(machine);

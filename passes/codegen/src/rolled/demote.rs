@@ -1,4 +1,4 @@
-//! Which outputs statements set themselves.
+//! The outputs that statements set themselves.
 //!
 //! A statement sets the output that is its value's alone if it does so in
 //! every pass of its loop, and always in the same array. Otherwise the output

@@ -54,6 +54,11 @@ impl Vote {
 /// `depth` entries for each value. If the values are those of an affine
 /// function it is found.
 pub(super) fn fit(depth: usize, iterations: &[u32], values: &[Option<i64>]) -> AffineFit {
+    assert_eq!(
+        iterations.len(),
+        depth * values.len(),
+        "every value has an iteration of each loop"
+    );
     let row = |pass: usize| &iterations[pass * depth..(pass + 1) * depth];
     let mut factors = vec![0i64; depth];
     for level in (0..depth).rev() {

@@ -1,4 +1,4 @@
-//! Where everything is kept: from resolved leaves to a program.
+//! The layout of all numbers: from resolved leaves to a program.
 //!
 //! Values that one part hands to another, or one pass to a later one, have a
 //! word of the work array. Which, is decided for those who read most: the
@@ -33,7 +33,7 @@ const INTERLEAVED: usize = 3;
 /// A word that is written when nobody reads the value.
 const JUNK: u32 = 0;
 
-/// Where everything is.
+/// The layout of all numbers.
 pub(super) struct RolledLayout<'a> {
     function: &'a Function,
     nest: &'a Nest,
@@ -47,7 +47,7 @@ pub(super) struct RolledLayout<'a> {
     occupied: Vec<bool>,
     /// For each access the words that it reads instead of the values' own.
     moved: Vec<Map<Operand, u32>>,
-    /// What is copied, before which element of the program.
+    /// The copies, with the element of the program they stand before.
     copied: Vec<(usize, Operand, u32)>,
     table_index: HashMap<Vec<u32>, usize, FxBuildHasher>,
     constant_index: HashMap<Vec<u64>, usize, FxBuildHasher>,

@@ -43,7 +43,7 @@ use statements::Statements;
 const PART: usize = 500;
 
 option_words! {
-    /// How sines and cosines are computed.
+    /// The method by which sines and cosines are computed.
     #[derive(Default)]
     pub enum RolledCircular {
         /// Those of inputs all at once, by the kernel of
@@ -55,7 +55,7 @@ option_words! {
     }
 }
 
-/// How rolled C is written.
+/// The options of rolled C code.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Options {
     /// The type it computes in.
@@ -73,7 +73,7 @@ impl From<Real> for Options {
     }
 }
 
-/// How much of a function became loops.
+/// The extent to which a function became loops.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct RolledSummary {
     /// Operations of the function.
@@ -115,7 +115,7 @@ impl RolledSummary {
 pub struct Rolled {
     /// The source and then the header: file name and text.
     pub files: [(String, String); 2],
-    /// How much was rolled.
+    /// The extent to which it was rolled.
     pub summary: RolledSummary,
 }
 
@@ -138,7 +138,7 @@ pub fn rolled_files(
     Ok(Rolled { files, summary })
 }
 
-/// How much of a function can be rolled.
+/// The extent to which a function can be rolled.
 ///
 /// # Errors
 ///

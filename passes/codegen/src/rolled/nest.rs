@@ -25,7 +25,7 @@ pub(super) enum BodyElement {
 pub(super) struct Position {
     /// The loop it stands in.
     pub(super) owner: Option<usize>,
-    /// What it stands for in every pass.
+    /// The statements it stands for, one per pass.
     pub(super) statements: Vec<u32>,
 }
 
@@ -34,13 +34,13 @@ pub(super) struct Position {
 pub(super) struct NestLoop {
     /// The loop around it.
     pub(super) parent: Option<usize>,
-    /// How many loops it stands in, itself included.
+    /// The number of loops it stands in, itself included.
     pub(super) depth: usize,
     /// For each visit its first pass; one more at the end.
     pub(super) starts: Vec<u32>,
     /// For each pass its visit.
     pub(super) visits: Vec<u32>,
-    /// What it repeats.
+    /// The elements it repeats.
     pub(super) body: Vec<BodyElement>,
     /// True when no pass of a visit reads what another computes.
     pub(super) independent: bool,
@@ -54,7 +54,7 @@ impl NestLoop {
         self.visits.len()
     }
 
-    /// Which pass of its visit a pass is.
+    /// The number of a pass within its visit.
     pub(super) fn iteration(&self, pass: usize) -> u32 {
         pass as u32 - self.starts[self.visits[pass] as usize]
     }
@@ -139,6 +139,10 @@ impl Nest {
             .map(|&run| &repeats.runs[run as usize])
             .collect();
         let period = runs.first().map_or(1, |run| run.period);
+        assert!(
+            runs.iter().all(|run| run.period == period),
+            "all visits of a loop have the same period"
+        );
         let mut starts = vec![0];
         let mut visits = Vec::new();
         for (visit, run) in (0u32..).zip(&runs) {

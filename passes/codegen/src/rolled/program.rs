@@ -6,7 +6,7 @@
 use super::nest::BodyElement;
 use super::statements::Template;
 
-/// Where numbers are kept.
+/// A space in which numbers are kept.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum StorageSpace {
     /// The work array.
@@ -48,7 +48,7 @@ pub(super) struct SpaceElement {
     pub(super) column: Index,
 }
 
-/// Where a leaf comes from.
+/// The source of a leaf.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum LeafSource {
     /// The result of a position in this pass, of the same loop or one around.
@@ -75,14 +75,14 @@ pub(super) struct Code {
 pub(super) struct Carried {
     pub(super) owner: usize,
     pub(super) position: usize,
-    /// What it is in the first pass of a visit.
+    /// Its source in the first pass of a visit.
     pub(super) first: LeafSource,
 }
 
 /// A loop of the code.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct RolledLoop {
-    /// How many passes a visit has.
+    /// The number of passes of a visit.
     pub(super) count: Index,
     pub(super) body: Vec<BodyElement>,
     /// True when no pass of a visit reads what another computes.
@@ -97,9 +97,9 @@ pub(super) struct RolledLoop {
 /// Elements copied into the work array before an element of the program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Copy {
-    /// How many.
+    /// The number of them.
     pub(super) count: u32,
-    /// Where from, and the steps in row and column.
+    /// The source, and the steps in row and column.
     pub(super) space: StorageSpace,
     pub(super) from: [i64; 2],
     pub(super) step: [i64; 2],

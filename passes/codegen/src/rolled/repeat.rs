@@ -53,7 +53,7 @@ const PASSES: usize = 3;
 const LONGEST: usize = 2048;
 /// Comparisons spent on a program, which bounds the periods of long ones.
 const COMPARISONS: usize = 200_000_000;
-/// How often loops are sought in what the last search left.
+/// The number of searches for loops in what the last search left.
 const ROUNDS: usize = 3;
 
 type Letter = (ProgramItem, u32);

@@ -1,4 +1,4 @@
-//! Where the leaves of statements come from, before memory is laid out.
+//! The sources of the leaves of statements, before memory is laid out.
 //!
 //! A leaf that is in every pass the result of one position in that pass is
 //! that position's variable. One that is the result of the pass before is a
@@ -11,7 +11,7 @@ use hashbrown::HashMap;
 use robovec_ir::{Operand, OperandKind};
 use rustc_hash::FxBuildHasher;
 
-/// What a leaf is.
+/// The resolution of a leaf.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Resolution {
     /// The result of a position in the same pass.
@@ -29,7 +29,7 @@ pub(super) enum Resolution {
 pub(super) struct MemoryRead {
     /// The loop it happens in.
     pub(super) owner: Option<usize>,
-    /// What it reads, in every pass; one operand alone when it never changes.
+    /// The operands it reads, pass by pass; one alone when it never changes.
     pub(super) operands: Vec<Operand>,
     /// The element of the program it happens in.
     pub(super) top: usize,
@@ -45,7 +45,7 @@ pub(super) struct Carry {
     pub(super) first: Resolution,
 }
 
-/// What all leaves are.
+/// The resolutions of all leaves.
 pub(super) struct Resolved {
     /// For each position its leaves.
     pub(super) leaves: Vec<Vec<Resolution>>,

@@ -19,7 +19,7 @@ pub(super) enum TemplateStep {
     Apply(Operation),
 }
 
-/// What a statement computes, with its leaves left open.
+/// The computation of a statement, with its leaves left open.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(super) struct Template {
     pub(super) steps: Vec<TemplateStep>,
@@ -33,7 +33,7 @@ impl Template {
     }
 }
 
-/// What a statement sets.
+/// The target of a statement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum StatementTarget {
     /// The value of a node, and the outputs that are assigned to it.
@@ -45,11 +45,11 @@ pub(super) enum StatementTarget {
 /// A statement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RolledStatement {
-    /// Which template it is an instance of.
+    /// The template it is an instance of.
     pub(super) template: u32,
-    /// Where its leaves start.
+    /// The start of its leaves.
     start: u32,
-    /// What it sets.
+    /// Its target.
     pub(super) target: StatementTarget,
 }
 

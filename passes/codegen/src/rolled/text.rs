@@ -51,7 +51,7 @@ struct RolledWriter<'a> {
     aligned: String,
 }
 
-/// Which arrays a part touches.
+/// The arrays that a part touches.
 #[derive(Clone, Default)]
 struct Used {
     inputs: Vec<bool>,
@@ -278,7 +278,7 @@ impl<'a> RolledWriter<'a> {
         list
     }
 
-    /// What a stretch of the program touches.
+    /// The arrays that a stretch of the program touches.
     fn used(&self, range: std::ops::Range<usize>) -> Used {
         let mut used = Used {
             inputs: vec![false; self.inputs.len()],

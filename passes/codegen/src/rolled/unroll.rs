@@ -13,7 +13,7 @@ use hashbrown::HashMap;
 use robovec_ir::{Array, Constant, Function, Input, Operand, Output, Shape};
 use rustc_hash::FxBuildHasher;
 
-/// Why a rolled program is not the function it was made from.
+/// The reason why a rolled program is not the function it was made from.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum RolledDifference {
     /// A statement computes what the function does not.
@@ -23,7 +23,7 @@ pub enum RolledDifference {
     Foreign {
         /// The statement, counted from 0.
         position: usize,
-        /// How often it had been run.
+        /// The number of times it had been run.
         pass: usize,
     },
     /// Something is read that was not written before, or does not exist.

@@ -1,10 +1,10 @@
-//! Why there is no hardware for a machine or a program.
+//! The reasons why there is no hardware for a machine or a program.
 
 use crate::ImageError;
 use robovec_ir::Format;
 use std::io;
 
-/// Why hardware cannot be generated.
+/// The reason why hardware cannot be generated.
 #[derive(Debug, thiserror::Error)]
 pub enum RtlError {
     /// The program has no images, which the hardware would run.
@@ -44,7 +44,7 @@ pub enum RtlError {
     Misfit {
         /// The function.
         function: String,
-        /// What is lacking, one sentence each.
+        /// The shortages, one sentence each.
         reasons: Vec<String>,
     },
     /// A description of hardware that cannot be read.

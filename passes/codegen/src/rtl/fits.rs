@@ -8,14 +8,14 @@ use robovec_ir::View;
 use robovec_ir::placement::Bank;
 use std::fmt;
 
-/// What a program asks of one part of the hardware.
+/// The demand of a program on one part of the hardware.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct HardwareDemand {
     /// The part.
     pub part: &'static str,
-    /// How much of it the program uses.
+    /// The amount of it that the program uses.
     pub used: u64,
-    /// How much there is.
+    /// The amount there is.
     pub available: u64,
 }
 
@@ -30,12 +30,13 @@ impl fmt::Display for HardwareDemand {
     }
 }
 
-/// What a program asks of hardware, and why it does not fit.
+/// The demands of a program on hardware, and why it does not fit.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct HardwareFit {
     /// Part by part.
     pub demands: Vec<HardwareDemand>,
-    /// Why the program does not fit, one sentence each; none when it does.
+    /// The reasons why the program does not fit, one sentence each; none when
+    /// it does.
     pub reasons: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What hardware is built: the machine file with every size settled.
+//! The description of the hardware: the machine file with every size settled.
 //!
 //! A machine file may leave sizes open, a schedule says how many elements
 //! there are. Hardware is what both come to, and stays when the next program
@@ -28,7 +28,7 @@ const MAX_WORDS: u32 = 1 << 24;
 const MAX_ELEMENTS: usize = 1024;
 
 option_words! {
-    /// How much of the crossbar is built.
+    /// The extent to which the crossbar is built.
     #[derive(Default)]
     pub enum CrossbarChoice {
         /// Every source reaches every write port: any program fits.
@@ -57,7 +57,7 @@ pub enum Crossbar {
 pub struct ElementGroup {
     /// Their kind in the machine file.
     pub kind: String,
-    /// How many there are.
+    /// Their number.
     pub count: u32,
 }
 
@@ -231,8 +231,7 @@ impl Hardware {
     pub(super) fn number(&self) -> NumberFormat {
         match self.machine.number {
             Format::Float(float) => float,
-            // Refused when the hardware was made.
-            Format::Fixed(_) => NumberFormat::BINARY32,
+            Format::Fixed(_) => unreachable!("validation refuses fixed-point machines"),
         }
     }
 
@@ -241,7 +240,7 @@ impl Hardware {
         self.machine.number.width()
     }
 
-    /// How many elements there are.
+    /// The number of elements.
     pub fn element_count(&self) -> u32 {
         self.elements.iter().map(|group| group.count).sum()
     }
@@ -286,8 +285,7 @@ impl Hardware {
     pub(super) fn kind(&self, group: &ElementGroup) -> &ElementDescription {
         let mut kinds = self.machine.elements.iter();
         let found = kinds.find(|kind| kind.kind == group.kind);
-        // Validation has found every kind.
-        found.unwrap_or(&self.machine.elements[0])
+        found.expect("validation has found the kind of every group")
     }
 
     /// The names and kinds of all elements, in order.
@@ -306,7 +304,7 @@ impl Hardware {
     /// Bits of the widest instruction word.
     pub(super) fn instruction_width(&self) -> u32 {
         let widths = self.elements.iter().map(|group| self.layout(group).width());
-        widths.max().unwrap_or(1)
+        widths.max().expect("hardware has an element")
     }
 
     /// Address bits of the instruction memories. Smaller memories than 64
@@ -327,7 +325,7 @@ impl Hardware {
         bits(self.words).max(6)
     }
 
-    /// Where the host finds everything.
+    /// The addresses at which the host finds everything.
     pub(crate) fn window(&self) -> AddressBlocks {
         AddressBlocks::new(self)
     }
@@ -338,7 +336,7 @@ impl Hardware {
         super::crossbar::pairs(self)
     }
 
-    /// What the machine's hash register says: 64-bit FNV-1a, as sixteen
+    /// The content of the machine's hash register: 64-bit FNV-1a, as sixteen
     /// hexadecimal digits, of everything that decides which images run.
     pub fn hash(&self) -> String {
         let kinds: Vec<_> = (self.elements.iter())
@@ -361,7 +359,7 @@ impl Hardware {
     }
 }
 
-/// What hardware can be built for.
+/// Refuses machines that hardware cannot be built for.
 fn check_machine(machine: &Machine) -> Result<(), RtlError> {
     if let Format::Fixed(_) = machine.number {
         return Err(RtlError::Number(machine.number));

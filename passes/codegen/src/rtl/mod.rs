@@ -229,9 +229,8 @@ fn core_files(hardware: &Hardware) -> Vec<(&'static str, &'static str)> {
         .collect();
     let mut files = Vec::new();
     while let Some(module) = wanted.pop() {
-        let Some(file) = all.iter().find(|file| stem(file) == module) else {
-            continue;
-        };
+        let file = all.iter().find(|file| stem(file) == module);
+        let file = file.expect("every core has a file");
         if files.contains(&(file.name, file.text)) {
             continue;
         }
@@ -246,7 +245,7 @@ fn core_files(hardware: &Hardware) -> Vec<(&'static str, &'static str)> {
     files
 }
 
-/// What can be done about an error.
+/// The advice about an error.
 pub fn advice(error: &RtlError) -> Option<String> {
     let fixed = match error {
         RtlError::Images(ImageError::NotPlaced { .. }) => Some("run 'place' before"),

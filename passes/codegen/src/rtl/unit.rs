@@ -157,8 +157,9 @@ fn fused_operation(part: &UnitCore, code_bits: u32) -> String {
     }
 }
 
-/// What is on the bus: with several cores, the result of the one whose
-/// operation entered as many cycles ago as the pipeline has stages.
+/// Writes the choice of what is on the bus: with several cores, the result of
+/// the one whose operation entered as many cycles ago as the pipeline has
+/// stages.
 fn select_result(text: &mut String, parts: &[UnitCore], stages: u32, code_bits: u32) {
     if let [part] = parts {
         let _ = writeln!(text, "    assign result = {}_result;", part.name());
@@ -182,7 +183,7 @@ fn select_result(text: &mut String, parts: &[UnitCore], stages: u32, code_bits: 
         bits - code_bits,
     );
     let mut choice = String::new();
-    let (last, others) = parts.split_last().unwrap_or((&parts[0], &[]));
+    let (last, others) = parts.split_last().expect("a unit has a part");
     for part in others {
         let codes: Vec<String> = (part.operations.iter())
             .map(|(_, code)| format!("left_now == {code_bits}'d{code}"))

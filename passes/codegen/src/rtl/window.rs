@@ -44,7 +44,7 @@ impl Block {
         self.limb_bits + self.word_bits + self.unit_bits
     }
 
-    /// Where the number of the memory begins in an address.
+    /// The bit at which the number of the memory begins in an address.
     pub(crate) fn unit_low(&self) -> u32 {
         self.limb_bits + self.word_bits
     }
@@ -100,7 +100,7 @@ impl AddressBlocks {
         }
     }
 
-    /// What the manifest says of it.
+    /// Its description in the manifest.
     pub(crate) fn manifest(&self, hardware: &Hardware) -> manifest::AddressMap {
         let mut units = Vec::new();
         for (index, (name, group)) in (0u32..).zip(hardware.names()) {

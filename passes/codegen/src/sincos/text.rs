@@ -322,7 +322,7 @@ static void __attribute__((noinline, cold)) robovec_far_{suffix}(long count, con
 struct KernelNames {
     real: &'static str,
     integer: &'static str,
-    /// What makes a literal an unsigned integer of the lanes' width.
+    /// The suffix that makes a literal an unsigned integer of the lanes' width.
     ones: &'static str,
     /// The place of the sign bit.
     sign: u32,

@@ -4,9 +4,9 @@ use robovec_ir::{Function, Operand, OperandKind, Operation, View};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::ball::{Ball, Balls};
 
-/// How far a rounded constant may be from its value, relative to it, whatever
-/// the value can be within its bound: one unit in the last place of binary64,
-/// so twice what rounding once does.
+/// The largest distance of a rounded constant from its value, relative to it,
+/// whatever the value can be within its bound: one unit in the last place of
+/// binary64, so twice what rounding once does.
 const TOLERANCE: f64 = f64::EPSILON;
 
 /// Whether a function is its witness with constants in the place of constant

@@ -1,4 +1,4 @@
-//! What broke a claim, and where to look first.
+//! The failure that broke a claim, and where to look first.
 
 use super::pairing::Pairs;
 use super::states::StatePlace;
@@ -19,7 +19,7 @@ pub struct Values {
     pub before: f64,
     /// The value after.
     pub after: f64,
-    /// How far they could be apart for what is claimed.
+    /// The largest distance that the claim allows.
     pub allowed: f64,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Failed {
     pub(super) inputs: Option<Vec<f64>>,
 }
 
-/// How a claim was broken.
+/// The way in which a claim was broken.
 #[derive(Clone, PartialEq, Debug)]
 pub enum FailureKind {
     /// The versions have other inputs, other outputs, or set others.
@@ -78,7 +78,7 @@ pub enum FailureKind {
 pub struct Failure {
     /// In what way.
     pub kind: FailureKind,
-    /// Which output; `None` when the signatures differ.
+    /// The output; `None` when the signatures differ.
     pub output: Option<Output>,
     /// The output as text (`M[1,2]`), or the function's name.
     pub name: String,

@@ -6,7 +6,7 @@ use robovec_num::batch::Batch;
 use robovec_num::field::{Field, FieldPoint, Prime};
 use std::array;
 
-/// How the comparison ended.
+/// The end of the comparison.
 pub(super) enum FieldComparison<F> {
     /// Equal at every point; these pairs (indices into [`Pairs::list`]) were
     /// undefined everywhere before the pass.
@@ -70,7 +70,7 @@ pub(super) fn compare<F: Field>(pairs: &Pairs<'_>, points: u32, seed: u64) -> Fi
     judge_undefined(pairs, &tallies, lane_field(primes, seed, 0, 0))
 }
 
-/// How often an output was defined.
+/// The number of points at which an output was defined.
 #[derive(Clone, Copy, Default)]
 struct DefinitionTally {
     before: u32,

@@ -64,14 +64,14 @@ pub use states::{StatePlace, StateScale};
 use std::array;
 use std::fmt;
 
-/// What the check found.
+/// The findings of the check.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CheckVerdict {
-    /// What was claimed.
+    /// The class that was claimed.
     pub class: NumericClass,
-    /// How many points and states it was tested at.
+    /// The number of points and states it was tested at.
     pub points: u32,
-    /// Where they come from.
+    /// The seed they come from.
     pub seed: u64,
     /// The first output that breaks the claim; `None` when it holds.
     pub failure: Option<Failure>,
@@ -81,12 +81,12 @@ pub struct CheckVerdict {
     /// Rounding errors in binary32 and binary64; `None` after a failure,
     /// when comparing them means nothing.
     pub errors: Option<[ErrorChange; 2]>,
-    /// How far an *approximating* pass moved the outputs.
+    /// The distance by which an *approximating* pass moved the outputs.
     pub deviation: Option<Deviation>,
     /// At how many states numbers were compared.
     pub states: u32,
-    /// How far outputs that must be equal were apart there at most, relative
-    /// to the largest element of their array.
+    /// The largest distance there of outputs that must be equal, relative to
+    /// the largest element of their array.
     pub distance: f64,
     /// True when an *approximating* pass promised a bound, and it holds.
     pub promised: bool,
@@ -180,7 +180,7 @@ pub struct Specialised<'a> {
     pub witness: View<'a>,
     /// The function after.
     pub after: View<'a>,
-    /// What it was made for.
+    /// The scene it was made for.
     pub scene: Option<&'a Scene>,
 }
 
@@ -375,7 +375,7 @@ impl CheckVerdict {
         self.failure.is_none()
     }
 
-    /// What broke the claim, for people.
+    /// The failure that broke the claim, for people.
     pub fn failure(&self) -> Option<String> {
         self.failure.as_ref().map(ToString::to_string)
     }

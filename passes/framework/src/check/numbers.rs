@@ -20,7 +20,7 @@ use std::array;
 /// States evaluated at a time: one of each scale.
 pub(super) const LANES: usize = SCALES.len();
 
-/// What was seen when all outputs agreed.
+/// The observations when all outputs agreed.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct NumbersAgree {
     /// At how many states outputs were compared.
@@ -30,7 +30,7 @@ pub(super) struct NumbersAgree {
     pub(super) distance: f64,
 }
 
-/// Which states and outputs are looked at.
+/// The states and outputs that are looked at.
 #[derive(Clone, Copy)]
 pub(super) struct Survey {
     /// The states of a round, counted from 0.

@@ -188,7 +188,7 @@ fn assigned(
     numbers.collect()
 }
 
-/// How far the versions are apart in double-double.
+/// The distance between the versions in double-double.
 pub(super) fn deviation(pairs: &Pairs<'_>, source: &States, states: u32) -> Deviation {
     let mut deviation = Deviation {
         worst_normwise: 0.0,

@@ -1,4 +1,4 @@
-//! Which output of one version belongs to which of the other.
+//! The pairing of the inputs and outputs of two versions.
 
 use super::failure::{Failure, FailureKind};
 use super::states;
@@ -30,7 +30,7 @@ pub(super) struct Pairs<'a> {
     sizes: Vec<f64>,
 }
 
-/// How the inputs of the versions belong together.
+/// The pairing of the inputs of the versions.
 enum Inputs {
     /// They are the same.
     Same,
@@ -44,7 +44,7 @@ enum Inputs {
 struct InstanceInputs {
     /// The instance looked at, from 1.
     instance: u32,
-    /// How many there are.
+    /// Their number.
     count: u32,
     /// For every input after its instance, or 0 where it is shared, and the
     /// input before.
@@ -59,7 +59,7 @@ struct SceneInputs {
     places: Vec<usize>,
 }
 
-/// Why two functions cannot be compared, for people.
+/// The reason why two functions cannot be compared, for people.
 pub(super) struct Unpaired {
     /// The output that only one of them sets, if it is that.
     pub(super) output: Option<Output>,
@@ -232,8 +232,9 @@ impl<'a> Pairs<'a> {
         &self.sizes
     }
 
-    /// What primes are drawn from: the seed and the constants of both
-    /// versions, so that no constant is a multiple of a prime but by accident.
+    /// The seed that primes are drawn from: the given seed and the constants of
+    /// both versions, so that no constant is a multiple of a prime but by
+    /// accident.
     fn prime_seed(&self, seed: u64) -> u64 {
         let constants = self.sizes.iter();
         constants.fold(mix(seed), |seed, size| mix(seed ^ size.to_bits()))

@@ -58,7 +58,7 @@ pub(super) fn first(pairs: &Pairs<'_>, source: &States, seed: u64) -> Option<Fai
     let mut fresh = found
         .into_iter()
         .map(|value| known.binary_search(&field.without_sign(value).0).is_err());
-    new.retain(|_| fresh.next().unwrap_or(false));
+    new.retain(|_| fresh.next().expect("every new divisor has a value"));
     new.truncate(MAX_DIVISORS);
     if new.is_empty() {
         return None;
@@ -262,7 +262,7 @@ fn bisect(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], at_low: f64) -
     high
 }
 
-/// Where a size is smallest between two places around one minimum.
+/// The place of the smallest size between two places around one minimum.
 fn smallest(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
     for _ in 0..NARROWINGS {
         let [left, right] = [1.0, 2.0].map(|third| low + (high - low) * third / 3.0);

@@ -1,4 +1,5 @@
-//! What approximating passes promise of the outputs, and whether it holds.
+//! The promises of approximating passes about the outputs, and whether they
+//! hold.
 
 use super::failure::{Failed, Values};
 use super::numbers::{self, LANES, Survey};
@@ -13,13 +14,13 @@ use robovec_num::ball::{Ball, Balls};
 use robovec_num::double_double::DoubleDouble;
 use std::sync::Arc;
 
-/// What a pass promises of the function it gives.
+/// The promise of a pass about the function it gives.
 #[derive(Clone, Debug)]
 pub enum Promise {
     /// Sines and cosines are within these absolute errors while the inputs
     /// lie within their ranges.
     Waves {
-        /// What the inputs of angles can be.
+        /// The ranges of the inputs of angles.
         ranges: Arc<Ranges>,
         /// The largest proved errors of sine and cosine.
         errors: [f64; 2],

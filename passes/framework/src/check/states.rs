@@ -1,4 +1,4 @@
-//! Where versions are compared in numbers.
+//! The states at which versions are compared in numbers.
 
 use super::pairing::Pairs;
 use robovec_ir::states::States;
@@ -6,7 +6,7 @@ use robovec_ir::{Function, Operand};
 use robovec_num::field::mix;
 use std::fmt;
 
-/// How large the inputs of a state are.
+/// The size of the inputs of a state.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum StateScale {
     /// As the arrays of Robotran mean them ([`States`]).
@@ -43,9 +43,9 @@ pub(super) const SCALES: [StateScale; 8] = [
 /// A state: of one scale, by its number from 0.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct StatePlace {
-    /// How large its inputs are.
+    /// The size of its inputs.
     pub scale: StateScale,
-    /// Which of the states of that scale.
+    /// The number of the state among those of that scale.
     pub number: u32,
 }
 

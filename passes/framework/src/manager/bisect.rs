@@ -8,8 +8,8 @@ use crate::pipeline::PassStep;
 use robovec_num::limits::NumberLimit;
 use std::str::FromStr;
 
-/// How far a run goes: passes are counted over all functions, in the order
-/// they run, from 1.
+/// The end of a run: passes are counted over all functions, in the order they
+/// run, from 1.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Limit {
     /// Passes after this one are skipped.
@@ -61,7 +61,7 @@ pub struct Executed {
     pub function: usize,
     /// The pass and its options.
     pub step: PassStep,
-    /// How many rewrites it asked for.
+    /// The number of rewrites it asked for.
     pub rewrites: u64,
     /// The rewrite at the limit, when there was one and it was reached: the
     /// value's name, and how it was rewritten.

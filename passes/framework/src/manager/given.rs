@@ -1,4 +1,5 @@
-//! What a pipeline is given, verified against the machine before any pass.
+//! The function that a pipeline is given, verified against the machine before
+//! any pass.
 //!
 //! Text that was read is well formed, and no more: a placement in it may be
 //! wrong on its machine, or be for another one. Found after the first pass,

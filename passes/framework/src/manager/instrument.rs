@@ -9,7 +9,7 @@ use robovec_ir::{Function, Tables, View, print};
 use similar::{ChangeTag, TextDiff};
 use std::io;
 
-/// Which passes a dump is asked for.
+/// The passes that a dump is asked for.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub enum PassFilter {
     /// None.
@@ -31,7 +31,7 @@ impl PassFilter {
     }
 }
 
-/// How changes are printed.
+/// The form in which changes are printed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PrintChanged {
     /// The whole function.
@@ -56,7 +56,7 @@ pub struct DumpState<'a> {
     pub function: &'a str,
     /// The pass's name, or `start`.
     pub pass: &'a str,
-    /// What the pass did.
+    /// The record of the pass.
     pub record: Option<&'a PassRecord>,
     /// The text; `None` when the pass changed nothing.
     pub text: Option<&'a str>,

@@ -1,4 +1,4 @@
-//! What the manager measures around a pass: time, memory, size, change.
+//! The measurements around a pass: time, memory, size, change.
 
 use crate::pass::{PassError, PassInfo, Property};
 use robovec_analysis::critical_path::{Weights, arrivals};

@@ -45,7 +45,7 @@ use walk::PipelineWalk;
 /// Told before each pass: its ordinal, the number of all, its name.
 pub type Progress<'a> = dyn FnMut(usize, usize, &str) + 'a;
 
-/// How a pipeline is run.
+/// The settings with which a pipeline is run.
 pub struct Config<'a> {
     /// The machine compiled for.
     pub machine: &'a Machine,
@@ -59,10 +59,10 @@ pub struct Config<'a> {
     /// so many states; [`usual_states`] of the function as it was read for
     /// `Some(0)`.
     pub rounding: Option<u32>,
-    /// Where random states come from; their seed is also that of the points
-    /// of the prime field.
+    /// The source of random states; their seed is also that of the points of
+    /// the prime field.
     pub states: States,
-    /// What the functions are needed for. States should be its own
+    /// The scene that the functions are needed for. States should be its own
     /// ([`Scene::states`]).
     pub scene: Option<&'a Scene>,
     /// Print the function before these passes.
@@ -113,7 +113,7 @@ impl<'a> Config<'a> {
     }
 }
 
-/// What one pass did to one function.
+/// The record of what one pass did to one function.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PassRecord {
     /// The function.
@@ -131,7 +131,7 @@ pub struct PassRecord {
     pub operations: u64,
     /// Length of the longest chain after the pass, in cycles.
     pub asap_cycle: u32,
-    /// What the pass counted.
+    /// The counts of the pass.
     pub statistics: Vec<(&'static str, u64)>,
     /// The outcome of the semantic check.
     pub check: Option<CheckVerdict>,
@@ -139,7 +139,7 @@ pub struct PassRecord {
     pub rounding: Option<[Arc<RoundingErrors>; 2]>,
 }
 
-/// What a run leaves behind, besides the module.
+/// The outcome of a run besides the module.
 #[derive(Default, Debug)]
 pub struct RunOutcome {
     /// One record per pass and function, in order.
@@ -148,7 +148,7 @@ pub struct RunOutcome {
     pub artifacts: Vec<Artifact>,
 }
 
-/// Why a pipeline stopped.
+/// The reason why a pipeline stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The pipeline cannot work on this module.
@@ -173,7 +173,7 @@ pub enum RunError {
         pass: String,
         /// The function.
         function: String,
-        /// What it panicked with.
+        /// The message of the panic.
         message: String,
     },
     /// The verifier refuses what the pipeline was given: nothing a pass did.
@@ -184,9 +184,9 @@ pub enum RunError {
     Given {
         /// The function.
         function: String,
-        /// What the verifier says.
+        /// The violations that the verifier found.
         violations: Vec<String>,
-        /// What the user can do.
+        /// The advice to the user.
         help: String,
     },
     /// The verifier refuses what a pass made: a mistake in the pass.
@@ -199,7 +199,7 @@ pub enum RunError {
         pass: String,
         /// The function.
         function: String,
-        /// What the verifier says.
+        /// The violations that the verifier found.
         violations: Vec<String>,
     },
     /// The semantic check refuses what a pass made: a mistake in the pass.
@@ -211,7 +211,7 @@ pub enum RunError {
         pass: String,
         /// The function.
         function: String,
-        /// What differs.
+        /// The difference.
         reason: String,
     },
     /// A dump or log could not be written.
@@ -265,7 +265,7 @@ pub fn run(
     Ok(run.outcome)
 }
 
-/// What is claimed of what a pass did.
+/// The claim about what a pass did.
 struct Claim {
     class: NumericClass,
     /// Of a pass that makes several instances of a function.
@@ -456,8 +456,8 @@ impl PipelineRun<'_> {
         Some([before, after])
     }
 
-    /// How many rewrites the next pass may do; `None` when it is beyond the
-    /// limit.
+    /// The number of rewrites the next pass may do; `None` when it is beyond
+    /// the limit.
     fn limit(&mut self, name: &str, function: &Function) -> io::Result<Option<Option<u64>>> {
         let config = &mut self.instruments.config;
         let limit = Limit::of(config.limit, self.ordinal as u64);
@@ -547,7 +547,7 @@ impl PipelineRun<'_> {
     }
 }
 
-/// What a panic says of itself.
+/// The message of a panic.
 fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));

@@ -9,11 +9,11 @@ use std::ops::Range;
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct PlanError {
-    /// What is wrong.
+    /// The message that says what is wrong.
     pub message: String,
-    /// What the user can do.
+    /// The advice to the user.
     pub help: String,
-    /// Where the pass stands in the pipeline's text, in bytes.
+    /// The place of the pass in the pipeline's text, in bytes.
     pub span: Range<usize>,
 }
 

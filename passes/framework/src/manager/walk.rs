@@ -44,9 +44,8 @@ impl<'p> PipelineWalk<'p> {
                     fingerprint,
                 }),
                 PipelineStep::Close => {
-                    let Some(round) = self.rounds.last_mut() else {
-                        continue;
-                    };
+                    let round = self.rounds.last_mut();
+                    let round = round.expect("a group that ends was begun");
                     round.left -= 1;
                     if round.left > 0 && fingerprint != round.fingerprint {
                         round.fingerprint = fingerprint;

@@ -12,7 +12,7 @@ use robovec_ir::{
     Tables, Value,
 };
 
-/// What becomes of a value.
+/// The fate of a value.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Fate {
     /// It stays.
@@ -74,8 +74,8 @@ impl Edit {
         new
     }
 
-    /// What stands for each value: itself, something before it, or an input
-    /// of its own.
+    /// The source that stands for each value: itself, something before it, or
+    /// an input of its own.
     fn resolve(&self, old: &Function) -> Vec<NumberSource> {
         let mut sources: Vec<NumberSource> = Vec::with_capacity(old.nodes().len());
         for (value, node) in old.values() {
@@ -96,7 +96,7 @@ impl Edit {
     }
 }
 
-/// Where the number of an old value comes from.
+/// The source of the number of an old value.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum NumberSource {
     /// An old operand; a value among them stays.

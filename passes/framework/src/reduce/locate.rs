@@ -8,7 +8,8 @@ use robovec_ir::{Level, Module};
 /// The first pass that goes wrong.
 pub(super) struct Located {
     pub(super) problem: PassProblem,
-    /// How many passes ran before it and with it, over all functions.
+    /// The number of passes that ran up to it, itself included, over all
+    /// functions.
     pub(super) ordinal: u64,
     /// The function and the passes that show the problem; usually the one
     /// pass alone.
@@ -85,7 +86,7 @@ fn shortest_tail(
 pub struct Rewrite {
     /// Its number in the pass, from 1.
     pub number: u64,
-    /// How many rewrites the pass does in all.
+    /// The number of rewrites the pass does in all.
     pub of: u64,
     /// The value rewritten, as in the text; empty for an inner node.
     pub name: String,

@@ -35,9 +35,10 @@ pub const WORK: u64 = 4_000_000;
 pub struct Reduction {
     /// The function that goes wrong.
     pub function: String,
-    /// Which pass of the whole run it is, counted over all functions from 1.
+    /// The number of the pass in the whole run, counted over all functions from
+    /// 1.
     pub ordinal: u64,
-    /// What goes wrong on the program as it was.
+    /// The problem on the program as it was.
     pub problem: PassProblem,
     /// The rewrite that breaks the program as it was.
     pub rewrite: Option<Rewrite>,
@@ -47,23 +48,23 @@ pub struct Reduction {
     pub program: Module,
     /// The passes that show the problem on it; the last one goes wrong.
     pub pipeline: Pipeline,
-    /// What goes wrong on the small program.
+    /// The problem on the small program.
     pub small_problem: PassProblem,
     /// The rewrite that breaks the small program.
     pub small_rewrite: Option<Rewrite>,
-    /// What that rewrite (or, when the pass does not count them, the whole
-    /// pass) does to the text of the small program.
+    /// The effect of that rewrite (or, when the pass does not count them, of
+    /// the whole pass) on the text of the small program.
     pub difference: Option<String>,
     /// Whole numbers that show the difference, where there are such.
     pub witness: Option<Witness>,
-    /// How much was tried.
+    /// The effort spent.
     pub effort: ReductionEffort,
 }
 
 /// The first pass that goes wrong, on the function as it was before it.
 #[derive(Clone, Debug)]
 pub struct Broken {
-    /// What goes wrong.
+    /// The problem.
     pub problem: PassProblem,
     /// The function that goes wrong, alone.
     pub program: Module,
@@ -123,7 +124,7 @@ pub fn reduce(
     })
 }
 
-/// What the broken rewrite does to the text, and numbers that show it; only
+/// The effect of the broken rewrite on the text, and numbers that show it; only
 /// where there is a well-formed result to look at.
 fn effect(
     case: &Case,
@@ -195,8 +196,8 @@ impl fmt::Display for Reduction {
 }
 
 impl Reduction {
-    /// What goes wrong on the small program, line by line: the problem,
-    /// numbers that show it, the rewrite and what it does.
+    /// A summary of the small program, line by line: the problem, numbers that
+    /// show it, the rewrite and what it does.
     pub fn small_summary(&self) -> String {
         let mut lines = vec![self.small_problem.message.clone()];
         lines.extend(self.witness.as_ref().map(ToString::to_string));

@@ -9,7 +9,7 @@ use super::edit::{Edit, Fate};
 use super::trial::{Case, PassProblem, TrialSetting};
 use robovec_ir::{Function, Value, View, verify};
 
-/// How much was tried.
+/// The effort spent.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct ReductionEffort {
     /// Programs tried.
@@ -66,7 +66,7 @@ impl Shrinker<'_> {
         self.size() < size
     }
 
-    /// What a round must lower.
+    /// The size that a round must lower.
     fn size(&self) -> (usize, usize, usize) {
         let function = &self.case.function;
         let simple = |number: &&f64| SIMPLE.contains(*number);

@@ -9,14 +9,14 @@ use robovec_ir::{Function, Machine, Module, Tables};
 use robovec_rules::RuleSet;
 use std::io;
 
-/// How passes are judged.
+/// The setting in which passes are judged.
 #[derive(Clone, Copy)]
 pub struct TrialSetting<'a> {
     /// The machine compiled for.
     pub machine: &'a Machine,
     /// The rules that rewriting may use.
     pub rules: &'a RuleSet,
-    /// What the functions are needed for.
+    /// The scene that the functions are needed for.
     pub scene: Option<&'a Scene>,
     /// Random points each pass is checked at.
     pub points: u32,
@@ -37,12 +37,12 @@ pub enum ProblemKind {
     Changed,
 }
 
-/// What went wrong, and in which pass.
+/// The problem, and the pass in which it occurred.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct PassProblem {
     /// In what way.
     pub kind: ProblemKind,
-    /// What the manager says.
+    /// The message of the manager.
     pub message: String,
     /// Name of the pass.
     pub pass: &'static str,
@@ -68,13 +68,13 @@ fn gist(message: &str) -> Vec<&str> {
         .collect()
 }
 
-/// What became of a run.
+/// The outcome of a run.
 pub(super) struct ReductionTrial {
     /// The functions as far as they came.
     pub(super) module: Module,
     /// The passes that were started.
     pub(super) executed: Vec<Executed>,
-    /// What went wrong.
+    /// The problem.
     pub(super) problem: Option<PassProblem>,
 }
 

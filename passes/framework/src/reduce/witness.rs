@@ -19,7 +19,7 @@ pub struct Witness {
     pub after: f64,
 }
 
-/// How many small states are tried.
+/// The number of small states that are tried.
 const STATES: u64 = 64;
 
 /// Looks for whole numbers from −4 to 4 as inputs that tell two versions of a

@@ -14,7 +14,7 @@ pub struct Allowed {
 }
 
 impl Allowed {
-    /// What a scene says of outputs, and of all others that errors may be this
+    /// The allowed errors: those of a scene, and for all other outputs this
     /// part of the largest element of the array.
     pub fn new(view: View<'_>, scene: Option<&Scene>, error: f64) -> Allowed {
         let outputs = view.function.outputs();

@@ -28,7 +28,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
-/// What a program is needed for.
+/// The use that a program is needed for.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct Scene {
     /// Its name.
@@ -41,12 +41,12 @@ pub struct Scene {
     pub bound: Bindings,
     /// Joints that are no degrees of freedom here.
     pub joints: Vec<HeldJoint>,
-    /// How large the other inputs can be; what it does not name is free.
+    /// The ranges of the other inputs; those it does not name are free.
     pub ranges: Ranges,
     /// Sines and cosines are computed by the elements, as series; otherwise a
     /// host prepares them before the run.
     pub series: bool,
-    /// How long one evaluation may take, µs.
+    /// The longest time of one evaluation, µs.
     pub deadline: Option<f64>,
     /// The machine compiled for: a name or a file beside the scene.
     pub machine: Option<String>,
@@ -68,13 +68,13 @@ pub struct NeededOutputs {
 /// An allowed error.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct OutputTolerance {
-    /// What the error is compared with.
+    /// The measure the error is compared with.
     pub measure: Measure,
     /// The largest that is allowed.
     pub bound: f64,
 }
 
-/// What an error is compared with.
+/// The measure an error is compared with.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Measure {
     /// The largest element of the output's array.
@@ -125,11 +125,11 @@ pub struct HeldJoint {
     pub number: u32,
     /// Its name in the model; its number as text where there is no model.
     pub name: String,
-    /// How it is held.
+    /// The way it is held.
     pub hold: Hold,
 }
 
-/// What decides the motion of a joint that is no degree of freedom.
+/// The source of the motion of a joint that is no degree of freedom.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Hold {
     /// It stays at a position, m or rad; its velocity and its acceleration
@@ -167,7 +167,7 @@ impl Bindings {
         elements.map(|((array, indices), number)| (array.as_str(), *indices, *number))
     }
 
-    /// How many elements are bound.
+    /// The number of bound elements.
     pub fn len(&self) -> usize {
         self.elements.len()
     }
@@ -206,7 +206,7 @@ impl Scene {
         needs.filter_map(|need| need.tolerance).collect()
     }
 
-    /// What is known of inputs: the ranges, and bound elements as ranges of
+    /// The known ranges of inputs: those given, and bound elements as ranges of
     /// one number.
     pub fn known_inputs(&self) -> Ranges {
         let mut ranges = self.ranges.clone();
@@ -221,7 +221,7 @@ impl Scene {
         States::new(seed).within(Arc::new(self.known_inputs()))
     }
 
-    /// How a joint is held, by its number from 1.
+    /// The way a joint is held, by its number from 1.
     pub fn hold(&self, number: u32) -> Option<Hold> {
         let held = self.joints.iter().find(|joint| joint.number == number);
         held.map(|joint| joint.hold)

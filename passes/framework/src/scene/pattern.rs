@@ -3,7 +3,7 @@
 use robovec_ir::{Function, Output, View};
 use std::fmt;
 
-/// What an index of a pattern allows. Indices count from 1.
+/// The indices that one place of a pattern allows. They count from 1.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum IndexPattern {
     /// Every index.

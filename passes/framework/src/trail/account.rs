@@ -10,7 +10,7 @@ use super::{Notes, Stage, Trail};
 use robovec_analysis::critical_path::{Weights, arrivals, tails};
 use robovec_ir::{Function, HistoryStep, Machine, Name, SourceSet, Tables, View};
 
-/// What is told of a value or an output.
+/// The account of a value or an output.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Account {
     /// Its name in the text.
@@ -18,14 +18,14 @@ pub struct Account {
     /// The equations it comes from; of an output, also those of the value it
     /// is set to.
     pub sources: Vec<SourceSet>,
-    /// What histories said before this run, of it and of what it was made
-    /// from: name and steps, those without a step left out.
+    /// The histories from before this run, of it and of what it was made from:
+    /// name and steps, those without a step left out.
     pub earlier: Vec<(String, Vec<HistoryStep>)>,
     /// The states of it, and of what it was made from, before the first pass.
     pub read: Vec<Moment>,
     /// The passes that changed it, in order.
     pub entries: Vec<PassEntry>,
-    /// What it is now; `None` when a pass removed it.
+    /// Its present state; `None` when a pass removed it.
     pub now: Option<Moment>,
     /// When it was removed.
     pub gone: Option<Gone>,
@@ -45,16 +45,16 @@ pub struct Gone {
 pub struct PassEntry {
     /// The pass with its options, as in the pipeline.
     pub pass: String,
-    /// What it did.
+    /// The changes it made.
     pub changes: Vec<DefinitionChange>,
 }
 
 /// One definition that a pass changed.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DefinitionChange {
-    /// What it was made from; `None` for one made from nothing known.
+    /// The state it was made from; `None` for one made from nothing known.
     pub before: Option<Moment>,
-    /// What it became.
+    /// The state it became.
     pub after: Moment,
     /// The rules the pass applied to it.
     pub rules: Vec<String>,
@@ -70,7 +70,7 @@ pub struct Moment {
     pub text: String,
     /// When its result is available at the earliest, in cycles.
     pub arrival: u32,
-    /// How many cycles later it could be without lengthening the longest
+    /// The number of cycles it could be later without lengthening the longest
     /// path.
     pub slack: u32,
     /// The longest path of the function, in cycles.
@@ -257,7 +257,7 @@ impl<'a> Snapshot<'a> {
 
 /// Going backwards through the stages.
 struct BackwardWalk {
-    /// What is followed, by its names in the state reached.
+    /// The items that are followed, by their names in the state reached.
     tracked: Vec<TrackedItem>,
     entries: Vec<PassEntry>,
 }
@@ -306,7 +306,7 @@ impl BackwardWalk {
     }
 }
 
-/// What a pass did to one subject; `None` when nothing.
+/// The change of one subject by a pass; `None` when there is none.
 fn change(
     notes: &Notes,
     (before, old): (&Snapshot<'_>, Option<DefinitionSubject>),

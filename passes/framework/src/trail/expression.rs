@@ -1,4 +1,4 @@
-//! What a value computes, as one expression.
+//! The computation of a value as one expression.
 //!
 //! From the atomic level on a definition is one operation, which says little.
 //! So the values that belong to the same equation by their names and are used
@@ -28,7 +28,7 @@ pub(super) fn of_value(view: View<'_>, uses: &[u32], value: Value) -> WrittenExp
     ExpressionSketch::new(view, uses, node.name.base).write(&head, value.into())
 }
 
-/// What an output is set to; the value named after it is written out.
+/// The expression an output is set to; the value named after it is written out.
 pub(super) fn of_output(view: View<'_>, uses: &[u32], index: usize) -> WrittenExpression {
     let assignment = view.function.assignments[index];
     let head = print_output(view, assignment.output);
@@ -94,7 +94,9 @@ impl<'a> ExpressionSketch<'a> {
             function: &self.function,
         };
         let printed = print_definition(view, top);
-        let expression = printed.split_once(" = ").map_or("", |(_, text)| text);
+        let (_, expression) = printed
+            .split_once(" = ")
+            .expect("a printed definition has an equals sign");
         WrittenExpression {
             text: format!("{head} = {expression}"),
             inside,

@@ -18,9 +18,9 @@ pub enum TrackedItem {
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("there is no value or output '{asked}'")]
 pub struct NotFound {
-    /// What was asked for.
+    /// The name that was asked for.
     pub asked: String,
-    /// What the user can do.
+    /// The advice to the user.
     pub help: String,
 }
 

@@ -84,7 +84,7 @@ impl Follower {
     }
 }
 
-/// What the value that bears a name after a pass was made from.
+/// The origin of the value that bears a name after a pass.
 pub(super) fn origin(
     before: &DefinitionState,
     owners: &OutputSymbols,

@@ -43,7 +43,7 @@ struct Stage {
     before: Function,
     /// The pass with its options, as in the pipeline.
     pass: String,
-    /// What it noted.
+    /// Its notes.
     notes: Notes,
 }
 

@@ -39,7 +39,12 @@ impl ValueNames {
             *place += 1;
         }
         for index in 0..symbols {
-            entries[starts[index] as usize..starts[index + 1] as usize].sort_unstable();
+            let own = &mut entries[starts[index] as usize..starts[index + 1] as usize];
+            own.sort_unstable();
+            debug_assert!(
+                own.is_sorted_by(|one, next| one.0 < next.0),
+                "no two values have the same name"
+            );
         }
         ValueNames { starts, entries }
     }

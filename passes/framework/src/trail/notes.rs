@@ -1,4 +1,4 @@
-//! What a pass says about the values it makes, while it runs.
+//! The notes of a pass about the values it makes, while it runs.
 
 use hashbrown::HashMap;
 use robovec_ir::Name;

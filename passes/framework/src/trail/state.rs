@@ -14,7 +14,7 @@ use robovec_ir::{
 use rustc_hash::{FxBuildHasher, FxHasher};
 use std::hash::{Hash, Hasher};
 
-/// What a value or output says: equal numbers for equal definitions.
+/// The definition of a value or output: equal numbers for equal definitions.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Definition {
     body: u64,
@@ -71,7 +71,7 @@ impl DefinitionState {
         self.names.find(name)
     }
 
-    /// What a value or output says.
+    /// The definition of a value or output.
     pub(super) fn definition(&self, function: &Function, subject: DefinitionSubject) -> Definition {
         match subject {
             DefinitionSubject::Value(value) => Definition {
@@ -91,9 +91,9 @@ impl DefinitionState {
         }
     }
 
-    /// What a value that this state does not have was made from, as names
-    /// tell: the value it is named after, or the output, or another value
-    /// derived from the same equation.
+    /// The origin of a value that this state does not have, as names tell: the
+    /// value it is named after, or the output, or another value derived from
+    /// the same equation.
     pub(super) fn namesake(&self, name: Name, owners: &OutputSymbols) -> Option<DefinitionSubject> {
         if let Some(value) = self.value(Name::plain(name.base)) {
             return Some(DefinitionSubject::Value(value));
@@ -141,7 +141,7 @@ pub(super) fn assignment_of(function: &Function, output: Output) -> Option<usize
     assignments.binary_search_by(by_element).ok()
 }
 
-/// What a value or output is called in the text.
+/// The name of a value or output in the text.
 pub(super) fn name_of(view: View<'_>, subject: DefinitionSubject) -> String {
     match subject {
         DefinitionSubject::Value(value) => {

@@ -12,7 +12,7 @@ use super::field::RuleResidue;
 use super::joined::Joined;
 use robovec_ir::Operation;
 
-/// What points of the fields say.
+/// The verdict of points of the fields.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Agreement {
     /// The sides agree at so many points.

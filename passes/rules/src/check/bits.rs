@@ -1,5 +1,5 @@
-//! What a rule does to bits: equality in floating point, and what happens to
-//! zeros, infinities and NaN.
+//! The effect of a rule on bits: equality in floating point, and what happens
+//! to zeros, infinities and NaN.
 //!
 //! By trials, not by proof: the values that have made rules of floating point
 //! fail before (zeros of both signs, the smallest and largest numbers,
@@ -16,15 +16,15 @@ use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
 /// A remark on special values, with an example.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Note {
-    /// What happens.
+    /// The kind of event.
     pub kind: NoteKind,
     /// The number format of the example: `binary32` or `binary64`.
     pub format: &'static str,
-    /// Where it happens: the variables and both sides.
+    /// An example of it: the variables and both sides.
     pub example: String,
 }
 
-/// What can happen at special values.
+/// An event that can happen at special values.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum NoteKind {
     /// The sides are zeros of different sign.
@@ -42,7 +42,7 @@ pub enum NoteKind {
 impl NoteKind {
     const COUNT: usize = 5;
 
-    /// What happens, in one word.
+    /// The event in one word.
     pub fn word(self) -> &'static str {
         match self {
             NoteKind::SignedZero => "zero",
@@ -53,7 +53,7 @@ impl NoteKind {
         }
     }
 
-    /// What happens, in words.
+    /// The event in words.
     pub fn describe(self) -> &'static str {
         match self {
             NoteKind::SignedZero => "the sign of a zero changes",

@@ -1,4 +1,4 @@
-//! What is known of the numbers of a rule wherever its left side is defined:
+//! The facts about the numbers of a rule wherever its left side is defined:
 //! bounds, signs, and what cannot be zero.
 //!
 //! The left side divides by numbers that are not zero and takes roots of
@@ -24,7 +24,7 @@ const SQUARES: u64 = 64;
 /// Nodes up to which each is compared with each.
 const MAX_COMPARED: usize = 160;
 
-/// What is known of all nodes.
+/// The known facts about all nodes.
 pub(super) struct NodeFacts<'a> {
     pub(super) joined: &'a Joined<'a>,
     pub(super) ranges: Vec<Range>,
@@ -181,7 +181,7 @@ impl<'a> NodeFacts<'a> {
         }
     }
 
-    /// What a node that is not zero says of its operands.
+    /// Notes what a node that is not zero says of its operands.
     fn factors(&mut self, node: usize) {
         if !self.ranges[node].nonzero {
             return;

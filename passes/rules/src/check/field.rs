@@ -59,7 +59,7 @@ pub(crate) struct RuleField {
     circle: bool,
 }
 
-/// What a random element stands for; it keeps the draws apart.
+/// The role of a random element; it keeps the draws apart.
 #[derive(Clone, Copy)]
 enum RuleDrawRole {
     Input = 1,

@@ -11,9 +11,9 @@ pub(super) struct Joined<'a> {
     pub(super) rule: &'a Rule,
     /// The nodes of the left side, then those of the right side.
     pub(super) pattern: Pattern,
-    /// How many nodes the left side has.
+    /// The number of nodes of the left side.
     pub(super) left: usize,
-    /// Which variables must be positive.
+    /// For each variable whether it must be positive.
     pub(super) positive: Vec<bool>,
     pub(super) fields: [RuleField; 2],
 }
@@ -73,7 +73,8 @@ impl<'a> Joined<'a> {
         self.operands(wanted, nodes).next().is_some()
     }
 
-    /// Which of the nodes up to one that one is computed from, with itself.
+    /// For each node up to a given one whether that is computed from it, with
+    /// itself.
     pub(super) fn needed(&self, node: usize) -> Vec<bool> {
         let nodes = &self.pattern.nodes;
         let mut needed = vec![false; node + 1];

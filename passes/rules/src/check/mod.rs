@@ -67,18 +67,18 @@ pub enum RuleVerdict {
     Unproved(Doubt),
 }
 
-/// What is known of a rule.
+/// The findings about a rule.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Finding {
     /// Whether it holds.
     pub verdict: RuleVerdict,
-    /// What it does to numbers, as found; that of the declaration when the
-    /// rule is not proved.
+    /// The numeric class, as found; that of the declaration when the rule is
+    /// not proved.
     pub class: NumericClass,
     /// The part of random points where both sides have the same bits, from 0
     /// to 1: in binary32 or, where none have in that, in binary64.
     pub equal_bits: f64,
-    /// What happens at special values.
+    /// The events at special values.
     pub notes: Vec<Note>,
 }
 

@@ -6,7 +6,7 @@ use super::ball::ScaledBall;
 use super::field::{RuleField, RuleResidue};
 use robovec_ir::Operation;
 
-/// What a side is at a point.
+/// The value of a side at a point.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum SideValue {
     /// The numbers of all nodes.
@@ -38,7 +38,7 @@ impl SideValue {
 pub(super) struct RealPoint {
     /// The variables.
     pub(super) values: Vec<f64>,
-    /// How far each variable can be from its value.
+    /// The largest distance of each variable from its value.
     pub(super) radii: Vec<f64>,
 }
 

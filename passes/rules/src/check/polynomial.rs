@@ -70,7 +70,8 @@ pub(super) fn divide(
         return (Vec::new(), rest);
     };
     let mut quotient = vec![0; extra];
-    let leading = modulus.invert(b.last().copied().unwrap_or(0));
+    let leading = *b.last().expect("a divisor is not zero");
+    let leading = modulus.invert(leading);
     for step in (0..extra).rev() {
         let factor = modulus.mul(rest[step + b.len() - 1], leading);
         quotient[step] = factor;
@@ -97,8 +98,8 @@ pub(super) fn common(
     a
 }
 
-/// What is left of a polynomial when all factors that it shares with another
-/// are taken out, as often as they occur.
+/// The rest of a polynomial when all factors that it shares with another are
+/// taken out, as often as they occur.
 pub(super) fn without(
     modulus: Modulus,
     a: &ModularPolynomial,

@@ -14,7 +14,7 @@
 use super::super::random::RuleRandom;
 use robovec_num::field::is_prime;
 
-/// What divides `p + 1` beside `r`.
+/// The cofactor of `r` in `p + 1`.
 pub(super) const COFACTOR: u64 = 2_042_040;
 
 /// Draws primes `p = 2042040 r - 1` and `r`, `p` between 2⁶⁰ and 2⁶¹.

@@ -21,7 +21,7 @@ const FEWEST: u32 = 8;
 /// Real points that tell signs.
 const REALS: usize = 6;
 
-/// What was established of a rule that is proved.
+/// The facts established about a rule that is proved.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Proof {
     /// True when sine and cosine must lie on the circle.
@@ -30,7 +30,7 @@ pub struct Proof {
     pub points: u32,
     /// Real states at which they agree as numbers.
     pub states: u32,
-    /// How far apart they can be there, by the largest number that occurs.
+    /// Their largest distance there, by the largest number that occurs.
     pub distance: f64,
 }
 
@@ -48,7 +48,7 @@ impl fmt::Display for Proof {
     }
 }
 
-/// Why a rule is not proved although nothing refutes it.
+/// The reason why a rule is not proved although nothing refutes it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Doubt {
     /// The sides differ in the prime fields.
@@ -128,7 +128,7 @@ fn one_way(joined: &Joined<'_>) -> RuleVerdict {
     }
 }
 
-/// Why there is no proof.
+/// The reason why there is no proof.
 enum Refusal {
     Doubted(Doubt),
     Refuted(Counterexample),

@@ -1,4 +1,4 @@
-//! Where the number of a node lies: bounds, and whether it can be zero.
+//! The range of the number of a node: bounds, and whether it can be zero.
 
 /// Bounds of a real number, rounded outwards.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -47,7 +47,7 @@ impl Range {
         }
     }
 
-    /// What is known from two sources.
+    /// The range known from two sources.
     pub(super) fn and(self, other: Range) -> Range {
         let (low, high) = (self.low.max(other.low), self.high.min(other.high));
         Range {
@@ -57,7 +57,7 @@ impl Range {
         }
     }
 
-    /// What is left of this when only the sign of a factor is known.
+    /// The rest of this range when only the sign of a factor is known.
     pub(super) fn scaled(self, sign: i32) -> Range {
         let oriented = match sign {
             1 => self.sign(),

@@ -11,7 +11,7 @@ use hashbrown::HashMap;
 use robovec_ir::Operation::{self, Add, Cos, Mul, Sin, Sub};
 use robovec_num::arithmetic::Arithmetic;
 
-/// Which terms are tried.
+/// The terms that are tried.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TermSpace {
     /// Operations of a term, at most.
@@ -56,7 +56,7 @@ pub(super) struct RuleCandidate {
     pub(super) right: Pattern,
 }
 
-/// What was tried.
+/// The terms that were tried.
 pub(super) struct Enumeration {
     pub(super) candidates: Vec<RuleCandidate>,
     /// Terms tried.

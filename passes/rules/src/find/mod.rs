@@ -30,7 +30,7 @@ use robovec_analysis::class::NumericClass;
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::{Function, Machine};
 
-/// What a derivation may cost.
+/// The limits of a derivation.
 const DERIVATION: GraphBudget = GraphBudget {
     nodes: 300,
     iterations: 3,
@@ -47,7 +47,7 @@ const TRIALS: usize = 2_000;
 pub struct Found {
     /// The rule, in the direction that gains more.
     pub rule: Rule,
-    /// What it gains.
+    /// Its gain.
     pub gain: RuleGain,
 }
 
@@ -148,7 +148,7 @@ fn derives(rewrites: &[Rewrite<GraphTerm, ()>], candidate: &RuleCandidate) -> bo
     let terms = [term(&candidate.left), term(&candidate.right)];
     let grown = grow(&terms, rewrites, DERIVATION);
     let [left, right] = grown.roots[..] else {
-        return false;
+        unreachable!("a graph grown from two terms has two roots");
     };
     grown.graph.find(left) == grown.graph.find(right)
 }

@@ -58,7 +58,6 @@ fn negated(mut terms: Vec<(String, bool)>) -> Vec<(String, bool)> {
 /// The text of a pattern that is equal for all orders and groupings of its
 /// sums and products, with its variables renumbered.
 pub(super) fn normal(pattern: &Pattern, number: &[u32]) -> String {
-    // Every node of a pattern is used once, so that it can be taken.
     let mut forms: Vec<Option<FlatForm>> = Vec::with_capacity(pattern.nodes.len());
     for node in &pattern.nodes {
         let form = match *node {
@@ -69,7 +68,7 @@ pub(super) fn normal(pattern: &Pattern, number: &[u32]) -> String {
             PatternNode::Operation(operation, [a, b]) => {
                 let mut take = |index: u32| {
                     let form = forms[index as usize].take();
-                    form.unwrap_or(FlatForm::Other(String::new()))
+                    form.expect("every node of a pattern is used once")
                 };
                 let first = take(a);
                 match operation {
@@ -97,10 +96,8 @@ pub(super) fn normal(pattern: &Pattern, number: &[u32]) -> String {
         };
         forms.push(Some(form));
     }
-    forms
-        .pop()
-        .flatten()
-        .map_or(String::new(), |form| form.text())
+    let root = forms.pop().flatten().expect("a pattern has a root");
+    root.text()
 }
 
 /// The name of a pair of patterns, equal for all pairs that differ in the
@@ -115,7 +112,7 @@ pub(super) fn name(left: &Pattern, right: &Pattern, variables: u32, angle: bool)
             least = Some(text);
         }
         if !next_permutation(&mut order[..variables as usize]) {
-            return least.unwrap_or_default();
+            return least.expect("the first order has a text");
         }
     }
 }
@@ -125,12 +122,10 @@ fn next_permutation(order: &mut [u32]) -> bool {
     let Some(pivot) = (1..order.len()).rev().find(|&i| order[i - 1] < order[i]) else {
         return false;
     };
-    let Some(swap) = (pivot..order.len())
+    let swap = (pivot..order.len())
         .rev()
         .find(|&i| order[i] > order[pivot - 1])
-    else {
-        return false;
-    };
+        .expect("the number at the pivot is larger");
     order.swap(pivot - 1, swap);
     order[pivot..].reverse();
     true

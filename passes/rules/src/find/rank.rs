@@ -1,4 +1,4 @@
-//! What rules would gain on the critical paths of real functions.
+//! The gain of rules on the critical paths of real functions.
 
 use super::super::pattern::{Pattern, PatternNode};
 use super::super::profile::{arrival_of, operations};
@@ -6,7 +6,7 @@ use super::super::rule::Rule;
 use robovec_analysis::critical_path::{Weights, arrivals, tails};
 use robovec_ir::{Function, Machine, Operand, OperandKind, Value};
 
-/// What a rule gains on some functions, taken alone and at each place by
+/// The gain of a rule on some functions, taken alone and at each place by
 /// itself: an indication, since gains at one place change the next.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub struct RuleGain {

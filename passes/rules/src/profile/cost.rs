@@ -1,4 +1,4 @@
-//! What a rule does to operations and to the path.
+//! The effect of a rule on operations and on the path.
 
 use super::super::pattern::{Pattern, PatternNode};
 use super::super::rule::Rule;
@@ -59,7 +59,7 @@ pub(crate) fn arrival_of(
     times.pop().flatten()
 }
 
-/// How many different operations a pattern has.
+/// The number of different operations of a pattern.
 pub(crate) fn operations(pattern: &Pattern) -> i64 {
     let mut known: HashMap<(u8, u64, [u32; 2]), u32> = HashMap::new();
     let mut class: Vec<u32> = Vec::with_capacity(pattern.nodes.len());

@@ -1,4 +1,4 @@
-//! How a rule moves rounding errors.
+//! The effect of a rule on rounding errors.
 
 use super::super::random::RuleRandom;
 use super::super::rule::{Requirement, Rule};

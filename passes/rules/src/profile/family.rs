@@ -43,7 +43,7 @@ impl<'a> TermFamily<'a> {
         TermFamily::Turns,
     ];
 
-    /// What the family is, for people.
+    /// The name of the family, for people.
     pub(super) fn name(self) -> String {
         match self {
             TermFamily::Sum => "a sum of n terms".to_owned(),

@@ -7,7 +7,7 @@
 
 use std::fmt::Write;
 
-/// How a sequence grows.
+/// The growth of a sequence.
 #[derive(Clone, Copy, PartialEq, PartialOrd, Debug)]
 pub enum Growth {
     /// Not at all: the rule adds nothing.

@@ -1,4 +1,4 @@
-//! How graphs grow under rules.
+//! The growth of graphs under rules.
 //!
 //! Terms of growing size from several families are saturated; where the
 //! numbers of nodes follow a formula exactly, it is the growth of the rule.
@@ -32,7 +32,7 @@ pub struct Growing {
 pub struct PairGrowth {
     /// Their names.
     pub names: [String; 2],
-    /// What they do together.
+    /// The growth under both together.
     pub growing: Growing,
 }
 
@@ -44,8 +44,8 @@ const ALONE: GraphBudget = GraphBudget {
     iterations: 40,
 };
 
-/// How a graph grows under a rule and those that are always on: the order of
-/// operands, and the rules of zeros, ones and signs that shorten a term,
+/// The growth of a graph under a rule and those that are always on: the order
+/// of operands, and the rules of zeros, ones and signs that shorten a term,
 /// without which hardly any set of rules comes to an end.
 pub fn alone(rule: &Rule) -> Growing {
     worst(&[rule], &always(), ALONE)
@@ -67,8 +67,8 @@ pub fn partner(rule: &Rule) -> Option<String> {
 
 /// The rules that are always on.
 fn always() -> Vec<Rule> {
-    let order = RuleSet::named("commutativity").unwrap_or_default();
-    let signs = RuleSet::named("signs").unwrap_or_default();
+    let order = RuleSet::named("commutativity").expect("commutativity ships");
+    let signs = RuleSet::named("signs").expect("the rules of signs ship");
     let shortens = |rule: &Rule| !rule.both_ways && rule.right.nodes.len() < rule.left.nodes.len();
     let signs = signs.rules.into_iter().filter(shortens);
     order.rules.into_iter().chain(signs).collect()

@@ -1,4 +1,4 @@
-//! What a rule does to errors, cycles, operations and graphs.
+//! The effects of a rule on errors, cycles, operations and graphs.
 
 mod cost;
 mod error;
@@ -27,7 +27,7 @@ pub struct RuleProfile {
     pub transfer: Transfer,
     /// Operations and cycles.
     pub change: CostChange,
-    /// How a graph grows under the rule and those that are always on.
+    /// The growth of a graph under the rule and those that are always on.
     pub growing: Growing,
     /// When it grows exponentially or without end: with which rule, itself or
     /// one that is always on; `None` when it takes more than one.

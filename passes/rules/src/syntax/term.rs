@@ -5,7 +5,7 @@ use super::tree::{Forest, error};
 use robovec_ir::Operation;
 use robovec_ir::diagnostic::{Diagnostic, clip};
 
-/// Why a tree is no pattern.
+/// The reason why a tree is no pattern.
 pub(super) enum PatternProblem {
     /// It is well formed, but robovec has no such operation.
     Unsupported(Diagnostic),
@@ -13,7 +13,7 @@ pub(super) enum PatternProblem {
     Wrong(Diagnostic),
 }
 
-/// What is read of the sides of one rule.
+/// The sides of one rule as read.
 #[derive(Default)]
 pub(super) struct RuleSides {
     pub(super) variables: Vec<String>,

@@ -29,7 +29,7 @@ enum TreeToken {
 pub(super) enum TreeKind {
     /// A word, a number or a text in quotes.
     Atom,
-    /// What stands between parentheses.
+    /// The trees between parentheses.
     List(Vec<u32>),
 }
 

@@ -125,5 +125,5 @@ fn term(pattern: &Pattern, rule: &Rule, syntax: Syntax) -> String {
         };
         texts.push(text);
     }
-    texts.pop().unwrap_or_default()
+    texts.pop().expect("a pattern has a root")
 }

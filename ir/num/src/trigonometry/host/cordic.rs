@@ -49,7 +49,7 @@ impl Cordic {
         [y, x]
     }
 
-    /// How far they can be from the true values at the angle as given.
+    /// The largest distance from the true values at the angle as given.
     pub(super) fn error(&self) -> f64 {
         let iterations = self.angles.len() as u32;
         let unit = 2.0 * half_unit(self.bits);

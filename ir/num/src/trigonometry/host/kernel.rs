@@ -69,7 +69,7 @@ impl HostKernel {
         [product(sine, angle, self.bits), cosine]
     }
 
-    /// How far they can be from the true values at the angle as given: the
+    /// The largest distance from the true values at the angle as given: the
     /// error of the polynomials and that of every rounding.
     pub(super) fn errors(&self) -> [f64; 2] {
         let half = half_unit(self.bits);

@@ -26,7 +26,7 @@ pub use unit::{TrigonometricCost, TrigonometricUnit};
 /// The key of the metadata entry that names an implementation.
 pub const KEY: &str = "trigonometry";
 
-/// How sines and cosines are computed before the run.
+/// The method by which sines and cosines are computed before the run.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Implementation {
     /// Polynomials on an eighth of a turn.

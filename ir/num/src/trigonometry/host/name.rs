@@ -5,7 +5,7 @@ use crate::trigonometry::MAX_ORDER;
 use std::fmt;
 use std::str::FromStr;
 
-/// Why a text names no implementation.
+/// The reason why a text names no implementation.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum ImplementationError {
     /// It has another form.

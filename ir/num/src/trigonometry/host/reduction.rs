@@ -96,9 +96,9 @@ pub fn radians(fraction: i64, bits: u32) -> i64 {
     ((product + (1i128 << (shift - 1))) >> shift) as i64
 }
 
-/// How far [`radians`] of [`reduce`] can be from the angle's true distance
-/// from its axis: the fraction is rounded, `4/π` and `π/4` are cut, and the
-/// result is rounded.
+/// The largest error of [`radians`] of [`reduce`] as the angle's distance from
+/// its axis: the fraction is rounded, `4/π` and `π/4` are cut, and the result
+/// is rounded.
 pub fn error(bits: u32) -> f64 {
     2f64.powi(-61) + 2f64.powi(-(bits as i32) - 1)
 }

@@ -23,7 +23,7 @@ enum TrigonometricCore {
     Cordic(Cordic),
 }
 
-/// What an implementation takes.
+/// The resources and cycles of an implementation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct TrigonometricCost {
     /// Cycles from the angle to sine and cosine, when a multiplication takes
@@ -76,7 +76,7 @@ impl TrigonometricUnit {
         name.parse().and_then(TrigonometricUnit::new)
     }
 
-    /// What it implements.
+    /// The implementation that the unit carries out.
     pub fn implementation(&self) -> Implementation {
         self.implementation
     }
@@ -136,7 +136,7 @@ impl TrigonometricUnit {
         (found + reduction::error(bits)) * (1.0 + 1e-12)
     }
 
-    /// What it takes, estimated.
+    /// The estimated cost.
     pub fn cost(&self) -> TrigonometricCost {
         let bits = u64::from(self.implementation.bits());
         let reduction = 2 * MULTIPLICATION + 1;

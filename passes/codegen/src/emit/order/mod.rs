@@ -1,4 +1,4 @@
-//! In which order statements stand.
+//! The order of statements.
 //!
 //! A processor has some thirty registers; a value that is read long after it
 //! was made has been to memory and back. Three orders:
@@ -30,7 +30,7 @@ pub enum CodeStep {
 }
 
 impl CodeStep {
-    /// What the step reads.
+    /// The operands that the step reads.
     pub fn reads(self, function: &Function) -> &[Operand] {
         match self {
             CodeStep::Define(value) => function.node(value).operands(),
@@ -80,7 +80,7 @@ pub fn depth_first(function: &Function, computed: &[bool], outputs_last: bool) -
     steps
 }
 
-/// Which of two operands with equal keys is walked first.
+/// The rule for which of two operands with equal keys is walked first.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Ties {
     LeftFirst,
@@ -95,7 +95,7 @@ struct DepthWalk<'a> {
     ties: Ties,
     /// For each value whether it was found, or shall not be.
     done: Vec<bool>,
-    /// What is still to be done; true when everything below was found.
+    /// The work that is left; true when everything below was found.
     open: Vec<(Value, bool)>,
 }
 

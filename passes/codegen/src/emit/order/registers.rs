@@ -20,12 +20,12 @@ const READERS: usize = 8;
 /// Readers of a result that are looked at to see what it makes ready.
 const FOLLOWERS: usize = 16;
 
-/// What a read of a value outside the registers costs, against the other
+/// The cost of a read of a value outside the registers, against the other
 /// weights: found by measuring the mass matrices of trees of 23 joints.
 const MISS: i64 = 40;
-/// What the end of a value's life is worth.
+/// The worth of the end of a value's life.
 const KILL: i64 = 30;
-/// What each operation is worth that only waited for this one.
+/// The worth of each operation that only waited for this one.
 const ENABLE: i64 = 10;
 
 /// All values that are marked in `computed`, each once and behind its
@@ -87,7 +87,7 @@ struct RegisterSchedule<'a> {
     readers: Vec<Vec<u32>>,
     /// For each place the ready readers, by rank.
     ready_readers: Vec<BTreeSet<u32>>,
-    /// What is ready, by rank.
+    /// The ready steps, by rank.
     ready: BTreeSet<u32>,
     /// Places in registers, with the time each was last touched.
     held: Vec<(usize, u32)>,
@@ -170,7 +170,7 @@ impl<'a> RegisterSchedule<'a> {
         values
     }
 
-    /// What doing an operation next costs, beside keeping earlier ones
+    /// The cost of doing an operation next, beside keeping earlier ones
     /// waiting.
     fn cost(&self, rank: u32) -> i64 {
         let value = self.walked[rank as usize];

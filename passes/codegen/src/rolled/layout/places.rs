@@ -1,5 +1,5 @@
-//! How accesses are addressed, once every value has its word: arrays,
-//! constants, affine addresses and tables.
+//! The addresses of accesses, once every value has its word: arrays, constants,
+//! affine addresses and tables.
 
 use super::super::fit::{AffineFit, exact, fit};
 use super::super::program::{Copy, Index, SpaceElement, StorageSpace};
@@ -22,7 +22,7 @@ impl RolledLayout<'_> {
         arrays.all(|array| array == Some(first)).then_some(first)
     }
 
-    /// Where an access reads.
+    /// The place that an access reads.
     pub(super) fn place(&mut self, number: usize, access: &MemoryRead) -> SpaceElement {
         if let Some(array) = self.output_of(access) {
             let element = |operand: &Operand| {
@@ -86,7 +86,7 @@ impl RolledLayout<'_> {
             .collect()
     }
 
-    /// Where numbers stand in the table of constants.
+    /// The place of numbers in the table of constants.
     fn constants(&mut self, numbers: &[f64]) -> usize {
         let key = numbers.iter().map(|number| number.to_bits()).collect();
         let next = self.constants.len();
@@ -173,7 +173,7 @@ impl RolledLayout<'_> {
         (base, number)
     }
 
-    /// Where a position stores its results.
+    /// The place where a position stores its results.
     pub(in super::super) fn stores(&mut self, position: usize) -> Vec<SpaceElement> {
         let owner = self.nest.positions[position].owner;
         let statements = &self.nest.positions[position].statements;

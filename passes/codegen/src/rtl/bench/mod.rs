@@ -112,7 +112,7 @@ pub struct TestBench<'a> {
     pub runs: &'a [BenchRun],
 }
 
-/// Why there is no bench.
+/// The reason why there is no bench.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum BenchError {
     /// Images for the simulator alone.
@@ -294,7 +294,7 @@ const MAX_RESULTS: u64 = 1 << 26;
 /// Clocks at most: what a signed number of 32 bits counts.
 const MAX_CLOCKS: u64 = 2_000_000_000;
 
-/// What a size is, its name, and the number.
+/// A size: its description, its name, and the number.
 type Size = (&'static str, &'static str, u64);
 
 /// Names of functions are identifiers; what is not is left out of texts that

@@ -1,4 +1,4 @@
-//! What operations are called, for messages about a wrong result.
+//! The names of operations, for messages about a wrong result.
 
 use super::TestBench;
 use robovec_ir::Value;

@@ -1,4 +1,4 @@
-//! What the host does, command by command.
+//! The script of the host, command by command.
 //!
 //! A line of `host.hex` is a command of 96 bits: kind (8), note (24), address
 //! (32), data (32).
@@ -37,7 +37,7 @@ const MAX_NOTES: usize = 1 << 24;
 pub(super) struct Script {
     /// Text of `host.hex`.
     pub(super) commands: String,
-    /// How many commands there are, the end included.
+    /// The number of commands, the end included.
     pub(super) count: u64,
     /// Text of `reads.txt`.
     pub(super) reads: String,

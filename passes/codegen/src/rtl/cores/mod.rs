@@ -120,22 +120,28 @@ impl Cuts {
     }
 }
 
-/// Where to cut an operator for so many pipeline stages: such that the
-/// slowest stage is as quick as possible, and among these choices the one
-/// with the fewest registers. Stages beyond the last cut are plain registers.
-/// No stages give no cut at all.
+/// The cuts of an operator for so many pipeline stages: such that the slowest
+/// stage is as quick as possible, and among these choices the one with the
+/// fewest registers. Stages beyond the last cut are plain registers. No stages
+/// give no cut at all.
 pub fn cuts(core: OperatorCore, format: NumberFormat, stages: u32) -> Cuts {
     let steps = core.steps(format);
     let places = steps.len() as u32;
     let count = stages.min(places) as usize;
-    Cuts {
+    let cuts = Cuts {
         mask: if count == 0 {
             0
         } else {
             best_mask(&steps, count, slowest(&steps, count))
         },
         extra: stages.saturating_sub(places),
-    }
+    };
+    assert_eq!(cuts.stages(), stages, "every stage ends at a register");
+    assert!(
+        stages == 0 || cuts.mask >> (places - 1) == 1,
+        "the last cut holds a register"
+    );
+    cuts
 }
 
 /// The delay of a stage that begins behind step `first - 1` and ends at the
@@ -196,9 +202,8 @@ fn best_mask(steps: &[CoreStep], count: usize, limit: u32) -> u64 {
     let (mut mask, mut cut) = (0, steps.len() - 1);
     for stage in (1..=count).rev() {
         mask |= 1 << cut;
-        if let Some((_, before)) = best[stage][cut] {
-            cut = before;
-        }
+        let (_, before) = best[stage][cut].expect("a mask with so many registers exists");
+        cut = before;
     }
     mask
 }
