@@ -95,6 +95,10 @@ impl Pass for Balance {
                 break;
             }
         }
+        debug_assert!(
+            best.0 <= before.0 || context.rewrites.has_refused(),
+            "the longest path never grows"
+        );
         context.statistics.push((
             "cycles taken off the longest path",
             before.0.saturating_sub(best.0).into(),

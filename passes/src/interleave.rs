@@ -64,6 +64,11 @@ impl Pass for Interleave {
         copier.nodes();
         copier.assignments();
         let new = copier.finish();
+        assert_eq!(
+            new.nodes().len(),
+            instances.count as usize * function.nodes().len(),
+            "every instance has all operations"
+        );
         *function = match new.level {
             Level::Equations => lay_out(&new),
             _ => new,

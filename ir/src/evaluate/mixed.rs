@@ -81,8 +81,8 @@ pub fn evaluate_nodes_in(
         .iter()
         .map(|&number| mixed.default().convert(number))
         .collect();
-    // The verifier accepts only names of units.
-    let unit = function.trigonometry_unit().and_then(Result::ok);
+    let unit = function.trigonometry_unit();
+    let unit = unit.map(|unit| unit.expect("the verifier accepts only names of units"));
     match (formats, &unit) {
         (None, None) => return evaluate_nodes(function, mixed.default(), &inputs),
         (None, Some(unit)) => {

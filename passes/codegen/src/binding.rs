@@ -233,8 +233,8 @@ impl<'a> PreloadBinding<'a> {
                 given: given.len(),
             });
         }
-        // The verifier accepts only names of units.
-        let unit = function.trigonometry_unit().and_then(Result::ok);
+        let unit = function.trigonometry_unit();
+        let unit = unit.map(|unit| unit.expect("the verifier accepts only names of units"));
         let mut host: Vec<Option<f64>> = Vec::with_capacity(self.host.len());
         for &value in &self.host {
             let node = function.node(value);

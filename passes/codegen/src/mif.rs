@@ -67,6 +67,7 @@ impl<'w> MifWriter<'w> {
 
     /// Zero from the first to the last address, both included.
     pub(super) fn zeros(&mut self, first: u32, last: u32) -> io::Result<()> {
+        debug_assert!(first <= last, "a range of addresses ascends");
         if first == last {
             return self.word(first, &[]);
         }
@@ -97,6 +98,11 @@ impl<'w> MifWriter<'w> {
     }
 
     fn hexadecimal(&mut self, limbs: &[u64], digits: usize) {
+        debug_assert!(
+            (digits..16 * limbs.len())
+                .all(|place| limbs[place / 16] >> (4 * (place % 16)) & 15 == 0),
+            "a number fits its digits"
+        );
         for place in (0..digits).rev() {
             let limb = limbs.get(place / 16).copied().unwrap_or(0);
             let digit = (limb >> (4 * (place % 16))) as usize & 15;

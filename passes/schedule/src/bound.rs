@@ -17,6 +17,7 @@
 use super::graph::DependenceGraph;
 use super::order::SchedulingOrder;
 use super::ready::RankSet;
+use std::cmp::Reverse;
 
 /// The longest chain, or the bound of the scarcest kind if that is larger.
 ///
@@ -29,6 +30,10 @@ pub(super) fn lower_bound(graph: &DependenceGraph, by_tail: &SchedulingOrder) ->
 
 fn kind_bound(graph: &DependenceGraph, by_tail: &SchedulingOrder, kind: usize) -> u32 {
     let ranked = &by_tail.nodes[kind];
+    debug_assert!(
+        ranked.is_sorted_by_key(|&node| Reverse(graph.tail[node as usize])),
+        "the order has the longest tails first"
+    );
     let mut released: Vec<(u32, u32)> = ranked
         .iter()
         .map(|&node| (graph.head[node as usize], node))

@@ -115,6 +115,7 @@ impl ChoiceNetwork {
             origin: (Symbol(0), SourceSet::EMPTY),
         };
         let class = network.class(images.one(), 0).class;
+        assert_eq!(class, Class::ONE, "the class of 1 comes first");
         network.push_form(class, ChoiceForm::Constant(1.0f64.to_bits()));
         network
     }

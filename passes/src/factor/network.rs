@@ -124,8 +124,9 @@ impl FactorNetwork {
             merged: Vec::new(),
             known: HashMap::default(),
         };
-        for number in [0.0, 1.0] {
-            network.constant(number);
+        for (place, number) in [(ZERO, 0.0), (ONE, 1.0)] {
+            let edge = network.constant(number);
+            assert_eq!(edge.node(), place, "the literals 0 and 1 come first");
         }
         network
     }

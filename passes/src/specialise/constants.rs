@@ -70,8 +70,9 @@ impl KnownNumbers {
             of_elements: HashMap::default(),
             fields: PrimeField::pair(0x5bec_1a11, false),
         };
-        for number in [0.0, 1.0, -1.0] {
-            constants.literal(number);
+        for (place, number) in (0..).zip([0.0, 1.0, -1.0]) {
+            let known = constants.literal(number);
+            assert_eq!(known, Known(place), "0, 1 and -1 come first");
         }
         constants
     }

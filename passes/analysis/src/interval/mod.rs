@@ -151,9 +151,10 @@ pub fn enclose(
 
 /// One operation on enclosures; a product with itself is a square.
 fn operate(operation: Operation, places: &[usize; 3], values: &[Interval]) -> Interval {
-    if values.is_empty() {
-        return Interval::WHOLE;
-    }
+    assert!(
+        !values.is_empty(),
+        "a node reads a leaf or a node before it"
+    );
     if operation == Operation::Mul && places[0] == places[1] {
         return values[places[0]].square();
     }

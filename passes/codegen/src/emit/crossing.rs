@@ -43,6 +43,10 @@ impl Crossing {
         let mut loads = Vec::with_capacity(functions.len());
         for (number, function) in functions.iter().enumerate() {
             for value in &function.defined {
+                debug_assert!(
+                    made[value.index()].is_none(),
+                    "a value is defined by one function"
+                );
                 made[value.index()] = Some(number);
             }
             let mut own = Vec::new();

@@ -140,8 +140,8 @@ impl Nest {
             .collect();
         let period = runs.first().map_or(1, |run| run.period);
         assert!(
-            runs.iter().all(|run| run.period == period),
-            "all visits of a loop have the same period"
+            (runs.iter()).all(|run| run.period == period && run.items.len() % period == 0),
+            "all visits of a loop have the same period and whole passes"
         );
         let mut starts = vec![0];
         let mut visits = Vec::new();
@@ -170,6 +170,10 @@ impl Nest {
                     ProgramItem::Row => {}
                 }
             }
+            debug_assert!(
+                single.is_empty() || inner.is_empty(),
+                "an element of a loop is a statement in all passes or a loop in all"
+            );
             if !single.is_empty() {
                 let element = self.position(Some(number), top, single);
                 self.loops[number].body.push(element);

@@ -50,6 +50,7 @@ impl Block {
     }
 
     fn address(&self, unit: u32) -> u32 {
+        debug_assert!(unit >> self.unit_bits == 0, "the block has the memory");
         self.base + (unit << self.unit_low())
     }
 }

@@ -77,7 +77,27 @@ pub fn depth_first(function: &Function, computed: &[bool], outputs_last: bool) -
     if outputs_last {
         steps.extend(outputs.map(CodeStep::Assign));
     }
+    debug_assert!(
+        follows_operands(function, computed, &steps),
+        "a value is computed once, before it is read"
+    );
     steps
+}
+
+/// True when every value is computed at most once, and the values that are
+/// marked in `computed` before they are read.
+fn follows_operands(function: &Function, computed: &[bool], steps: &[CodeStep]) -> bool {
+    let mut defined = vec![false; computed.len()];
+    steps.iter().all(|step| {
+        let mut reads = step.reads(function).iter().filter_map(|read| read.value());
+        let is_ready = reads.all(|read| defined[read.index()] || !computed[read.index()]);
+        match step {
+            CodeStep::Define(value) => {
+                is_ready && !std::mem::replace(&mut defined[value.index()], true)
+            }
+            CodeStep::Assign(_) => is_ready,
+        }
+    })
 }
 
 /// The rule for which of two operands with equal keys is walked first.

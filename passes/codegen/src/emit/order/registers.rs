@@ -9,7 +9,7 @@
 //! once more with a model of the registers, and does next whatever is ready,
 //! reads what lies in registers, and ends the lives of values there.
 
-use super::{CodeStep, DepthWalk, Ties};
+use super::{CodeStep, DepthWalk, Ties, follows_operands};
 use robovec_ir::{Function, Operand, OperandKind, Value};
 use std::collections::BTreeSet;
 
@@ -46,6 +46,10 @@ pub fn by_registers(function: &Function, computed: &[bool], registers: usize) ->
         steps.push(CodeStep::Define(value));
         steps.extend(setters[value.index()].iter().copied().map(CodeStep::Assign));
     }
+    debug_assert!(
+        follows_operands(function, computed, &steps),
+        "a value is computed once, before it is read"
+    );
     steps
 }
 
@@ -167,6 +171,11 @@ impl<'a> RegisterSchedule<'a> {
             values.push(value);
             self.take(value, best, values.len() as u32);
         }
+        assert_eq!(
+            values.len(),
+            self.walked.len(),
+            "every operation that is walked is done"
+        );
         values
     }
 
