@@ -7,7 +7,7 @@ use robovec::generate::{Formulation, GenerationRequest, Options, generate};
 use robovec::robotran::FunctionKind;
 use robovec::scene::{PIPELINE, SceneFile, SceneSubject, USUAL, read};
 use robovec_framework::manager::{self, Config};
-use robovec_framework::pass::{NestedReport, Context, Pass};
+use robovec_framework::pass::{Context, NestedReport, Pass};
 use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;

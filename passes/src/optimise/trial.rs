@@ -3,7 +3,7 @@
 use super::variants::{FUSED, VARIANTS, Variant};
 use robovec_analysis::critical_path::critical_path;
 use robovec_framework::manager::apply;
-use robovec_framework::pass::{NestedReport, Context, PassError, Registry};
+use robovec_framework::pass::{Context, NestedReport, PassError, Registry};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::trail::Notes;
 use robovec_ir::count::Counts;

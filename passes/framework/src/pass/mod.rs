@@ -39,8 +39,8 @@ pub trait Pass {
         declared
     }
 
-    /// The instances (copies side by side, each with its own inputs and
-    /// outputs) the pass makes of the function; `None` for a pass that makes
+    /// The instances (copies side by side, each with its own outputs and all
+    /// but the shared inputs) the pass makes of the function; `None` for a pass that makes
     /// none. The semantic check compares each of them with the function
     /// before the pass.
     fn instances(&self) -> Option<Instances> {
