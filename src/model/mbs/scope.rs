@@ -1,7 +1,7 @@
 //! The names of bodies and points in a model file, and the anchors (a point of
 //! a body or of the base) that other elements name by them.
 
-use super::fields::{ElementFields, Messages, place};
+use super::fields::{ElementFields, Messages};
 use crate::model::{Anchor, Model};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use rustc_hash::FxHashMap;
@@ -88,7 +88,7 @@ fn unknown_body(
         None => "name one of the bodies, or base".to_owned(),
     };
     messages.error(
-        place(fields.one("bodyname").expect("a name was read from it")),
+        fields.place_of("bodyname"),
         &format!(
             "{owner} names a body '{}', which does not exist",
             clip(name)
@@ -125,7 +125,7 @@ fn unknown_point(
         }
     };
     messages.error(
-        place(fields.one("pointname").expect("a name was read from it")),
+        fields.place_of("pointname"),
         &format!(
             "{owner} names a point '{}', which {title} does not have",
             clip(name)
