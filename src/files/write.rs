@@ -3,8 +3,9 @@
 //! The content goes to a temporary file beside the target, which then takes
 //! the target's name: whoever reads the target sees the old content or the
 //! new one, never half of it. Where taking the name would change what the
-//! target is (a device, a link, a file with other names or another owner),
-//! the target itself is written into.
+//! target is (a device, a file with other names, or of an owner that cannot
+//! be given to another file), the target itself is written into. Symbolic
+//! links are followed first.
 
 use super::own::{self, Replace};
 use super::temporary;
