@@ -7,7 +7,7 @@ use robovec::generate::{Formulation, GenerationRequest, Options, generate};
 use robovec::robotran::FunctionKind;
 use robovec::scene::{PIPELINE, SceneFile, SceneSubject, USUAL, read};
 use robovec_framework::manager::{self, Config};
-use robovec_framework::pass::{Aside, Context, Pass};
+use robovec_framework::pass::{Context, NestedReport, Pass};
 use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
@@ -179,19 +179,19 @@ fn before_constants_are_rounded_nothing_differs() {
 fn witness(module: &mut Module, scene: &Scene) -> Function {
     let machine = thesis();
     let (rules, rewrites) = (RuleSet::default(), RewriteLimit::default());
-    let mut aside = Aside::default();
+    let mut report = NestedReport::default();
     let mut context = Context {
         tables: &mut module.tables,
         machine: &machine,
         registry: &REGISTRY,
         rules: &rules,
         scene: Some(scene),
-        witness: &mut aside.witness,
-        promise: &mut aside.promise,
-        artifacts: &mut aside.artifacts,
-        statistics: &mut aside.statistics,
-        remarks: &mut aside.remarks,
-        notes: &mut aside.notes,
+        witness: &mut report.witness,
+        promise: &mut report.promise,
+        artifacts: &mut report.artifacts,
+        statistics: &mut report.statistics,
+        remarks: &mut report.remarks,
+        notes: &mut report.notes,
         rewrites: &rewrites,
     };
     let info = REGISTRY.find("specialise").expect("it is registered");
@@ -199,7 +199,7 @@ fn witness(module: &mut Module, scene: &Scene) -> Function {
     let function = &mut module.functions[0];
     pass.run(function, &mut context)
         .expect("it takes equations");
-    aside.witness.expect("it leaves one")
+    report.witness.expect("it leaves one")
 }
 
 /// What the figures of docs/scenes.md say.

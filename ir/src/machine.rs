@@ -30,7 +30,8 @@ pub struct Machine {
     #[serde(deserialize_with = "fields::clock_mhz::deserialize")]
     pub clock_mhz: f64,
     /// The number format of every word: a name as in
-    /// [`Format::from_str`](Format), or a float's fields as a table.
+    /// [`Format::from_str`](Format), or a float's fields as a table; binary32
+    /// when absent.
     #[serde(default)]
     pub number: Format,
     /// The kinds of processing elements.
@@ -41,13 +42,13 @@ pub struct Machine {
     /// The buffer of each element; without one every write is direct.
     #[serde(default)]
     pub buffer: Option<BufferDescription>,
-    /// The interconnect that results travel through.
+    /// How results travel; a crossbar when absent.
     #[serde(default)]
     pub interconnect: Interconnect,
     /// The instruction memories, which only generated hardware bounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instructions: Option<InstructionDescription>,
-    /// The known sizes of its parts.
+    /// The real device that the machine is built on, where there is one.
     #[serde(default)]
     pub resources: Option<DeviceResources>,
 }
@@ -56,7 +57,8 @@ pub struct Machine {
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElementDescription {
-    /// Its name: letters only, since the text form appends a number.
+    /// Its name: lower-case letters only, since the text form appends a
+    /// number, and not `host`, which stands for the host there.
     pub kind: String,
     /// The operations it performs: `add`, `sub`, `mul`, `div`, `sqrt`, and the
     /// fused `fma` (a*b + c), `fms` (a*b - c) and `fnma` (c - a*b).
@@ -67,7 +69,8 @@ pub struct ElementDescription {
     /// Pipeline stages of the operator.
     #[serde(deserialize_with = "fields::stages::deserialize")]
     pub stages: u32,
-    /// Cycles for operand fetch and write-back together.
+    /// Cycles for operand fetch and write-back together; the sequencer that
+    /// is generated allows no other number than 2 ([`fields::transfer`]).
     #[serde(deserialize_with = "fields::transfer::deserialize")]
     pub transfer: u32,
 }
@@ -162,11 +165,11 @@ pub struct InstructionDescription {
     pub words: Option<u32>,
 }
 
-/// Sizes of the parts on a real device.
+/// What a real device has in all; 0 where a machine file does not say.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeviceResources {
-    /// The device.
+    /// The device's name.
     pub device: String,
     /// Logic cells of the device (ALM).
     #[serde(deserialize_with = "fields::logic::deserialize")]
@@ -229,10 +232,11 @@ pub const BUILT_IN: [(&str, &str); 17] = [
 ];
 
 impl Machine {
-    /// The shipped machine of a name.
+    /// The shipped machine of a name; `None` when no machine of this name
+    /// ships.
     pub fn built_in(name: &str) -> Option<Machine> {
         let (_, text) = BUILT_IN.iter().find(|(known, _)| *known == name)?;
-        Some(Machine::parse(text).expect("a machine that ships can be read"))
+        Some(Machine::parse(text).expect("shipped machines are valid"))
     }
 
     /// Reads a machine file.
@@ -252,8 +256,9 @@ impl Machine {
         Ok(machine)
     }
 
-    /// Checks what a machine file must satisfy beyond its syntax; for a
-    /// machine that came another way.
+    /// Checks what a machine file must satisfy beyond its syntax.
+    /// [`Machine::parse`] has done so; machines made or changed in code need
+    /// it.
     ///
     /// # Errors
     ///
@@ -284,10 +289,15 @@ impl Machine {
                     .to_owned(),
             );
         }
+        self.check_kinds().map_err(MachineError::Meaning)
+    }
+
+    /// Checks the names and operations of the kinds, against each other too.
+    fn check_kinds(&self) -> Result<(), String> {
         for (index, element) in self.elements.iter().enumerate() {
             let kind = &element.kind;
             if element.is_fused() && self.memory.style == MemoryStyle::SideSplit {
-                return fail(format!(
+                return Err(format!(
                     "the kind '{kind}' performs a fused operation, whose three operands a memory \
                      per side cannot hand out; let the memory have the style 'unified'"
                 ));
@@ -296,7 +306,7 @@ impl Machine {
                 || !kind.bytes().all(|byte| byte.is_ascii_lowercase())
                 || kind == "host"
             {
-                return fail(format!(
+                return Err(format!(
                     "the kind '{kind}' must be a word of lower-case letters other than 'host'"
                 ));
             }
@@ -304,18 +314,21 @@ impl Machine {
                 let known = Operation::ALL
                     .iter()
                     .any(|operation| operation.name() == name);
+                // Copies cost nothing, a minus is `0 - x`, and sine and cosine
+                // are the host's.
                 if !known || matches!(name.as_str(), "copy" | "neg" | "sin" | "cos") {
-                    return fail(format!(
+                    return Err(format!(
                         "the kind '{kind}' performs '{name}'; a processing element performs \
                          add, sub, mul, div, sqrt, fma, fms or fnma"
                     ));
                 }
-                let others = &self.elements[..index];
-                if others
+                // Every operation has one kind at most ([`Machine::kind_of`]).
+                let earlier = &self.elements[..index];
+                if earlier
                     .iter()
                     .any(|other| other.kind == *kind || other.operations.contains(name))
                 {
-                    return fail(format!(
+                    return Err(format!(
                         "the kind '{kind}' or its operation '{name}' stands there twice"
                     ));
                 }
@@ -324,8 +337,9 @@ impl Machine {
         Ok(())
     }
 
-    /// Compares every number with its limit; a machine that is read from text
-    /// was compared on the way, which tells the place as well.
+    /// Compares every number with its limit. The numbers of a machine that is
+    /// read from text were compared where they are read, so that an error
+    /// tells its place; this is for machines made or changed in code.
     fn check_fields(&self) -> Result<(), String> {
         fields::clock_mhz::check(&self.clock_mhz)?;
         if let Format::Float(float) = &self.number {
@@ -361,7 +375,7 @@ impl Machine {
     }
 
     /// Index into [`Machine::elements`] of the kind that performs an
-    /// operation.
+    /// operation: at most one does. `None` when none does.
     pub fn kind_of(&self, operation: Operation) -> Option<usize> {
         self.elements
             .iter()
@@ -369,10 +383,11 @@ impl Machine {
     }
 
     /// Cycles from the issue of an operation to the first issue that can read
-    /// its result. 0 for what costs the machine nothing (copies, and sine and
-    /// cosine, which the host evaluates); a minus counts as a subtraction;
-    /// what the machine cannot do counts as its slowest operation, so that
-    /// paths stay comparable.
+    /// its result ([`ElementDescription::weight`] of its kind). 0 for what
+    /// costs the machine nothing (copies, and sine and cosine, which the host
+    /// evaluates); a minus counts as a subtraction. What the machine cannot
+    /// perform counts as its slowest operation, so that paths through it can
+    /// still be compared; the placer refuses it.
     pub fn weight(&self, operation: Operation) -> u32 {
         let performed = match operation {
             Operation::Copy | Operation::Sin | Operation::Cos => return 0,
@@ -386,7 +401,7 @@ impl Machine {
                 .iter()
                 .map(ElementDescription::weight)
                 .max()
-                .unwrap_or(0),
+                .expect("a machine has a kind of processing elements"),
         }
     }
 }

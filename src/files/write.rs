@@ -1,4 +1,11 @@
 //! One file, written whole.
+//!
+//! The content goes to a temporary file beside the target, which then takes
+//! the target's name: whoever reads the target sees the old content or the
+//! new one, never half of it. Where taking the name would change what the
+//! target is (a device, a file with other names, or of an owner that cannot
+//! be given to another file), the target itself is written into. Symbolic
+//! links are followed first.
 
 use super::own::{self, Replace};
 use super::temporary;
@@ -10,7 +17,7 @@ use tempfile::NamedTempFile;
 /// Why a file was not written. What was there is then as it was.
 #[derive(Debug, thiserror::Error)]
 pub enum FileWriteError {
-    /// There is a file that robovec did not write.
+    /// There is a file that may not be replaced ([`Replace`]).
     #[error("{0} is there already, and robovec did not write it")]
     Foreign(PathBuf),
     /// The system refuses.
@@ -18,7 +25,8 @@ pub enum FileWriteError {
     System(PathBuf, io::Error),
 }
 
-/// Symbolic links that are followed, one after the other.
+/// The most symbolic links that are followed, one after the other, before
+/// they are taken for a circle: as many as Linux follows.
 const MAX_LINKS: usize = 40;
 
 /// Makes a folder, with those above it.
@@ -33,9 +41,10 @@ pub fn make_folder(path: &Path) -> io::Result<()> {
 /// Writes a file whole or not at all.
 ///
 /// What is there and is no ordinary file (a device such as `/dev/null`, a
-/// pipe) is written into as it is: taking its name would remove it. A link is
-/// followed. A file that has other names or another owner, or stands where no
-/// other file can be made, is written into as well, once all is known.
+/// pipe) is written into as the content is made: taking its name would remove
+/// it. A symbolic link is followed. A file that has other names (hard links)
+/// or another owner, or stands in a folder where no other file can be made, is
+/// written into as well, but only when the content is complete.
 ///
 /// # Errors
 ///
@@ -46,10 +55,11 @@ pub fn write_whole(
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileWriteError> {
     let fail = |error: io::Error| FileWriteError::System(path.to_owned(), error);
-    // What these folders hold are the system's own doors.
-    let is_door = path.starts_with("/dev") || path.starts_with("/proc");
+    // Names in these folders lead to devices and open files
+    // (`/dev/stdout`, `/proc/self/fd/1`), which can look like ordinary files.
+    let is_of_system = path.starts_with("/dev") || path.starts_with("/proc");
     match fs::metadata(path) {
-        Ok(there) if is_door || !there.is_file() => {
+        Ok(there) if is_of_system || !there.is_file() => {
             let file = OpenOptions::new()
                 .write(true)
                 .truncate(there.is_file())
@@ -65,15 +75,21 @@ pub fn write_whole(
             if !own::may_replace(&target, replace).map_err(fail)? {
                 return Err(FileWriteError::Foreign(path.to_owned()));
             }
-            over(&target, &there, write).map_err(fail)
+            replace_file(&target, &there, write).map_err(fail)
         }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => anew(path, write).map_err(fail),
+        // Nothing is there, or a link that leads to nothing.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            create_file(path, write).map_err(fail)
+        }
         Err(error) => Err(fail(error)),
     }
 }
 
-/// A file where none is.
-fn anew(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+/// Writes a file where none is.
+fn create_file(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
     let path = end_of_links(path)?;
     let mut file = temporary::file_in(parent(&path))?;
     write(&mut file)?;
@@ -82,7 +98,8 @@ fn anew(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io
     Ok(())
 }
 
-/// Where links lead that lead to nothing yet.
+/// The path that symbolic links lead to in the end, though nothing is there
+/// yet (which `fs::canonicalize` refuses); the path itself when it is no link.
 fn end_of_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {
@@ -90,12 +107,14 @@ fn end_of_links(path: &Path) -> io::Result<PathBuf> {
             return Ok(path);
         }
         let next = fs::read_link(&path)?;
+        // A relative link starts at its own folder; an absolute one replaces it.
         path = parent(&path).join(next);
     }
     Err(io::Error::other("too many symbolic links"))
 }
 
-/// The folder of a file.
+/// The folder of a file; the current one for a bare name, whose parent is
+/// empty.
 fn parent(path: &Path) -> &Path {
     let folder = path.parent();
     folder
@@ -103,59 +122,65 @@ fn parent(path: &Path) -> &Path {
         .unwrap_or(Path::new("."))
 }
 
-/// In the place of a file that is there.
-fn over(
+/// Writes a file in the place of one that is there and may be replaced.
+fn replace_file(
     path: &Path,
     there: &Metadata,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    // A file that may not be written is not to be replaced either.
+    // A file that may not be written is not to be replaced either, though a
+    // folder that may be written would allow it.
     OpenOptions::new().write(true).open(path)?;
     let mut file = match temporary::file_in(parent(path)) {
         Ok(file) => file,
+        // No file can be made in the folder: the content waits in memory, so
+        // that a writer that fails leaves the file as it was.
         Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
             let mut all = Vec::new();
             write(&mut all)?;
-            return into(path, &mut all.as_slice());
+            return overwrite(path, &mut all.as_slice());
         }
         Err(error) => return Err(error),
     };
     write(&mut file)?;
     file.flush()?;
-    if takes_identity(&file, there)? {
+    if takes_owner_and_permissions(&file, there)? {
         file.persist(path).map_err(|error| error.error)?;
         return Ok(());
     }
     file.as_file_mut().rewind()?;
-    into(path, file.as_file_mut())
+    overwrite(path, file.as_file_mut())
 }
 
-/// Writes into a file.
-fn into(path: &Path, from: &mut dyn io::Read) -> io::Result<()> {
+/// Writes new content into a file that is there, which stays the same file.
+fn overwrite(path: &Path, from: &mut dyn io::Read) -> io::Result<()> {
     let mut target = File::options().write(true).truncate(true).open(path)?;
     io::copy(from, &mut target)?;
     target.flush()
 }
 
-/// Gives a new file the owner and the permissions of another; false when that
-/// cannot be, or the other has more names than one.
+/// Gives a new file the owner and the permissions of the file that is there;
+/// false when that cannot be, or the file that is there has other names (hard
+/// links), which would keep the old content.
 #[cfg(unix)]
-fn takes_identity(file: &NamedTempFile, there: &Metadata) -> io::Result<bool> {
+fn takes_owner_and_permissions(file: &NamedTempFile, there: &Metadata) -> io::Result<bool> {
     use std::os::unix::fs::{MetadataExt, fchown};
-    let own = file.as_file().metadata()?;
+    let new = file.as_file().metadata()?;
     if there.nlink() > 1 {
         return Ok(false);
     }
-    let other = (own.uid(), own.gid()) != (there.uid(), there.gid());
-    if other && fchown(file.as_file(), Some(there.uid()), Some(there.gid())).is_err() {
+    let owners_differ = (new.uid(), new.gid()) != (there.uid(), there.gid());
+    if owners_differ && fchown(file.as_file(), Some(there.uid()), Some(there.gid())).is_err() {
         return Ok(false);
     }
     file.as_file().set_permissions(there.permissions())?;
     Ok(true)
 }
 
+/// Gives a new file the permissions of the file that is there, which is all
+/// that can be asked for here.
 #[cfg(not(unix))]
-fn takes_identity(file: &NamedTempFile, there: &Metadata) -> io::Result<bool> {
+fn takes_owner_and_permissions(file: &NamedTempFile, there: &Metadata) -> io::Result<bool> {
     file.as_file().set_permissions(there.permissions())?;
     Ok(true)
 }

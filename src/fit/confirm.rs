@@ -6,7 +6,10 @@
 //! nothing of the placer: its results must be the evaluator's bit for bit,
 //! and within the tolerances.
 
-use super::{FitCandidate, FitError, FitProgram, FitTask, MORE, size, used, yardstick};
+use super::{
+    FitCandidate, FitError, FitProgram, FitTask, VALIDATION_FACTOR, largest_tolerance_share, size,
+    yardstick,
+};
 use crate::explore::placing::placed;
 use crate::explore::program::{ExplorationError, view};
 use crate::explore::yardstick::{ErrorSpread, results};
@@ -91,7 +94,7 @@ pub fn confirm(
 ) -> Result<Confirmation, FitError> {
     let ready = ready(task, program, candidate)?;
     let format = ready.machine.number;
-    let states = task.states * MORE;
+    let states = task.states * VALIDATION_FACTOR;
     let seed = task.seed.wrapping_add(2);
     let fresh = yardstick(task, states, seed);
     let view = view(&program.module);
@@ -100,7 +103,7 @@ pub fn confirm(
         states,
         seed,
         normwise: errors.normwise,
-        used: used(task.scene, program, &errors),
+        used: largest_tolerance_share(task.scene, program, &errors),
         simulated: 0,
         cycles: candidate.cycles,
         equal: false,
@@ -125,7 +128,7 @@ pub fn confirm(
             let errors = fresh
                 .judge(view, &simulated)
                 .map_err(ExplorationError::from)?;
-            confirmation.simulated_used = used(task.scene, program, &errors);
+            confirmation.simulated_used = largest_tolerance_share(task.scene, program, &errors);
         }
     }
     Ok(confirmation)

@@ -1,7 +1,7 @@
 //! The narrowest format that meets the tolerances.
 
 use super::ranges::{exponent_bits, largest_exponent};
-use super::{FitError, FitProgram, FitTask, used};
+use super::{FitError, FitProgram, FitTask, largest_tolerance_share};
 use crate::explore::program::{ExplorationError, view};
 use crate::explore::yardstick::{MeasuredErrors, Yardstick};
 use robovec_ir::Format;
@@ -39,7 +39,8 @@ pub(super) fn formats(
     }
     let exponent = largest_exponent(program, validation).map_err(ExplorationError::from)?;
     let meets = |errors: &MeasuredErrors| {
-        errors.normwise.worst.is_finite() && used(task.scene, program, errors) <= PART
+        errors.normwise.worst.is_finite()
+            && largest_tolerance_share(task.scene, program, errors) <= PART
     };
     let subnormals = match task.machine.number {
         Format::Float(float) => float.subnormals,

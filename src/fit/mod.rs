@@ -1,10 +1,10 @@
 //! The cheapest program and machine that a scene can do with.
 //!
-//! A scene says what is needed, how exact and how soon. Many things can be
-//! chosen: the formulation of the equations, the passes, how sines and
-//! cosines are computed, the number format, the number of elements. They are
-//! chosen in this order, each against the scene's own tolerances and
-//! deadline, by measurement:
+//! A scene says which outputs are needed, how exact (tolerances) and how soon
+//! (a deadline). Many things can be chosen: the formulation of the equations,
+//! the passes, how sines and cosines are computed, the number format, the
+//! number of elements. They are chosen in this order, each against the
+//! scene's own tolerances and deadline, by measurement:
 //!
 //! 1. programs ([`variants`]): every formulation specialised to the scene,
 //!    with the equations as short or as few as the passes make them;
@@ -16,9 +16,15 @@
 //!    them for the front.
 //!
 //! What comes out is a list of candidates with time, error and cost, the
-//! cheapest that meets everything, and the front. **Invariant.** Nothing is
-//! taken for granted: the chosen one is measured again at other states and
-//! run cycle by cycle from its memory images ([`confirm`]).
+//! cheapest that meets everything, and the front: the candidates that no other
+//! one beats in time, cost and error together.
+//!
+//! **Invariant.** The chosen candidate is confirmed at states it was not
+//! chosen by. Three seeds draw three sets of states: few for the *search*,
+//! which orders of series and mantissas are tried at; four times as many for
+//! the *validation*, which mantissas must hold at too and which gives the
+//! errors of candidates; as many again for the *confirmation*, which also runs
+//! some of them cycle by cycle from the memory images ([`confirm`]).
 
 pub mod confirm;
 mod format;
@@ -44,6 +50,10 @@ use robovec_ir::{Format, Machine, Module};
 use serde::Serialize;
 use std::sync::Arc;
 
+/// How many times as many states as the search has the validation has, and the
+/// confirmation: a search measures often and can afford few.
+const VALIDATION_FACTOR: u32 = 4;
+
 /// What is searched for, and where.
 pub struct FitTask<'a> {
     /// The scene.
@@ -51,16 +61,18 @@ pub struct FitTask<'a> {
     /// The general function of the scene, alone in its module, by which
     /// everything is measured.
     pub general: &'a Module,
-    /// The same in all formulations that are to be tried.
+    /// The general function in every formulation that is to be tried, each
+    /// alone in its module.
     pub formulations: Vec<(Formulation, Module)>,
     /// The machine whose elements, memories and clock are used.
     pub machine: &'a Machine,
     /// Where sines and cosines are computed.
     pub trigonometry: SinePlace,
-    /// Random states of the search; four times as many validate what it finds,
-    /// and as many others try what is chosen again.
+    /// Random states of the search; the validation and the confirmation take
+    /// four times as many each.
     pub states: u32,
-    /// Their seed.
+    /// The seed of the states of the search; validation and confirmation take
+    /// the next two.
     pub seed: u64,
 }
 
@@ -77,21 +89,22 @@ pub struct FitProgram {
     pub treatment: SineTreatment,
     /// One function, at the atomic level.
     pub module: Arc<Module>,
-    /// The largest error in binary64, as a share of the tolerance it uses up:
-    /// what is not rounding.
+    /// The largest error in binary64 over its tolerance, at the states of the
+    /// search: that of series and other approximations, next to which
+    /// binary64's own rounding is nothing.
     pub model_share: f64,
 }
 
 /// A program in a format on a number of elements.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct FitCandidate {
-    /// Index of its program.
+    /// Index of its program in [`FitOutcome::programs`], from 0.
     pub program: usize,
-    /// The number format.
+    /// Name of the number format, as [`Format`] prints it.
     pub format: String,
     /// Elements that add, and that multiply.
     pub elements: [u32; 2],
-    /// Operations.
+    /// Number of operations of the program.
     pub operations: usize,
     /// The longest chain, in cycles.
     pub path: u32,
@@ -99,16 +112,18 @@ pub struct FitCandidate {
     pub cycles: u32,
     /// The same at the machine's clock, µs.
     pub microseconds: f64,
-    /// Errors at the scene's states, everything included.
+    /// Errors at the states of the validation, approximations and rounding
+    /// together, relative to each element.
     pub relative: ErrorSpread,
-    /// The same over the largest element of the array.
+    /// The same errors, relative to the largest element of the array.
     pub normwise: ErrorSpread,
     /// The largest error over its tolerance: at most 1 when all are met; 0
-    /// when the scene allows any.
+    /// when the scene has no tolerances.
     pub used: f64,
-    /// What it takes of the device.
+    /// What it takes of the device, estimated.
     pub resources: DeviceShare,
-    /// The largest share of the device.
+    /// The largest of its shares of the device, which counts as the cost
+    /// ([`DeviceShare::share`]).
     pub share: f64,
     /// Tolerances and deadline are met, and the device has room.
     pub meets: bool,
@@ -120,7 +135,8 @@ pub struct FitOutcome {
     pub programs: Vec<FitProgram>,
     /// Everything that was placed and measured.
     pub candidates: Vec<FitCandidate>,
-    /// Index of the cheapest that meets everything; `None` when none does.
+    /// Index of the cheapest candidate that meets everything, by share of the
+    /// device, then look-up tables, then cycles; `None` when none does.
     pub chosen: Option<usize>,
 }
 
@@ -135,7 +151,8 @@ pub enum FitError {
     NoProgram(String),
 }
 
-/// Searches.
+/// Searches programs, formats and numbers of elements for a scene, and measures
+/// each; `progress` is told what is tried.
 ///
 /// # Errors
 ///
@@ -143,7 +160,11 @@ pub enum FitError {
 /// then has no chosen candidate, and its front shows what is possible.
 pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitOutcome, FitError> {
     let search = yardstick(task, task.states, task.seed);
-    let validation = yardstick(task, task.states * MORE, task.seed.wrapping_add(1));
+    let validation = yardstick(
+        task,
+        task.states * VALIDATION_FACTOR,
+        task.seed.wrapping_add(1),
+    );
     let mut programs = variants::programs(task, &search, progress)?;
     series::write(task, &search, &mut programs, progress)?;
     let mut candidates = Vec::new();
@@ -165,13 +186,11 @@ pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitO
         .enumerate()
         .filter(|(_, candidate)| candidate.meets)
         .min_by(|(_, a), (_, b)| {
-            let order = a.share.total_cmp(&b.share);
-            let order = order.then(
-                a.resources
-                    .look_up_tables
-                    .total_cmp(&b.resources.look_up_tables),
-            );
-            order.then(a.cycles.cmp(&b.cycles))
+            let tables = |candidate: &FitCandidate| candidate.resources.look_up_tables;
+            a.share
+                .total_cmp(&b.share)
+                .then(tables(a).total_cmp(&tables(b)))
+                .then(a.cycles.cmp(&b.cycles))
         });
     Ok(FitOutcome {
         chosen: cheapest.map(|(index, _)| index),
@@ -180,15 +199,14 @@ pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitO
     })
 }
 
-/// How many times as many states as the search looks at validate, and try again.
-const MORE: u32 = 4;
-
-/// The general function at random states of the scene.
+/// The general function's exact results at random states of the scene, which
+/// errors are measured against.
 fn yardstick(task: &FitTask<'_>, states: u32, seed: u64) -> Yardstick {
     let source = task.scene.states(seed);
     Yardstick::new(view(task.general), &source, states)
 }
 
+/// What a program in a format costs and reaches on a machine it is placed on.
 fn candidate(
     task: &FitTask<'_>,
     (index, program): (usize, &FitProgram),
@@ -200,7 +218,7 @@ fn candidate(
     let resources = device::taken(&machine, format, size.cycles, size.words);
     let function = &program.module.functions[0];
     let microseconds = f64::from(size.cycles) / task.machine.clock_mhz;
-    let used = used(task.scene, program, errors);
+    let used = largest_tolerance_share(task.scene, program, errors);
     let in_time = task
         .scene
         .deadline
@@ -220,15 +238,18 @@ fn candidate(
         share: resources.share(),
         meets: in_time
             && used <= 1.0
+            // Infinite when a result was not finite, which a scene without
+            // tolerances would let pass.
             && errors.normwise.worst.is_finite()
             && resources.share() <= 1.0,
     }
 }
 
-/// The largest error of any output over its tolerance.
-fn used(scene: &Scene, program: &FitProgram, errors: &MeasuredErrors) -> f64 {
+/// The largest error of any output over its tolerance, in the measure the
+/// tolerance is of; 0 when no output has a tolerance.
+fn largest_tolerance_share(scene: &Scene, program: &FitProgram, errors: &MeasuredErrors) -> f64 {
     let view = view(&program.module);
-    let mut used = 0.0f64;
+    let mut largest = 0.0f64;
     for (assignment, output) in view.function.assignments.iter().zip(&errors.outputs) {
         for tolerance in scene.tolerances(view, assignment.output) {
             let error = match tolerance.measure {
@@ -236,20 +257,20 @@ fn used(scene: &Scene, program: &FitProgram, errors: &MeasuredErrors) -> f64 {
                 Measure::Relative => output.relative,
                 Measure::Absolute => output.absolute,
             };
-            used = used.max(error / tolerance.bound);
+            largest = largest.max(error / tolerance.bound);
         }
     }
-    used
+    largest
 }
 
 impl FitOutcome {
-    /// The candidates that no other one dominates in time, share of the device
-    /// and error, by time: of those that meet the scene, or of all when none
-    /// does.
+    /// Indices of the candidates that no other one dominates in time, share of
+    /// the device and worst normwise error, in order of time: of those that
+    /// meet the scene, or of all when none does.
     pub fn front(&self) -> Vec<usize> {
-        let any = self.candidates.iter().any(|candidate| candidate.meets);
-        let counts = |&index: &usize| self.candidates[index].meets || !any;
-        let counted: Vec<usize> = (0..self.candidates.len()).filter(counts).collect();
+        let any_meets = self.candidates.iter().any(|candidate| candidate.meets);
+        let is_eligible = |&index: &usize| self.candidates[index].meets || !any_meets;
+        let eligible: Vec<usize> = (0..self.candidates.len()).filter(is_eligible).collect();
         let measures = |&index: &usize| {
             let candidate = &self.candidates[index];
             [
@@ -258,9 +279,9 @@ impl FitOutcome {
                 candidate.normwise.worst,
             ]
         };
-        let points: Vec<[f64; 3]> = counted.iter().map(measures).collect();
+        let points: Vec<[f64; 3]> = eligible.iter().map(measures).collect();
         let front = pareto::front(&points, EqualPoints::All).into_iter();
-        let mut front: Vec<usize> = front.map(|place| counted[place]).collect();
+        let mut front: Vec<usize> = front.map(|position| eligible[position]).collect();
         let time = |index: usize| self.candidates[index].microseconds;
         front.sort_by(|&a, &b| time(a).total_cmp(&time(b)).then(a.cmp(&b)));
         front

@@ -1,7 +1,7 @@
 //! Sines and cosines on the elements: of each method the least order whose
 //! error leaves room for rounding.
 
-use super::{FitError, FitProgram, FitTask, used};
+use super::{FitError, FitProgram, FitTask, largest_tolerance_share};
 use crate::explore::ExplorationProgress;
 use crate::explore::program::{ExplorationError, transformed_by, view};
 use crate::explore::yardstick::Yardstick;
@@ -124,6 +124,6 @@ fn with_series(
         module: Arc::new(module),
         ..program.clone()
     };
-    new.model_share = used(task.scene, &new, &errors);
+    new.model_share = largest_tolerance_share(task.scene, &new, &errors);
     Ok(new)
 }

@@ -1,7 +1,7 @@
 //! The programs: every formulation specialised, with the equations as short
 //! or as few as the passes make them.
 
-use super::{FitError, FitProgram, FitTask, SineTreatment, used};
+use super::{FitError, FitProgram, FitTask, SineTreatment, largest_tolerance_share};
 use crate::explore::ExplorationProgress;
 use crate::explore::program::{ExplorationError, transformed_by, view};
 use crate::explore::yardstick::Yardstick;
@@ -75,7 +75,7 @@ pub(super) fn programs(
         let errors = yardstick
             .errors(view(&program.module), Format::BINARY64)
             .map_err(ExplorationError::from)?;
-        program.model_share = used(task.scene, program, &errors);
+        program.model_share = largest_tolerance_share(task.scene, program, &errors);
     }
     if programs.is_empty() {
         let reason = last.map_or("none was given".to_owned(), |error| error.to_string());

@@ -26,6 +26,7 @@ use errors::DynamicsErrors;
 use robovec_ir::Format;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
+use robovec_num::power::times_power_of_two;
 use std::sync::{Arc, Mutex};
 
 /// Which error verdicts are about.
@@ -441,21 +442,21 @@ impl Work for Solution<'_> {
             .collect();
         let entry = |(place, number): (usize, &Double)| {
             let power = scale[place / size] + scale[place % size];
-            arithmetic.literal(shifted(number.high, power))
+            arithmetic.literal(times_power_of_two(number.high, power))
         };
         let mut factor: Vec<A::Number> = self.mass.iter().enumerate().map(entry).collect();
         factorise(arithmetic, size, &mut factor).ok()?;
         let right = || self.right.iter().zip(&scale);
-        let largest = right().map(|(x, &power)| exponent(shifted(*x, power)));
+        let largest = right().map(|(x, &power)| exponent(times_power_of_two(*x, power)));
         let largest = largest.max().unwrap_or(0);
         let right: Vec<A::Number> = right()
-            .map(|(x, power)| arithmetic.literal(shifted(*x, power - largest)))
+            .map(|(x, power)| arithmetic.literal(times_power_of_two(*x, power - largest)))
             .collect();
         let solution = substitute(arithmetic, &factor, &right);
         let solution = solution.iter().zip(&scale);
         Some(
             solution
-                .map(|(x, power)| shifted(x.wide().high, power + largest))
+                .map(|(x, power)| times_power_of_two(x.wide().high, power + largest))
                 .collect(),
         )
     }
@@ -508,12 +509,6 @@ fn exponent(number: f64) -> i32 {
         0 => 0,
         biased => biased as i32 - 1023,
     }
-}
-
-/// A number times a power of two, in steps that the range allows.
-fn shifted(number: f64, power: i32) -> f64 {
-    let half = power / 2;
-    number * 2f64.powi(half) * 2f64.powi(power - half)
 }
 
 #[cfg(test)]

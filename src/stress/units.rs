@@ -8,6 +8,7 @@
 //! the program itself does not change and costs nothing more.
 
 use crate::model::Model;
+use robovec_num::power::times_power_of_two;
 
 /// Units, as exponents of powers of two by which numbers in SI units are
 /// multiplied: length 10 stores a metre as 1024.
@@ -100,12 +101,12 @@ impl Units {
 
     /// A number in SI units as it is stored.
     pub fn stored(self, number: f64, dimension: Dimension) -> f64 {
-        scaled(number, self.shift(dimension))
+        times_power_of_two(number, self.shift(dimension))
     }
 
     /// What a stored number is in SI units.
     pub fn meant(self, number: f64, dimension: Dimension) -> f64 {
-        scaled(number, -self.shift(dimension))
+        times_power_of_two(number, -self.shift(dimension))
     }
 }
 
@@ -119,12 +120,6 @@ fn exponent<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> i32 {
     }
     // The bits say it exactly; a logarithm might not.
     ((largest.to_bits() >> 52) & 0x7ff) as i32 - 1023
-}
-
-/// A number times a power of two, in steps that the range of binary64 allows.
-fn scaled(number: f64, exponent: i32) -> f64 {
-    let half = exponent / 2;
-    number * 2f64.powi(half) * 2f64.powi(exponent - half)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 //! one is placed, on all cores, the next is made ready. Results stand in the
 //! order of their requests, whatever the order of work.
 
-use super::key::key;
+use super::key::placement_key;
 use super::plan::{ChoiceKey, PlacementRequest, PriorityKey, StudyPlan};
 use super::point::{PlacedPoint, measure};
 use super::program::{ProgramFacts, ProgramSources, StudyEquations, StudyProgram};
@@ -187,7 +187,7 @@ impl StudyRunner<'_> {
         let machine = &self.plan.machines[request.machine];
         let key = self
             .build
-            .map(|build| key(prepared.key, build, pipeline, machine, &request));
+            .map(|build| placement_key(prepared.key, build, pipeline, machine, &request));
         (self.progress)(&self.plan.models[request.model].name);
         let variant = prepared.variant_of[&(request.pipeline, request.machine)];
         let measure = || measure(&prepared.programs[variant], machine, &request);

@@ -15,6 +15,7 @@ pub mod fnv;
 pub mod format;
 pub mod limits;
 pub mod operation;
+pub mod power;
 pub mod soft_float;
 pub mod trigonometry;
 

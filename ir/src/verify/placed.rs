@@ -1,30 +1,38 @@
-//! Invariants 17 to 19: what of a placement can be checked without knowing
-//! the machine.
+//! Invariants 17 to 19 of [`verify`](super): what of a placement can be
+//! checked without knowing the machine. Cycles and ports, which need it, are
+//! checked by [`verify_placement`](super::verify_placement).
+//!
+//! Cycles count from 0, and processing elements over all kinds from 0. The
+//! schedule has passed its own checks (14 to 16): it has a slot for every
+//! node.
 
 use super::{ViolationCollector, ViolationSubject};
 use crate::entity::{Operand, OperandKind, Value};
 use crate::placement::{Placement, Schedule, Word};
 
+/// Adds what is wrong with a placement to the violations.
 pub(super) fn check(
     collector: &mut ViolationCollector<'_>,
     schedule: &Schedule,
     placement: &Placement,
 ) {
-    if !lengths(collector, placement) {
+    // All that follows indexes the tables by node and assignment.
+    if !tables_fit(collector, placement) {
         return;
     }
     let elements = schedule.element_count();
     for (value, node) in collector.view.function.values() {
-        let slot = schedule.slots[value.index()];
-        let reads = placement.reads[value.index()];
-        let expected = match slot.is_host() {
+        let addresses = placement.reads[value.index()];
+        let expected = match schedule.slots[value.index()].is_host() {
+            // What the host evaluates reads no memory.
             true => 0,
             false => node.operation.arity(),
         };
-        let is_there = |&&read: &&u32| read != Placement::NONE;
-        let present = reads.iter().filter(is_there).count();
-        let in_order = reads.iter().take_while(is_there).count() == present;
-        if present != expected || !in_order {
+        let is_address = |&&address: &&u32| address != Placement::NONE;
+        let present = addresses.iter().filter(is_address).count();
+        // The first operands have the addresses, without a gap.
+        let leading = addresses.iter().take_while(is_address).count();
+        if present != expected || leading != present {
             collector.value(value, || {
                 format!("has {present} addresses to read from instead of {expected}")
             });
@@ -35,24 +43,28 @@ pub(super) fn check(
     homes(collector, schedule, placement, elements);
 }
 
-fn lengths(collector: &mut ViolationCollector<'_>, placement: &Placement) -> bool {
+/// Whether the tables have an entry for every node or assignment, and the
+/// ranges of writes cover all writes; a violation when not.
+fn tables_fit(collector: &mut ViolationCollector<'_>, placement: &Placement) -> bool {
     let function = collector.view.function;
     let nodes = function.nodes().len();
     let starts = &placement.write_starts;
-    let sound = placement.reads.len() == nodes
+    let fit = placement.reads.len() == nodes
         && placement.buffers.len() == nodes
         && starts.len() == nodes + 1
         && starts.first() == Some(&0)
         && starts.is_sorted()
         && starts.last().map(|&end| end as usize) == Some(placement.writes.len())
         && placement.homes.len() == function.assignments.len();
-    if !sound {
+    if !fit {
         let message = || "the tables of the placement do not fit the function".to_owned();
         collector.add(ViolationSubject::Schedule, message);
     }
-    sound
+    fit
 }
 
+/// The writes of a value's result (17): to elements that exist, in order of
+/// cycle and word, between issue and end; none for a value of the host.
 fn writes(
     collector: &mut ViolationCollector<'_>,
     schedule: &Schedule,
@@ -86,8 +98,8 @@ fn writes(
                 )
             });
         }
-        let key = |at: usize| (writes[at].cycle, writes[at].word);
-        if index > 0 && key(index - 1) >= key(index) {
+        let place_in_order = |index: usize| (writes[index].cycle, writes[index].word);
+        if index > 0 && place_in_order(index - 1) >= place_in_order(index) {
             collector.value(value, || "has writes out of order".to_owned());
         }
     }
@@ -98,7 +110,8 @@ fn writes(
     }
 }
 
-/// True when the operand is known before the run.
+/// True when the operand is known before the run: an input, a constant or a
+/// value that the host evaluates. The value must exist.
 fn is_initial(schedule: &Schedule, operand: Operand) -> bool {
     match operand.kind() {
         OperandKind::Value(value) => schedule.slots[value.index()].is_host(),
@@ -107,6 +120,7 @@ fn is_initial(schedule: &Schedule, operand: Operand) -> bool {
     }
 }
 
+/// True when the function has the operand.
 fn exists(collector: &ViolationCollector<'_>, operand: Operand) -> bool {
     let function = collector.view.function;
     match operand.kind() {
@@ -117,13 +131,16 @@ fn exists(collector: &ViolationCollector<'_>, operand: Operand) -> bool {
     }
 }
 
+/// The initial data (18): in strict order of their words, on elements that
+/// exist, and known before the run.
 fn preloads(
     collector: &mut ViolationCollector<'_>,
     schedule: &Schedule,
     placement: &Placement,
     elements: u32,
 ) {
-    let mut last: Option<Word> = None;
+    // `None` before the first one, which is less than every word.
+    let mut previous: Option<Word> = None;
     for (index, preload) in placement.preloads.iter().enumerate() {
         let subject = ViolationSubject::Preload(index);
         if preload.word.element >= elements {
@@ -131,14 +148,14 @@ fn preloads(
                 "initial data lies in a processing element that does not exist".to_owned()
             });
         }
-        if last == Some(preload.word) {
+        if previous == Some(preload.word) {
             let message = || "two initial data lie in one word".to_owned();
             collector.add(subject, message);
-        } else if last > Some(preload.word) {
+        } else if previous > Some(preload.word) {
             let message = || "initial data is not in order of its words".to_owned();
             collector.add(subject, message);
         }
-        last = Some(preload.word);
+        previous = Some(preload.word);
         if !exists(collector, preload.operand) || !is_initial(schedule, preload.operand) {
             let message = || "initial data is not known before the run".to_owned();
             collector.add(subject, message);
@@ -146,6 +163,8 @@ fn preloads(
     }
 }
 
+/// The words in which outputs stay to the end of the run (19): on elements
+/// that exist, one for each output that is a result of a processing element.
 fn homes(
     collector: &mut ViolationCollector<'_>,
     schedule: &Schedule,

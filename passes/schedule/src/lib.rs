@@ -48,7 +48,7 @@ pub use choice::ElementChoice;
 pub use error::PlaceError;
 pub use order::Priority;
 pub use pass::Place;
-pub use pass::{ElementCounts, explain, with_counts};
+pub use pass::{ElementCounts, element_counts, explain, with_counts};
 pub use statistics::{ElementSpread, KindStatistics, PlacementStatistics, placement_statistics};
 
 use graph::DependenceGraph;

@@ -1,4 +1,5 @@
-//! Placement as a pass.
+//! Placement as a pass: its options, the machine with the numbers of elements
+//! they ask for, and what the user is told. The placing itself is [`place`].
 
 use super::{ElementChoice, PlaceError, PlaceOptions, Priority, place};
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -64,11 +65,26 @@ declare_pass! {
     destroys: [],
 }
 
-/// Numbers of elements of each kind, where a user gave them.
+/// For each option that sets a number of elements: its name, the kind of
+/// element ([`ElementDescription::kind`](robovec_ir::machine::ElementDescription))
+/// and the number; `None` where the user gave none.
 pub type ElementCounts = [(&'static str, &'static str, Option<u32>); 5];
 
-/// The machine with other numbers of elements; each is named by its option
-/// and its kind.
+/// The options `n_add`, `n_multi`, `n_div`, `n_sqrt` and `n_fma`, in this
+/// order, with the kinds of elements they count.
+pub fn element_counts(numbers: [Option<u32>; 5]) -> ElementCounts {
+    let [add, multi, div, sqrt, fma] = numbers;
+    [
+        ("n_add", "add", add),
+        ("n_multi", "multi", multi),
+        ("n_div", "div", div),
+        ("n_sqrt", "sqrt", sqrt),
+        ("n_fma", "fma", fma),
+    ]
+}
+
+/// The machine with the numbers of elements that options give; a kind whose
+/// option is not given keeps the number of the machine file.
 ///
 /// # Errors
 ///
@@ -80,33 +96,28 @@ pub fn with_counts(machine: &Machine, counts: ElementCounts) -> Result<Machine, 
         if let Err(reason) = fields::count::check(&count) {
             return Err(PassError::new(format!("{option}: {reason}")));
         }
-        let name = machine.name.clone();
-        let element = machine
-            .elements
-            .iter_mut()
-            .find(|element| element.kind == kind);
-        match element {
-            Some(element) => element.count = count,
-            None => {
-                return Err(PassError::new(format!(
-                    "{option} is given, but the machine '{name}' has no elements of kind '{kind}'"
-                )));
-            }
-        }
+        let mut elements = machine.elements.iter_mut();
+        let Some(element) = elements.find(|element| element.kind == kind) else {
+            return Err(PassError::new(format!(
+                "{option} is given, but the machine '{}' has no elements of kind '{kind}'",
+                machine.name
+            )));
+        };
+        element.count = count;
     }
     Ok(machine)
 }
 
 impl Pass for Place {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
-        let counts = [
-            ("n_add", "add", self.n_add),
-            ("n_multi", "multi", self.n_multi),
-            ("n_div", "div", self.n_div),
-            ("n_sqrt", "sqrt", self.n_sqrt),
-            ("n_fma", "fma", self.n_fma),
+        let numbers = [
+            self.n_add,
+            self.n_multi,
+            self.n_div,
+            self.n_sqrt,
+            self.n_fma,
         ];
-        let machine = with_counts(context.machine, counts)?;
+        let machine = with_counts(context.machine, element_counts(numbers))?;
         let options = PlaceOptions {
             priority: self.priority,
             choice: self.choice,
@@ -125,10 +136,12 @@ impl Pass for Place {
             0 => "optimal".to_owned(),
             above => format!(
                 "at most {above} above the optimum ({:.2} %)",
+                // The bound of a function without operations is 0.
                 100.0 * f64::from(above) / f64::from(summary.lower_bound.max(1))
             ),
         };
-        let each = match instances::count(function) {
+        // Of a function that computes several states at a time, what one costs.
+        let per_instance = match instances::count(function) {
             1 => String::new(),
             count => format!(
                 " ({:.1} for each of {count} instances)",
@@ -136,14 +149,15 @@ impl Pass for Place {
             ),
         };
         context.remarks.push(format!(
-            "{} cycles{each} on '{}', {quality}, by order '{}'",
+            "{} cycles{per_instance} on '{}', {quality}, by order '{}'",
             summary.cycles, machine.name, summary.order
         ));
         Ok(())
     }
 }
 
-/// The error with the equations it is about and what can be done.
+/// The error of a placement as that of the pass: with the equations it is
+/// about, where it is about some, and what the user can do.
 pub fn explain(error: &PlaceError, function: &Function, context: &Context<'_>) -> PassError {
     let about = |value: &Value| {
         let node = function.node(*value);

@@ -21,7 +21,7 @@ use robovec_framework::{declare_pass, option_words};
 use robovec_ir::Function;
 use robovec_ir::machine::fields;
 use robovec_num::limits::NumberLimit;
-use robovec_schedule::{ElementCounts, explain, with_counts};
+use robovec_schedule::{element_counts, explain, with_counts};
 
 option_words! {
     /// What a variant is chosen for.
@@ -89,21 +89,16 @@ declare_pass! {
     destroys: [Timed],
 }
 
-impl Optimise {
-    fn counts(&self) -> ElementCounts {
-        [
-            ("n_add", "add", self.n_add),
-            ("n_multi", "multi", self.n_multi),
-            ("n_div", "div", self.n_div),
-            ("n_sqrt", "sqrt", self.n_sqrt),
-            ("n_fma", "fma", self.n_fma),
-        ]
-    }
-}
-
 impl Pass for Optimise {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
-        let machine = with_counts(context.machine, self.counts())?;
+        let numbers = [
+            self.n_add,
+            self.n_multi,
+            self.n_div,
+            self.n_sqrt,
+            self.n_fma,
+        ];
+        let machine = with_counts(context.machine, element_counts(numbers))?;
         let mut trials = trial::make(function, &machine, self.budget, context)?;
         let choice = choice::choose(&mut trials, &machine, self.r#for);
         let rows = table::rows(&trials, choice.as_ref().ok().copied());

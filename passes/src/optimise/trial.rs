@@ -3,7 +3,7 @@
 use super::variants::{FUSED, VARIANTS, Variant};
 use robovec_analysis::critical_path::critical_path;
 use robovec_framework::manager::apply;
-use robovec_framework::pass::{Aside, Context, PassError, Registry};
+use robovec_framework::pass::{Context, NestedReport, PassError, Registry};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::trail::Notes;
 use robovec_ir::count::Counts;
@@ -110,7 +110,7 @@ pub(super) fn make(
         apply(
             &atomise,
             &mut start,
-            &mut context.aside(machine, &mut Aside::default()),
+            &mut context.nested(machine, &mut NestedReport::default()),
         )?;
     }
     let mut workshop = Workshop {
@@ -204,16 +204,16 @@ impl Workshop<'_> {
             return Ok(());
         }
         self.budget = self.budget.saturating_sub(work);
-        let mut aside = Aside {
+        let mut report = NestedReport {
             notes: notes.unwrap_or_default(),
-            ..Aside::default()
+            ..NestedReport::default()
         };
         apply(
             pipeline,
             &mut function,
-            &mut context.aside(self.machine, &mut aside),
+            &mut context.nested(self.machine, &mut report),
         )?;
-        let trial = VariantTrial::new(name, function, aside.notes, self.machine);
+        let trial = VariantTrial::new(name, function, report.notes, self.machine);
         self.trials.push(trial);
         Ok(())
     }

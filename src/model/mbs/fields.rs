@@ -263,6 +263,12 @@ impl<'a> ElementFields<'a> {
         self.many(name).next()
     }
 
+    /// Where the child of this name is, for a message. The child must be
+    /// there, as one is whose content was read.
+    pub(super) fn place_of(&self, name: &str) -> Range<usize> {
+        place(self.one(name).expect("a field that was read is there"))
+    }
+
     /// All children of this name, in order.
     pub(super) fn many(&self, name: &str) -> impl Iterator<Item = Node<'a, 'a>> + '_ {
         let name = name.to_owned();
@@ -332,7 +338,7 @@ pub(super) fn project_name(
     let name = root.name("mbsname", "the model", messages);
     if name.contains(['/', '\\']) {
         messages.error(
-            root.one("mbsname").map_or(0..0, place),
+            root.place_of("mbsname"),
             "the name of the model holds a slash",
             "it becomes part of file names",
             "use letters, digits and underscores",

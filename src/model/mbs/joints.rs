@@ -78,7 +78,7 @@ fn word<T>(
         let near = did_you_mean(&name, names.iter().copied());
         let near = near.map_or(String::new(), |near| format!("did you mean '{near}'? "));
         messages.error(
-            fields.one(field).map_or(0..0, place),
+            fields.place_of(field),
             &format!("{owner} has the unknown {field} '{}'", clip(&name)),
             "not one that exists",
             &format!("{near}it is one of: {}", names.join(", ")),

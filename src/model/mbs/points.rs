@@ -24,7 +24,7 @@ pub(super) fn read_point(
     let index = model.points.len();
     if !name.is_empty() && scope.points.insert((body, name.clone()), index).is_some() {
         messages.error(
-            fields.one("pointname").map_or(0..0, place),
+            fields.place_of("pointname"),
             &format!("{owner} has two points '{}'", clip(&name)),
             "the second one",
             "give one of them another name",

@@ -1,4 +1,8 @@
-//! Members of structures, and elements of arrays with their indices.
+//! Members of structures (`s->q`, `s.q`, `np.sin`), and elements of arrays
+//! with literal indices (`q[3]`, `s.frc(2,1)`).
+//!
+//! **Index base.** Rows and columns count from 1, as they are written in every
+//! language; column 0 means that there is no second index.
 
 use super::{LARGEST_INDEX, LexicalError, TokenStream};
 use crate::robotran::Language;
@@ -9,18 +13,21 @@ use crate::robotran::token::{RobotranElement, RobotranName, RobotranToken, Sourc
 use robovec_ir::Operation;
 
 impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
+    /// The token of a member without index: a function of Python's modules, or
+    /// a name.
     pub(super) fn member(&mut self, text: &str) -> Result<RobotranToken, LexicalError> {
         let (structure, name) = split_member(text);
         self.refuse_macros([structure, name])?;
-        Ok(match (structure, name) {
-            ("np" | "numpy" | "math", "sin") => RobotranToken::Function(Operation::Sin),
-            ("np" | "numpy" | "math", "cos") => RobotranToken::Function(Operation::Cos),
-            ("np" | "numpy" | "math", "sqrt") => RobotranToken::Function(Operation::Sqrt),
-            _ => RobotranToken::Name(self.member_name(structure, name)),
-        })
+        if matches!(structure, "np" | "numpy" | "math")
+            && let Some(function) = function_named(name)
+        {
+            return Ok(RobotranToken::Function(function));
+        }
+        Ok(RobotranToken::Name(self.member_name(structure, name)))
     }
 
-    /// Within `s->q` no macro is replaced here.
+    /// Refuses a member whose structure or name is a macro: C would replace it,
+    /// this reader replaces whole words only.
     fn refuse_macros(&self, words: [&str; 2]) -> Result<(), LexicalError> {
         if words.iter().any(|word| self.preprocessor.defines(word)) {
             return Err(self.refusal((
@@ -31,8 +38,8 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         Ok(())
     }
 
-    /// The name of a member: the data structure `s` is dropped, that of a
-    /// sensor stays as `sens.P`.
+    /// The name of a member: that of Robotran's data structure is dropped
+    /// (`s->q` is `q`), any other stays, as the sensor's in `sens.P`.
     pub(super) fn member_name(&mut self, structure: &str, name: &str) -> RobotranName {
         if matches!(structure, "s" | "mbs_data" | "mbs") {
             return RobotranName::of_data(self.symbols.intern(name));
@@ -44,23 +51,18 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         RobotranName::local(self.symbols.intern(&self.buffer))
     }
 
+    /// The token of a word or member ([`Raw::Element`], [`Raw::MemberElement`])
+    /// with its indices. Matlab calls functions with the same parentheses, so
+    /// that `sin(2)` and `zeros(3,6)` are such lexemes too.
     pub(super) fn element(&mut self, raw: Raw) -> Result<RobotranToken, LexicalError> {
         let (word, row, column) = self.indices()?;
-        if self.language == Language::Matlab && column == 0 {
-            let function = match word {
-                "sin" => Some(Operation::Sin),
-                "cos" => Some(Operation::Cos),
-                "sqrt" => Some(Operation::Sqrt),
-                _ => None,
-            };
-            if let Some(function) = function {
-                return Ok(self.function_of_integer(function, row));
-            }
-        }
         if self.language == Language::Matlab && word == "zeros" {
             return Ok(RobotranToken::Zeros((row, column)));
         }
-        if matches!(word, "sin" | "cos" | "sqrt") {
+        if let Some(function) = function_named(word) {
+            if self.language == Language::Matlab && column == 0 {
+                return Ok(self.function_of_integer(function, row));
+            }
             return Err(self.refusal((
                 "an index, or two arguments, behind a function of one number",
                 "write its argument in parentheses: sin(x)",
@@ -73,7 +75,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         } else if self.preprocessor.is_empty() {
             RobotranName::local(self.symbols.intern(word))
         } else {
-            self.expanded(word)?
+            self.expanded_name(word)?
         };
         if row == 0 || (column == 0 && self.has_second_index()) {
             return Err(LexicalError {
@@ -89,8 +91,9 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         }))
     }
 
-    /// The array that a word before an index means.
-    fn expanded(&mut self, word: &str) -> Result<RobotranName, LexicalError> {
+    /// The name of the array that a word before an index means once macros are
+    /// replaced.
+    fn expanded_name(&mut self, word: &str) -> Result<RobotranName, LexicalError> {
         let expansion = self.preprocessor.expand(word);
         match expansion.map_err(|reason| self.refusal(reason))? {
             None => Ok(RobotranName::local(self.symbols.intern(word))),
@@ -107,7 +110,10 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         }
     }
 
-    /// `sin(2)` of Matlab looks like an element; its parts come one by one.
+    /// The tokens of Matlab's `sin(2)`, one lexeme that looks like an element:
+    /// returns the first and leaves the others pending. `pending` is a stack,
+    /// so that they are pushed from the last to the first; `end - 1` is where
+    /// the closing parenthesis is.
     fn function_of_integer(&mut self, function: Operation, argument: u32) -> RobotranToken {
         let SourceSpan { start, end } = self.span();
         self.pending.push((end - 1, RobotranToken::Close, end));
@@ -117,46 +123,52 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         RobotranToken::Function(function)
     }
 
+    /// Whether a second index is written in the current lexeme (`a[1][2]`,
+    /// `a(1,2)`): tells a written 0 from an absent index.
     fn has_second_index(&self) -> bool {
         let slice = self.lexer.slice().as_bytes();
         slice.contains(&b',') || slice.iter().filter(|&&byte| byte == b'[').count() > 1
     }
 
-    /// The word of the current lexeme and its one or two indices, 0 for an
-    /// absent second one.
+    /// The word of the current lexeme and its one or two indices, row before
+    /// column, as written; column 0 when there is no second one.
     pub(super) fn indices(&self) -> Result<(&'s str, u32, u32), LexicalError> {
         let slice = self.lexer.slice();
         let bytes = slice.as_bytes();
         let bracket = |byte: &u8| matches!(byte, b'[' | b'(');
-        // The pattern of these lexemes has a bracket behind the word.
-        let at = bytes.iter().position(bracket).unwrap_or(bytes.len());
+        let word_end = bytes
+            .iter()
+            .position(bracket)
+            .expect("the pattern of the lexeme has a bracket behind the word");
         let mut indices = [0u32; 2];
-        let mut which = usize::MAX;
-        let mut inside = false;
-        for &byte in &bytes[at..] {
+        // Numbers that have begun; the last of them is being read.
+        let mut begun = 0;
+        let mut in_number = false;
+        for &byte in &bytes[word_end..] {
             if byte.is_ascii_digit() {
-                if !inside {
-                    which = which.wrapping_add(1);
+                if !in_number {
+                    begun += 1;
                 }
                 // Patterns allow three numbers at most, of which Python's
                 // `a[1,2][3]` has one too many.
-                let Some(index) = indices.get_mut(which) else {
+                let Some(index) = indices.get_mut(begun - 1) else {
                     return Err(self.index_error("too many indices"));
                 };
-                // C would take it for an octal number.
-                if inside && *index == 0 && self.language != Language::Matlab {
+                // A digit behind a leading 0: C would take the number for an
+                // octal one, Python refuses it.
+                if in_number && *index == 0 && self.language != Language::Matlab {
                     return Err(self.index_error("an index that begins with 0"));
                 }
                 *index = index
                     .saturating_mul(10)
                     .saturating_add(u32::from(byte - b'0'));
             }
-            inside = byte.is_ascii_digit();
+            in_number = byte.is_ascii_digit();
         }
         if indices.iter().any(|&index| index > LARGEST_INDEX) {
             return Err(self.index_error("an index above 1000000 is not allowed"));
         }
-        Ok((slice[..at].trim_end(), indices[0], indices[1]))
+        Ok((slice[..word_end].trim_end(), indices[0], indices[1]))
     }
 
     fn index_error(&self, message: &'static str) -> LexicalError {
@@ -170,6 +182,17 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
 
 /// `s->q` or `s.q` as structure and member.
 fn split_member(text: &str) -> (&str, &str) {
-    let parts = text.split_once("->").or_else(|| text.split_once('.'));
-    parts.unwrap_or(("", text))
+    text.split_once("->")
+        .or_else(|| text.split_once('.'))
+        .expect("the pattern of a member has an arrow or a point")
+}
+
+/// The function of one number that a word names in every language.
+pub(super) fn function_named(word: &str) -> Option<Operation> {
+    match word {
+        "sin" => Some(Operation::Sin),
+        "cos" => Some(Operation::Cos),
+        "sqrt" => Some(Operation::Sqrt),
+        _ => None,
+    }
 }

@@ -1,11 +1,11 @@
 //! Words: keywords, macros, imports and conditions.
 
+use super::elements::function_named;
 use super::{LexicalError, TokenStream};
 use crate::robotran::Language;
 use crate::robotran::preprocessor::Expansion;
 use crate::robotran::raw::{Raw, Surface};
 use crate::robotran::token::{RobotranName, RobotranToken, SourceSpan, TypeWords};
-use robovec_ir::Operation;
 
 impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
     pub(super) fn word(&mut self) -> Result<Option<RobotranToken>, LexicalError> {
@@ -40,12 +40,15 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         ))))
     }
 
+    /// The token of a word that the language reserves, or the error of what it
+    /// begins; `None` for any other word, and `Some(Ok(None))` for one that
+    /// means nothing.
     fn keyword(&mut self, word: &str) -> Option<Result<Option<RobotranToken>, LexicalError>> {
         let language = self.language;
+        if let Some(function) = function_named(word) {
+            return Some(Ok(Some(RobotranToken::Function(function))));
+        }
         let token = match (word, language) {
-            ("sin", _) => RobotranToken::Function(Operation::Sin),
-            ("cos", _) => RobotranToken::Function(Operation::Cos),
-            ("sqrt", _) => RobotranToken::Function(Operation::Sqrt),
             ("double", Language::C) => RobotranToken::Type(TypeWords::DOUBLE),
             ("float", Language::C) => RobotranToken::Type(TypeWords::SINGLE),
             ("int" | "unsigned" | "signed" | "long" | "short" | "char", Language::C) => {

@@ -1,4 +1,4 @@
-//! What a pass is.
+//! The trait of passes, what they are given and what they leave.
 //!
 //! A pass rewrites one function. It declares the level it takes and gives,
 //! the properties it needs and destroys, and its numeric class; verification,
@@ -32,72 +32,81 @@ pub trait Pass {
     /// more.
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError>;
 
-    /// What the pass promises about numbers with its options, from what it
-    /// declares; an option may weaken the promise, and the check then asks for
-    /// no more.
+    /// The numeric class that the semantic check holds this pass to, given the
+    /// class its entry in the registry declares. A pass overrides it when one
+    /// of its options weakens the promise.
     fn class(&self, declared: NumericClass) -> NumericClass {
         declared
     }
 
-    /// The instances the pass makes of the function, if it makes several; the
-    /// check then compares each of them with the function before.
+    /// The instances (copies side by side, each with its own outputs and all
+    /// but the shared inputs) the pass makes of the function; `None` for a pass that makes
+    /// none. The semantic check compares each of them with the function
+    /// before the pass.
     fn instances(&self) -> Option<Instances> {
         None
     }
 }
 
-/// What a pass has at hand besides the function.
+/// What a pass has at hand besides the function: what it may read, and, as
+/// `&mut`, where it leaves what it has to report.
 pub struct Context<'a> {
     /// Names and source places of the module.
     pub tables: &'a mut Tables,
     /// The machine compiled for.
     pub machine: &'a Machine,
-    /// The passes that it can run itself.
+    /// The passes that this pass can run itself.
     pub registry: &'static Registry,
     /// The rules that rewriting may use.
     pub rules: &'a RuleSet,
-    /// What the function is needed for, when that is known.
+    /// What the function is needed for (ranges, tolerances, deadline), when the
+    /// user gave a scene.
     pub scene: Option<&'a Scene>,
-    /// Left by a pass that rounds constants: the function in which they are
-    /// still computed. The check proves that, and compares the constants.
+    /// Left by a pass that rounds constants: the same function with the
+    /// constants still computed from exact ones. The semantic check proves that
+    /// one equal to the function before, and compares its constants with the
+    /// rounded ones.
     pub witness: &'a mut Option<Function>,
-    /// Left by an approximating pass: what it promises of the outputs. The
-    /// check holds it to that.
+    /// Left by an approximating pass: how far the outputs may be from those of
+    /// the function before. The semantic check holds it to that.
     pub promise: &'a mut Option<Promise>,
     /// Files the pass produces (memory images, C).
     pub artifacts: &'a mut Vec<Artifact>,
-    /// What the pass counted: name and number.
+    /// What the pass counted: the name of a count and its value.
     pub statistics: &'a mut Vec<(&'static str, u64)>,
-    /// What the pass has to tell: one line each.
+    /// Findings of the pass for the user, one line each.
     pub remarks: &'a mut Vec<String>,
-    /// The rules it applied, value by value; see [`Context::note`].
+    /// The rules the pass applied, value by value; see [`Context::note`].
     pub notes: &'a mut Notes,
-    /// Counts the rewrites, and stops them when one is looked for.
+    /// Counts the rewrites, and refuses those beyond a limit while the one
+    /// that breaks a function is searched for.
     pub rewrites: &'a RewriteLimit,
 }
 
 impl Context<'_> {
-    /// Says that the value which bears this name after the pass was made by
-    /// this rule of the pass (`factor`, `sub-neg`, …). Free when nobody asked
-    /// for the trail. Where the context is borrowed otherwise, the field
-    /// [`notes`](Context::notes) does the same.
+    /// Records that the value which bears this name after the pass was made
+    /// by this rule of the pass (`factor`, `sub-neg`, …). Costs one comparison
+    /// when no trail is wanted. Where another field of the context is
+    /// borrowed, call [`Notes::note`] on the field [`notes`](Context::notes)
+    /// itself.
     #[inline]
     pub fn note(&mut self, name: Name, rule: &str) {
         self.notes.note(name, rule);
     }
 
-    /// Whether a value may be written anew: asked before every rewrite, so
-    /// that the one that breaks a function can be found
+    /// Whether the value of this name may be rewritten by this rule: asked
+    /// before every rewrite, so that the one that breaks a function can be
+    /// found
     /// ([`RewriteLimit::allow`]).
     pub fn allow_rewrite(&self, name: Name, rule: &str) -> bool {
         self.rewrites.allow(name, rule)
     }
 }
 
-/// What passes say when they are run by another pass, which decides what of
-/// it is passed on.
+/// What passes report when they are run by another pass: kept apart from the
+/// [`Context`] of that one, which decides what to hand on.
 #[derive(Default, Debug)]
-pub struct Aside {
+pub struct NestedReport {
     /// As [`Context::artifacts`].
     pub artifacts: Vec<Artifact>,
     /// As [`Context::statistics`].
@@ -113,11 +122,18 @@ pub struct Aside {
 }
 
 impl Context<'_> {
-    /// The context for a pass that this one runs for a machine: the same
-    /// tables, and everything it says kept aside.
-    pub fn aside<'b>(&'b mut self, machine: &'b Machine, aside: &'b mut Aside) -> Context<'b> {
-        if self.notes.are_wanted() && !aside.notes.are_wanted() {
-            aside.notes = Notes::wanted();
+    /// The context for a pass that this pass runs itself, for a machine: the
+    /// same tables, registry, rules, scene and limit of rewrites, but what the
+    /// nested pass reports goes to `report`. Its notes are kept when those of
+    /// this context are.
+    pub fn nested<'b>(
+        &'b mut self,
+        machine: &'b Machine,
+        report: &'b mut NestedReport,
+    ) -> Context<'b> {
+        // Notes that are wanted already may hold some of an earlier pass.
+        if self.notes.are_wanted() && !report.notes.are_wanted() {
+            report.notes = Notes::wanted();
         }
         Context {
             tables: self.tables,
@@ -125,13 +141,13 @@ impl Context<'_> {
             registry: self.registry,
             rules: self.rules,
             scene: self.scene,
-            witness: &mut aside.witness,
-            promise: &mut aside.promise,
+            witness: &mut report.witness,
+            promise: &mut report.promise,
             rewrites: self.rewrites,
-            artifacts: &mut aside.artifacts,
-            statistics: &mut aside.statistics,
-            remarks: &mut aside.remarks,
-            notes: &mut aside.notes,
+            artifacts: &mut report.artifacts,
+            statistics: &mut report.statistics,
+            remarks: &mut report.remarks,
+            notes: &mut report.notes,
         }
     }
 }

@@ -9,6 +9,7 @@
 
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::power::times_power_of_two;
 
 /// A real number and how far it can be from there.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -286,10 +287,10 @@ impl ScaledBall {
 
     /// The middle as a binary64 number; infinite beyond its range.
     pub(super) fn middle(self) -> f64 {
-        let half = self.exponent.clamp(-4000, 4000) as i32 / 2;
-        let rest = self.exponent.clamp(-4000, 4000) as i32 - half;
-        // Not zero as a sign: one zero is enough for people.
-        self.mantissa.high * 2f64.powi(half) * 2f64.powi(rest) + 0.0
+        // Far beyond the range of binary64, and small enough for `i32`.
+        let exponent = self.exponent.clamp(-4000, 4000) as i32;
+        // Adding zero turns -0 into 0: people are shown one zero only.
+        times_power_of_two(self.mantissa.high, exponent) + 0.0
     }
 
     /// The binary logarithm of the largest absolute value, rounded up.
