@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 /// The folders of all crates, the root's last.
-fn crates() -> Vec<PathBuf> {
+pub(crate) fn crates() -> Vec<PathBuf> {
     let manifest = fs::read_to_string(tree("Cargo.toml")).expect("the root has a manifest");
     let manifest: toml::Table = manifest.parse().expect("a well-formed manifest");
     let members = manifest["workspace"]["members"]

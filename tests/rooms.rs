@@ -1,23 +1,17 @@
 //! The rooms of every crate: they lie in layers, and every type has a name
 //! that a search finds.
 
-use crate::support::files::tree;
+use crate::packages::crates;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The folders of the sources of all crates.
-const CRATES: [&str; 9] = [
-    "ir/num/src",
-    "ir/src",
-    "passes/analysis/src",
-    "passes/rules/src",
-    "passes/framework/src",
-    "passes/schedule/src",
-    "passes/codegen/src",
-    "passes/src",
-    "src",
-];
+/// The folders of the sources of all crates but that of the fuzz targets.
+fn folders() -> impl Iterator<Item = PathBuf> {
+    let crates = crates().into_iter();
+    let crates = crates.filter(|folder| !folder.ends_with("fuzz"));
+    crates.map(|folder| folder.join("src"))
+}
 
 /// Names that several types may have: in every room they mean the same.
 const SHARED: [&str; 3] = ["Error", "Iter", "Options"];
@@ -94,8 +88,8 @@ fn word(text: &str) -> String {
 
 #[test]
 fn rooms_of_a_crate_lie_in_layers() {
-    for folder in CRATES {
-        let sources = sources(&tree(folder));
+    for folder in folders() {
+        let sources = sources(&folder);
         let rooms: BTreeSet<&str> = sources.iter().map(|(path, _)| room(path)).collect();
         let mut arrows: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
         for (path, code) in &sources {
@@ -116,7 +110,7 @@ fn rooms_of_a_crate_lie_in_layers() {
             let free: Vec<&str> = arrows.keys().copied().filter(is_free).collect();
             assert!(
                 !free.is_empty(),
-                "circles among the rooms of {folder}: {arrows:#?}"
+                "circles among the rooms of {folder:?}: {arrows:#?}"
             );
             for room in free {
                 arrows.remove(room);
@@ -140,14 +134,11 @@ fn defined(line: &str) -> Option<String> {
 
 #[test]
 fn every_type_has_a_name_of_its_own() {
-    let mut places: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for folder in CRATES {
-        for (path, code) in sources(&tree(folder)) {
+    let mut places: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
+    for folder in folders() {
+        for (path, code) in sources(&folder) {
             for name in code.lines().filter_map(defined) {
-                places
-                    .entry(name)
-                    .or_default()
-                    .push(format!("{folder}/{path}"));
+                places.entry(name).or_default().push(folder.join(&path));
             }
         }
     }

@@ -13,7 +13,7 @@ pub(super) const BASE: &str = "base";
 pub(super) const ORIGIN: &str = "origin";
 
 /// The most points that a message lists.
-const MOST_NAMED: usize = 8;
+const MAX_NAMED: usize = 8;
 
 /// The names of a model, for what refers to them. Indices are into
 /// [`Model::bodies`] and [`Model::points`], from 0.
@@ -120,7 +120,7 @@ fn unknown_point(
     let help = match did_you_mean(name, names.clone().chain([ORIGIN])) {
         Some(near) => format!("did you mean '{near}'?"),
         None => {
-            let all: Vec<&str> = names.chain([ORIGIN]).take(MOST_NAMED).collect();
+            let all: Vec<&str> = names.chain([ORIGIN]).take(MAX_NAMED).collect();
             format!("the points of {title} are: {}", all.join(", "))
         }
     };

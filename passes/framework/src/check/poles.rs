@@ -167,8 +167,8 @@ impl StateLine {
                 // At the same places: near a pole of its own a divisor is so
                 // large that it seems to vanish everywhere else.
                 let around: Vec<Vec<f64>> = grid.iter().map(|&t| before(t)).collect();
-                // Of what overflows nobody knows what is small beside it.
-                // (The largest of a NaN and a number is the number.)
+                // A divisor that overflows somewhere counts as vanishing: what
+                // is small beside it is not known. A NaN is passed over.
                 let largest = |place: usize| {
                     let sizes = around.iter().map(|sample| sample[place].abs());
                     sizes.fold(0.0, f64::max)
