@@ -132,10 +132,11 @@ impl Arithmetic for Binary32Bound {
 
     fn div(&self, a: Bounded, b: Bounded) -> Bounded {
         let value = a.value / b.value;
-        let known = b.relative() <= LARGEST_RELATIVE;
+        let relative = b.relative();
+        let known = relative <= LARGEST_RELATIVE;
         // The error of a quotient is that of the product with the inverse;
         // the factor covers what is of second order in the divisor's error.
-        let second_order = 1.0 / (1.0 - LARGEST_RELATIVE);
+        let second_order = 1.0 / (1.0 - relative);
         let magnitude = a.magnitude * b.magnitude / (b.value * b.value) * second_order;
         Bounded {
             value,

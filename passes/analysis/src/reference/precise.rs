@@ -168,9 +168,10 @@ fn settle(ball: &PreciseBall, zero: bool, bits: usize) -> Option<ExactOutput> {
     let high = to_binary64(&ball.value);
     let radius = ball.radius * super::ball::SLACK;
     if !high.is_finite() || !radius.is_finite() {
-        let value = Double::from(high);
-        return (last || !high.is_finite()).then_some(ExactOutput {
-            value,
+        // What is no number with few bits may be one with more: a divisor or
+        // the argument of a root may have lost a term far smaller than others.
+        return last.then_some(ExactOutput {
+            value: Double::from(high),
             bound: f64::INFINITY,
             kind: ExactEvidence::Uncertain,
         });

@@ -185,6 +185,30 @@ fn what_is_not_a_number_is_not_certain() {
 }
 
 #[test]
+fn what_is_no_number_with_few_bits_may_be_one_with_more() {
+    // With 192 bits nothing is left of 2^-64 beside 2^183.
+    let module = module(
+        "
+  %a = 5.421010862427522e-20+1.2259964326927111e55
+  %small = %a-1.2259964326927111e55
+  %root = sqrt(%small)
+  %quotient = 1.0/%small
+  y[1] = %root
+  y[2] = %quotient
+",
+        2,
+    );
+    let states = states(&module, 1);
+    let function = &module.functions[0];
+    for effort in [ReferenceEffort::Certified, ReferenceEffort::Audit] {
+        let exact = ReferenceEvaluator::new(function, effort).evaluate(&states);
+        let values = [0, 1].map(|place| exact[0][place].value.high);
+        let small = 5.421010862427522e-20f64;
+        assert_eq!(values, [small.sqrt(), small.recip()], "{effort}");
+    }
+}
+
+#[test]
 fn efforts_read_back() {
     for effort in [
         ReferenceEffort::DoubleDouble,

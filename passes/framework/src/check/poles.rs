@@ -25,11 +25,18 @@ const WORK: usize = 40_000_000;
 const MAX_LINES: u32 = 6;
 const STEPS: i32 = 32;
 
+/// The distance of places, in units of the distance of the two states.
+const DISTANCE: f64 = 0.13;
+
 /// So many steps narrow a zero down, two evaluations each at most.
 const NARROWINGS: usize = 60;
 
 /// Zeros that are narrowed down on a line.
 const MAX_ZEROS: usize = 3;
+
+/// So often is the distance of the grid halved to look on both sides of a
+/// zero.
+const HALVINGS: i32 = 12;
 
 /// So many new divisors are looked at.
 const MAX_DIVISORS: usize = 8;
@@ -64,7 +71,7 @@ pub(super) fn first(pairs: &Pairs<'_>, source: &States, seed: u64) -> Option<Fai
         return None;
     }
     let size = pairs.before.function.nodes().len() + pairs.after.function.nodes().len() + 1;
-    let evaluations = 2 * STEPS as usize + MAX_ZEROS * 2 * NARROWINGS;
+    let evaluations = 2 * STEPS as usize + MAX_ZEROS * 2 * (NARROWINGS + HALVINGS as usize);
     let lines = (WORK / size / evaluations).clamp(1, MAX_LINES as usize);
     (0..lines as u32)
         .find_map(|number| StateLine::new(pairs, source, number).search(pairs, &old, &new))
@@ -136,7 +143,7 @@ impl StateLine {
 
     fn search(&self, pairs: &Pairs<'_>, old: &[Operand], new: &[Operand]) -> Option<Failed> {
         let grid: Vec<f64> = (0..=STEPS)
-            .map(|step| f64::from(step - STEPS / 3) * 0.13)
+            .map(|step| f64::from(step - STEPS / 3) * DISTANCE)
             .collect();
         let after = |t: f64| values(pairs.after.function, &Binary64, &self.at(1, t), new);
         let before = |t: f64| values(pairs.before.function, &Binary64, &self.at(0, t), old);
@@ -163,24 +170,24 @@ impl StateLine {
             if size(zero).abs() > ZERO * most {
                 continue;
             }
-            let usual = usual.get_or_insert_with(|| {
-                // At the same places: near a pole of its own a divisor is so
-                // large that it seems to vanish everywhere else.
-                let around: Vec<Vec<f64>> = grid.iter().map(|&t| before(t)).collect();
-                // A divisor that overflows somewhere counts as vanishing: what
-                // is small beside it is not known. A NaN is passed over.
-                let largest = |place: usize| {
-                    let sizes = around.iter().map(|sample| sample[place].abs());
-                    sizes.fold(0.0, f64::max)
-                };
-                (0..old.len()).map(largest).collect()
+            // At the same places as the new ones: near a pole of its own a
+            // divisor is so large that it seems to vanish everywhere else.
+            let usual = usual
+                .get_or_insert_with(|| sizes(grid.iter().map(|&t| before(t)), old.len()))
+                .iter();
+            // A root may leave a divisor without a value on most of the line.
+            let beside = (0..HALVINGS).flat_map(|halving| {
+                let distance = DISTANCE / f64::from(1 << halving);
+                [zero - distance, zero + distance]
             });
-            let mut here = before(zero).into_iter().zip(usual.iter());
+            let beside = sizes(beside.map(&before), old.len());
+            let usual: Vec<f64> = usual.zip(beside).map(|(a, b)| a.max(b)).collect();
+            let mut here = before(zero).into_iter().zip(&usual);
             // A divisor that is no number there counts as vanishing.
             let vanishes =
                 here.any(|(value, usual)| value.is_nan() || value.abs() <= NEARLY * usual);
             if !vanishes
-                && self.is_confirmed(pairs, (old, usual), (new[index], most), zero)
+                && self.is_confirmed(pairs, (old, &usual), (new[index], most), zero)
                 && let Some(failed) = self.failure(pairs, new[index], zero)
             {
                 return Some(failed);
@@ -232,6 +239,17 @@ impl StateLine {
             })
         })
     }
+}
+
+/// The largest size of each of the divisors over samples. One that overflows
+/// somewhere is infinite, so that it counts as vanishing everywhere: what is
+/// small beside it is not known. What is no number is passed over.
+fn sizes(samples: impl Iterator<Item = Vec<f64>>, count: usize) -> Vec<f64> {
+    samples.fold(vec![0.0; count], |sizes, sample| {
+        let both = sizes.into_iter().zip(sample);
+        both.map(|(size, value): (f64, f64)| size.max(value.abs()))
+            .collect()
+    })
 }
 
 /// The largest size among numbers.

@@ -391,6 +391,34 @@ fn a_divisor_with_a_pole_of_its_own_is_no_zero_elsewhere() {
 }
 
 #[test]
+fn a_divisor_that_is_mostly_no_number_is_compared_where_it_is_one() {
+    // x4/(x1/sqrt(x1*x2 + 0.001)): the divisor has a value on a part of the
+    // line alone, and vanishes with x1. One version divides by half of x1.
+    let quotient = |outside: bool| {
+        single(move |b| {
+            let [half, small] = [0.5, 0.001].map(|number| b.constant(number));
+            let product = b.binary(Mul, Builder::x(1), Builder::x(2));
+            let sum = b.binary(Add, product, small);
+            let root = b.unary(Sqrt, sum);
+            if !outside {
+                let divisor = b.binary(Div, Builder::x(1), root);
+                return b.binary(Div, Builder::x(4), divisor);
+            }
+            let product = b.binary(Mul, half, root);
+            let over = b.binary(Mul, Builder::x(4), product);
+            let divisor = b.binary(Mul, half, Builder::x(1));
+            b.binary(Div, over, divisor)
+        })
+    };
+    for seed in 0..60 {
+        let [before, after] = [false, true].map(quotient);
+        let states = &States::new(seed);
+        let verdict = check(before.view(), after.view(), NumericClass::Real, states, 8);
+        assert!(verdict.holds(), "{seed}: {:?}", verdict.failure);
+    }
+}
+
+#[test]
 fn a_divisor_that_overflowed_is_as_small_where_it_is_small() {
     // In x1/(k*x2*2^997) the divisor overflows nearly everywhere; with the
     // power outside it does not, and vanishes where the first does.
