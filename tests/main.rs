@@ -19,6 +19,7 @@ mod check;
 mod cli;
 mod codegen_c;
 mod commands;
+mod composite;
 mod determinism;
 mod docs;
 mod drop_in;

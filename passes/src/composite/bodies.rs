@@ -15,7 +15,7 @@
 //! out what is zero in a model, and models exist that give the products of
 //! inertia on one side of the diagonal only.
 
-/// Numbers to compute with: fingerprints while a tree is looked for, values
+/// Numbers to compute with: those of probes while a tree is looked for, values
 /// of a network when its equations are written.
 pub(super) trait Ring {
     type Number: Copy;
@@ -35,24 +35,23 @@ pub(super) enum JointAxis {
     Prismatic(usize),
 }
 
-impl JointAxis {
-    /// The six kinds.
-    pub(super) const ALL: [JointAxis; 6] = [
-        JointAxis::Revolute(0),
-        JointAxis::Revolute(1),
-        JointAxis::Revolute(2),
-        JointAxis::Prismatic(0),
-        JointAxis::Prismatic(1),
-        JointAxis::Prismatic(2),
-    ];
-}
-
 /// A body: mass, centre of mass, inertia about it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct RigidBody<N> {
     pub(super) mass: N,
     pub(super) centre: RingVector<N>,
     pub(super) inertia: RingMatrix<N>,
+}
+
+impl<N> RigidBody<N> {
+    /// The body with each of its parameters replaced.
+    pub(super) fn map<T>(self, mut number: impl FnMut(N) -> T) -> RigidBody<T> {
+        RigidBody {
+            mass: number(self.mass),
+            centre: self.centre.map(&mut number),
+            inertia: self.inertia.map(|row| row.map(&mut number)),
+        }
+    }
 }
 
 impl<N> RigidBody<Option<N>> {
@@ -120,7 +119,7 @@ fn transpose<N: Copy>(m: RingMatrix<N>) -> RingMatrix<N> {
 
 impl<N: Copy> Stand<N> {
     /// A vector of the frame in the axes of its parent.
-    fn turn_back<R: Ring<Number = N>>(&self, ring: &mut R, v: RingVector<N>) -> RingVector<N> {
+    pub(super) fn turn_back<R: Ring<Number = N>>(&self, ring: &mut R, v: RingVector<N>) -> RingVector<N> {
         let JointAxis::Revolute(axis) = self.joint else {
             return v;
         };
@@ -208,6 +207,16 @@ impl<N: Copy> Stand<N> {
 }
 
 impl<N: Copy> CompositeInertia<N> {
+    /// Of nothing.
+    pub(super) fn none<R: Ring<Number = N>>(ring: &mut R) -> CompositeInertia<N> {
+        let zero = [[ring.zero(); 3]; 3];
+        CompositeInertia {
+            a: zero,
+            b: zero,
+            d: zero,
+        }
+    }
+
     /// Of one body.
     pub(super) fn of<R: Ring<Number = N>>(
         ring: &mut R,

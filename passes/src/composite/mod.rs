@@ -1,13 +1,16 @@
 //! The mass matrix from composite bodies.
 //!
-//! `model` reads what the function says of the system, `tree` and `search`
-//! find the joints, `bodies` holds the mechanics over any ring, and `write`
+//! `model` reads the inputs of the system, `tree`, with `axes` and `points`,
+//! finds the joints from what the function computes at the states of `probe`,
+//! `bodies` holds the mechanics over any ring, and `write`
 //! makes the new equations as values of the network that `factor` works on, so
 //! that what is zero, equal or opposite there is never computed.
 
+mod axes;
 mod bodies;
 mod model;
-mod search;
+mod points;
+mod probe;
 mod tree;
 mod write;
 
@@ -30,11 +33,14 @@ declare_pass! {
     ///
     /// The pass reads no model. It needs Robotran's arrays (`M` among the
     /// outputs; `q`, `m`, `l`, `In` and `dpt` among the inputs) and finds the
-    /// tree of joints from the values of `M` at random points of two prime
-    /// fields: which joints stand behind which, their kinds, the points they
-    /// stand on. Every element of `M` whose new equations have the value of the
-    /// old ones is replaced; what else the function computes stays, and so does
-    /// a matrix that no tree explains, or that would not become cheaper.
+    /// tree of joints from what the function computes at states that show one
+    /// thing each: with the mass of one body only, which joints move it; with
+    /// all frames aligned, the axes; with one attachment point at a time, which
+    /// joints stand on it. Every element of `M` whose new equations have the
+    /// value of the old ones, at random points of two prime fields and in
+    /// numbers, is replaced; what else the function computes stays, and so do
+    /// elements that no tree explains, and a matrix that would not become
+    /// cheaper.
     ///
     /// Masses are passed on as such only when sin^2 + cos^2 = 1. Robotran itself
     /// relies on it when it adds masses up.
@@ -56,21 +62,37 @@ impl Pass for Composite {
             context.remarks.push(remark.to_owned());
             return Ok(());
         };
-        let Some(places) = tree::find(&model, &network) else {
-            let remark = "the mass matrix is not that of a tree of bodies";
-            context.remarks.push(remark.to_owned());
-            return Ok(());
-        };
+        let places = tree::find(function, &model);
         let before = network.cost;
-        write::rebuild(&mut network, &model, &places, function, context.tables);
+        let unexplained =
+            write::rebuild(&mut network, &model, &places, function, context.tables);
+        let given = model.elements.iter().flatten().count();
+        let explained = given - unexplained.len();
+        context.remarks.extend(remark(&model, &unexplained, explained));
         let saved = before - network.cost;
-        context
-            .statistics
-            .push(("operations saved", u64::try_from(saved).unwrap_or(0)));
+        context.statistics.extend([
+            ("elements of a tree of bodies", explained as u64),
+            ("operations saved", u64::try_from(saved).unwrap_or(0)),
+        ]);
         if saved > 0 {
             *function =
                 factor::write::write(function, network, &weights, context.tables, context.notes);
         }
         Ok(())
     }
+}
+
+/// What is said of elements that no tree of bodies explains.
+fn remark(model: &ModelInputs, unexplained: &[usize], explained: usize) -> Option<String> {
+    let (&first, count) = (unexplained.first()?, model.len());
+    let element = format!("M[{},{}]", first / count + 1, first % count + 1);
+    Some(match explained {
+        0 => "the mass matrix is not that of a tree of bodies".to_owned(),
+        _ => format!(
+            "{} of {} elements of the mass matrix, {element} the first, are not those of a tree \
+             of bodies and stay as they are",
+            unexplained.len(),
+            explained + unexplained.len(),
+        ),
+    })
 }

@@ -1,19 +1,17 @@
 //! The mass matrix that a function computes, and the inputs of its system.
 
 use crate::factor::network::{Edge, FactorKind, FactorNetwork};
-use hashbrown::{HashMap, HashSet};
-use robovec_framework::fingerprint::Fingerprint;
-use robovec_ir::{Array, Function, Input, Operation, Shape, Tables};
+use hashbrown::HashMap;
+use robovec_ir::{Array, Function, Input, Shape, Tables};
 
 use super::bodies::RigidBody;
+use super::probe::SystemInput;
 
 /// Names of input elements, as the network numbers them; `None` for an
 /// element that is zero in the model and so never read.
 pub(super) struct ModelInputs {
     /// Coordinates, by joint.
     pub(super) coordinates: Vec<Option<Input>>,
-    /// Whether the sine or cosine of the coordinate is read, by joint.
-    pub(super) turns: Vec<bool>,
     /// Bodies, by joint.
     pub(super) bodies: Vec<RigidBody<Option<Input>>>,
     /// Attachment points.
@@ -83,10 +81,7 @@ impl ModelInputs {
         }
         let coordinates: Vec<Option<Input>> =
             (1..=joints).map(|joint| element(q, &[joint])).collect();
-        let angles = angles(network);
-        let turns = |input: &Option<Input>| input.is_some_and(|input| angles.contains(&input.0));
         Some(ModelInputs {
-            turns: coordinates.iter().map(turns).collect(),
             coordinates,
             bodies: bodies.collect(),
             points,
@@ -94,16 +89,43 @@ impl ModelInputs {
         })
     }
 
-    /// The value of an element of the mass matrix, counted from 0.
-    pub(super) fn element(
-        &self,
-        network: &FactorNetwork,
-        row: usize,
-        column: usize,
-    ) -> Fingerprint {
-        self.elements[row * self.len() + column].map_or(network.images.zero(), |place| {
-            network.value(network.outputs[place])
-        })
+    /// A body by the places of its parameters.
+    pub(super) fn body(&self, body: usize) -> RigidBody<Option<SystemInput>> {
+        let given = &self.bodies[body];
+        let place = |place: SystemInput, input: Option<Input>| input.map(|_| place);
+        RigidBody {
+            mass: place(SystemInput::Mass(body), given.mass),
+            centre: [0, 1, 2].map(|i| place(SystemInput::Centre(body, i), given.centre[i])),
+            inertia: [0, 1, 2].map(|r| {
+                [0, 1, 2].map(|c| place(SystemInput::Inertia(body, [r, c]), given.inertia[r][c]))
+            }),
+        }
+    }
+
+    /// Calls a function with every input of the system that is read.
+    pub(super) fn visit(&self, mut visit: impl FnMut(SystemInput, Input)) {
+        let mut each = |place: SystemInput, input: Option<Input>| {
+            if let Some(input) = input {
+                visit(place, input);
+            }
+        };
+        for (joint, &input) in self.coordinates.iter().enumerate() {
+            each(SystemInput::Coordinate(joint), input);
+        }
+        for (body, given) in self.bodies.iter().enumerate() {
+            each(SystemInput::Mass(body), given.mass);
+            for i in 0..3 {
+                each(SystemInput::Centre(body, i), given.centre[i]);
+                for c in 0..3 {
+                    each(SystemInput::Inertia(body, [i, c]), given.inertia[i][c]);
+                }
+            }
+        }
+        for (point, parts) in self.points.iter().enumerate() {
+            for (axis, &input) in parts.iter().enumerate() {
+                each(SystemInput::Point(point, axis), input);
+            }
+        }
     }
 }
 
@@ -119,20 +141,4 @@ fn read_inputs(network: &FactorNetwork) -> HashMap<u32, Edge> {
         }
     }
     read
-}
-
-/// The input elements whose sine or cosine is read.
-fn angles(network: &FactorNetwork) -> HashSet<u32> {
-    let functions = network.nodes.iter().filter(|node| {
-        matches!(
-            node.kind,
-            FactorKind::Other(Operation::Sin | Operation::Cos)
-        ) && node.uses > 0
-    });
-    functions
-        .filter_map(|node| match network.nodes[node.operands[0].node()].kind {
-            FactorKind::Input(operand) => operand.input().map(|input| input.0),
-            _ => None,
-        })
-        .collect()
 }

@@ -1,74 +1,194 @@
 //! The search for the tree of bodies that a mass matrix belongs to.
 //!
-//! The zeros of the matrix tell which joints stand behind which. What is not
-//! known of a joint is its kind, one of six, and the point of its parent it
-//! stands on. Going from the last joint to the first, the inertia and the
-//! wrenches of everything behind a joint are known once those choices have
-//! been made behind it, and each choice must give the right values of the
-//! joint's column of the matrix, in the prime fields. Where a column does not
-//! tell (a prismatic joint does not feel where its children stand) the choice
-//! stays open, and is taken back when a joint further on cannot be explained.
+//! The function says what it computes at any state, so the tree need not be
+//! guessed: each property has states that show it alone.
+//!
+//! 1. *Ancestors*: with the mass of one body only, the rows that are not
+//!    zero tell which joints move it.
+//! 2. *Kinds*: a prismatic joint feels the mass of every body behind it and
+//!    nothing else; [`super::axes`] finds the axes with all frames aligned.
+//! 3. *Points*: [`super::points`] finds where joints stand, one attachment
+//!    point at a time.
+//! 4. *Products of inertia* that are given on one side of the diagonal: one
+//!    body at a time, mirrored or not.
+//!
+//! Nothing is taken back, so the work is a number of evaluations linear in
+//! those of joints and points. Where a state does not tell (the axis of a
+//! joint that moves a mass along no direction that matters) every choice gives
+//! the same matrix.
 
-use super::bodies::JointAxis;
+use super::axes;
+use super::bodies::{CompositeInertia, JointAxis, RigidBody, Stand};
 use super::model::ModelInputs;
-use super::search::CompositeSearch;
-use crate::factor::network::FactorNetwork;
+use super::points;
+use super::probe::{MatrixProbe, ProbedMatrix, RealRing, SystemInput, near};
+use robovec_ir::Function;
 
 /// The placement of a joint on its parent.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct JointPlacement {
     /// The joint before it, counted from 0.
     pub(super) parent: Option<usize>,
     /// Its kind.
     pub(super) joint: JointAxis,
-    /// The point of the parent, in [`ModelInputs::points`]; `None` for its origin.
-    pub(super) point: Option<usize>,
+    /// The points of the parent, in [`ModelInputs::points`], whose sum it
+    /// stands on: one, or none for the origin. Where joints that only slide
+    /// follow one another, all of their points may stand here.
+    pub(super) points: Vec<usize>,
     /// The inertia of its body is mirrored about the diagonal.
     pub(super) symmetric: bool,
 }
 
-/// The tree, if there is one that explains every element of the matrix.
-pub(super) fn find(model: &ModelInputs, network: &FactorNetwork) -> Option<Vec<JointPlacement>> {
-    let count = model.len();
-    let mut matrix = Vec::with_capacity(count * count);
-    for row in 0..count {
-        for column in 0..count {
-            let value = model.element(network, row, column);
-            if value != model.element(network, column, row) {
-                return None;
-            }
-            matrix.push(value);
-        }
-    }
-    let mut search = CompositeSearch::new(model, network.images, matrix, parents(model));
-    for joint in (0..count).rev() {
-        if !search.settle(joint) {
-            return None;
-        }
-    }
-    Some(search.places())
+/// Which joints stand on which.
+pub(super) struct AncestorTree {
+    /// The joint before each, counted from 0.
+    pub(super) parents: Vec<Option<usize>>,
+    /// The bodies behind each joint, counted from 0 as the joint that moves
+    /// them last.
+    pub(super) behind: Vec<Vec<usize>>,
+    /// Whether a joint is prismatic.
+    pub(super) slides: Vec<bool>,
 }
 
-/// The joint before each: the last of those it must stand behind. Two joints
-/// stand behind one another when their element is not zero, or when a third
-/// stands behind both. A joint without a body is one of several that lead to
-/// the next body, so the joint that follows it in the numbering stands on it.
-fn parents(model: &ModelInputs) -> Vec<Option<usize>> {
-    let count = model.len();
-    let tied = |a: usize, b: usize| model.elements[a * count + b].is_some();
-    let mut parents: Vec<Option<usize>> = (0..count)
-        .map(|joint| {
-            (0..joint).rev().find(|&before| {
-                tied(joint, before)
-                    || (joint + 1..count).any(|after| tied(after, joint) && tied(after, before))
-            })
+impl AncestorTree {
+    /// A joint and those before it, the nearest first.
+    pub(super) fn chain(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
+        std::iter::successors(Some(joint), |&joint| self.parents[joint])
+    }
+
+    /// The sum of the masses behind a joint in their usual state.
+    pub(super) fn mass(&self, joint: usize, model: &ModelInputs) -> f64 {
+        let bodies = self.behind[joint].iter();
+        let heavy = bodies.filter(|&&body| model.bodies[body].mass.is_some());
+        heavy.map(|&body| SystemInput::Mass(body).usual()).sum()
+    }
+}
+
+/// The number at a state with the mass of one body only.
+fn alone(body: usize) -> impl Fn(SystemInput) -> f64 {
+    move |input| match input.body() {
+        Some(other) if other != body => 0.0,
+        _ => input.usual(),
+    }
+}
+
+/// The placement of every joint, as far as the matrix tells.
+pub(super) fn find(function: &Function, model: &ModelInputs) -> Vec<JointPlacement> {
+    let mut probe = MatrixProbe::new(function, model);
+    let tree = ancestors(&mut probe, model);
+    let axes = axes::find(&mut probe, model, &tree);
+    let points = points::find(&mut probe, model, &tree, &axes);
+    let mut places: Vec<JointPlacement> = points
+        .into_iter()
+        .enumerate()
+        .map(|(joint, points)| JointPlacement {
+            parent: tree.parents[joint],
+            joint: axes[joint],
+            points,
+            symmetric: false,
         })
         .collect();
-    for joint in (0..count - 1).rev() {
-        let behind = parents.contains(&Some(joint));
-        if model.bodies[joint].is_absent() && tied(joint, joint) && !behind {
-            parents[joint + 1] = Some(joint);
+    for body in 0..model.len() {
+        places[body].symmetric = is_symmetric(&mut probe, model, &tree, &places, body);
+    }
+    places
+}
+
+/// The joints that move each body, and the tree that follows: Robotran numbers
+/// a joint behind those that it stands on.
+fn ancestors(probe: &mut MatrixProbe<'_>, model: &ModelInputs) -> AncestorTree {
+    let count = model.len();
+    let mut tree = AncestorTree {
+        parents: vec![None; count],
+        behind: vec![Vec::new(); count],
+        slides: vec![true; count],
+    };
+    for (body, inputs) in model.bodies.iter().enumerate() {
+        if inputs.is_absent() {
+            continue;
+        }
+        let matrix = probe.matrix(alone(body));
+        let mass = match inputs.mass {
+            Some(_) => SystemInput::Mass(body).usual(),
+            None => 0.0,
+        };
+        let mut before = None;
+        // Its own joint leads to a body even if it only turns a point mass.
+        let moving = |&joint: &usize| joint == body || !matrix.is_row_zero(joint);
+        for joint in (0..=body).filter(moving) {
+            tree.slides[joint] &= near(matrix.at(joint, joint), mass, mass);
+            tree.parents[joint] = tree.parents[joint].max(before);
+            before = Some(joint);
         }
     }
-    parents
+    for body in 0..count {
+        let chain: Vec<usize> = tree.chain(body).collect();
+        for joint in chain {
+            tree.behind[joint].push(body);
+        }
+    }
+    tree
+}
+
+/// Whether the products of inertia of a body are those of a symmetric matrix
+/// of which one side is left out: the choice that is nearer to the matrix with
+/// this body's mass alone.
+fn is_symmetric(
+    probe: &mut MatrixProbe<'_>,
+    model: &ModelInputs,
+    tree: &AncestorTree,
+    places: &[JointPlacement],
+    body: usize,
+) -> bool {
+    let given = &model.bodies[body];
+    if given.mirrored(true) == *given {
+        return false;
+    }
+    let matrix = probe.matrix(alone(body));
+    let distance = |symmetric: bool| {
+        let own = probe.body(body, symmetric, SystemInput::usual);
+        distance(model, tree, places, &matrix, body, &own)
+    };
+    distance(true) <= distance(false)
+}
+
+/// The largest difference of a diagonal element from what a body of the last
+/// joint that moves it gives.
+fn distance(
+    model: &ModelInputs,
+    tree: &AncestorTree,
+    places: &[JointPlacement],
+    matrix: &ProbedMatrix,
+    body: usize,
+    own: &RigidBody<f64>,
+) -> f64 {
+    let mut inertia = CompositeInertia::of(&mut RealRing, own);
+    let mut largest = 0.0f64;
+    for joint in tree.chain(body) {
+        let axis = places[joint].joint;
+        let found = inertia.wrench(axis).along(axis);
+        largest = largest.max((found - matrix.at(joint, joint)).abs());
+        inertia = stand(model, places, joint).inertia(&mut RealRing, &inertia);
+    }
+    largest
+}
+
+/// Where a joint stands on its parent, in the usual state.
+fn stand(model: &ModelInputs, places: &[JointPlacement], joint: usize) -> Stand<f64> {
+    let place = &places[joint];
+    let coordinate =
+        model.coordinates[joint].map_or(0.0, |_| SystemInput::Coordinate(joint).usual());
+    Stand {
+        joint: place.joint,
+        offset: [0, 1, 2].map(|axis| {
+            let points = place.points.iter();
+            let given = points.filter(|&&point| model.points[point][axis].is_some());
+            given
+                .map(|&point| SystemInput::Point(point, axis).usual())
+                .sum()
+        }),
+        coordinate,
+        cosine: coordinate.cos(),
+        sine: coordinate.sin(),
+    }
 }

@@ -3,7 +3,7 @@
 use super::bodies::{CompositeInertia, JointAxis, RigidBody, Ring, Stand, UnitWrench};
 use super::model::ModelInputs;
 use super::tree::JointPlacement;
-use crate::factor::network::{Edge, FactorKind, FactorNetwork, NodeOrigin, ZERO};
+use crate::factor::network::{Edge, FactorKind, FactorNetwork, NodeOrigin, ONE, ZERO};
 use robovec_framework::rewrite::output_symbol;
 use robovec_ir::{Function, Input, Name, Operand, Operation, Tables};
 use robovec_num::arithmetic::Arithmetic;
@@ -54,21 +54,24 @@ impl EquationWriter<'_> {
         })
     }
 
-    fn stand(&mut self, model: &ModelInputs, joint: usize, place: JointPlacement) -> Stand<Edge> {
+    fn stand(&mut self, model: &ModelInputs, joint: usize, place: &JointPlacement) -> Stand<Edge> {
         let coordinate = self.input(model.coordinates[joint]);
         let zero = self.zero();
-        let (cosine, sine) = match place.joint {
-            JointAxis::Revolute(_) => (
+        let (cosine, sine) = match (place.joint, model.coordinates[joint]) {
+            (JointAxis::Revolute(_), Some(_)) => (
                 self.turn(Operation::Cos, coordinate),
                 self.turn(Operation::Sin, coordinate),
             ),
-            JointAxis::Prismatic(_) => (zero, zero),
+            _ => (Edge::new(ONE as u32, false), zero),
         };
+        let mut offset = [zero; 3];
+        for &point in &place.points {
+            let parts = model.points[point].map(|part| self.input(part));
+            offset = [0, 1, 2].map(|axis| self.add(offset[axis], parts[axis]));
+        }
         Stand {
             joint: place.joint,
-            offset: place.point.map_or([zero; 3], |point| {
-                model.points[point].map(|part| self.input(part))
-            }),
+            offset,
             coordinate,
             cosine,
             sine,
@@ -84,14 +87,16 @@ impl EquationWriter<'_> {
     }
 }
 
-/// Computes the mass matrix of a network from composite bodies instead.
+/// Computes the mass matrix of a network from composite bodies instead. The
+/// elements, row by row and counted from 0, that are not those of the tree stay
+/// as they are and are returned.
 pub(super) fn rebuild(
     network: &mut FactorNetwork,
     model: &ModelInputs,
     places: &[JointPlacement],
     function: &Function,
     tables: &mut Tables,
-) {
+) -> Vec<usize> {
     let count = model.len();
     // What only the old equations need must not be found again by its value.
     let targets: Vec<(usize, Edge)> = model
@@ -101,10 +106,12 @@ pub(super) fn rebuild(
         .filter_map(|(index, place)| place.map(|place| (index, network.outputs[place])))
         .collect();
     let origins = origins(network, model, function, tables);
+    // Before the old equations go, which some elements may want back.
+    network.renumber();
     for &(_, edge) in &targets {
         network.release(edge);
     }
-    network.renumber();
+    network.forget_unused(&network.order());
     let mut made = vec![Edge::new(ZERO as u32, false); count * count];
     let mut inertias: Vec<Option<CompositeInertia<Edge>>> = vec![None; count];
     for joint in (0..count).rev() {
@@ -122,14 +129,14 @@ pub(super) fn rebuild(
         let mut at = joint;
         made[joint * count + joint] = wrench.along(places[joint].joint);
         while let Some(parent) = places[at].parent {
-            let stand = writer.stand(model, at, places[at]);
+            let stand = writer.stand(model, at, &places[at]);
             wrench = stand.wrench(&mut writer, wrench);
             made[joint * count + parent] = wrench.along(places[parent].joint);
             made[parent * count + joint] = made[joint * count + parent];
             at = parent;
         }
         if let Some(parent) = places[joint].parent {
-            let stand = writer.stand(model, joint, places[joint]);
+            let stand = writer.stand(model, joint, &places[joint]);
             let moved = stand.inertia(&mut writer, &inertia);
             inertias[parent] = Some(match &inertias[parent] {
                 Some(others) => others.plus(&mut writer, &moved),
@@ -137,15 +144,19 @@ pub(super) fn rebuild(
             });
         }
     }
+    let mut unexplained = Vec::new();
     for (index, old) in targets {
-        // The old equations stay where the tree does not explain them.
         let equal = network.value(made[index]) == network.value(old);
         let chosen = if equal { made[index] } else { old };
+        if !equal {
+            unexplained.push(index);
+        }
         if let Some(place) = model.elements[index] {
             network.outputs[place] = chosen;
         }
         network.acquire(chosen);
     }
+    unexplained
 }
 
 /// For each joint what its equations stand for: those of the diagonal element

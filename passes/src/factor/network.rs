@@ -333,18 +333,23 @@ impl FactorNetwork {
     /// them, and forgets the values that nothing uses.
     pub(crate) fn renumber(&mut self) -> Vec<u32> {
         let order = self.order();
-        self.known.clear();
         for (rank, &node) in order.iter().enumerate() {
             self.nodes[node as usize].position = (rank as u64 + 3) * SPACING;
         }
         for node in [ZERO, ONE] {
             self.nodes[node].position = node as u64;
-            self.remember(node as u32);
         }
-        for &node in &order {
+        self.forget_unused(&order);
+        order
+    }
+
+    /// Forgets the values of all nodes but these, given in order, and of the
+    /// literals 0 and 1.
+    pub(crate) fn forget_unused(&mut self, order: &[u32]) {
+        self.known.clear();
+        for &node in [ZERO as u32, ONE as u32].iter().chain(order) {
             self.remember(node);
         }
-        order
     }
 
     fn remember(&mut self, node: u32) {

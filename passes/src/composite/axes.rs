@@ -1,0 +1,272 @@
+//! The axes of joints, found with all frames aligned.
+//!
+//! With all coordinates and attachment points zero every frame is the base's,
+//! and an element of the matrix depends on the axes of its two joints and on
+//! the inertia behind the second alone. What bodies do not tell, as point
+//! masses, single components of attachment points or single coordinates of
+//! prismatic joints do: a joint moves what lies along another axis than its
+//! own.
+//!
+//! Every joint has at most three axes left; those of a joint and of one before
+//! it must agree with their element. What still is open then does not matter:
+//! the whole may be turned.
+
+use super::bodies::{CompositeInertia, JointAxis};
+use super::model::ModelInputs;
+use super::probe::{MatrixProbe, ProbedMatrix, RealRing, SystemInput, near};
+use super::tree::AncestorTree;
+
+/// Comparisons of pairs of joints before the rest is left unexplained.
+const MAX_COMPARISONS: usize = 20_000_000;
+
+/// The axis of every joint.
+pub(super) fn find(
+    probe: &mut MatrixProbe<'_>,
+    model: &ModelInputs,
+    tree: &AncestorTree,
+) -> Vec<JointAxis> {
+    let frames = AlignedFrames::new(probe, model, tree);
+    let mut search = AxisSearch {
+        domains: (0..model.len()).map(|joint| frames.domain(joint)).collect(),
+        frames,
+        chosen: vec![0; model.len()],
+        unexplained: vec![false; model.len()],
+        comparisons: 0,
+    };
+    while let Some(joint) = search.choose() {
+        search.unexplained[joint] = true;
+    }
+    (0..model.len()).map(|joint| search.axis(joint)).collect()
+}
+
+/// The matrix at states in which all frames are aligned.
+struct AlignedFrames<'a> {
+    tree: &'a AncestorTree,
+    /// Without attachment points.
+    bodies: ProbedMatrix,
+    /// By joint: the inertia of all bodies behind it, about the one origin.
+    inertias: Vec<CompositeInertia<f64>>,
+    /// With point masses and attachment points along one axis.
+    points: [ProbedMatrix; 3],
+    /// By axis and joint: whether something behind the joint is moved by the
+    /// points along this axis behind it.
+    reach: [Vec<bool>; 3],
+    /// By prismatic joint: the matrix with its coordinate alone and point
+    /// masses, and what a joint that moves them all feels.
+    slides: Vec<Option<(ProbedMatrix, f64)>>,
+}
+
+impl<'a> AlignedFrames<'a> {
+    fn new(
+        probe: &mut MatrixProbe<'_>,
+        model: &ModelInputs,
+        tree: &'a AncestorTree,
+    ) -> AlignedFrames<'a> {
+        // A product of inertia that is given on one side of the diagonal only
+        // may be meant for both.
+        let body_number = |input: SystemInput| match input {
+            SystemInput::Coordinate(_) | SystemInput::Point(..) => 0.0,
+            SystemInput::Inertia(body, [r, c]) if model.bodies[body].inertia[c][r].is_none() => 0.0,
+            _ => input.usual(),
+        };
+        let inertias = (0..model.len()).map(|joint| {
+            let bodies = tree.behind[joint].iter();
+            let each = bodies.map(|&body| probe.body(body, false, body_number));
+            let mut sum = CompositeInertia::none(&mut RealRing);
+            for body in each {
+                sum = sum.plus(&mut RealRing, &CompositeInertia::of(&mut RealRing, &body));
+            }
+            sum
+        });
+        let inertias = inertias.collect();
+        let bodies = probe.matrix(body_number);
+        let points = [0, 1, 2].map(|along| {
+            probe.matrix(|input| match input {
+                SystemInput::Mass(_) => input.usual(),
+                SystemInput::Point(_, axis) if axis == along => input.usual().abs(),
+                _ => 0.0,
+            })
+        });
+        let slides = (0..model.len()).map(|joint| {
+            let number = SystemInput::Coordinate(joint).usual();
+            let is_read = tree.slides[joint] && model.coordinates[joint].is_some();
+            is_read.then(|| {
+                let matrix = probe.matrix(|input| match input {
+                    SystemInput::Mass(_) => input.usual(),
+                    SystemInput::Coordinate(other) if other == joint => number,
+                    _ => 0.0,
+                });
+                (matrix, tree.mass(joint, model) * number * number)
+            })
+        });
+        AlignedFrames {
+            slides: slides.collect(),
+            reach: points.each_ref().map(|matrix| reach(matrix, tree)),
+            tree,
+            bodies,
+            inertias,
+            points,
+        }
+    }
+
+    /// The kinds that a joint may be of, as far as its own element tells.
+    fn domain(&self, joint: usize) -> Vec<JointAxis> {
+        let own = self.bodies.at(joint, joint);
+        let size = self.bodies.largest();
+        let fits = |axis: usize| {
+            if self.tree.slides[joint] {
+                return true;
+            }
+            let kind = JointAxis::Revolute(axis);
+            let expected = self.inertias[joint].wrench(kind).along(kind);
+            let moved = |along: usize| !self.points[along].is_zero(joint, joint);
+            // What lies along its own axis a joint does not move.
+            let told = |along: usize| match (along == axis, moved(along)) {
+                (true, moved) => !moved,
+                (false, moved) => moved || !self.reach[along][joint],
+            };
+            near(own, expected, size) && (0..3).all(told)
+        };
+        let kind = |axis: usize| match self.tree.slides[joint] {
+            true => JointAxis::Prismatic(axis),
+            false => JointAxis::Revolute(axis),
+        };
+        (0..3).filter(|&axis| fits(axis)).map(kind).collect()
+    }
+
+    /// Whether the kinds of two joints, the first before the second, agree
+    /// with what was seen.
+    fn agree(&self, [before, joint]: [usize; 2], [first, second]: [JointAxis; 2]) -> bool {
+        let expected = self.inertias[joint].wrench(second).along(first);
+        if !near(
+            self.bodies.at(before, joint),
+            expected,
+            self.bodies.largest(),
+        ) {
+            return false;
+        }
+        if let (Some((matrix, moved)), JointAxis::Revolute(axis), JointAxis::Prismatic(along)) =
+            (&self.slides[joint], first, second)
+        {
+            let expected = if axis == along { 0.0 } else { *moved };
+            if !near(matrix.at(before, before), expected, *moved) {
+                return false;
+            }
+        }
+        (0..3).all(|along| {
+            let matrix = &self.points[along];
+            let expected = velocities_agree(along, first, second);
+            match expected {
+                // Two prismatic joints do not feel points.
+                None => true,
+                Some(0) => matrix.is_zero(before, joint),
+                Some(_) if matrix.is_zero(before, joint) => !self.reach[along][joint],
+                Some(sign) => (matrix.at(before, joint) > 0.0) == (sign > 0),
+            }
+        })
+    }
+}
+
+/// For each joint whether a revolute joint at or behind it is seen to move
+/// something.
+fn reach(matrix: &ProbedMatrix, tree: &AncestorTree) -> Vec<bool> {
+    let mut reach = vec![false; tree.parents.len()];
+    for joint in (0..reach.len()).rev() {
+        reach[joint] |= !tree.slides[joint] && !matrix.is_zero(joint, joint);
+        if let (true, Some(parent)) = (reach[joint], tree.parents[joint]) {
+            reach[parent] = true;
+        }
+    }
+    reach
+}
+
+/// The sign of the scalar product of the velocities that two joints give to a
+/// point that lies along an axis, at a positive distance.
+fn velocities_agree(along: usize, first: JointAxis, second: JointAxis) -> Option<i32> {
+    if let (JointAxis::Prismatic(_), JointAxis::Prismatic(_)) = (first, second) {
+        return None;
+    }
+    let velocity = |kind: JointAxis| match kind {
+        JointAxis::Prismatic(axis) => (axis, 1),
+        // The cross product of an axis and the next is the third.
+        JointAxis::Revolute(axis) if (axis + 1) % 3 == along => ((axis + 2) % 3, 1),
+        JointAxis::Revolute(axis) if (axis + 2) % 3 == along => ((axis + 1) % 3, -1),
+        JointAxis::Revolute(axis) => (axis, 0),
+    };
+    let ((a, a_sign), (b, b_sign)) = (velocity(first), velocity(second));
+    Some(if a == b { a_sign * b_sign } else { 0 })
+}
+
+/// The choice of an axis for every joint.
+struct AxisSearch<'a> {
+    frames: AlignedFrames<'a>,
+    domains: Vec<Vec<JointAxis>>,
+    /// By joint: the place of its axis in its domain.
+    chosen: Vec<usize>,
+    /// Joints that nothing is asked of any more.
+    unexplained: Vec<bool>,
+    comparisons: usize,
+}
+
+impl AxisSearch<'_> {
+    /// The axis that is chosen for a joint; any, where none is left.
+    fn axis(&self, joint: usize) -> JointAxis {
+        let domain = &self.domains[joint];
+        let any = match self.frames.tree.slides[joint] {
+            true => JointAxis::Prismatic(0),
+            false => JointAxis::Revolute(0),
+        };
+        domain.get(self.chosen[joint]).copied().unwrap_or(any)
+    }
+
+    /// Chooses axes that agree with one another; the first joint for which
+    /// there is none, if there is one.
+    fn choose(&mut self) -> Option<usize> {
+        self.chosen.fill(0);
+        let mut joint = 0;
+        while joint < self.chosen.len() {
+            if self.unexplained[joint] || self.settle(joint) {
+                joint += 1;
+                if let Some(next) = self.chosen.get_mut(joint) {
+                    *next = 0;
+                }
+                continue;
+            }
+            // Only joints before this one have a say in it.
+            let tree = self.frames.tree;
+            let open = |&before: &usize| {
+                !self.unexplained[before] && self.chosen[before] + 1 < self.domains[before].len()
+            };
+            let back = tree.chain(joint).skip(1).find(open);
+            let Some(back) = back.filter(|_| self.comparisons < MAX_COMPARISONS) else {
+                return Some(joint);
+            };
+            self.chosen[back] += 1;
+            joint = back;
+        }
+        None
+    }
+
+    /// The next axis of a joint, from the chosen one on, that agrees with those
+    /// before it.
+    fn settle(&mut self, joint: usize) -> bool {
+        while self.chosen[joint] < self.domains[joint].len() {
+            let kind = self.axis(joint);
+            let mut before = self.frames.tree.chain(joint).skip(1);
+            let mut compared = 0;
+            let agrees = before.all(|before| {
+                compared += 1;
+                self.unexplained[before]
+                    || self
+                        .frames
+                        .agree([before, joint], [self.axis(before), kind])
+            });
+            self.comparisons += compared;
+            if agrees {
+                return true;
+            }
+            self.chosen[joint] += 1;
+        }
+        false
+    }
+}

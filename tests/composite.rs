@@ -1,0 +1,111 @@
+//! `composite` on the equations of random trees of bodies: every mass matrix
+//! that is one is explained, all of it.
+
+use robovec::generate::{GenerationRequest, generate};
+use robovec::model::family::random_tree;
+use robovec::model::{Model, Nature};
+use robovec::robotran::FunctionKind;
+use robovec_framework::manager::{self, Config};
+use robovec_ir::Machine;
+use robovec_num::field::mix;
+use robovec_passes::registry::REGISTRY;
+
+/// Random numbers of a case.
+struct Draws(u64);
+
+impl Draws {
+    /// True once in `count` times.
+    fn once_in(&mut self, count: u64) -> bool {
+        self.0 = mix(self.0.wrapping_add(1));
+        self.0.is_multiple_of(count)
+    }
+}
+
+/// A tree of some kind: bodies with full, diagonal and no inertia, with and
+/// without a centre of mass, wheels, driven joints.
+fn model(case: u64) -> Model {
+    let joints = 3 + (mix(case) % 38) as usize;
+    let mut model = random_tree(case, joints);
+    let mut draws = Draws(mix(case ^ 0x0dd));
+    let style = case % 8;
+    for body in &mut model.bodies {
+        if style == 1 && draws.once_in(2) {
+            // A point mass.
+            body.inertia = [0.0; 6];
+        }
+        if style == 2 || style == 3 && draws.once_in(2) {
+            // A wheel: balanced, and symmetric about one of its axes.
+            body.center = [0.0; 3];
+            let [xx, _, _, _, _, zz] = body.inertia;
+            body.inertia = match draws.once_in(2) {
+                true => [xx, 0.0, 0.0, zz, 0.0, zz],
+                false => [zz, 0.0, 0.0, xx, 0.0, zz],
+            };
+        }
+        if style == 4 {
+            for number in body.center.iter_mut().chain(&mut body.inertia) {
+                if draws.once_in(3) {
+                    *number = 0.0;
+                }
+            }
+        }
+        if style == 5 && draws.once_in(3) {
+            body.point = None;
+            model.joints[body.joints.start].point = None;
+        }
+    }
+    if style == 6 {
+        for point in &mut model.points {
+            for number in &mut point.coordinates {
+                if draws.once_in(2) {
+                    *number = 0.0;
+                }
+            }
+        }
+    }
+    for joint in &mut model.joints {
+        if style == 7 && draws.once_in(4) {
+            joint.nature = Nature::Driven;
+            joint.has_velocity = false;
+            joint.has_acceleration = false;
+        }
+    }
+    model
+}
+
+/// What `composite` says of the equations of a tree; nothing when it explains
+/// the whole matrix.
+fn complaint(case: u64) -> Option<String> {
+    let model = model(case);
+    let mut request = GenerationRequest::new(FunctionKind::Dirdyna);
+    request.options.all_parameters = case / 8 % 4 == 0;
+    let mut module = match generate(&model, &request) { Ok(m)=>m, Err(e)=> return Some(format!("case {case}: {e}\n"))};
+    let pipeline = REGISTRY.pipeline("atomise,composite").expect("passes");
+    let machine = Machine::built_in("ideal").expect("it ships");
+    let mut out = Vec::new();
+    let config = Config::new(&machine, &mut out);
+    manager::run(&mut module, &pipeline, config).expect("it runs");
+    let said = String::from_utf8(out).expect("remarks are text");
+    (!said.is_empty()).then(|| format!("case {case}: {said}"))
+}
+
+fn assert_explained(cases: impl Iterator<Item = u64>) {
+    let complaints: Vec<String> = cases.filter_map(complaint).collect();
+    assert!(
+        complaints.is_empty(),
+        "{} of them:\n{}",
+        complaints.len(),
+        complaints.join("\n")
+    );
+}
+
+#[test]
+fn trees_of_all_kinds_are_explained() {
+    assert_explained(0..120);
+}
+
+#[test]
+#[ignore = "some minutes"]
+fn two_thousand_trees_are_explained() {
+    assert_explained(0..2000);
+}
