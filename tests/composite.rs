@@ -43,7 +43,8 @@ fn model(case: u64) -> Model {
             };
         }
         if style == 4 {
-            for number in body.center.iter_mut().chain(&mut body.inertia) {
+            let [_, xy, xz, _, yz, _] = &mut body.inertia;
+            for number in body.center.iter_mut().chain([xy, xz, yz]) {
                 if draws.once_in(3) {
                     *number = 0.0;
                 }
@@ -79,7 +80,10 @@ fn complaint(case: u64) -> Option<String> {
     let model = model(case);
     let mut request = GenerationRequest::new(FunctionKind::Dirdyna);
     request.options.all_parameters = case / 8 % 4 == 0;
-    let mut module = match generate(&model, &request) { Ok(m)=>m, Err(e)=> return Some(format!("case {case}: {e}\n"))};
+    let mut module = match generate(&model, &request) {
+        Ok(m) => m,
+        Err(e) => return Some(format!("case {case}: {e}\n")),
+    };
     let pipeline = REGISTRY.pipeline("atomise,composite").expect("passes");
     let machine = Machine::built_in("ideal").expect("it ships");
     let mut out = Vec::new();

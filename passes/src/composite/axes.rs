@@ -19,12 +19,21 @@ use super::tree::AncestorTree;
 /// Comparisons of pairs of joints before the rest is left unexplained.
 const MAX_COMPARISONS: usize = 20_000_000;
 
+/// The axes of joints.
+pub(super) struct FoundAxes {
+    /// The axis of every joint.
+    pub(super) chosen: Vec<JointAxis>,
+    /// Joints, counted from 0, with other axes that agree as well with all
+    /// other joints as theirs are.
+    pub(super) open: Vec<(usize, JointAxis)>,
+}
+
 /// The axis of every joint.
 pub(super) fn find(
     probe: &mut MatrixProbe<'_>,
     model: &ModelInputs,
     tree: &AncestorTree,
-) -> Vec<JointAxis> {
+) -> FoundAxes {
     let frames = AlignedFrames::new(probe, model, tree);
     let mut search = AxisSearch {
         domains: (0..model.len()).map(|joint| frames.domain(joint)).collect(),
@@ -36,7 +45,10 @@ pub(super) fn find(
     while let Some(joint) = search.choose() {
         search.unexplained[joint] = true;
     }
-    (0..model.len()).map(|joint| search.axis(joint)).collect()
+    FoundAxes {
+        chosen: (0..model.len()).map(|joint| search.axis(joint)).collect(),
+        open: search.open(),
+    }
 }
 
 /// The matrix at states in which all frames are aligned.
@@ -52,8 +64,12 @@ struct AlignedFrames<'a> {
     /// points along this axis behind it.
     reach: [Vec<bool>; 3],
     /// By prismatic joint: the matrix with its coordinate alone and point
-    /// masses, and what a joint that moves them all feels.
-    slides: Vec<Option<(ProbedMatrix, f64)>>,
+    /// masses.
+    slides: Vec<Option<ProbedMatrix>>,
+    /// By joint: the point masses behind it.
+    masses: Vec<f64>,
+    /// By joint: its coordinate where it alone is not zero.
+    coordinates: Vec<f64>,
 }
 
 impl<'a> AlignedFrames<'a> {
@@ -71,7 +87,10 @@ impl<'a> AlignedFrames<'a> {
         };
         let inertias = (0..model.len()).map(|joint| {
             let bodies = tree.behind[joint].iter();
-            let each = bodies.map(|&body| probe.body(body, false, body_number));
+            let each = bodies.map(|&body| {
+                let parts = model.body(body);
+                parts.map(|place| place.map_or(0.0, body_number))
+            });
             let mut sum = CompositeInertia::none(&mut RealRing);
             for body in each {
                 sum = sum.plus(&mut RealRing, &CompositeInertia::of(&mut RealRing, &body));
@@ -87,20 +106,23 @@ impl<'a> AlignedFrames<'a> {
                 _ => 0.0,
             })
         });
+        let coordinate = |joint: usize| SystemInput::Coordinate(joint).usual().abs();
         let slides = (0..model.len()).map(|joint| {
-            let number = SystemInput::Coordinate(joint).usual();
             let is_read = tree.slides[joint] && model.coordinates[joint].is_some();
             is_read.then(|| {
-                let matrix = probe.matrix(|input| match input {
+                probe.matrix(|input| match input {
                     SystemInput::Mass(_) => input.usual(),
-                    SystemInput::Coordinate(other) if other == joint => number,
+                    SystemInput::Coordinate(other) if other == joint => coordinate(joint),
                     _ => 0.0,
-                });
-                (matrix, tree.mass(joint, model) * number * number)
+                })
             })
         });
         AlignedFrames {
             slides: slides.collect(),
+            masses: (0..model.len())
+                .map(|joint| tree.mass(joint, model))
+                .collect(),
+            coordinates: (0..model.len()).map(coordinate).collect(),
             reach: points.each_ref().map(|matrix| reach(matrix, tree)),
             tree,
             bodies,
@@ -145,25 +167,37 @@ impl<'a> AlignedFrames<'a> {
         ) {
             return false;
         }
-        if let (Some((matrix, moved)), JointAxis::Revolute(axis), JointAxis::Prismatic(along)) =
-            (&self.slides[joint], first, second)
-        {
-            let expected = if axis == along { 0.0 } else { *moved };
-            if !near(matrix.at(before, before), expected, *moved) {
-                return false;
-            }
-        }
         (0..3).all(|along| {
             let matrix = &self.points[along];
-            let expected = velocities_agree(along, first, second);
-            match expected {
-                // Two prismatic joints do not feel points.
-                None => true,
-                Some(0) => matrix.is_zero(before, joint),
-                Some(_) if matrix.is_zero(before, joint) => !self.reach[along][joint],
-                Some(sign) => (matrix.at(before, joint) > 0.0) == (sign > 0),
+            // Two prismatic joints do not feel points.
+            if let [JointAxis::Prismatic(_), JointAxis::Prismatic(_)] = [first, second] {
+                return true;
+            }
+            match velocities(along, first, second) {
+                0 => matrix.is_zero(before, joint),
+                _ if matrix.is_zero(before, joint) => !self.reach[along][joint],
+                sign => (matrix.at(before, joint) > 0.0) == (sign > 0),
             }
         })
+    }
+
+    /// Whether the kinds of two joints, the first before the second, agree with
+    /// what they feel of the coordinate of a prismatic joint.
+    fn agree_on_slide(
+        &self,
+        (slide, along): (usize, usize),
+        [before, joint]: [usize; 2],
+        [first, second]: [JointAxis; 2],
+    ) -> bool {
+        let Some(matrix) = &self.slides[slide] else {
+            return true;
+        };
+        let is_turn = |kind| matches!(kind, JointAxis::Revolute(_));
+        let turns = [first, second].into_iter().filter(|&kind| is_turn(kind));
+        let distance = self.coordinates[slide].powi(turns.count() as i32);
+        let mass = self.masses[joint.max(slide)];
+        let expected = f64::from(velocities(along, first, second)) * mass * distance;
+        near(matrix.at(before, joint), expected, mass * distance)
     }
 }
 
@@ -181,11 +215,9 @@ fn reach(matrix: &ProbedMatrix, tree: &AncestorTree) -> Vec<bool> {
 }
 
 /// The sign of the scalar product of the velocities that two joints give to a
-/// point that lies along an axis, at a positive distance.
-fn velocities_agree(along: usize, first: JointAxis, second: JointAxis) -> Option<i32> {
-    if let (JointAxis::Prismatic(_), JointAxis::Prismatic(_)) = (first, second) {
-        return None;
-    }
+/// point that lies along an axis, at a positive distance; 0 where there is no
+/// product.
+fn velocities(along: usize, first: JointAxis, second: JointAxis) -> i32 {
     let velocity = |kind: JointAxis| match kind {
         JointAxis::Prismatic(axis) => (axis, 1),
         // The cross product of an axis and the next is the third.
@@ -194,7 +226,7 @@ fn velocities_agree(along: usize, first: JointAxis, second: JointAxis) -> Option
         JointAxis::Revolute(axis) => (axis, 0),
     };
     let ((a, a_sign), (b, b_sign)) = (velocity(first), velocity(second));
-    Some(if a == b { a_sign * b_sign } else { 0 })
+    if a == b { a_sign * b_sign } else { 0 }
 }
 
 /// The choice of an axis for every joint.
@@ -251,22 +283,73 @@ impl AxisSearch<'_> {
     /// before it.
     fn settle(&mut self, joint: usize) -> bool {
         while self.chosen[joint] < self.domains[joint].len() {
-            let kind = self.axis(joint);
-            let mut before = self.frames.tree.chain(joint).skip(1);
-            let mut compared = 0;
-            let agrees = before.all(|before| {
-                compared += 1;
-                self.unexplained[before]
-                    || self
-                        .frames
-                        .agree([before, joint], [self.axis(before), kind])
-            });
-            self.comparisons += compared;
-            if agrees {
+            if self.agrees(joint) {
                 return true;
             }
             self.chosen[joint] += 1;
         }
         false
+    }
+
+    /// Whether a joint agrees with those before it.
+    fn agrees(&mut self, joint: usize) -> bool {
+        let kind = self.axis(joint);
+        let chain = self.frames.tree.chain(joint).skip(1);
+        let before: Vec<usize> = chain.filter(|&before| !self.unexplained[before]).collect();
+        let mut compared = 0;
+        let agrees = self.unexplained[joint]
+            || before.iter().all(|&before| {
+                compared += 1;
+                let kinds = [self.axis(before), kind];
+                self.frames.agree([before, joint], kinds)
+            }) && self.slides_agree(joint, &before, &mut compared);
+        self.comparisons += compared;
+        agrees
+    }
+
+    /// Whether a joint agrees with all pairs before it, the nearest first, on
+    /// what they feel of a coordinate: of its own where it slides, and of those
+    /// of joints between the two.
+    fn slides_agree(&self, joint: usize, before: &[usize], compared: &mut usize) -> bool {
+        let JointAxis::Prismatic(along) = self.axis(joint) else {
+            return true;
+        };
+        let is_turn = |joint: usize| !self.frames.tree.slides[joint];
+        before.iter().enumerate().all(|(place, &near)| {
+            before[place..].iter().all(|&far| {
+                *compared += 1;
+                let kinds = [self.axis(far), self.axis(near)];
+                let own = !(is_turn(far) || is_turn(near))
+                    || self
+                        .frames
+                        .agree_on_slide((joint, along), [far, near], kinds);
+                let between = match kinds {
+                    [JointAxis::Revolute(_), JointAxis::Prismatic(between)] => {
+                        let kinds = [kinds[0], self.axis(joint)];
+                        self.frames
+                            .agree_on_slide((near, between), [far, joint], kinds)
+                    }
+                    _ => true,
+                };
+                own && between
+            })
+        })
+    }
+
+    /// Other axes of single joints that agree as well.
+    fn open(&mut self) -> Vec<(usize, JointAxis)> {
+        let mut open = Vec::new();
+        for joint in 0..self.chosen.len() {
+            let chosen = self.chosen[joint];
+            for other in (0..self.domains[joint].len()).filter(|&other| other != chosen) {
+                self.chosen[joint] = other;
+                let mut behind = self.frames.tree.behind[joint].iter();
+                if self.unexplained[joint] || behind.all(|&behind| self.agrees(behind)) {
+                    open.push((joint, self.axis(joint)));
+                }
+            }
+            self.chosen[joint] = chosen;
+        }
+        open
     }
 }

@@ -119,7 +119,11 @@ fn transpose<N: Copy>(m: RingMatrix<N>) -> RingMatrix<N> {
 
 impl<N: Copy> Stand<N> {
     /// A vector of the frame in the axes of its parent.
-    pub(super) fn turn_back<R: Ring<Number = N>>(&self, ring: &mut R, v: RingVector<N>) -> RingVector<N> {
+    pub(super) fn turn_back<R: Ring<Number = N>>(
+        &self,
+        ring: &mut R,
+        v: RingVector<N>,
+    ) -> RingVector<N> {
         let JointAxis::Revolute(axis) = self.joint else {
             return v;
         };

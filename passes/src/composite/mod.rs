@@ -2,12 +2,13 @@
 //!
 //! `model` reads the inputs of the system, `tree`, with `axes` and `points`,
 //! finds the joints from what the function computes at the states of `probe`,
-//! `bodies` holds the mechanics over any ring, and `write`
+//! `bodies` and `matrix` holds the mechanics over any ring, and `write`
 //! makes the new equations as values of the network that `factor` works on, so
 //! that what is zero, equal or opposite there is never computed.
 
 mod axes;
 mod bodies;
+mod matrix;
 mod model;
 mod points;
 mod probe;
@@ -64,11 +65,12 @@ impl Pass for Composite {
         };
         let places = tree::find(function, &model);
         let before = network.cost;
-        let unexplained =
-            write::rebuild(&mut network, &model, &places, function, context.tables);
+        let unexplained = write::rebuild(&mut network, &model, &places, function, context.tables);
         let given = model.elements.iter().flatten().count();
         let explained = given - unexplained.len();
-        context.remarks.extend(remark(&model, &unexplained, explained));
+        context
+            .remarks
+            .extend(remark(&model, &unexplained, explained));
         let saved = before - network.cost;
         context.statistics.extend([
             ("elements of a tree of bodies", explained as u64),

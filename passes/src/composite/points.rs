@@ -7,10 +7,11 @@
 //! which of the body's children stand on the point. A point that no joint
 //! feels has no place, and needs none.
 
-use super::bodies::{JointAxis, Stand};
+use super::bodies::JointAxis;
+use super::matrix::BodySystem;
 use super::model::ModelInputs;
-use super::probe::{MatrixProbe, RealRing, SystemInput, near};
-use super::tree::AncestorTree;
+use super::probe::{MatrixProbe, RealRing, SystemInput, UsualState, near};
+use super::tree::{AncestorTree, JointPlacement};
 
 /// Children of one body of which every set is tried; of more only single ones
 /// and all of them.
@@ -33,10 +34,12 @@ pub(super) fn find(
             _ => input.usual(),
         });
         let felt: Vec<f64> = (0..model.len())
-            .map(|joint| match tree.slides[joint] || matrix.is_zero(joint, joint) {
-                true => 0.0,
-                false => matrix.at(joint, joint),
-            })
+            .map(
+                |joint| match tree.slides[joint] || matrix.is_zero(joint, joint) {
+                    true => 0.0,
+                    false => matrix.at(joint, joint),
+                },
+            )
             .collect();
         if felt.iter().all(|&felt| felt == 0.0) {
             continue;
@@ -83,15 +86,13 @@ impl<'a> TurnedFrames<'a> {
             if let Some(parent) = before {
                 frames.children[parent].push(joint);
             }
-            let coordinate = model.coordinates[joint];
-            let angle = coordinate.map_or(0.0, |_| SystemInput::Coordinate(joint).usual());
-            let stand = Stand {
+            let place = JointPlacement {
+                parent: before,
                 joint: axes[joint],
-                offset: [0.0; 3],
-                coordinate: angle,
-                cosine: angle.cos(),
-                sine: angle.sin(),
+                points: Vec::new(),
+                symmetric: false,
             };
+            let stand = UsualState { model }.stand(joint, &place);
             let own = [0, 1, 2].map(|axis| {
                 let mut unit = [0.0; 3];
                 unit[axis] = 1.0;

@@ -6,8 +6,10 @@
 //! and nothing else. Rounding is harmless: whatever is concluded is proved
 //! afterwards, element by element, in the images of the network.
 
-use super::bodies::{RigidBody, Ring};
+use super::bodies::{RigidBody, Ring, Stand};
+use super::matrix::BodySystem;
 use super::model::ModelInputs;
+use super::tree::JointPlacement;
 use robovec_ir::Function;
 use robovec_ir::plan::EvaluationPlan;
 use robovec_num::arithmetic::Binary64;
@@ -131,6 +133,11 @@ impl<'a> MatrixProbe<'a> {
         }
     }
 
+    /// Operations of one evaluation.
+    pub(super) fn work(&self) -> usize {
+        self.plan.len()
+    }
+
     /// The matrix at a state. Inputs that are none of the system's are one.
     pub(super) fn matrix(&mut self, number: impl Fn(SystemInput) -> f64) -> ProbedMatrix {
         let mut inputs = vec![1.0; self.inputs];
@@ -143,21 +150,11 @@ impl<'a> MatrixProbe<'a> {
             .collect();
         ProbedMatrix {
             count: self.model.len(),
-            largest: values.iter().fold(0.0, |largest, value| value.abs().max(largest)),
+            largest: values
+                .iter()
+                .fold(0.0, |largest, value| value.abs().max(largest)),
             values,
         }
-    }
-
-    /// A body at a state, with what is missing on one side of the diagonal of
-    /// its inertia mirrored if that is asked for.
-    pub(super) fn body(
-        &self,
-        body: usize,
-        symmetric: bool,
-        number: impl Fn(SystemInput) -> f64,
-    ) -> RigidBody<f64> {
-        let places = self.model.body(body).mirrored(symmetric);
-        places.map(|place| place.map_or(0.0, &number))
     }
 }
 
@@ -177,5 +174,56 @@ impl Ring for RealRing {
     }
     fn mul(&mut self, a: f64, b: f64) -> f64 {
         a * b
+    }
+}
+
+/// The system in its usual state.
+pub(super) struct UsualState<'a> {
+    pub(super) model: &'a ModelInputs,
+}
+
+impl Ring for UsualState<'_> {
+    type Number = f64;
+    fn zero(&mut self) -> f64 {
+        RealRing.zero()
+    }
+    fn add(&mut self, a: f64, b: f64) -> f64 {
+        RealRing.add(a, b)
+    }
+    fn sub(&mut self, a: f64, b: f64) -> f64 {
+        RealRing.sub(a, b)
+    }
+    fn mul(&mut self, a: f64, b: f64) -> f64 {
+        RealRing.mul(a, b)
+    }
+}
+
+impl BodySystem for UsualState<'_> {
+    fn enter(&mut self, _: usize) {}
+
+    fn body(&mut self, joint: usize, place: &JointPlacement) -> RigidBody<f64> {
+        let body = self.model.body(joint).mirrored(place.symmetric);
+        body.map(|place| place.map_or(0.0, SystemInput::usual))
+    }
+
+    fn stand(&mut self, joint: usize, place: &JointPlacement) -> Stand<f64> {
+        let given = |input: SystemInput, is_read: bool| if is_read { input.usual() } else { 0.0 };
+        let is_read = self.model.coordinates[joint].is_some();
+        let coordinate = given(SystemInput::Coordinate(joint), is_read);
+        let offset = [0, 1, 2].map(|axis| {
+            let points = place.points.iter();
+            let parts = points.map(|&point| {
+                let is_read = self.model.points[point][axis].is_some();
+                given(SystemInput::Point(point, axis), is_read)
+            });
+            parts.sum()
+        });
+        Stand {
+            joint: place.joint,
+            offset,
+            coordinate,
+            cosine: coordinate.cos(),
+            sine: coordinate.sin(),
+        }
     }
 }

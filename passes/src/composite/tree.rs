@@ -18,10 +18,12 @@
 //! the same matrix.
 
 use super::axes;
-use super::bodies::{CompositeInertia, JointAxis, RigidBody, Stand};
+use super::bodies::{CompositeInertia, JointAxis};
+use super::matrix::BodySystem;
+use super::matrix::mass_matrix;
 use super::model::ModelInputs;
 use super::points;
-use super::probe::{MatrixProbe, ProbedMatrix, RealRing, SystemInput, near};
+use super::probe::{MatrixProbe, ProbedMatrix, SystemInput, UsualState, near};
 use robovec_ir::Function;
 
 /// The placement of a joint on its parent.
@@ -72,24 +74,52 @@ fn alone(body: usize) -> impl Fn(SystemInput) -> f64 {
     }
 }
 
+/// Operations that may be spent on axes that no single state tells.
+const WORK: usize = 2_000_000_000;
+
 /// The placement of every joint, as far as the matrix tells.
 pub(super) fn find(function: &Function, model: &ModelInputs) -> Vec<JointPlacement> {
     let mut probe = MatrixProbe::new(function, model);
     let tree = ancestors(&mut probe, model);
-    let axes = axes::find(&mut probe, model, &tree);
-    let points = points::find(&mut probe, model, &tree, &axes);
-    let mut places: Vec<JointPlacement> = points
-        .into_iter()
-        .enumerate()
-        .map(|(joint, points)| JointPlacement {
-            parent: tree.parents[joint],
-            joint: axes[joint],
-            points,
-            symmetric: false,
-        })
-        .collect();
+    let mut axes = axes::find(&mut probe, model, &tree);
+    let usual = probe.matrix(SystemInput::usual);
+    let mut places = place(&mut probe, model, &tree, &axes.chosen);
+    let mut wrong = differences(model, &places, &usual);
+    let mut work = 0;
+    for (joint, axis) in axes.open {
+        work += probe.work() * (model.points.len() + 1);
+        if wrong == 0 || work > WORK {
+            break;
+        }
+        let before = std::mem::replace(&mut axes.chosen[joint], axis);
+        let other = place(&mut probe, model, &tree, &axes.chosen);
+        let left = differences(model, &other, &usual);
+        if left < wrong {
+            (places, wrong) = (other, left);
+        } else {
+            axes.chosen[joint] = before;
+        }
+    }
+    places
+}
+
+/// The placement of every joint, for given axes.
+fn place(
+    probe: &mut MatrixProbe<'_>,
+    model: &ModelInputs,
+    tree: &AncestorTree,
+    axes: &[JointAxis],
+) -> Vec<JointPlacement> {
+    let points = points::find(probe, model, tree, axes);
+    let placement = |(joint, points)| JointPlacement {
+        parent: tree.parents[joint],
+        joint: axes[joint],
+        points,
+        symmetric: false,
+    };
+    let mut places: Vec<JointPlacement> = points.into_iter().enumerate().map(placement).collect();
     for body in 0..model.len() {
-        places[body].symmetric = is_symmetric(&mut probe, model, &tree, &places, body);
+        places[body].symmetric = is_symmetric(probe, model, tree, &places, body);
     }
     places
 }
@@ -130,6 +160,18 @@ fn ancestors(probe: &mut MatrixProbe<'_>, model: &ModelInputs) -> AncestorTree {
     tree
 }
 
+/// The number of elements of the matrix in the usual state that are not those
+/// of the joints so placed.
+fn differences(model: &ModelInputs, places: &[JointPlacement], usual: &ProbedMatrix) -> usize {
+    let made = mass_matrix(&mut UsualState { model }, places);
+    let count = model.len();
+    let differs = |&place: &usize| {
+        let given = usual.at(place / count, place % count);
+        !near(made[place], given, usual.largest())
+    };
+    (0..made.len()).filter(differs).count()
+}
+
 /// Whether the products of inertia of a body are those of a symmetric matrix
 /// of which one side is left out: the choice that is nearer to the matrix with
 /// this body's mass alone.
@@ -145,50 +187,33 @@ fn is_symmetric(
         return false;
     }
     let matrix = probe.matrix(alone(body));
-    let distance = |symmetric: bool| {
-        let own = probe.body(body, symmetric, SystemInput::usual);
-        distance(model, tree, places, &matrix, body, &own)
-    };
+    let distance = |symmetric: bool| distance(model, tree, places, &matrix, body, symmetric);
     distance(true) <= distance(false)
 }
 
-/// The largest difference of a diagonal element from what a body of the last
-/// joint that moves it gives.
+/// The largest difference of a diagonal element from what a body gives.
 fn distance(
     model: &ModelInputs,
     tree: &AncestorTree,
     places: &[JointPlacement],
     matrix: &ProbedMatrix,
     body: usize,
-    own: &RigidBody<f64>,
+    symmetric: bool,
 ) -> f64 {
-    let mut inertia = CompositeInertia::of(&mut RealRing, own);
+    let state = &mut UsualState { model };
+    let own = JointPlacement {
+        symmetric,
+        ..places[body].clone()
+    };
+    let own = state.body(body, &own);
+    let mut inertia = CompositeInertia::of(state, &own);
     let mut largest = 0.0f64;
     for joint in tree.chain(body) {
         let axis = places[joint].joint;
         let found = inertia.wrench(axis).along(axis);
         largest = largest.max((found - matrix.at(joint, joint)).abs());
-        inertia = stand(model, places, joint).inertia(&mut RealRing, &inertia);
+        let stand = state.stand(joint, &places[joint]);
+        inertia = stand.inertia(state, &inertia);
     }
     largest
-}
-
-/// Where a joint stands on its parent, in the usual state.
-fn stand(model: &ModelInputs, places: &[JointPlacement], joint: usize) -> Stand<f64> {
-    let place = &places[joint];
-    let coordinate =
-        model.coordinates[joint].map_or(0.0, |_| SystemInput::Coordinate(joint).usual());
-    Stand {
-        joint: place.joint,
-        offset: [0, 1, 2].map(|axis| {
-            let points = place.points.iter();
-            let given = points.filter(|&&point| model.points[point][axis].is_some());
-            given
-                .map(|&point| SystemInput::Point(point, axis).usual())
-                .sum()
-        }),
-        coordinate,
-        cosine: coordinate.cos(),
-        sine: coordinate.sin(),
-    }
 }

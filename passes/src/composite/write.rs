@@ -1,6 +1,7 @@
 //! The equations of composite bodies.
 
-use super::bodies::{CompositeInertia, JointAxis, RigidBody, Ring, Stand, UnitWrench};
+use super::bodies::{JointAxis, RigidBody, Ring, Stand};
+use super::matrix::{BodySystem, mass_matrix};
 use super::model::ModelInputs;
 use super::tree::JointPlacement;
 use crate::factor::network::{Edge, FactorKind, FactorNetwork, NodeOrigin, ONE, ZERO};
@@ -11,7 +12,10 @@ use robovec_num::arithmetic::Arithmetic;
 /// Writes equations as values of a network.
 struct EquationWriter<'n> {
     network: &'n mut FactorNetwork,
-    /// Whose equations the values stand for.
+    model: &'n ModelInputs,
+    /// By joint: whose equations the values made for it stand for.
+    origins: &'n [NodeOrigin],
+    /// Whose equations the values stand for that are made now.
     origin: NodeOrigin,
 }
 
@@ -53,11 +57,22 @@ impl EquationWriter<'_> {
             self.network.push(kind, vec![angle], value, self.origin)
         })
     }
+}
 
-    fn stand(&mut self, model: &ModelInputs, joint: usize, place: &JointPlacement) -> Stand<Edge> {
-        let coordinate = self.input(model.coordinates[joint]);
+impl BodySystem for EquationWriter<'_> {
+    fn enter(&mut self, joint: usize) {
+        self.origin = self.origins[joint];
+    }
+
+    fn body(&mut self, joint: usize, place: &JointPlacement) -> RigidBody<Edge> {
+        let body = self.model.bodies[joint].mirrored(place.symmetric);
+        body.map(|part| self.input(part))
+    }
+
+    fn stand(&mut self, joint: usize, place: &JointPlacement) -> Stand<Edge> {
+        let coordinate = self.input(self.model.coordinates[joint]);
         let zero = self.zero();
-        let (cosine, sine) = match (place.joint, model.coordinates[joint]) {
+        let (cosine, sine) = match (place.joint, self.model.coordinates[joint]) {
             (JointAxis::Revolute(_), Some(_)) => (
                 self.turn(Operation::Cos, coordinate),
                 self.turn(Operation::Sin, coordinate),
@@ -66,7 +81,7 @@ impl EquationWriter<'_> {
         };
         let mut offset = [zero; 3];
         for &point in &place.points {
-            let parts = model.points[point].map(|part| self.input(part));
+            let parts = self.model.points[point].map(|part| self.input(part));
             offset = [0, 1, 2].map(|axis| self.add(offset[axis], parts[axis]));
         }
         Stand {
@@ -75,14 +90,6 @@ impl EquationWriter<'_> {
             coordinate,
             cosine,
             sine,
-        }
-    }
-
-    fn body(&mut self, body: RigidBody<Option<Input>>) -> RigidBody<Edge> {
-        RigidBody {
-            mass: self.input(body.mass),
-            centre: body.centre.map(|part| self.input(part)),
-            inertia: body.inertia.map(|row| row.map(|part| self.input(part))),
         }
     }
 }
@@ -97,7 +104,6 @@ pub(super) fn rebuild(
     function: &Function,
     tables: &mut Tables,
 ) -> Vec<usize> {
-    let count = model.len();
     // What only the old equations need must not be found again by its value.
     let targets: Vec<(usize, Edge)> = model
         .elements
@@ -112,38 +118,13 @@ pub(super) fn rebuild(
         network.release(edge);
     }
     network.forget_unused(&network.order());
-    let mut made = vec![Edge::new(ZERO as u32, false); count * count];
-    let mut inertias: Vec<Option<CompositeInertia<Edge>>> = vec![None; count];
-    for joint in (0..count).rev() {
-        let mut writer = EquationWriter {
-            network: &mut *network,
-            origin: origins[joint],
-        };
-        let body = writer.body(model.bodies[joint].mirrored(places[joint].symmetric));
-        let own = CompositeInertia::of(&mut writer, &body);
-        let inertia = match &inertias[joint] {
-            Some(behind) => own.plus(&mut writer, behind),
-            None => own,
-        };
-        let mut wrench: UnitWrench<Edge> = inertia.wrench(places[joint].joint);
-        let mut at = joint;
-        made[joint * count + joint] = wrench.along(places[joint].joint);
-        while let Some(parent) = places[at].parent {
-            let stand = writer.stand(model, at, &places[at]);
-            wrench = stand.wrench(&mut writer, wrench);
-            made[joint * count + parent] = wrench.along(places[parent].joint);
-            made[parent * count + joint] = made[joint * count + parent];
-            at = parent;
-        }
-        if let Some(parent) = places[joint].parent {
-            let stand = writer.stand(model, joint, &places[joint]);
-            let moved = stand.inertia(&mut writer, &inertia);
-            inertias[parent] = Some(match &inertias[parent] {
-                Some(others) => others.plus(&mut writer, &moved),
-                None => moved,
-            });
-        }
-    }
+    let mut writer = EquationWriter {
+        network: &mut *network,
+        model,
+        origins: &origins,
+        origin: NodeOrigin::NONE,
+    };
+    let made = mass_matrix(&mut writer, places);
     let mut unexplained = Vec::new();
     for (index, old) in targets {
         let equal = network.value(made[index]) == network.value(old);

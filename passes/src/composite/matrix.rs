@@ -1,0 +1,56 @@
+//! The mass matrix from composite bodies, over any ring.
+
+use super::bodies::{CompositeInertia, RigidBody, Ring, Stand};
+use super::tree::JointPlacement;
+
+/// A tree of bodies in the numbers of a ring. Joints are counted from 0, and
+/// the body of a joint is the one that it moves last.
+pub(super) trait BodySystem: Ring {
+    /// Called before the composite body of a joint is made.
+    fn enter(&mut self, joint: usize);
+
+    /// The body of a joint, with what is missing of its inertia on one side of
+    /// the diagonal mirrored if its placement says so.
+    fn body(&mut self, joint: usize, place: &JointPlacement) -> RigidBody<Self::Number>;
+
+    /// Where a joint stands on the one before it.
+    fn stand(&mut self, joint: usize, place: &JointPlacement) -> Stand<Self::Number>;
+}
+
+/// The matrix, row by row.
+pub(super) fn mass_matrix<S: BodySystem>(
+    system: &mut S,
+    places: &[JointPlacement],
+) -> Vec<S::Number> {
+    let count = places.len();
+    let mut made = vec![system.zero(); count * count];
+    let mut inertias: Vec<Option<CompositeInertia<S::Number>>> = vec![None; count];
+    for joint in (0..count).rev() {
+        system.enter(joint);
+        let body = system.body(joint, &places[joint]);
+        let own = CompositeInertia::of(system, &body);
+        let inertia = match &inertias[joint] {
+            Some(behind) => own.plus(system, behind),
+            None => own,
+        };
+        let mut wrench = inertia.wrench(places[joint].joint);
+        let mut at = joint;
+        made[joint * count + joint] = wrench.along(places[joint].joint);
+        while let Some(parent) = places[at].parent {
+            let stand = system.stand(at, &places[at]);
+            wrench = stand.wrench(system, wrench);
+            made[joint * count + parent] = wrench.along(places[parent].joint);
+            made[parent * count + joint] = made[joint * count + parent];
+            at = parent;
+        }
+        if let Some(parent) = places[joint].parent {
+            let stand = system.stand(joint, &places[joint]);
+            let moved = stand.inertia(system, &inertia);
+            inertias[parent] = Some(match &inertias[parent] {
+                Some(others) => others.plus(system, &moved),
+                None => moved,
+            });
+        }
+    }
+    made
+}
