@@ -81,14 +81,14 @@ impl<'a> TurnedFrames<'a> {
             axes: Vec::with_capacity(count),
             turns: Vec::with_capacity(count),
         };
-        for joint in 0..count {
+        for (joint, &axis) in axes.iter().enumerate() {
             let before = tree.parents[joint];
             if let Some(parent) = before {
                 frames.children[parent].push(joint);
             }
             let place = JointPlacement {
                 parent: before,
-                joint: axes[joint],
+                joint: axis,
                 points: Vec::new(),
                 symmetric: false,
             };
@@ -100,8 +100,8 @@ impl<'a> TurnedFrames<'a> {
                 before.map_or(turned, |parent| sum(frames.axes[parent], turned))
             });
             frames.axes.push(own);
-            frames.turns.push(match axes[joint] {
-                JointAxis::Revolute(axis) => own[axis],
+            frames.turns.push(match axis {
+                JointAxis::Revolute(about) => own[about],
                 JointAxis::Prismatic(_) => [0.0; 3],
             });
         }
