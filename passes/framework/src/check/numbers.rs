@@ -11,6 +11,7 @@ use super::failure::{Failed, Values};
 use super::pairing::Pairs;
 use super::states::{SCALES, StatePlace};
 use robovec_analysis::reference::{ReferenceEffort, ReferenceEvaluator};
+use robovec_ir::Function;
 use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::states::States;
 use robovec_num::arithmetic::Arithmetic;
@@ -64,24 +65,13 @@ pub(super) fn compare<A>(
 where
     A: Arithmetic<Number = Ball<LANES>>,
 {
-    let wanted = |pair: usize| survey.only.is_none_or(|only| only == pair);
-    let mut places: [Vec<usize>; 2] = [Vec::new(), Vec::new()];
-    for (index, pair) in pairs.list.iter().enumerate() {
-        if wanted(index) {
-            places[0].push(pair.before);
-            places[1].push(pair.after);
-        }
-    }
-    for list in &mut places {
-        list.sort_unstable();
-    }
-    let [before, after] = [(pairs.before, 0), (pairs.after, 1)].map(|(view, version)| {
-        EvaluationPlan::of(view.function, |place: usize| {
-            places[version].binary_search(&place).is_ok()
-        })
-    });
-    let (mut agreement, mut memory) = (NumbersAgree::default(), Vec::new());
-    let mut precise = MAX_PRECISE;
+    let mut comparison = Comparison::new(pairs, survey.only);
+    let plan = |function: &Function, places: &[usize]| {
+        EvaluationPlan::of(function, |place| places.binary_search(&place).is_ok())
+    };
+    let before = plan(pairs.before.function, &comparison.places[0]);
+    let after = plan(pairs.after.function, &comparison.places[1]);
+    let mut memory = Vec::new();
     for round in 0..survey.rounds {
         let states = (survey.states)(round);
         let inputs = states.map(|state| pairs.numbers(source, state));
@@ -91,57 +81,117 @@ where
                 .map(|index| Ball::exact(array::from_fn(|lane| inputs[lane][version][index])))
                 .collect()
         };
-        let old = before.run(arithmetic, &lanes(0), &mut memory).to_vec();
+        let old = before.run(arithmetic, &lanes(0), &mut memory);
         let new = after.run(&Balls::<LANES>, &lanes(1), &mut memory);
+        comparison.round(states, &inputs, [&old, &new])?;
+    }
+    Ok(comparison.agreement)
+}
+
+/// The comparison of the outputs of two versions, round after round.
+struct Comparison<'a> {
+    pairs: &'a Pairs<'a>,
+    /// Of [`Pairs::list`], those that are compared.
+    wanted: Vec<usize>,
+    /// By version: the assignments they are, in ascending order.
+    places: [Vec<usize>; 2],
+    /// Outputs that may still be evaluated in arbitrary precision.
+    precise: u32,
+    agreement: NumbersAgree,
+}
+
+impl<'a> Comparison<'a> {
+    fn new(pairs: &'a Pairs<'a>, only: Option<usize>) -> Comparison<'a> {
+        let all = 0..pairs.list.len();
+        let wanted: Vec<usize> = all
+            .filter(|&pair| only.is_none_or(|only| only == pair))
+            .collect();
+        let sorted = |mut places: Vec<usize>| {
+            places.sort_unstable();
+            places
+        };
+        let before = wanted.iter().map(|&pair| pairs.list[pair].before).collect();
+        let after = wanted.iter().map(|&pair| pairs.list[pair].after).collect();
+        Comparison {
+            pairs,
+            places: [sorted(before), sorted(after)],
+            wanted,
+            precise: MAX_PRECISE,
+            agreement: NumbersAgree::default(),
+        }
+    }
+
+    /// Compares the outputs of both versions at the states of a round.
+    fn round(
+        &mut self,
+        states: [StatePlace; LANES],
+        inputs: &[[Vec<f64>; 2]; LANES],
+        [old, new]: [&[Ball<LANES>]; 2],
+    ) -> Result<(), Failed> {
+        let pairs = self.pairs;
         let arrays = pairs.before.function.outputs();
         let mut norms = vec![[(0.0f64, 0.0f64); LANES]; arrays.len()];
-        for (index, pair) in pairs.list.iter().enumerate() {
-            if !wanted(index) {
-                continue;
-            }
+        for at in 0..self.wanted.len() {
+            let index = self.wanted[at];
+            let pair = &pairs.list[index];
             let array = arrays.partition_point(|array| array.offset <= pair.output.0) - 1;
-            let at = |version: usize, place: usize| {
-                places[version]
+            let place = |version: usize, place: usize| {
+                self.places[version]
                     .binary_search(&place)
                     .expect("every pair has its places in the plans")
             };
-            let (old, new) = (&old[at(0, pair.before)], &new[at(1, pair.after)]);
+            let outputs = [&old[place(0, pair.before)], &new[place(1, pair.after)]];
             for (lane, &state) in states.iter().enumerate() {
-                let failed = || Failed {
-                    pair: index,
-                    values: Values {
-                        state,
-                        before: old.value.high[lane],
-                        after: new.value.high[lane],
-                        allowed: old.radius[lane] + new.radius[lane],
-                    },
-                    inputs: None,
-                };
-                match (old.is_known(lane), new.is_known(lane)) {
-                    (true, true) if old.touches(new, lane) => {
-                        let (apart, size) = &mut norms[array][lane];
-                        *apart = apart.max(old.distance(new, lane));
-                        *size = size.max(old.value.high[lane].abs());
-                    }
-                    (true, true) => return Err(failed()),
-                    (true, false) if precise > 0 => {
-                        precise -= 1;
-                        if is_lost(pairs, index, &inputs[lane]) {
-                            return Err(failed());
-                        }
-                    }
-                    _ => {}
-                }
+                let norm = &mut norms[array][lane];
+                self.lane(index, outputs, (lane, state), &inputs[lane], norm)?;
             }
         }
-        agreement.states += LANES as u32;
+        self.agreement.states += LANES as u32;
         for &(apart, size) in norms.as_flattened() {
             if apart > 0.0 {
-                agreement.distance = agreement.distance.max(apart / size);
+                self.agreement.distance = self.agreement.distance.max(apart / size);
             }
         }
+        Ok(())
     }
-    Ok(agreement)
+
+    /// Compares an output at one state; `norm` is the largest distance and the
+    /// largest size of an element of its array so far.
+    fn lane(
+        &mut self,
+        pair: usize,
+        [old, new]: [&Ball<LANES>; 2],
+        (lane, state): (usize, StatePlace),
+        inputs: &[Vec<f64>; 2],
+        (apart, size): &mut (f64, f64),
+    ) -> Result<(), Failed> {
+        let differs = match (old.is_known(lane), new.is_known(lane)) {
+            (true, true) if old.touches(new, lane) => {
+                *apart = apart.max(old.distance(new, lane));
+                *size = size.max(old.value.high[lane].abs());
+                false
+            }
+            (true, true) => true,
+            (true, false) if self.precise > 0 => {
+                self.precise -= 1;
+                is_lost(self.pairs, pair, inputs)
+            }
+            _ => false,
+        };
+        match differs {
+            false => Ok(()),
+            true => Err(Failed {
+                pair,
+                values: Values {
+                    state,
+                    before: old.value.high[lane],
+                    after: new.value.high[lane],
+                    allowed: old.radius[lane] + new.radius[lane],
+                },
+                inputs: None,
+            }),
+        }
+    }
 }
 
 /// So many outputs are evaluated in arbitrary precision to find out whether a

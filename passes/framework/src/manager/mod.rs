@@ -23,7 +23,7 @@ pub use walk::apply;
 
 use crate::check::{self, CheckVerdict, Promise};
 use crate::instances::Instances;
-use crate::pass::{Artifact, Context, PassError, PassInfo, Registry};
+use crate::pass::{Artifact, Context, NestedReport, Pass, PassError, PassInfo, Registry};
 use crate::pipeline::{PassStep, Pipeline};
 use crate::rewrite_limit::RewriteLimit;
 use crate::scene::Scene;
@@ -317,56 +317,111 @@ impl PipelineRun<'_> {
         if let Some(progress) = &mut self.instruments.config.progress {
             progress(self.ordinal, self.total.max(self.ordinal), &name);
         }
-        // The pipeline was read, so the options are known to be right.
-        let pass = (step.info.build)(&step.options).map_err(|error| RunError::Pass {
+        let failed = |error: PassError, function: &Function| RunError::Pass {
             pass: name.clone(),
             function: function.name.clone(),
-            error: PassError::new(error.to_string()),
-        })?;
+            error,
+        };
+        // The pipeline was read, so the options are known to be right.
+        let pass = (step.info.build)(&step.options)
+            .map_err(|error| failed(PassError::new(error.to_string()), function))?;
         self.instruments.before(step, tables, function)?;
         let before = self.instruments.keeps_before().then(|| function.clone());
         let fingerprint = self.fingerprint;
         let meter = Meter::start();
-        let mut record = PassRecord {
-            function: function.name.clone(),
-            name: name.clone(),
-            changed: false,
-            cpu_s: 0.0,
-            peak_mb: 0.0,
-            operations: 0,
-            asap_cycle: 0,
-            statistics: Vec::new(),
-            check: None,
-            rounding: None,
-        };
-        let mut remarks = Vec::new();
         let follower = Follower::start(function);
-        let mut notes = match follower.is_some() || self.instruments.config.trail.is_some() {
-            true => Notes::wanted(),
-            false => Notes::unwanted(),
-        };
+        let wanted = follower.is_some() || self.instruments.config.trail.is_some();
         let rewrites = RewriteLimit::new(limit);
-        let (mut witness, mut promise) = (None, None);
+        let ran = self.execute(pass.as_ref(), wanted, &rewrites, tables, function);
+        self.note_rewrites(step, &rewrites);
+        let ran = ran.map_err(|panic| RunError::Panic {
+            pass: name.clone(),
+            function: function.name.clone(),
+            message: panic_message(panic.as_ref()),
+        })?;
+        let mut report = ran.map_err(|error| failed(error, function))?;
+        self.outcome.artifacts.append(&mut report.artifacts);
+        measure::forget_stale_properties(step.info, function);
+        let (cpu_s, peak_mb) = meter.stop();
+        if let Some(follower) = follower {
+            follower.finish(tables, function, &name, &report.notes);
+        }
+        self.fingerprint = measure::fingerprint(function);
+        self.tell(&name, function, &report.remarks)?;
+        self.verify(step.info, &name, tables, function)?;
+        // Only what the verifier has accepted can be measured.
+        let (operations, asap_cycle) = measure::size(function, self.instruments.config.machine);
+        let claim = Claim {
+            class: pass.class(step.info.class),
+            instances: pass.instances(),
+            promise: report.promise,
+        };
+        let versions = before.as_ref().map(|before| {
+            let old = report.witness.as_ref().unwrap_or(function);
+            [before, old, function]
+        });
+        let check = self.check_if_wanted(&claim, &name, tables, versions)?;
+        let record = PassRecord {
+            function: function.name.clone(),
+            changed: self.fingerprint != fingerprint,
+            cpu_s,
+            peak_mb,
+            operations,
+            asap_cycle,
+            statistics: report.statistics,
+            check,
+            rounding: self.measure_rounding(tables, function),
+            name,
+        };
+        self.instruments
+            .after(step, tables, before.as_ref(), function, &record)?;
+        if let (Some(trail), Some(before), true) =
+            (&mut self.instruments.config.trail, before, record.changed)
+        {
+            trail.add(before, &record.name, report.notes);
+        }
+        self.outcome.records.push(record);
+        Ok(())
+    }
+
+    /// Runs a pass over a function: what it reports, its error, or what it
+    /// panicked with. What a panic leaves half done is not looked at again.
+    fn execute(
+        &self,
+        pass: &dyn Pass,
+        notes_wanted: bool,
+        rewrites: &RewriteLimit,
+        tables: &mut Tables,
+        function: &mut Function,
+    ) -> Result<Result<NestedReport, PassError>, Box<dyn Any + Send>> {
+        let mut report = NestedReport::default();
+        if notes_wanted {
+            report.notes = Notes::wanted();
+        }
         let mut context = Context {
             tables,
             machine: self.instruments.config.machine,
             registry: self.registry,
             rules: &self.rules,
             scene: self.instruments.config.scene,
-            witness: &mut witness,
-            promise: &mut promise,
-            artifacts: &mut self.outcome.artifacts,
-            statistics: &mut record.statistics,
-            remarks: &mut remarks,
-            notes: &mut notes,
-            rewrites: &rewrites,
+            witness: &mut report.witness,
+            promise: &mut report.promise,
+            artifacts: &mut report.artifacts,
+            statistics: &mut report.statistics,
+            remarks: &mut report.remarks,
+            notes: &mut report.notes,
+            rewrites,
         };
         let formats = function.formats.is_some();
-        // What a panic leaves half done is not looked at again.
         let result = catch_unwind(AssertUnwindSafe(|| {
             pass.run(function, &mut context)?;
             measure::check_formats(formats, function)
-        }));
+        }))?;
+        Ok(result.map(|()| report))
+    }
+
+    /// Notes the rewrites a pass did, for the search of the first wrong one.
+    fn note_rewrites(&mut self, step: &PassStep, rewrites: &RewriteLimit) {
         if let Some(executed) = &mut self.instruments.config.executed {
             executed.push(Executed {
                 function: self.index,
@@ -375,62 +430,30 @@ impl PipelineRun<'_> {
                 last: rewrites.last(),
             });
         }
-        match result {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => {
-                return Err(RunError::Pass {
-                    pass: name,
-                    function: function.name.clone(),
-                    error,
-                });
+    }
+
+    /// The semantic check of a pass, where one was asked for.
+    fn check_if_wanted(
+        &self,
+        claim: &Claim,
+        name: &str,
+        tables: &Tables,
+        versions: Option<[&Function; 3]>,
+    ) -> Result<Option<CheckVerdict>, RunError> {
+        match (self.instruments.config.check_each, versions) {
+            (Some(points), Some(versions)) => {
+                let verdict = self.check(claim, name, points, tables, versions)?;
+                Ok(Some(verdict))
             }
-            Err(panic) => {
-                return Err(RunError::Panic {
-                    pass: name,
-                    function: function.name.clone(),
-                    message: panic_message(panic.as_ref()),
-                });
-            }
+            _ => Ok(None),
         }
-        measure::forget_stale_properties(step.info, function);
-        (record.cpu_s, record.peak_mb) = meter.stop();
-        if let Some(follower) = follower {
-            follower.finish(tables, function, &name, &notes);
-        }
-        self.fingerprint = measure::fingerprint(function);
-        record.changed = self.fingerprint != fingerprint;
-        for remark in remarks {
-            writeln!(
-                self.instruments.config.log,
-                "remark: {}: {name}: {remark}",
-                function.name
-            )?;
-        }
-        self.verify(step.info, &name, tables, function)?;
-        // Only what the verifier has accepted can be measured.
-        (record.operations, record.asap_cycle) =
-            measure::size(function, self.instruments.config.machine);
-        if let (Some(points), Some(before)) = (self.instruments.config.check_each, &before) {
-            let class = pass.class(step.info.class);
-            let versions = [before, witness.as_ref().unwrap_or(function), function];
-            let instances = pass.instances();
-            let claim = Claim {
-                class,
-                instances,
-                promise,
-            };
-            record.check = Some(self.check(&claim, &name, points, tables, versions)?);
-        }
-        record.rounding = self.measure_rounding(tables, function);
-        self.instruments
-            .after(step, tables, before.as_ref(), function, &record)?;
-        if let (Some(trail), Some(before), true) =
-            (&mut self.instruments.config.trail, before, record.changed)
-        {
-            trail.add(before, &name, notes);
-        }
-        self.outcome.records.push(record);
-        Ok(())
+    }
+
+    /// Prints the remarks of a pass.
+    fn tell(&mut self, name: &str, function: &Function, remarks: &[String]) -> io::Result<()> {
+        let log = &mut self.instruments.config.log;
+        let mut each = remarks.iter();
+        each.try_for_each(|remark| writeln!(log, "remark: {}: {name}: {remark}", function.name))
     }
 
     /// The rounding errors before and after the pass that just ran. A pass
