@@ -5,21 +5,22 @@
 //! addresses as words are ever alive at once: no allocation needs fewer.
 
 use super::graph::DependenceGraph;
-use super::locations::{FOREVER, NO_ENTRY, PRELOADED, StoredDatum};
+use super::locations::{FOREVER, PRELOADED, StoredDatum};
 use super::sweep::ScheduleDraft;
+use robovec_ir::placement::{Address, BufferWord};
 
 /// An address for each entry, and how many each memory uses.
 #[derive(Clone, Debug)]
 pub(super) struct Addresses {
-    /// Per entry.
-    pub(super) of_entry: Vec<u32>,
+    /// Per entry; `None` for entries that were forgotten.
+    pub(super) of_entry: Vec<Option<Address>>,
     /// Per memory.
     pub(super) used: Vec<u32>,
     /// The entries of initial data with their data, by memory and address.
     pub(super) preloads: Vec<(u32, u32)>,
 }
 
-/// Free addresses of one memory.
+/// Free addresses of one memory, or words of one buffer.
 #[derive(Clone, Default, Debug)]
 struct Pool {
     freed: Vec<u32>,
@@ -45,11 +46,11 @@ impl Pool {
 pub(super) fn allocate(graph: &DependenceGraph, draft: &ScheduleDraft) -> Addresses {
     let entries = &draft.locations.entries;
     let mut pools = vec![Pool::default(); draft.live.len()];
-    let mut of_entry = vec![0; entries.len()];
+    let mut of_entry = vec![None; entries.len()];
     let preloads = preloads(graph, draft);
     for &(entry, _) in &preloads {
         let memory = entries[entry as usize].memory as usize;
-        of_entry[entry as usize] = pools[memory].take();
+        of_entry[entry as usize] = Some(Address::new(pools[memory].take()));
     }
     let written = |entry: &StoredDatum| (entry.written != PRELOADED).then_some(entry.written);
     let dies = |entry: &StoredDatum| (entry.last_read != FOREVER).then_some(entry.last_read);
@@ -62,9 +63,11 @@ pub(super) fn allocate(graph: &DependenceGraph, draft: &ScheduleDraft) -> Addres
             dying.next_if(|&dead| entries[dead as usize].last_read < entry.written)
         {
             let memory = entries[dead as usize].memory as usize;
-            pools[memory].give_back(of_entry[dead as usize]);
+            let address = of_entry[dead as usize].expect("it was written before");
+            pools[memory].give_back(address.number());
         }
-        of_entry[index as usize] = pools[entry.memory as usize].take();
+        let address = pools[entry.memory as usize].take();
+        of_entry[index as usize] = Some(Address::new(address));
     }
     Addresses {
         of_entry,
@@ -122,11 +125,14 @@ fn preloads(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<(u32, u32)> {
         .collect()
 }
 
-/// The buffer word of each node, or [`NO_ENTRY`], for those whose result is
-/// read from the buffer. A word is taken in the write-back cycle and can be
-/// taken anew in a cycle after its last read.
-pub(super) fn allocate_buffers(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<u32> {
-    let mut words = vec![NO_ENTRY; graph.kind.len()];
+/// The buffer word of each node whose result is read from the buffer. A word
+/// is taken in the write-back cycle and can be taken anew in a cycle after its
+/// last read.
+pub(super) fn allocate_buffers(
+    graph: &DependenceGraph,
+    draft: &ScheduleDraft,
+) -> Vec<Option<BufferWord>> {
+    let mut words: Vec<Option<BufferWord>> = vec![None; graph.kind.len()];
     let mut stays: Vec<(u32, u32, u32)> = Vec::new();
     for node in 0..graph.kind.len() as u32 {
         if !graph.is_computed(node) {
@@ -148,9 +154,11 @@ pub(super) fn allocate_buffers(graph: &DependenceGraph, draft: &ScheduleDraft) -
     for (back, _, node) in stays {
         while let Some((_, gone)) = leaving.next_if(|&(until, _)| until < back) {
             let element = draft.locations.data[gone as usize].element as usize;
-            pools[element].give_back(words[gone as usize]);
+            let word = words[gone as usize].expect("it was taken before");
+            pools[element].give_back(word.number());
         }
-        words[node as usize] = pools[draft.locations.data[node as usize].element as usize].take();
+        let element = draft.locations.data[node as usize].element as usize;
+        words[node as usize] = Some(BufferWord::new(pools[element].take()));
     }
     words
 }

@@ -6,7 +6,10 @@ use super::graph::{DependenceGraph, HOST};
 use super::locations::{NO_ENTRY, NOT_COMPUTED};
 use super::ports::{Ports, banks};
 use super::sweep::ScheduleDraft;
-use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
+use robovec_ir::placement::{
+    Address, Bank, BufferWord, Element, ElementKind, Placement, Preload, Schedule, Slot, Word,
+    Write,
+};
 use robovec_ir::{Function, Level, Machine, Value};
 
 /// Everything that is decided, but for addresses in memories.
@@ -15,8 +18,8 @@ pub(super) struct Settled {
     pub(super) draft: ScheduleDraft,
     /// The entry that keeps each assignment, or [`NO_ENTRY`].
     pub(super) homes: Vec<u32>,
-    /// The buffer word of each node, or [`NO_ENTRY`].
-    pub(super) buffers: Vec<u32>,
+    /// The buffer word of each node that needs one.
+    pub(super) buffers: Vec<Option<BufferWord>>,
     /// The proved bound.
     pub(super) lower_bound: u32,
 }
@@ -72,20 +75,17 @@ pub(super) fn finish(
     Ok(())
 }
 
-fn slots(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<Slot> {
+fn slots(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<Option<Slot>> {
     let data = draft.locations.data.iter().enumerate();
     data.take(graph.kind.len())
         .map(|(node, datum)| match graph.kind[node] {
-            HOST => Slot {
-                cycle: 0,
-                element: Slot::HOST,
-            },
+            HOST => None,
             _ => {
                 assert_ne!(datum.back, NOT_COMPUTED, "every operation was issued");
-                Slot {
+                Some(Slot {
                     cycle: datum.back + 1 - graph.weight(node),
-                    element: datum.element,
-                }
+                    element: Element::new(datum.element),
+                })
             }
         })
         .collect()
@@ -108,7 +108,7 @@ fn check_sizes(
         .max_by_key(|&(memory, &used)| (used, std::cmp::Reverse(memory)));
     match fullest {
         Some((memory, &needed)) if needed > available => {
-            let (kind, number) = schedule.element_name((memory / banks) as u32);
+            let (kind, number) = schedule.element_name(Element::new((memory / banks) as u32));
             let side = match (banks, memory % banks) {
                 (1, _) => "",
                 (_, 0) => ".left",
@@ -131,6 +131,13 @@ struct WordNames<'a> {
 }
 
 impl WordNames<'_> {
+    fn address(&self, entry: u32) -> Option<Address> {
+        match entry {
+            NO_ENTRY => None,
+            entry => self.addresses.of_entry[entry as usize],
+        }
+    }
+
     fn word(&self, entry: u32) -> Word {
         let memory = self.draft.locations.entries[entry as usize].memory;
         let bank = match (self.banks, memory % self.banks) {
@@ -139,17 +146,20 @@ impl WordNames<'_> {
             (_, _) => Bank::Right,
         };
         Word {
-            element: memory / self.banks,
+            element: Element::new(memory / self.banks),
             bank,
-            address: self.addresses.of_entry[entry as usize],
+            address: self
+                .address(entry)
+                .expect("an entry that is used has an address"),
         }
     }
 
-    fn placement(&self, graph: &DependenceGraph, homes: &[u32], buffers: Vec<u32>) -> Placement {
-        let address = |entry: u32| match entry {
-            NO_ENTRY => Placement::NONE,
-            entry => self.addresses.of_entry[entry as usize],
-        };
+    fn placement(
+        &self,
+        graph: &DependenceGraph,
+        homes: &[u32],
+        buffers: Vec<Option<BufferWord>>,
+    ) -> Placement {
         let preloads = self
             .addresses
             .preloads
@@ -180,7 +190,7 @@ impl WordNames<'_> {
                 .draft
                 .reads
                 .iter()
-                .map(|read| read.map(address))
+                .map(|read| read.map(|entry| self.address(entry)))
                 .collect(),
             buffers,
             write_starts,
