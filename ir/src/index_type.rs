@@ -31,6 +31,7 @@ macro_rules! index_types {
 
             /// Its number as the index into a table.
             #[inline]
+            #[allow(dead_code, reason = "not everything that is counted has a table")]
             $visibility fn index(self) -> usize {
                 self.number() as usize
             }

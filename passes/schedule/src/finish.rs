@@ -2,13 +2,12 @@
 
 use super::addresses::{Addresses, allocate};
 use super::error::PlaceError;
-use super::graph::{DependenceGraph, HOST};
-use super::locations::{NO_ENTRY, NOT_COMPUTED};
+use super::graph::{Datum, DependenceGraph, HOST};
+use super::locations::Entry;
 use super::ports::{Ports, banks};
 use super::sweep::ScheduleDraft;
 use robovec_ir::placement::{
-    Address, Bank, BufferWord, Element, ElementKind, Placement, Preload, Schedule, Slot, Word,
-    Write,
+    Bank, BufferWord, Element, ElementKind, Placement, Preload, Schedule, Slot, Word, Write,
 };
 use robovec_ir::{Function, Level, Machine, Value};
 
@@ -16,8 +15,8 @@ use robovec_ir::{Function, Level, Machine, Value};
 pub(super) struct Settled {
     /// Cycles, elements and transfers.
     pub(super) draft: ScheduleDraft,
-    /// The entry that keeps each assignment, or [`NO_ENTRY`].
-    pub(super) homes: Vec<u32>,
+    /// The entry that keeps each assignment, if the machine computes it.
+    pub(super) homes: Vec<Option<Entry>>,
     /// The buffer word of each node that needs one.
     pub(super) buffers: Vec<Option<BufferWord>>,
     /// The proved bound.
@@ -81,10 +80,10 @@ fn slots(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<Option<Slot>> {
         .map(|(node, datum)| match graph.kind[node] {
             HOST => None,
             _ => {
-                assert_ne!(datum.back, NOT_COMPUTED, "every operation was issued");
+                let result = datum.result.expect("every operation was issued");
                 Some(Slot {
-                    cycle: datum.back + 1 - graph.weight(node),
-                    element: Element::new(datum.element),
+                    cycle: result.cycle + 1 - graph.weight(node),
+                    element: result.element,
                 })
             }
         })
@@ -131,15 +130,8 @@ struct WordNames<'a> {
 }
 
 impl WordNames<'_> {
-    fn address(&self, entry: u32) -> Option<Address> {
-        match entry {
-            NO_ENTRY => None,
-            entry => self.addresses.of_entry[entry as usize],
-        }
-    }
-
-    fn word(&self, entry: u32) -> Word {
-        let memory = self.draft.locations.entries[entry as usize].memory;
+    fn word(&self, entry: Entry) -> Word {
+        let memory = self.draft.locations.entries[entry.index()].memory.number();
         let bank = match (self.banks, memory % self.banks) {
             (1, _) => Bank::Unified,
             (_, 0) => Bank::Left,
@@ -148,8 +140,7 @@ impl WordNames<'_> {
         Word {
             element: Element::new(memory / self.banks),
             bank,
-            address: self
-                .address(entry)
+            address: self.addresses.of_entry[entry.index()]
                 .expect("an entry that is used has an address"),
         }
     }
@@ -157,7 +148,7 @@ impl WordNames<'_> {
     fn placement(
         &self,
         graph: &DependenceGraph,
-        homes: &[u32],
+        homes: &[Option<Entry>],
         buffers: Vec<Option<BufferWord>>,
     ) -> Placement {
         let preloads = self
@@ -171,14 +162,14 @@ impl WordNames<'_> {
         let mut write_starts = Vec::with_capacity(graph.kind.len() + 1);
         let transfers = self.draft.locations.entries.len() - self.addresses.preloads.len();
         let mut writes: Vec<Write> = Vec::with_capacity(transfers);
-        for node in 0..graph.kind.len() as u32 {
+        for node in (0..graph.kind.len() as u32).map(Datum::new) {
             let start = writes.len();
             write_starts.push(start as u32);
             if graph.is_computed(node) {
                 let entries = self.draft.locations.of(node);
-                writes.extend(entries.map(|(index, entry)| Write {
-                    word: self.word(index),
-                    cycle: entry.written,
+                writes.extend(entries.map(|(entry, stored)| Write {
+                    word: self.word(entry),
+                    cycle: stored.written().expect("a result is written"),
                 }));
                 writes[start..].sort_unstable_by_key(|write| (write.cycle, write.word));
             }
@@ -190,14 +181,14 @@ impl WordNames<'_> {
                 .draft
                 .reads
                 .iter()
-                .map(|read| read.map(|entry| self.address(entry)))
+                .map(|read| read.map(|entry| self.addresses.of_entry[entry?.index()]))
                 .collect(),
             buffers,
             write_starts,
             writes,
             homes: homes
                 .iter()
-                .map(|&entry| (entry != NO_ENTRY).then(|| self.word(entry)))
+                .map(|entry| entry.map(|entry| self.word(entry)))
                 .collect(),
         }
     }

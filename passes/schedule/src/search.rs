@@ -2,6 +2,7 @@
 //! while the work is in proportion, and the best result wins.
 
 use super::choice::ElementChoice;
+use super::locations::Entry;
 use super::order::SchedulingOrder;
 use super::sweep::{Manner, ScheduleDraft, Stuck, Task, sweep};
 use super::{addresses, homes, list};
@@ -187,8 +188,8 @@ impl<'a> Trials<'a> {
 pub(super) struct PlacementCandidate {
     /// Cycles, elements and transfers.
     pub(super) draft: ScheduleDraft,
-    /// The entry that keeps each assignment.
-    pub(super) homes: Vec<u32>,
+    /// The entry that keeps each assignment, if the machine computes it.
+    pub(super) homes: Vec<Option<Entry>>,
     /// The buffer word of each node that needs one.
     pub(super) buffers: Vec<Option<BufferWord>>,
     /// The order it comes from.

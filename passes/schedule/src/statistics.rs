@@ -137,9 +137,9 @@ impl PlacedView<'_> {
 
     /// The cycle in which a written word left its producer.
     fn departs(&self, value: Value, write: &Write) -> u32 {
-        let from = self.schedule.slot(value).element.index();
+        let from = self.schedule.slot(value).element;
         let wires = self.wires.as_ref();
-        let latency = wires.map_or(0, |wires| wires.latency(from, write.word.element.index()));
+        let latency = wires.map_or(0, |wires| wires.latency(from, write.word.element));
         write.cycle.saturating_sub(latency)
     }
 
