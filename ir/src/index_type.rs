@@ -50,3 +50,22 @@ macro_rules! index_types {
         }
     )+};
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::placement::{Address, BufferWord, Slot};
+
+    #[test]
+    fn absence_costs_no_memory() {
+        assert_eq!(size_of::<Option<Slot>>(), 8);
+        assert_eq!(size_of::<Option<Address>>(), 4);
+    }
+
+    #[test]
+    fn indices_are_ordered_and_written_as_their_numbers() {
+        let last = BufferWord::new(u32::MAX - 1);
+        assert!(BufferWord::new(0) < last && None < Some(BufferWord::new(0)));
+        assert_eq!(last.number(), u32::MAX - 1);
+        assert_eq!(format!("{last} {last:?}"), "4294967294 4294967294");
+    }
+}

@@ -191,11 +191,12 @@ impl PlacedView<'_> {
     }
 
     fn ranks(&self) -> [u32; 9] {
-        let mut first_read = vec![u32::MAX; self.placement.writes.len()];
+        let mut first_read: Vec<Option<u32>> = vec![None; self.placement.writes.len()];
         for (node, _) in self.values() {
             let cycle = self.schedule.slot(node).cycle;
             for write in (0..2).filter_map(|side| self.write_read(node, side)) {
-                first_read[write] = first_read[write].min(cycle);
+                let first = first_read[write].get_or_insert(cycle);
+                *first = cycle.min(*first);
             }
         }
         let backs: Vec<(Value, u32)> = self.values().collect();
@@ -207,7 +208,7 @@ impl PlacedView<'_> {
         for (node, _) in self.values() {
             let cycle = self.schedule.slot(node).cycle;
             let status = |side: usize| match self.write_read(node, side) {
-                Some(write) if first_read[write] == cycle => {
+                Some(write) if first_read[write] == Some(cycle) => {
                     let producer = self.function.node(node).operands[side].value();
                     let producer = producer.expect("only values are written");
                     let departs = self.departs(producer, &self.placement.writes[write]);
